@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Builds an atlas step by step, and answers what the public header asks of it. */
+/* Builds an atlas step by step, and implements the public accessors. */
 #include "atlas/atlas.h"
 
 #include "atlas/labels/labels.h"

@@ -13,18 +13,17 @@
 #include "base/files/file_sums.h"
 #include "base/notes.h"
 
-/** Where an object lies: in which of the atlas's meshes, tractograms or volumes. An index beyond these: it has no
- * shape. */
+/** An object's place: which mesh, tractogram or volume of the atlas. An index beyond these means no shape. */
 struct object_place {
     bool is_mesh;
-    bool is_bundle; /**< Then the index is that of the tractogram. */
-    bool is_hidden; /**< conus_atlas_set_hidden() says so. */
+    bool is_bundle; /**< The index is that of a tractogram. */
+    bool is_hidden; /**< Hidden by conus_atlas_set_hidden(). */
     size_t index;
     size_t group;       /**< A bundle's group of the tractogram, or BUNDLE_OF_ALL. */
-    uint8_t own_rgb[3]; /**< The object's colour while the atlas has safe ones. */
+    uint8_t own_rgb[3]; /**< The object's original colour while the atlas uses the safe palette. */
 };
 
-/** A surface around the areas, which no ray hits. */
+/** A surface around the areas, which rays do not hit. */
 struct context_surface {
     struct mesh mesh; /**< Checked and measured. */
     double opacity;   /**< Above 0 to 1. */
@@ -42,60 +41,62 @@ struct conus_atlas {
     conus_object *objects;       /**< [object_count]; object number k is objects[k - 1]. Strings are owned.     */
     struct object_place *places; /**< [object_count]                                                            */
     size_t object_count;
-    struct name_set taken; /**< Names of the first objects behind the areas, as far as bundles asked for them. */
+    struct name_set taken; /**< Names of the first objects after the areas, as far as bundles searched them. */
     size_t area_count;     /**< The first so many objects are areas.                                   */
-    uint32_t first_pair;   /**< Areas from this number on stand for pairs of left and right ones, which have them as
-                              parents (atlas/areas/hemispheres.c); 0 = none do. */
+    uint32_t first_pair;   /**< Areas from this number on stand for pairs of a left and a right area, whose parents they
+                                are (atlas/areas/hemispheres.c); 0 = there are none. */
     conus_hemispheres hemispheres; /**< As conus_atlas_set_hemispheres() left them.                   */
-    uint32_t half_step; /**< The labels of left halves are their areas' and this, those of right ones twice it;
-                           0 = no area is cut in halves.                                       */
+    uint32_t half_step; /**< Labels of left halves are the area's label plus this, those of right ones plus twice this;
+                             0 = no area is cut in halves. */
     bool has_safe_colours;
     bool is_moved;             /**< atlas_move() or atlas_warp() moved it.                             */
-    double own_from_world[16]; /**< Then: from where it is to where its files have it; with warps to their input. */
-    struct warp *warps;        /**< Fields behind own_from_world: points go through the last one first. */
+    double own_from_world[16]; /**< If so: from where the atlas is to where its files have it; with warps to their
+                                    input. */
+    struct warp *warps;        /**< Fields after own_from_world: points go through the last one first. */
     size_t warp_count;
     bool has_ccf;            /**< Its files say that it is the Allen CCF.                             */
-    double own_from_ccf[16]; /**< Then: from AP, DV, ML in micrometres to where its files have it.    */
-    char *path;              /**< As it was asked for; NULL = it was not loaded. */
+    double own_from_ccf[16]; /**< If so: from AP, DV, ML in micrometres to where its files have it. */
+    char *path;              /**< As the user gave it; NULL = the atlas was not loaded. */
     char *label_source;
     struct file_sums files; /**< Its source files other than those of its volumes: a manifest first.       */
     char *transfer; /**< Transfer function of the context: a preset's name or a file; NULL = the default.       */
     struct notes notes;
     struct context_surface *context_surfaces; /**< [context_surface_count] */
     size_t context_surface_count;
-    const void *mapped; /**< Its borrowed arrays, mapped from a file, to be unmapped with it; NULL = none are. */
+    const void *mapped; /**< The file mapping that has its borrowed arrays, to be unmapped with the atlas; NULL = none.
+                         */
     size_t mapped_size;
 };
 
-/** Makes an atlas from a labelled volume. @p labels has one label per voxel of @p info (0 = background); areas are
- * the labels present and those that @p table (sorted) names, numbered densely by label. @p notes are moved into the
- * atlas, with what is found here added: labels without names, names without voxels, parents that are missing or
- * cyclic (such links are dropped). The atlas's notes get the sink of @p notes. */
+/** Makes an atlas from a labelled volume. @p labels has one label per voxel of @p info (0 = background). Areas are the
+ * labels present and those that @p table (sorted) names, numbered densely by label. @p notes are moved into the atlas,
+ * which adds its own: labels without names, names without voxels, parents that are missing or cyclic (such links are
+ * dropped). The atlas's notes get the sink of @p notes. */
 conus_status atlas_create(conus_atlas **out, const conus_volume_info *info, const uint32_t *labels,
                           const struct label_table *table, const char *label_source, struct notes *notes);
 
 /** Labels of voxels. */
 struct labelled_volume {
     const conus_volume_info *info;
-    struct label_voxels *labels; /**< As many as @p info says; emptied, since the atlas takes their memory over. */
+    struct label_voxels *labels; /**< As many as @p info says; emptied, since the atlas takes over their memory. */
     bool is_joined;              /**< The labels come from several files, of which info->path is the first. */
 };
 
 /** The same from @p count volumes of which no two have a label in common. Areas are numbered volume by volume, those
- * without voxels with the first; of equally near ones an earlier volume's comes first. */
+ * without voxels with the first. Of equally near areas the earlier volume's comes first. */
 conus_status atlas_create_of(conus_atlas **out, struct labelled_volume *volumes, size_t count,
                              const struct label_table *table, const char *label_source, struct notes *notes);
 
 /** Appends @p volume, which is taken over on success. */
 conus_status atlas_append_volume(conus_atlas *atlas, struct volume *volume);
 
-/** Ends the objects behind the first @p count. */
+/** Removes the objects after the first @p count. */
 void atlas_cut_objects(conus_atlas *atlas, size_t count);
 
 /** An atlas without volumes or objects, for areas that are meshes. */
 conus_status atlas_create_empty(conus_atlas **out, const char *label_source);
 
-/** CONUS_ERROR_ARGUMENT once there is a pathway, for the message about the area @p area: areas come before pathways. */
+/** CONUS_ERROR_ARGUMENT, about the area @p area, once there is a pathway: areas come before pathways. */
 conus_status atlas_check_order(const conus_atlas *atlas, const conus_object *area);
 
 /** Appends a copy of @p object, which lies at @p place. */
@@ -108,8 +109,8 @@ conus_status atlas_add_mesh(conus_atlas *atlas, const conus_object *area, struct
 /** Appends an area without a shape, which groups others in the area tree. Otherwise like atlas_add_mesh(). */
 conus_status atlas_add_group(conus_atlas *atlas, const conus_object *area);
 
-/** Puts the areas of @p areas, an atlas that has nothing else, in the place of those of @p atlas; pathways stay, with
- * other numbers. Voxels of the parcellation are left as they are. On success @p areas holds what was there before. */
+/** Exchanges the areas of @p atlas for those of @p areas, an atlas with nothing else. Pathways stay, with other
+ * numbers. Voxels of the parcellation are left as they are. On success @p areas has the old ones. */
 conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas);
 
 /** Whether area @p number is reported as its parent, because it is one of a pair. */
@@ -128,43 +129,42 @@ conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info
 conus_status atlas_add_probabilistic_area(conus_atlas *atlas, const conus_volume_info *info, float *values,
                                           const conus_object *area);
 
-/** Adds a scalar volume as one pathway for each of @p bands (Eq. 6), in their order. They do not overlap and each holds
- * some float; the ends of the first and last may be infinite. @p values as above. */
+/** Adds a scalar volume as one pathway for each of @p bands (Eq. 6), in their order. Bands do not overlap, and each
+ * holds some float; the ends of the first and last may be infinite. @p values as above. */
 conus_status atlas_add_bands(conus_atlas *atlas, const conus_volume_info *info, float *values, const conus_band *bands,
                              size_t count);
 
-/** Sets the context volume, replacing one that was there. Voxels with values >= info->threshold stop rays, unless that
- * is 0. @p values is taken over on success. */
+/** Sets the context volume, replacing an earlier one. Voxels with values >= info->threshold stop rays, unless that is
+ * 0. @p values is taken over on success. */
 conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info, float *values);
 
-/** Appends a surface to those around the areas. Its mesh, which is checked, is measured, and taken over on success. */
+/** Appends a surface around the areas. Its mesh, which is checked, is measured, and taken over on success. */
 conus_status atlas_add_context_surface(conus_atlas *atlas, struct context_surface *surface);
 
-/** Ends the surfaces around the areas behind the first @p count. */
+/** Removes the surfaces around the areas after the first @p count. */
 void atlas_cut_context_surfaces(conus_atlas *atlas, size_t count);
 
-/** Notes that the atlas rests on the file @p path with these bytes; a path that is noted already is not noted again. */
+/** Records that the atlas comes from the file @p path with these bytes. A path is recorded once. */
 conus_status atlas_add_file(conus_atlas *atlas, const char *path, const struct bytes *content);
 
-/** Reads the file @p path again and notes it like atlas_add_file(). CONUS_ERROR_IO where it is not as it was @p before,
+/** Reads the file @p path again and records it like atlas_add_file(). CONUS_ERROR_IO if it is not as it was @p before,
  * when somebody else read it. */
 conus_status atlas_note_file(conus_atlas *atlas, const char *path, const struct file_state *before);
 
 /** The context volume, or NULL. */
 const struct volume *atlas_context(const conus_atlas *atlas);
 
-/** The file or folder by which people know the atlas: as it was asked for. Of one that was not loaded the first
- * parcellation's, else the manifest's, else the first mesh's. */
+/** The file or folder by which people know the atlas: as the user gave it; for an atlas that was not loaded that of the
+ * first parcellation, else the manifest, else the first mesh. */
 const char *atlas_path(const conus_atlas *atlas);
 
-/** How many volumes of labels there are: the first so many. */
+/** How many volumes of labels there are; they are the first ones. */
 size_t atlas_parcellation_count(const conus_atlas *atlas);
 
-/** The only volume of labels; NULL where there is none, and where there are several, since they lie on different grids.
- */
+/** The only volume of labels; NULL if there is none, or several, which lie on different grids. */
 const struct volume *atlas_parcellation(const conus_atlas *atlas);
 
-/** Whether object @p number has a volume of its own, with a value per voxel: a pathway, or an area of probabilities. */
+/** Whether object @p number has a volume of its own with a value per voxel: a pathway, or an area of probabilities. */
 bool atlas_object_is_scalar(const conus_atlas *atlas, uint32_t number);
 
 /** Whether there are areas of probabilities, which may overlap. */
@@ -173,41 +173,40 @@ bool atlas_has_probabilities(const conus_atlas *atlas);
 /** The probability of the area @p number at a world point; NAN outside its volume. */
 float atlas_probability(const conus_atlas *atlas, uint32_t number, const double point[3]);
 
-/** The volume that holds object @p number, hidden or not; NULL if that is a mesh or has no shape. */
+/** The volume of object @p number, hidden or not; NULL if it is a mesh or has no shape. */
 const struct volume *atlas_object_volume(const conus_atlas *atlas, uint32_t number);
 
-/** The only volume that holds voxels of object @p number or of those below it in the area tree, hidden or not; NULL
- * where there is none, and where there are several. */
+/** The only volume with voxels of object @p number or of areas below it in the area tree, hidden or not; NULL if there
+ * is none, or several. */
 const struct volume *atlas_only_volume(const conus_atlas *atlas, uint32_t number);
 
-/** The mesh that is object @p number; NULL if that lies in a volume, has no shape, or is hidden. */
+/** The mesh of object @p number; NULL if it lies in a volume, has no shape, or is hidden. */
 const struct mesh *atlas_object_mesh(const conus_atlas *atlas, uint32_t number);
 
-/** The same of a hidden one, too. */
+/** The same, also of a hidden object. */
 const struct mesh *atlas_stored_mesh(const conus_atlas *atlas, uint32_t number);
 
 /** Whether there is a mesh that is not hidden. */
 bool atlas_has_meshes(const conus_atlas *atlas);
 
-/** Whether the voxels of @p volume are areas', and not all hidden. */
+/** Whether the voxels of @p volume belong to areas that are not all hidden. */
 static inline bool atlas_volume_has_areas(const struct volume *volume)
 {
     return (volume->info.role == CONUS_ROLE_PARCELLATION || volume->info.role == CONUS_ROLE_PROBABILITY) &&
            volume_can_be_hit(volume);
 }
 
-/** The box around the areas that are not hidden, in the space to which @p from_world leads. False where there are none.
- */
+/** The box around the areas that are not hidden, in the space that @p from_world maps to. False if there are none. */
 bool atlas_area_bounds(double low[3], double high[3], const conus_atlas *atlas, const double from_world[16]);
 
 /** Whether something is hidden. */
 bool atlas_has_hidden(const conus_atlas *atlas);
 
-/** Appends what is hidden, the same text for the same objects: "areas 1-4,7; pathways 2", by label and ordinal.
- * Nothing where nothing is. */
+/** Appends what is hidden, the same text for the same objects: "areas 1-4,7; pathways 2", by label and ordinal. Nothing
+ * if nothing is hidden. */
 void atlas_list_hidden(struct buffer *out, const conus_atlas *atlas);
 
-/** Appends it for people: "only Hippocampus_L", "all but A, B and 3 more"; nothing where nothing is hidden. */
+/** Appends it for people: "only Hippocampus_L", "all but A, B and 3 more"; nothing if nothing is hidden. */
 void atlas_describe_shown(struct buffer *out, const conus_atlas *atlas);
 
 /** "area", "pathway" or "bundle"; "unassigned" for everything else. */
@@ -216,9 +215,9 @@ const char *atlas_kind_word(conus_kind kind);
 /** Whether @p number is @p ancestor or below it in the area tree. */
 bool atlas_is_below(const conus_atlas *atlas, uint32_t number, uint32_t ancestor);
 
-enum { ATLAS_DEPTH_LIMIT = 64 }; /**< Areas above an area. So each walk up the tree is short. */
+enum { ATLAS_DEPTH_LIMIT = 64 }; /**< Limit of areas above an area, so that each walk up the tree is short. */
 
-/** CONUS_ERROR_DATA where an area lies below itself, or has more than ATLAS_DEPTH_LIMIT areas above it. */
+/** CONUS_ERROR_DATA if an area lies below itself, or has more than ATLAS_DEPTH_LIMIT areas above it. */
 conus_status atlas_check_tree(const conus_atlas *atlas);
 
 #endif

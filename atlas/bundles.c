@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From a tractogram to the bundles of an atlas. */
+/* Makes bundles of a tractogram. */
 #include "atlas/bundles.h"
 
 #include "atlas/labels/labels.h"
@@ -8,9 +8,9 @@
 
 #include <string.h>
 
-enum { FIRST_COLOUR = 2000 }; /* of the palette, away from those of areas and pathways */
+enum { FIRST_COLOUR = 2000 }; /* in the palette, away from areas and pathways */
 
-/* Numbers of the streamlines that no group has; all of them where there are no groups. */
+/* Numbers of the streamlines that are in no group; all of them if there are no groups. */
 static conus_status find_rest(struct tract_group *out, const struct tractogram *tractogram)
 {
     bool *grouped = memory_zeroed(tractogram->streamline_count, sizeof *grouped);
@@ -35,7 +35,7 @@ static conus_status find_rest(struct tract_group *out, const struct tractogram *
     return CONUS_OK;
 }
 
-/* Makes them a group, the last one, unless there are none. */
+/* Appends them as the last group, unless there are none. */
 static conus_status group_rest(struct tractogram *tractogram, const char *name)
 {
     struct tract_group rest = {0};
@@ -103,7 +103,7 @@ static uint32_t next_ordinal(const conus_atlas *atlas)
     return i > atlas->area_count ? atlas->objects[i - 1].label + 1 : 1;
 }
 
-/* "bundle" or "pathway": what has that name already; NULL = nothing. */
+/* "bundle" or "pathway": the kind of the object that has the name already; NULL = none. */
 static conus_status find_taken(const char **by, conus_atlas *atlas, const char *name)
 {
     conus_status status = CONUS_OK;
@@ -116,7 +116,7 @@ static conus_status find_taken(const char **by, conus_atlas *atlas, const char *
     return status;
 }
 
-/* A group whose name is taken is called after its tractogram, too. */
+/* A group whose name is taken also gets its tractogram's name. */
 static conus_status settle_group_name(conus_atlas *atlas, struct tractogram *tractogram, size_t group, const char *name)
 {
     struct buffer text = {0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Bundles: the objects of an atlas that are streamlines, and how a tractogram becomes them. */
+/** @file Bundles: objects of an atlas that are streamlines, made from a tractogram. */
 #ifndef CONUS_ATLAS_BUNDLES_H
 #define CONUS_ATLAS_BUNDLES_H
 
@@ -9,12 +9,12 @@
 #define BUNDLE_OF_ALL SIZE_MAX
 
 /** Grows the tree of the checked @p tractogram and appends it to @p atlas, with one bundle called @p name for all of
- * its streamlines or, where it has groups, one for each of them, by its own name, and one called @p name for the
- * streamlines that no group has. On success the tractogram is taken over; on failure it may have its tree and that
- * group, and the atlas is unchanged. CONUS_ERROR_ARGUMENT where a pathway or bundle has a name of these already. */
+ * its streamlines. If it has groups: one bundle for each, by the group's name, and one called @p name for the
+ * streamlines in no group. On success the tractogram is taken over; on failure it may have its tree and that group, and
+ * the atlas is unchanged. CONUS_ERROR_ARGUMENT if a pathway or bundle has one of these names. */
 conus_status atlas_add_tractogram(conus_atlas *atlas, struct tractogram *tractogram, const char *name);
 
-/** The tractogram of object @p number, hidden or not; NULL if that is no bundle. */
+/** The tractogram of object @p number, hidden or not; NULL if it is no bundle. */
 const struct tractogram *atlas_bundle_tractogram(const conus_atlas *atlas, uint32_t number);
 
 /** The group of streamlines of its tractogram that the bundle @p number is; NULL = all. */
@@ -28,12 +28,12 @@ bool atlas_has_bundles(const conus_atlas *atlas);
 void bundles_find_objects(uint32_t *objects, const conus_atlas *atlas, const struct tractogram *tractogram);
 
 /** Moves all points of @p atlas's tractograms by @p world_from_atlas: new tractograms in @p out, [tractogram_count],
- * of which only points, point_count, tree and bounds are filled in. CONUS_ERROR_DATA where a point leaves
- * TRACT_COORDINATE_LIMIT; CONUS_ERROR_MEMORY. On failure @p out has nothing to end. */
+ * with points, point_count, tree and bounds only. CONUS_ERROR_DATA if a point leaves TRACT_COORDINATE_LIMIT;
+ * CONUS_ERROR_MEMORY. On failure @p out has nothing to free. */
 conus_status bundles_move(struct tractogram *out, const conus_atlas *atlas, const double world_from_atlas[16]);
 
 /** Gives @p atlas those points and trees, or a whole tractogram where @p moved has its `first`, with as many groups as
- * before; and measures its bundles anew. The old ones are in @p moved, to be ended. */
+ * before; and measures its bundles anew. @p moved gets the old ones, to be freed. */
 void bundles_take(conus_atlas *atlas, struct tractogram *moved);
 
 #endif

@@ -24,7 +24,7 @@ static void add_point(struct box *box, const double p[3])
 
 enum { AT_ONCE = 32 };
 
-/* Whether voxels from `first` on, AT_ONCE of them, hold an object; without a branch for each. */
+/* Whether any of AT_ONCE voxels from `first` on holds an object; without a branch for each. */
 static bool is_occupied(const struct volume *volume, size_t first)
 {
     uint32_t any = 0;
@@ -40,7 +40,7 @@ static bool is_occupied(const struct volume *volume, size_t first)
     return any;
 }
 
-/* The first and last voxel with an object of those from `from` to before `to`; false if there is none. */
+/* The first and last voxel with an object, from `from` to before `to`; false if there is none. */
 static bool find_ends(size_t *first, size_t *last, const struct volume *volume, size_t from, size_t to)
 {
     while (from + AT_ONCE <= to && !is_occupied(volume, from)) {
@@ -60,8 +60,8 @@ static bool find_ends(size_t *first, size_t *last, const struct volume *volume, 
     return from < to;
 }
 
-/* Around the centres of all voxels with an object, which `m` takes from their indices: along a row a coordinate is
- * extreme at one of the ends. */
+/* The box around the centres of all voxels with an object, which `m` maps from their indices: along a row a coordinate
+ * is extreme at one of the ends. */
 static struct box find_centres(const struct volume *volume, const double m[16])
 {
     const size_t *dim = volume->info.dim;
@@ -83,7 +83,7 @@ static struct box find_centres(const struct volume *volume, const double m[16])
     return box;
 }
 
-/* The same, from where it is known. */
+/* The same, or the box that is known already. */
 static struct box centres_of(const struct volume *volume, const double m[16])
 {
     struct box box;
@@ -186,7 +186,7 @@ bool atlas_area_bounds(double low[3], double high[3], const conus_atlas *atlas, 
     return box.low[0] <= box.high[0];
 }
 
-/* Sums of what belongs to an object. */
+/* Sums over the parts of an object. */
 struct moment {
     double sum[3], weight;
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Spaces of positions, and where the Allen CCF lies in an atlas. */
+/* Spaces of positions, and the place of the Allen CCF in an atlas. */
 #include "atlas/frame.h"
 
 #include "base/geometry/math3.h"
@@ -10,13 +10,13 @@ const double frame_ccf_size[3] = {13200, 8000, 11400};
 
 static const double micrometre = 1e-3; /* mm */
 
-/* In CCF. Five experimenters of the International Brain Laboratory picked the voxel, and the mean was taken (iblatlas,
+/* In CCF. Mean of the voxels that five experimenters of the International Brain Laboratory picked (iblatlas,
  * "Coordinates and volumes"). */
 static const double default_bregma[3] = {5400, 332, 5739};
 
 /* A position this near to the corner, micrometres, is far outside of the brain: it must be in mm. */
 static const double corner_um = 20;
-/* A position this far from bregma, mm, is no mouse's: it must be in micrometres. */
+/* A position this far from bregma, mm, is outside of any mouse: it must be in micrometres. */
 static const double farthest_mm = 100;
 
 enum { SPACES = CONUS_SPACE_BREGMA + 1 };
@@ -56,7 +56,7 @@ bool frame_is_ccf_size(const double size[3])
            is_near(size[2], frame_ccf_size[2]);
 }
 
-/* The voxel axes that AP, DV and ML run along, by the size of the grid; false where it is not the CCF's. */
+/* The voxel axes along AP, DV and ML, by the size of the grid; false if it is not the CCF's. */
 static bool find_axes(size_t axes[3], const conus_volume_info *info, const double world_from_voxel[16])
 {
     bool used[3] = {false, false, false};
@@ -83,7 +83,7 @@ static size_t main_axis(const double direction[3])
     return fabs(direction[2]) > fabs(direction[most]) ? 2 : most;
 }
 
-/* Whether the voxel axes of AP, DV and ML run where these words say: along y, z and x. */
+/* Whether the voxel axes of AP, DV and ML run as the anatomical names say: along y, z and x. */
 static bool is_anatomical(const double world_from_voxel[16], const size_t axes[3])
 {
     return main_axis(world_from_voxel + 4 * axes[0]) == 1 && main_axis(world_from_voxel + 4 * axes[1]) == 2 &&

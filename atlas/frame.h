@@ -11,10 +11,9 @@ extern const double frame_ccf_size[3];
 /** Whether a grid of these sizes, micrometres along AP, DV and ML, is the CCF's. */
 bool frame_is_ccf_size(const double size[3]);
 
-/** Says of an atlas that was not moved that it is the Allen CCF, and that the world's origin is the corner where AP, DV
- * and ML start: AP grows backward, DV downward; ML grows to the left where @p from_right, as BrainGlobe has it, else to
- * the right, as the Allen Institute has it. CONUS_ERROR_DATA where the first volume's grid is the CCF's at another
- * place. */
+/** Declares an atlas that was not moved to be the Allen CCF, whose corner, where AP, DV and ML start, is the world's
+ * origin: AP grows backward, DV downward; ML grows to the left if @p from_right, as in BrainGlobe, else to the right,
+ * as at the Allen Institute. CONUS_ERROR_DATA if the first volume's grid is the CCF's at another place. */
 conus_status frame_set_ccf(conus_atlas *atlas, bool from_right);
 
 #endif

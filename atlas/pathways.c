@@ -83,7 +83,7 @@ static const struct step *find_step(const struct step *steps, uint32_t number)
     return steps;
 }
 
-/* Adds `objects`, of which the steps are made: an area, or of pathways kind, name, low, high and is_band. */
+/* Adds `objects`, made from the steps: an area, or pathways with kind, name, low, high and is_band. */
 static conus_status add_objects(conus_atlas *atlas, const conus_volume_info *info, float *values,
                                 const conus_object *objects, struct step *steps, size_t count)
 {
@@ -173,7 +173,7 @@ static conus_status check_threshold(const conus_atlas *atlas, size_t number, dou
     return isfinite(threshold) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "threshold: %g, a number is needed", threshold);
 }
 
-/* The voxels from which a warped volume may be resampled once more: its own from now on. */
+/* The voxels of a warped volume, from which it may be resampled again: its present ones. */
 static conus_status mark_source(struct volume_source *source, struct step step)
 {
     if (!source) {
@@ -236,7 +236,7 @@ static conus_status widen_masks(uint32_t **wide, const conus_atlas *atlas, const
     return status;
 }
 
-/* Adds `shift` to the pathways' numbers in a mask; `wide` takes its place if there is one. */
+/* Adds `shift` to the pathways' numbers in a mask; `wide` replaces it if not NULL. */
 static void renumber_mask(struct volume *volume, uint32_t *wide, uint32_t shift)
 {
     for (size_t v = 0; v < volume->voxel_count; v++) {

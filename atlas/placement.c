@@ -63,7 +63,7 @@ static conus_status move_all(struct moved *moved, const conus_atlas *atlas, cons
     return status ? status : bundles_move(moved->tractograms, atlas, world_from_atlas);
 }
 
-/* The old meshes and points are left in `moved`. */
+/* `moved` gets the old meshes and points. */
 static void take(conus_atlas *atlas, struct moved *moved)
 {
     for (size_t i = 0; i < atlas->volume_count; i++) {
@@ -84,7 +84,7 @@ static void take(conus_atlas *atlas, struct moved *moved)
     bundles_take(atlas, moved->tractograms);
 }
 
-/* Volumes grow with the matrix; those of meshes are measured anew. */
+/* Volumes scale with the matrix; those of meshes are measured anew. */
 static void measure_objects(conus_atlas *atlas, double growth)
 {
     for (size_t i = 0; i < atlas->object_count; i++) {

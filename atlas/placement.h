@@ -5,9 +5,9 @@
 
 #include "atlas/atlas.h"
 
-/** Moves volumes and surfaces to where @p atlas_from_world has them: what is at p in the atlas as it is comes to lie
- * where the matrix leads to p. @p words say in one line what moves it. Unchanged on failure: CONUS_ERROR_DATA for a
- * matrix that cannot be inverted or takes a vertex beyond 1e9 mm; CONUS_ERROR_MEMORY. */
+/** Moves volumes and surfaces by the inverse of @p atlas_from_world, which maps a point of the new space to one of the
+ * atlas. @p words name the transform in one line. Unchanged on failure: CONUS_ERROR_DATA for a matrix that cannot be
+ * inverted or takes a vertex beyond 1e9 mm; CONUS_ERROR_MEMORY. */
 conus_status atlas_move(conus_atlas *atlas, const double atlas_from_world[16], const char *words);
 
 #endif

@@ -8,12 +8,11 @@
 /** NIfTI's codes of a scanner's own space, and of one that is aligned to something. */
 enum { SPACE_SCANNER = 1, SPACE_ALIGNED = 2 };
 
-/** out = inverse of @p m, which must be affine, finite and not singular. The error names @p words, where m comes from.
- */
+/** out = inverse of @p m, which must be affine, finite and not singular. The error names @p words, the source of m. */
 conus_status space_invert(double out[16], const double m[16], const char *words);
 
-/** Checks @p world_from_voxel, as space_invert(), and derives info's spacing and orientation from it.
- * The error names @p transform, the words for where the matrix comes from. */
+/** Checks @p world_from_voxel as space_invert() does, and derives info's spacing and orientation from it. The error
+ * names @p transform, the source of the matrix. */
 conus_status space_describe(conus_volume_info *info, const double world_from_voxel[16], const char *transform);
 
 /** Volume of a voxel in mm^3: of a parallelepiped where the grid is sheared, which is less than its edges' product. */
@@ -22,8 +21,8 @@ double space_voxel_mm3(const conus_volume_info *info);
 /** Whether both grids have the same voxels at exactly the same places. */
 bool space_same_grid(const conus_volume_info *a, const conus_volume_info *b);
 
-/** Whether the grid lies where readers of NIfTI guess that one lies of which they know only sizes: along the axes, i
- * towards the left, centred on the origin. */
+/** Whether the grid lies where NIfTI readers place one of which they know only sizes: along the axes, i towards the
+ * left, centred on the origin. */
 bool space_is_guess(const conus_volume_info *info);
 
 /** Name of a NIfTI xform code, "unknown" outside 0..5. */
@@ -39,7 +38,7 @@ struct conus_grid {
 /** Zeros on the grid of @p info. @p description is copied. */
 conus_status grid_create(conus_grid **out, const conus_volume_info *info, conus_number number, const char *description);
 
-/** The largest distance between where @p a and @p b, matrices from voxels, put a corner of the grid. */
+/** The largest distance between the positions of a corner of the grid by @p a and @p b, matrices from voxels. */
 double space_corner_distance(const size_t dim[3], const double a[16], const double b[16]);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes, copies and ends a volume, and finds the voxel at a point. */
+/* Makes, copies and frees a volume, and finds the voxel at a point. */
 #include "atlas/volume.h"
 
 #include "base/geometry/math3.h"

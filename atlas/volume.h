@@ -5,8 +5,8 @@
 
 #include "base/status.h"
 
-/** Stands where an object's number would for a voxel that stops rays and is no object. Above every number, so that an
- * object that is equally near comes first. */
+/** The number of voxels that stop rays and belong to no object. Above every object's number, so that an object that is
+ * equally near comes first. */
 #define VOLUME_BLOCKER UINT32_MAX
 
 /** Voxels of one hidden object, one after the other. */
@@ -26,7 +26,7 @@ struct volume_source {
     bool is_borrowed;
 };
 
-/** A box around the centres of all voxels with an object, which `m` takes from their indices. */
+/** A box around the centres of all voxels with an object, which `m` maps from their indices. */
 struct volume_box {
     double m[16];
     double low[3], high[3]; /**< low above high where no voxel has one. */
@@ -44,7 +44,7 @@ struct volume {
     struct hidden_run *hidden_runs; /**< Voxels of a parcellation that hidden objects had. */
     size_t hidden_run_count;
     bool is_joined;               /**< Its labels come from several files, of which info.path is the first.     */
-    bool is_borrowed;             /**< The arrays are not the volume's own, and not to be written.               */
+    bool is_borrowed;             /**< The arrays are borrowed and read-only. */
     struct volume_source *source; /**< Owned; NULL = it was never resampled. An attached atlas has none. */
     struct volume_box centres;    /**< The box of borrowed objects with distances; info.world_from_voxel may have
                                        changed since. */
@@ -54,13 +54,13 @@ struct volume {
 
 void volume_finish(struct volume *volume);
 
-/** Fills the parts that follow from @p info: copies path, inverts the affine, counts voxels. */
+/** Fills the derived members from @p info: copies path, inverts the affine, counts voxels. */
 conus_status volume_init(struct volume *out, const conus_volume_info *info);
 
 /** Copies borrowed arrays, so that they may be changed. On failure the volume is as before. */
 conus_status volume_own(struct volume *volume);
 
-/** Whether its objects follow from its values: of a pathway, or an area of a probabilistic atlas. */
+/** Whether its objects follow from its values: those of a pathway, or of an area of a probabilistic atlas. */
 static inline bool volume_is_scalar(const struct volume *volume)
 {
     return volume->info.role == CONUS_ROLE_SCALAR || volume->info.role == CONUS_ROLE_PROBABILITY;
@@ -93,7 +93,7 @@ static inline void volume_set_object(struct volume *volume, size_t voxel, uint32
     }
 }
 
-/** Tells the processor that volume_object() will be asked about @p voxel, wherever that is. */
+/** Prefetches what volume_object() reads for @p voxel. */
 static inline void volume_fetch(const struct volume *volume, size_t voxel)
 {
     if (volume->objects16) {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Values between the centres of voxels. */
+/** @file Trilinear interpolation between voxel centres. */
 #ifndef CONUS_ATLAS_VOLUME_SAMPLE_H
 #define CONUS_ATLAS_VOLUME_SAMPLE_H
 
 #include "atlas/volume.h"
 
-/** A coordinate between two voxels: steps in the array to both, and how far it is to the second. */
+/** A coordinate between two voxels: array offsets of both, and the weight of the second. */
 struct volume_neighbours {
     size_t low, high;
     double part;
@@ -26,8 +26,7 @@ static inline double volume_along(const float *row, const struct volume_neighbou
     return low + x->part * ((double)row[x->high] - low);
 }
 
-/** The value between the centres of the eight voxels around @p p, in index space; outside of them that of the border.
- */
+/** The value at @p p, in index space; outside of the voxel centres that of the border. */
 static inline double volume_trilinear(const struct volume *volume, const double p[3])
 {
     const size_t *dim = volume->info.dim;

@@ -22,9 +22,8 @@ void *memory_resize(void *block, size_t count, size_t size);
 /** A copy of @p count elements of @p size bytes. */
 void *memory_copy(const void *block, size_t count, size_t size);
 
-/** @p array points to a pointer to elements, of any type. Grows it to a capacity of @p count elements or more. It
- * doubles *capacity where that is not enough, so that n elements added one by one cost O(n). False (all as it was)
- * without memory. */
+/** @p array points to a pointer to elements, of any type. Grows it to a capacity of @p count elements or more. It at
+ * least doubles *capacity, so that n elements added one by one cost O(n). False (all as it was) without memory. */
 bool memory_reserve(void *array, size_t *capacity, size_t count, size_t size);
 
 /** A copy of @p length bytes of @p text with a final NUL. */

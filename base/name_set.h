@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * A set of names that somebody else owns: n of them are put in and found in O(n log^2 n), whatever they are. A hash
- * would be quicker for most files, and slow for one that was made for it. */
+/** @file A set of borrowed names: n of them are added and found in O(n log^2 n), whatever they are. A hash would be
+ * quicker for most files, and slow for one that was made to be slow. */
 #ifndef CONUS_BASE_NAME_SET_H
 #define CONUS_BASE_NAME_SET_H
 
@@ -23,10 +22,10 @@ struct name_set {
 
 void name_set_finish(struct name_set *set);
 
-/** One that goes by @p name, whose value may be changed, or NULL. Valid until the next name is added. */
+/** An entry of @p name, whose value may be changed, or NULL. Valid until the next name is added. */
 struct known_name *name_set_find(const struct name_set *set, const char *name);
 
-/** Adds a name, also one that is there. */
+/** Adds a name, even if it is there already. */
 conus_status name_set_add(struct name_set *set, const char *name, size_t value);
 
 #endif

@@ -31,7 +31,7 @@ static conus_status reserve_lines(struct notes *notes, size_t more)
     return marks ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-/* Appends a line, taken over, for which there is room. */
+/* Appends a line, which is taken over and for which there is space. */
 static void append_line(struct notes *notes, char *line, struct note_mark mark)
 {
     const struct note_sink *sink = notes->sink;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Lines of advice gathered on the way, for whoever reads the result or hears them at once. */
+/** @file Notes gathered on the way, for whoever reads the result, or passed to a log at once. */
 #ifndef CONUS_BASE_NOTES_H
 #define CONUS_BASE_NOTES_H
 
@@ -21,25 +21,26 @@ struct notes {
     char **lines;
     struct note_mark *marks; /**< [count]; NULL of an atlas that was attached. */
     size_t count;
-    const struct note_sink *sink; /**< Hears what is added; NULL = it waits for notes_move(). */
+    const struct note_sink *sink; /**< Receives what is added; NULL = notes wait for notes_move(). */
 };
 
 void notes_finish(struct notes *notes);
 
-/** Adds one line, which the sink hears. CONUS_ERROR_MEMORY when it cannot be kept: a lost warning is a failure. */
+/** Adds one line and passes it to the sink. CONUS_ERROR_MEMORY if it cannot be kept: a lost warning is a failure. */
 conus_status notes_put(struct notes *notes, conus_severity severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /** Adds what was chosen, assumed or left out, as is usual. */
 #define notes_add(notes, ...) notes_put(notes, CONUS_SEVERITY_NOTE, __VA_ARGS__)
 
-/** Adds what looks wrong, so that names, places or answers may be. */
+/** Adds what looks wrong, so that names, places or answers may be wrong, too. */
 #define notes_warn(notes, ...) notes_put(notes, CONUS_SEVERITY_WARNING, __VA_ARGS__)
 
 /** Forgets all lines but the first @p count. */
 void notes_cut(struct notes *notes, size_t count);
 
-/** Appends the lines of @p from, which is left empty and keeps its sink. The sink hears those that no other has. */
+/** Appends the lines of @p from, which is left empty and keeps its sink. The sink receives those that no other has
+ * received. */
 conus_status notes_move(struct notes *notes, struct notes *from);
 
 /** The same, each line with "@p where: " in front. */

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * How the library reads a struct of options that a caller filled, who may have been compiled with a smaller one. */
+/** @file Reads a struct of options filled by a caller who may have been compiled with a smaller one. */
 #ifndef CONUS_BASE_OPTIONS_H
 #define CONUS_BASE_OPTIONS_H
 

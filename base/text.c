@@ -236,7 +236,7 @@ static bool read_short_decimal(struct text text, double *out)
     return count > 0;
 }
 
-/* Into `copy`, with a final NUL; false for what is no decimal number at first sight. */
+/* Copies the text with a final NUL; false if it is clearly no decimal number. */
 static bool copy_number(char copy[NUMBER_LIMIT + 1], struct text text)
 {
     if (!text.size || text.size > NUMBER_LIMIT || is_space(text.data[0]) || memchr(text.data, 'x', text.size) ||
@@ -248,7 +248,7 @@ static bool copy_number(char copy[NUMBER_LIMIT + 1], struct text text)
     return true;
 }
 
-/* Into one of the two, by the rules of the C locale, whatever the process's is. */
+/* Reads one of the two by the rules of the C locale, whatever the process's locale is. */
 static bool read_number(double *wide, float *narrow, const char *number, size_t size)
 {
     locale_t c_locale = newlocale(LC_ALL_MASK, "C", (locale_t)0); /* glibc hands out a static one */

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * Reading and writing text from untrusted files: bounded, and blind to the process's locale. */
+/** @file Reading and writing text from untrusted files: bounded, and independent of the process's locale. */
 #ifndef CONUS_BASE_TEXT_H
 #define CONUS_BASE_TEXT_H
 
@@ -64,8 +63,8 @@ int text_compare(struct text a, struct text b);
 /** True when @p part stands somewhere in @p text; upper and lower case (of ASCII) are the same. */
 bool text_contains(struct text text, struct text part);
 
-/** How many bytes must be put in, taken out or replaced to make @p a of @p b, when case is ignored; for guessing what
- * was meant. SIZE_MAX when either is longer than 255 bytes. */
+/** How many bytes must be inserted, deleted or replaced to turn @p a into @p b, ignoring case; for guessing what was
+ * meant. SIZE_MAX if either is longer than 255 bytes. */
 size_t text_distance(struct text a, struct text b);
 
 /* Numbers are at most 63 characters long; longer text is none. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Numbers as text, shortest and without the process's locale. */
+/** @file Numbers as text, shortest and independent of the process's locale. */
 #ifndef CONUS_BASE_TEXT_NUMBER_H
 #define CONUS_BASE_TEXT_NUMBER_H
 
@@ -8,8 +8,8 @@
 
 enum { TEXT_NUMBER_SIZE = 32 };
 
-/** @p value with up to 9 digits and no needless zeros, whole numbers below 2^53 with all of theirs; "nan", "inf" or
- * "-inf" else. Never the locale's decimal comma, never "-0". Returns @p out. */
+/** @p value with up to 9 digits and no needless zeros, whole numbers below 2^53 with all of theirs; else "nan", "inf"
+ * or "-inf". Never the locale's decimal comma, never "-0". Returns @p out. */
 char *text_number(char out[TEXT_NUMBER_SIZE], double value);
 
 /** The same, and gives the text's length. */

@@ -11,7 +11,7 @@
 
 enum { SHOWN = 4, CONTAINED_FROM = 3, QUOTED_SIZE = 80 };
 
-/** The areas that go by a text. */
+/** The areas that a text names. */
 struct matches {
     uint32_t first;
     size_t count;
@@ -67,13 +67,13 @@ static conus_status fail_ambiguous(struct text text, const struct matches *found
     return status;
 }
 
-/** How likely a name was meant: compare near, then far. */
+/** How likely a name was meant: `near` is compared first, then `far`. */
 struct likeness {
     const char *name; /* NULL = none is close */
     size_t near, far;
 };
 
-/* A name that contains the text is as near as a third of its bytes mistyped. */
+/* A name that contains the text counts as a third of its bytes mistyped. */
 static void consider_name(struct likeness *best, const char *name, struct text text)
 {
     size_t far = text_distance(text, text_from(name));
@@ -85,7 +85,7 @@ static void consider_name(struct likeness *best, const char *name, struct text t
     }
 }
 
-/* @p count: of the objects that were looked through, areas or all. */
+/* @p count: how many objects were searched, areas or all. */
 static conus_status fail_unknown(const conus_atlas *atlas, size_t count, struct text text)
 {
     struct likeness best = {0};
@@ -108,7 +108,7 @@ static conus_status fail_unknown(const conus_atlas *atlas, size_t count, struct 
                 strchr(best.name, ',') ? " Names with commas are put in double quotes" : "");
 }
 
-/* The number of the first pathway that goes by the text, 0 if there is none. */
+/* The number of the first pathway that the text names, 0 if there is none. */
 static uint32_t find_pathway(const conus_atlas *atlas, struct text text,
                              bool (*matches)(const conus_object *object, struct text text))
 {
@@ -165,7 +165,7 @@ bool area_find_halves(uint32_t out[2], const conus_atlas *atlas, struct text tex
     return count == 2;
 }
 
-/* The area as which a paired one called `text` is reported; NULL if there is none. */
+/* The merged area of the one called `text`; NULL if none was merged. */
 static const conus_object *find_pair(const conus_atlas *atlas, struct text text)
 {
     for (uint32_t number = 1; number <= atlas->area_count; number++) {
@@ -177,7 +177,7 @@ static const conus_object *find_pair(const conus_atlas *atlas, struct text text)
     return NULL;
 }
 
-/* Sets the message where `text` is not an area any more, for what was done to its hemispheres; else gives CONUS_OK. */
+/* Explains, if `text` was an area before the hemispheres changed, what became of it; else CONUS_OK. */
 static conus_status refuse_changed(const conus_atlas *atlas, struct text text)
 {
     uint32_t halves[2];
@@ -195,7 +195,7 @@ static conus_status refuse_changed(const conus_atlas *atlas, struct text text)
     return CONUS_OK;
 }
 
-/* Sets *out to 0 where no area goes by the name, and nothing says why not. */
+/* Sets *out to 0 if no area has the name, and nothing explains why. */
 static conus_status find_area(uint32_t *out, const conus_atlas *atlas, struct text text)
 {
     struct matches found = find_matches(atlas, text, is_called);
@@ -245,7 +245,7 @@ conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text te
     return status;
 }
 
-/* Notes that object `number` is called so. */
+/* Adds a name of object `number` to the index. */
 static conus_status index_name(struct object_index *index, const char *name, size_t number)
 {
     struct known_name *known = name_set_find(&index->names, name);
@@ -258,7 +258,7 @@ static conus_status index_name(struct object_index *index, const char *name, siz
 
 conus_status object_index_init(struct object_index *out, const conus_atlas *atlas)
 {
-    size_t count = atlas->half_step ? 0 : atlas->object_count; /* who asks for an area that was cut gets its halves */
+    size_t count = atlas->half_step ? 0 : atlas->object_count; /* an area that was cut is found as its halves */
     conus_status status = CONUS_OK;
     out->digits = memory_raw(count, LABEL_DIGITS);
     for (size_t i = 0; !status && out->digits && i < count; i++) {

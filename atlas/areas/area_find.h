@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Areas by what people call them. */
+/** @file Finds areas by name, abbreviation or label. */
 #ifndef CONUS_ATLAS_AREAS_AREA_FIND_H
 #define CONUS_ATLAS_AREAS_AREA_FIND_H
 
@@ -17,20 +17,20 @@ struct object_index {
 conus_status object_index_init(struct object_index *out, const conus_atlas *atlas);
 void object_index_finish(struct object_index *index);
 
-/** The number of the one object that goes by exactly @p text; 0 where the functions below know more: of several, of
- * none, and of one in other letters or cut in two. */
+/** The number of the one object with exactly this name; 0 if there are none or several, or where only the functions
+ * below know (another case, an area cut in two). */
 uint32_t object_index_find(const struct object_index *index, struct text text);
 
-/** The number of the one area whose name, abbreviation or label is @p text (not empty); if there is none, whose name or
- * abbreviation differs from it in upper and lower case only. CONUS_ERROR_ARGUMENT if there is none, with the closest
- * one in the message, or if there are several, with their labels, and if it is a pathway's name. Areas that are
- * reported as their pair do not count; the message then names that, or the halves of an area that was cut in two. */
+/** The number of the one area whose name, abbreviation or label is @p text (not empty), or else differs from it in case
+ * only. CONUS_ERROR_ARGUMENT if there is none, with the closest one in the message; if there are several, with their
+ * labels; and if it is a pathway's name. Areas that are reported as a pair do not count; the message then names the
+ * pair, or the halves of an area that was cut in two. */
 conus_status area_find(uint32_t *out, const conus_atlas *atlas, struct text text);
 
-/** The number of the one pathway called @p text (not empty) or else, as area_find() has it, of the one area. */
+/** The number of the one pathway called @p text (not empty), or else of the one area, as by area_find(). */
 conus_status object_find(uint32_t *out, const conus_atlas *atlas, struct text text);
 
-/** The halves of the one area that was called @p text before it was cut in two; false if there is none. */
+/** The halves of the area that was called @p text before it was cut in two; false if there is none. */
 bool area_find_halves(uint32_t out[2], const conus_atlas *atlas, struct text text);
 
 #endif

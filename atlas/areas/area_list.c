@@ -66,7 +66,7 @@ static conus_status list_file(const struct reading *reading, struct text path)
     return status;
 }
 
-/* Takes "..." off @p rest, which begins with the quote, and what follows up to the comma or the end. */
+/* Takes "..." off @p rest, which begins with the quote, and the rest of the entry up to the comma or the end. */
 static conus_status take_quoted(struct text *rest, bool *more, struct text *out)
 {
     struct text after;

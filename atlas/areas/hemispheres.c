@@ -45,7 +45,7 @@ static conus_status find_sides(struct splitting *splitting)
 /* Called with each voxel of an area, and its side. */
 typedef void (*voxel_act)(struct splitting *splitting, size_t voxel, int side);
 
-/* The midline is that of the atlas's own space. There and back a centre on it is right by rounding only. */
+/* The midline is that of the atlas's own space. A centre on it counts as right despite rounding there and back. */
 static void each_voxel(struct splitting *splitting, voxel_act act)
 {
     const conus_atlas *atlas = splitting->atlas;
@@ -120,7 +120,7 @@ static void number_areas(struct splitting *splitting)
     }
 }
 
-/* The new parent of what lies on `side` below area `old`; on no side, the nearest whole one. */
+/* The new parent, on `side`, of areas below area `old`; for no side, the nearest area that is not cut. */
 static uint32_t parent_on(const struct splitting *splitting, uint32_t old, int side)
 {
     while (old && side == SIDES && splitting->split[old].is_cut) {
@@ -263,10 +263,10 @@ static conus_status prepare_halves(struct splitting *splitting)
     return CONUS_OK;
 }
 
-/* Cuts voxels' areas that are on both sides in two: voxels with a centre at world x < 0 and the others. The halves'
- * labels are the area's with a 1 or 2 before it; areas above them become two, too. Areas with a side, by pair or table
- * or a name like "Left-vessel", or because all their voxels are on it, stay whole, and so do areas without a voxel.
- * CONUS_ERROR_DATA where nothing can be cut, CONUS_ERROR_UNSUPPORTED where there are meshes. */
+/* Cuts areas of voxels that are on both sides in two: voxels with a centre at world x < 0 and the others. The halves'
+ * labels are the area's with a 1 or 2 before it; areas above them become two, too. Areas with a side, by pair, table or
+ * a name like "Left-vessel", or because all their voxels are on it, stay whole, and so do areas without a voxel.
+ * CONUS_ERROR_DATA if nothing can be cut, CONUS_ERROR_UNSUPPORTED if there are meshes. */
 static conus_status hemispheres_split(conus_atlas *atlas)
 {
     struct splitting splitting = {.atlas = atlas};

@@ -17,11 +17,11 @@ struct level {
 /** State while a level is made. */
 struct climb {
     const conus_atlas *atlas;
-    uint32_t *group;  /* [object_count + 1] as what each is reported */
+    uint32_t *group;  /* [object_count + 1] the object as which each is reported */
     uint32_t *depth;  /* [object_count + 1] of areas, from 1; 0 of pathways */
     uint32_t deepest; /* the largest of them */
     uint32_t *order;  /* [object_count + 1] areas, parents before their children */
-    bool *targets;    /* [object_count + 1] at which a climb ends */
+    bool *targets;    /* [object_count + 1] at which the way up ends */
     bool is_list;
     struct object_index index; /* of a list */
 };
@@ -67,7 +67,7 @@ static conus_status target_depth(struct climb *climb, uint64_t depth)
     return CONUS_OK;
 }
 
-/* Reports every area that is a target or below one as the nearest. The depths are done with and hold the targets. */
+/* Reports every area that is a target, or below one, as the nearest target. Overwrites the depths with the targets. */
 static void climb_to_targets(struct climb *climb)
 {
     uint32_t *target = climb->depth;

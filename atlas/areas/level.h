@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file As what the objects of an atlas are reported: areas rolled up the area tree (Eq. 10). */
+/** @file Levels: the objects as which those of an atlas are reported, by rolling areas up the area tree (Eq. 10). */
 #ifndef CONUS_ATLAS_AREAS_LEVEL_H
 #define CONUS_ATLAS_AREAS_LEVEL_H
 
@@ -25,11 +25,11 @@ conus_status level_create(struct level **out, const conus_atlas *atlas, const ch
 /** NULL is fine. */
 void level_destroy(struct level *level);
 
-/** [object_count + 1] the object as which each is reported; 0 of 0. NULL of no level. */
+/** [object_count + 1] the object as which each is reported; 0 for 0. NULL without a level. */
 const uint32_t *level_group(const struct level *level);
 
-/** The areas of a level that is a list, by number; @p count is 0 of another. For records of what was asked for: a file
- * of areas may change. */
+/** The areas of a level that is a list, by number; @p count is 0 for another level. For records of what was asked: a
+ * file of areas may change. */
 const uint32_t *level_areas(const struct level *level, size_t *count);
 
 /** Whether every object is reported as itself, as without a level. */

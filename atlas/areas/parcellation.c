@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* atlas_create_of(): from labels of any size and a label table to areas with dense numbers. */
+/* atlas_create_of(): turns labels of any size and a label table into areas with dense numbers. */
 #include "atlas/atlas.h"
 #include "atlas/labels/label_voxels.h"
 #include "atlas/labels/labels.h"
@@ -13,7 +13,7 @@
 
 enum { NOTED = 8 };
 
-/* Volumes on their way to become an atlas. */
+/* Volumes that become an atlas. */
 struct numbering {
     struct labelled_volume *volumes; /* [count] */
     size_t count;
@@ -22,7 +22,7 @@ struct numbering {
     struct label_map number_of; /* label -> its area */
 };
 
-/* Whether a volume behind the first has voxels of the label. */
+/* Whether a volume after the first has voxels of the label. */
 static conus_status is_elsewhere(bool *out, struct numbering *numbering, uint32_t label)
 {
     *out = false;
@@ -36,8 +36,8 @@ static conus_status is_elsewhere(bool *out, struct numbering *numbering, uint32_
     return CONUS_OK;
 }
 
-/* Sorted: the labels of volume `v`, and of the first one also those that the table names and none has: an area is one
- * or the other. */
+/* The labels of volume `v`, sorted; for the first volume also those that the table names and no volume has: an area is
+ * one or the other. */
 static conus_status list_labels(uint32_t **out, size_t *out_count, struct numbering *numbering, size_t v)
 {
     const struct label_map *present = &numbering->voxels[v];
@@ -52,7 +52,7 @@ static conus_status list_labels(uint32_t **out, size_t *out_count, struct number
     }
     for (size_t i = 0; !status && v == 0 && i < table->count; i++) {
         bool elsewhere = false;
-        if (table->entries[i].name) { /* else only a colour, which makes no area of a label that is absent */
+        if (table->entries[i].name) { /* a colour alone makes no area of a label that is absent */
             status = is_elsewhere(&elsewhere, numbering, table->entries[i].number);
             numbers[count] = table->entries[i].number;
             count += !elsewhere;
@@ -95,7 +95,7 @@ static conus_status append_areas(conus_atlas *atlas, struct numbering *numbering
     return status;
 }
 
-/* The number of the area of each place in the list of labels. */
+/* The area's number for each place in the list of labels. */
 static conus_status number_places(uint32_t *numbers, struct label_map *number_of, const struct label_voxels *labels)
 {
     for (size_t p = 0; p < labels->label_count; p++) {
@@ -138,7 +138,7 @@ static bool is_cyclic(const conus_atlas *atlas, size_t object)
     return false;
 }
 
-/* Notes the first few parents that are none, then only how many there are. */
+/* Notes the first few missing parents, then only how many there are. */
 static conus_status note_no_parent(struct notes *notes, size_t count, const struct label *label, const char *what)
 {
     return count > NOTED

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Objects that are hidden: as if they had never been loaded. What reads an atlas needs to know nothing of it: voxels of
- * hidden areas hold no object, hidden pathways are not hit (volume_can_be_hit()), hidden meshes are not there
- * (atlas_object_mesh()). */
+/* Hides objects, as if they had never been loaded. Readers of an atlas need not know: voxels of hidden areas hold no
+ * object, hidden pathways are not hit (volume_can_be_hit()), hidden meshes are not there (atlas_object_mesh()). */
 #include "atlas/areas/area_find.h"
 #include "atlas/areas/area_list.h"
 #include "atlas/atlas.h"
@@ -54,7 +53,7 @@ static conus_status find_runs(struct runs *runs, const struct volume *volume, co
     return CONUS_OK;
 }
 
-/* The runs that are to be hidden; the voxels stay as they are, but the volume's own. */
+/* Finds the runs of voxels to be hidden. The voxels stay as they are, but become the volume's own. */
 static conus_status plan_voxels(struct runs *runs, struct volume *volume, const bool *hidden)
 {
     conus_status status = volume_own(volume);
@@ -70,7 +69,7 @@ static conus_status plan_voxels(struct runs *runs, struct volume *volume, const 
 /* How many objects a volume's voxels have, and how many of these are hidden. */
 struct in_volume {
     size_t count, hidden;
-    bool changes; /* one would be hidden that is not, or the other way */
+    bool changes; /* one is hidden that should not be, or the other way */
 };
 
 static struct in_volume look_at_volume(const conus_atlas *atlas, size_t index, const bool *hidden)
@@ -87,7 +86,7 @@ static struct in_volume look_at_volume(const conus_atlas *atlas, size_t index, c
     return found;
 }
 
-/* Whether voxels say what is hidden: of a parcellation, and where several pathways share a volume. */
+/* Whether hiding changes voxels: in a parcellation, and where several pathways share a volume. */
 static bool hides_voxels(const struct volume *volume, const struct in_volume *found)
 {
     return found->changes && (volume->info.role == CONUS_ROLE_PARCELLATION || found->count > 1);
@@ -113,7 +112,7 @@ static void apply_hidden(conus_atlas *atlas, const bool *hidden, struct runs *ru
     }
 }
 
-/* On failure all is as it was. */
+/* On failure nothing is changed. */
 static conus_status set_hidden(conus_atlas *atlas, const bool *hidden)
 {
     struct runs *runs = memory_zeroed(atlas->volume_count + 1, sizeof *runs);
@@ -202,14 +201,14 @@ static bool is_named(const struct naming *naming, uint32_t number)
     return number;
 }
 
-/* A list is a source of the answers, and no output is to overwrite it. */
+/* A list is a source of the answers, so no output may overwrite it. */
 static conus_status note_list(void *user, const char *path, const struct bytes *content)
 {
     struct naming *naming = user;
     return atlas_add_file(naming->atlas, path, content);
 }
 
-/* Hides what @p list names, or what it does not, of what is not hidden yet. */
+/* Hides what @p list names, or everything else, among what is not hidden yet. */
 static conus_status hide_list(bool *hidden, conus_atlas *atlas, const char *list, bool others, const char *what)
 {
     struct naming naming = {.atlas = atlas, .named = memory_zeroed(atlas->object_count + 1, sizeof *naming.named)};
@@ -306,7 +305,7 @@ void atlas_describe_shown(struct buffer *out, const conus_atlas *atlas)
     for (size_t i = 0; i < atlas->object_count; i++) {
         count[atlas->places[i].is_hidden] += has_shape(&atlas->objects[i]);
     }
-    bool hidden = count[1] <= count[0]; /* those are named that are fewer */
+    bool hidden = count[1] <= count[0]; /* names the smaller group */
     size_t named = 0;
     buffer_text(out, !count[1] ? "" : hidden ? "all but" : "only");
     for (size_t i = 0; i < atlas->object_count && count[1] && named < NAMED; i++) {

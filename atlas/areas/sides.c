@@ -9,7 +9,7 @@
 
 static const struct {
     const char *left, *right;
-    bool outer; /* only at a name's ends; a small letter within it is as often something else */
+    bool outer; /* only at a name's ends; elsewhere a small letter often means something else */
 } pairs[] = {
     {"L", "R", false},   {"left", "right", false}, {"Left", "Right", false}, {"LEFT", "RIGHT", false},
     {"lh", "rh", false}, {"LH", "RH", false},      {"l", "r", true},
@@ -88,7 +88,7 @@ void side_word_drop(struct buffer *out, struct text name, const struct side_word
     while (next < name.size && is_joining(name.data[next])) {
         next++;
     }
-    while (next == end && start && is_joining(name.data[start - 1])) { /* nothing joins it to what follows */
+    while (next == end && start && is_joining(name.data[start - 1])) { /* nothing connects it to what follows */
         start--;
     }
     buffer_append(out, name.data, start);
@@ -107,7 +107,7 @@ struct pairing {
     const conus_atlas *atlas;
     struct name_index index;
     uint32_t *right_of; /* [area_count + 1] of left areas */
-    uint32_t *claims;   /* [area_count + 1] how many left areas take it as their right one */
+    uint32_t *claims;   /* [area_count + 1] how many left areas claim it as their right one */
 };
 
 static int by_name(const void *a, const void *b)
@@ -210,7 +210,7 @@ static conus_status propose_pairs(struct pairing *pairing)
     return status;
 }
 
-/* Keeps proposals in which neither has a part in another. */
+/* Keeps proposals whose two areas occur in no other. */
 static void settle_claims(struct pairing *pairing)
 {
     size_t count = pairing->atlas->area_count;

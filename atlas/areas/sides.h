@@ -7,9 +7,8 @@
 #include "base/buffer.h"
 #include "base/text.h"
 
-/** A word of a name for the side: L, R, left, right, lh, rh with one case throughout (left and right also with a
- * capital), or l, r at the name's beginning or end. A word is what stands between other characters than letters and
- * digits. */
+/** A word of a name for the side: L, R, left, right, lh, rh in one case throughout (left and right also with a
+ * capital), or l, r at the name's beginning or end. Words are runs of letters and digits. */
 struct side_word {
     size_t start, size;
     char side;            /**< 'L' or 'R' */
@@ -19,21 +18,20 @@ struct side_word {
 /** Finds the first such word of @p name that starts at @p from or later. */
 bool side_word_find(struct side_word *out, struct text name, size_t from);
 
-/** Whether it is more than one letter, so that it hardly means anything else. */
+/** Whether it has more than one letter, so that it hardly means anything else. */
 bool side_word_is_long(const struct side_word *word);
 
 /** Appends @p name with the word's opposite in its place. */
 void side_word_swap(struct buffer *out, struct text name, const struct side_word *word);
 
-/** Appends @p name without the word, its brackets and what joins it to the rest: "Precentral", "Thalamus",
- * "ctx-insula". May append nothing. */
+/** Appends @p name without the word, its brackets and what joins it to the rest: "Precentral", "Thalamus", "ctx-
+ * insula". May append nothing. */
 void side_word_drop(struct buffer *out, struct text name, const struct side_word *word);
 
-/** Finds the areas that are left and right of one. Two are a pair if their names differ in nothing but a word for the
- * side, or are equal and the table gives L for one and R for the other; if no other area could
- * take the place of either; if what the table says of their hemispheres does not contradict; and if they have the same
- * parent, or their parents are a pair. @p out is [area_count + 1]: of a left area the number of the right one, else 0.
- * memory_free() it. */
+/** Finds pairs of a left and a right area. Two are a pair if their names differ in nothing but a word for the side, or
+ * are equal and the table gives L for one and R for the other; if no other area could take the place of either; if the
+ * table's hemispheres do not contradict; and if they have the same parent, or their parents are a pair. @p out is
+ * [area_count + 1]: for a left area the number of the right one, else 0. memory_free() it. */
 conus_status hemispheres_pair(uint32_t **out, const conus_atlas *atlas);
 
 /** Appends what the names of a left and a right area have in common: without the word for the side, or the whole name
@@ -44,14 +42,14 @@ void hemispheres_common_name(struct buffer *out, const char *left, const char *r
  */
 conus_status hemispheres_label_step(uint32_t *out, const conus_atlas *atlas);
 
-/** Writes 'L', 'R', 'B' or 0 of each area by itself, by number, to @p out of [area_count + 1], which is zeroed: what
- * the table says, or which one of a pair it is (hemispheres_pair()), or else a word in its name such as "left" or
- * "rh". On failure @p out may have been written to. */
+/** Finds the side of each area by itself: writes 'L', 'R', 'B' or 0, by number, to @p out of [area_count + 1], which is
+ * zeroed. The side is what the table says, or that of the area in its pair (hemispheres_pair()), or else a word in its
+ * name such as "left" or "rh". On failure @p out may have been written to. */
 conus_status area_sides_find(char *out, const conus_atlas *atlas);
 
 /** Warns where at least three quarters of the pairs of a left and a right area (hemispheres_pair()), and three of them
- * or more, lie the other way round: the left one at the larger mean x of voxels or vertices. Where the midline is does
- * not matter. Of large grids every so many-th row is looked at. CONUS_ERROR_MEMORY. */
+ * or more, lie the other way round: the left one at the larger mean x of voxels or vertices. The midline's place does
+ * not matter. In large grids every so many-th row is read. CONUS_ERROR_MEMORY. */
 conus_status swapped_sides_note(conus_atlas *atlas);
 
 #endif

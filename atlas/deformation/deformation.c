@@ -5,7 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 
-/* Nearer to a node than this, in steps of the grid, only the node counts: what is behind it may be NaN. */
+/* Within this distance of a node, in steps of the grid, only the node counts: its neighbours may be NaN. */
 #define ON_NODE 1e-9
 
 /* The eight nodes around a point. */
@@ -150,7 +150,7 @@ void deformation_finish(struct deformation *field)
     *field = (struct deformation){0};
 }
 
-/* Where the nodes of two layers go, of which `far` is the second. */
+/* The positions of the nodes of two layers, of which `far` is the second. */
 struct layers {
     const struct deformation *field;
     double (*near)[3]; /* [dim[0] dim[1]] */
@@ -220,7 +220,7 @@ conus_status deformation_facts_find(struct deformation_facts *out, const struct 
     if (enough) {
         double x_from_voxel[16];
         double turned[16];
-        if (mat4_invert_affine(x_from_voxel, field->start)) { /* as deformation_measure() has found */
+        if (mat4_invert_affine(x_from_voxel, field->start)) { /* invertible, or deformation_measure() had failed */
             mat4_multiply(turned, x_from_voxel, field->voxel_from_world);
             facts.growth = fabs(mat4_determinant3(turned));
             facts.mirrors = mat4_determinant3(turned) < 0;
@@ -244,7 +244,7 @@ static void hold_inside(double q[3], const struct deformation *field)
     }
 }
 
-/* Newton's step, from the residual in mm to indices; false where the map turns flat. */
+/* Newton's step, from the residual in mm to indices; false where the map is singular. */
 static bool newton_step(double out[3], double columns[3][3], const double residual[3])
 {
     double m[16] = {[15] = 1};
@@ -259,7 +259,7 @@ static bool newton_step(double out[3], double columns[3][3], const double residu
     return true;
 }
 
-/* Goes along `step`, or a part of it, to where the residual is less. */
+/* Takes `step`, or a fraction of it, such that the residual decreases. */
 static bool go_along(double q[3], double residual[3], const struct deformation *field, const double target[3],
                      const double step[3])
 {
@@ -281,7 +281,7 @@ static bool go_along(double q[3], double residual[3], const struct deformation *
     return false;
 }
 
-/* From the indices q to those of the point; false where it comes to an end before. */
+/* Improves the indices q up to those of the target; false if the search ends before. */
 static bool search(double q[3], const struct deformation *field, const double target[3])
 {
     double residual[3];
@@ -294,7 +294,7 @@ static bool search(double q[3], const struct deformation *field, const double ta
         double columns[3][3];
         deformation_slope(at, columns, field, q);
         bool goes = newton_step(step, columns, residual) && go_along(q, residual, field, target, step);
-        if (!goes) { /* the field as a whole knows a way */
+        if (!goes) { /* the field as a whole has an inverse */
             mat4_direction(step, field->start, residual);
             goes = go_along(q, residual, field, target, step);
         }
@@ -337,7 +337,7 @@ static bool is_at_border(const double q[3], const struct deformation *field)
     return false;
 }
 
-/* Where nodes go, and as far beyond as the border's half steps may reach. */
+/* The range of the nodes' positions, and as far beyond as half a step at the border may reach. */
 static bool is_within_reach(const struct deformation *field, const double target[3])
 {
     for (int a = 0; a < 3; a++) {

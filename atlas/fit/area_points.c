@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Takes points of areas: every so many-th voxel or vertex. */
+/* Samples points of areas: every n-th voxel or vertex. */
 #include "atlas/fit/area_points.h"
 
 #include "base/geometry/math3.h"

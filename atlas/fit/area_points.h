@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Points that stand for the areas of an atlas. */
+/** @file Points that represent the areas of an atlas. */
 #ifndef CONUS_ATLAS_FIT_AREA_POINTS_H
 #define CONUS_ATLAS_FIT_AREA_POINTS_H
 
@@ -12,8 +12,8 @@ struct area_points {
     size_t count;
 };
 
-/** The centres of the areas' voxels, evenly taken where there are more than AREA_POINTS; of an atlas of surfaces only
- * the vertices. What is hidden does not count. There may be none. */
+/** The centres of the areas' voxels, sampled evenly if there are more than AREA_POINTS; for an atlas of surfaces their
+ * vertices. Hidden objects do not count. There may be none. */
 conus_status area_points_make(struct area_points *out, const conus_atlas *atlas);
 void area_points_finish(struct area_points *points);
 

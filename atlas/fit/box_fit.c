@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The one rule for what lies beside areas: contexts, streamlines, surfaces. */
+/* Checks the size and place of contexts, streamlines and surfaces against those of the areas. */
 #include "atlas/fit/box_fit.h"
 
 #include "base/geometry/math3.h"
 
 #include <math.h>
 
-static const double unit_ratio = 250; /* between 1000, of um to mm, and what an area is smaller than a head */
+static const double unit_ratio = 250; /* between 1000, of um to mm, and the ratio of a head to an area */
 
 static void add_corner(struct fit_box *box, const double p[3])
 {

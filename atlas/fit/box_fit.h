@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Whether something beside the areas of an atlas is as large as they are, and where they are. */
+/** @file Compares the box of something beside the areas with that of the areas. */
 #ifndef CONUS_ATLAS_FIT_BOX_FIT_H
 #define CONUS_ATLAS_FIT_BOX_FIT_H
 
@@ -16,15 +16,14 @@ struct fit_box fit_box_of_areas(const conus_atlas *atlas, bool volumes, bool sur
 /** The box around the voxels of a volume, cells included. */
 struct fit_box fit_box_of_grid(const conus_volume_info *info);
 
-/** Adds a warning to @p notes where the longest side of @p box is 250 times that of @p areas or more, or a 250th or
- * less: one of the two is in micrometres or metres, then. No brain is so much larger than an area that is asked for.
- * @p words say what is in the box, "bundle AF". *@p said tells whether there is a warning; none where a box is empty.
- * CONUS_ERROR_MEMORY. */
+/** Adds a warning to @p notes if the longest side of @p box is 250 times that of @p areas or more, or a 250th or less:
+ * then one of the two is in micrometres or metres, since no brain is so much larger than an area. @p words say what is
+ * in the box, "bundle AF". *@p said tells whether there is a warning; none if a box is empty. CONUS_ERROR_MEMORY. */
 conus_status fit_note_size(bool *said, struct notes *notes, const char *words, const struct fit_box *box,
                            const struct fit_box *areas);
 
-/** The same of a context that is added to @p atlas; and a warning where its box does not touch that of the areas: it is
- * in another space. Of an atlas that was moved fit_note() tells that. */
+/** The same for a context that is added to @p atlas; and a warning if its box does not touch that of the areas: it is
+ * in another space. For an atlas that was moved fit_note() says that. */
 conus_status fit_note_context(conus_atlas *atlas, const char *words, const struct fit_box *box);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tries what people mistake: the direction of a transform, LPS for RAS, metres for millimetres. */
+/* Tries the usual mistakes: the direction of a transform, LPS for RAS, metres for millimetres. */
 #include "atlas/fit/fit.h"
 
 #include "atlas/fit/head.h"
@@ -37,7 +37,7 @@ static const struct reading readings[] = {
     {.none = true, .words = "without the transform"},
 };
 
-/* Turns the signs of x and y before and behind the matrix. */
+/* Changes the signs of x and y on both sides of the matrix. */
 static void exchange_lps(double m[16])
 {
     for (size_t column = 0; column < 4; column++) {
@@ -71,7 +71,7 @@ static bool read_again(double move[16], const conus_atlas *atlas, const struct r
     return possible;
 }
 
-/* Clearly: a tenth of the atlas more, and at most half as much of it outside. */
+/* Clearly better: a tenth of the atlas more, and at most half as much of it outside. */
 static bool is_better(const struct fit *other, const struct fit *fit)
 {
     return other->in_head >= fit->in_head + 0.1 && 1 - other->in_head <= (1 - fit->in_head) / 2;
@@ -129,7 +129,7 @@ conus_status fit_note(conus_atlas *atlas, const conus_volume_info *info, float *
     return status;
 }
 
-/* Whether there is one side of a brain without the other: much of the atlas is not in it. */
+/* Whether the surfaces are one hemisphere only: much of the atlas is not in it. */
 static bool is_half(const conus_atlas *atlas)
 {
     bool has[2] = {false, false};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds a head among grey values. */
+/* Finds the head among grey values, or in closed surfaces. */
 #include "atlas/fit/head.h"
 
 #include "atlas/surface/mesh_lines.h"
@@ -10,7 +10,7 @@
 
 enum { CLASSES = 256 };
 
-/* The value of a cell: of its first voxel. */
+/* The value of a cell is that of its first voxel. */
 static float value_of(const struct head *head, size_t cell)
 {
     const size_t *dim = head->context->info.dim;
@@ -25,7 +25,7 @@ static size_t cell_count(const struct head *head)
     return head->dim[0] * head->dim[1] * head->dim[2];
 }
 
-/* The end of the class up to which there is background: there the variance between both sides is greatest. */
+/* The end of the background class: the threshold with the largest variance between the classes. */
 static size_t split_classes(const uint64_t counts[CLASSES])
 {
     double total = 0;
@@ -51,7 +51,7 @@ static size_t split_classes(const uint64_t counts[CLASSES])
     return best + 1;
 }
 
-/* Values are finite: what was not has been made 0. */
+/* Values are finite: others became 0. */
 static void find_threshold(struct head *head)
 {
     uint64_t counts[CLASSES] = {0};
@@ -74,7 +74,7 @@ static void find_threshold(struct head *head)
     }
 }
 
-/* Adds 1 to all cells from the first to the last one of the head along a line. */
+/* Adds 1 to all cells between the first and the last one of the head along a line. */
 static void mark_line(uint8_t *marks, const struct head *head, size_t first, size_t stride, size_t count)
 {
     size_t from = 0;

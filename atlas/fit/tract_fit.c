@@ -21,7 +21,7 @@ static bool is_within(const double p[3], const double low[3], const double high[
     return p[0] >= low[0] && p[1] >= low[1] && p[2] >= low[2] && p[0] <= high[0] && p[1] <= high[1] && p[2] <= high[2];
 }
 
-/* Where the areas are, and where they were before a move; the same without one. */
+/* The boxes of the areas now and before a move; the same without one. */
 struct boxes {
     double low[3], high[3];
     double own_low[3], own_high[3];
@@ -85,7 +85,7 @@ static struct extent measure(const struct tractogram *tractogram, const struct b
     return extent;
 }
 
-/* All are in the grid if they are indices, as many of them at least come to the areas then, and these reach below 0 mm,
+/* If they are indices, all are in the grid, at least as many come to the areas then, and the areas reach below 0 mm,
  * where no index is. A bundle of the right front in mm is not brought to the areas by that. */
 static bool looks_like_indices(const struct extent *extent, const size_t dim[3], const double areas_low[3])
 {

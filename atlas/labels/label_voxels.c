@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Labels as places in a list of those that there are. */
+/* Stores the labels of voxels as places in a list of labels. */
 #include "atlas/labels/label_voxels.h"
 
 #include "base/memory.h"
@@ -116,7 +116,7 @@ conus_status label_voxels_tally(struct label_map *out, const struct label_voxels
     return status;
 }
 
-/* Makes the first `count` of 2 bytes each 4 bytes, in the same memory or elsewhere. */
+/* Widens the first `count` numbers from 2 to 4 bytes, in the same memory or elsewhere. */
 static void widen_places(uint8_t *to, const uint8_t *from, size_t count)
 {
     for (size_t i = count; i-- > 0;) {
@@ -269,7 +269,7 @@ conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t 
     return status ? status : append_label(coder, 0);
 }
 
-/* Places of 2 bytes do not suffice any more. */
+/* Places of 2 bytes are not enough any more. */
 static conus_status widen_coder(struct label_coder *coder)
 {
     bool in_place = coder->size / WIDE >= coder->voxels.count;

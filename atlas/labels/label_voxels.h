@@ -54,18 +54,18 @@ void label_voxels_clear(struct label_voxels *voxels, size_t voxel);
 /** Adds to @p out how many voxels each label but 0 has. */
 conus_status label_voxels_tally(struct label_map *out, const struct label_voxels *voxels);
 
-/** Gives those voxels of @p to that have label 0 the labels that they have in @p from. Both have as many voxels. On
- * failure @p to is as before. */
+/** Gives voxels of @p to with label 0 the labels that they have in @p from. Both have as many voxels. On failure @p to
+ * is unchanged. */
 conus_status label_voxels_merge(struct label_voxels *to, const struct label_voxels *from);
 
-/** Puts numbers[p] in the place of each place p, in the same memory; 2 bytes for each if @p narrow, else 4. What is in
- * `labels` does not belong to them any more. */
+/** Replaces each place p by numbers[p], in the same memory; 2 bytes each if @p narrow, else 4. The voxels no longer
+ * refer to `labels` then. */
 conus_status label_voxels_renumber(struct label_voxels *voxels, const uint32_t *numbers, bool narrow);
 
 /** The labels of an array. */
 conus_status label_voxels_of(struct label_voxels *out, const uint32_t *labels, size_t count);
 
-/** Makes label voxels of labels that come block by block. */
+/** Makes label voxels from labels that come block by block. */
 struct label_coder {
     struct label_voxels voxels;
     uint8_t *memory;  /* of the places */
@@ -78,17 +78,17 @@ struct label_coder {
     uint32_t last, last_place;
 };
 
-/** For @p count voxels, whose places and labels may take @p limit bytes (0 = any), LABEL_BYTES for each label:
- * CONUS_ERROR_MEMORY where that is too little.
- * They are written to @p memory, of @p size bytes, taken over also on failure, if it is not NULL. The caller may keep
- * the labels that are still to come in it, where each takes @p size / @p count bytes, 2 or more. */
+/** For @p count voxels, whose places and labels may take @p limit bytes (0 = any), LABEL_BYTES for each label;
+ * CONUS_ERROR_MEMORY if that is too little. They are written to @p memory, of @p size bytes, if it is not NULL, which
+ * is taken over also on failure. The caller may keep the labels that are still to come in it, @p size / @p count bytes
+ * each, 2 or more. */
 conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t limit, uint8_t *memory, size_t size);
 
 /** Appends the labels of the next @p count voxels. More than LABEL_VOXELS_LIMIT different ones are CONUS_ERROR_DATA,
  * more than fit CONUS_ERROR_MEMORY. */
 conus_status label_coder_add(struct label_coder *coder, const uint32_t *labels, size_t count);
 
-/** Moves the result to @p out once all voxels are there. */
+/** Moves the result to @p out when all voxels are there. */
 void label_coder_end(struct label_voxels *out, struct label_coder *coder);
 void label_coder_finish(struct label_coder *coder);
 

@@ -57,14 +57,13 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes);
 /** The entry of @p number in a sorted table, or NULL. */
 struct label *label_table_find(const struct label_table *table, uint32_t number);
 
-/** The @p index-th of an endless row of sRGB colours in which neighbours differ: hues a golden angle apart, with
- * three lightnesses in turn. */
+/** Colour number @p index of an endless series of sRGB colours in which neighbours differ: hues a golden angle apart,
+ * with three lightnesses in turn. */
 void palette_colour(uint8_t rgb[3], size_t index);
 
-/** The same of a palette that people with any colour vision tell apart as well as can be: the eight colours of Okabe
- * and Ito
- * ("Color Universal Design", 2008) but for black, each plain, lighter and darker: neighbours in the list differ in
- * lightness, too. */
+/** The same for a palette that people with any colour vision can tell apart: the colours of Okabe and Ito ("Color
+ * Universal Design", 2008) without black, each plain, lighter and darker: neighbours in the list differ in lightness,
+ * too. */
 void palette_safe_colour(uint8_t rgb[3], size_t index);
 
 #endif

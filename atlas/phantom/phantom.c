@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of phantoms, and how their shapes are drawn on a grid. */
+/* The table of phantoms, and the drawing of their shapes on a grid. */
 #include "atlas/phantom/phantom.h"
 
 #include "atlas/labels/labels.h"
@@ -145,7 +145,7 @@ double phantom_shape_volume(const struct phantom_shape *shape)
         return ball_volume(shape->radius);
     case PHANTOM_BOX:
         return 8 * shape->half[0] * shape->half[1] * shape->half[2];
-    case PHANTOM_RING: /* Pappus, and the two round ends of an arc */
+    case PHANTOM_RING: /* Pappus, and two round ends for an arc */
         return MATH3_PI * shape->tube * shape->tube * shape->radius * (shape->to - shape->from) +
                (ring_is_whole(shape) ? 0 : ball_volume(shape->tube));
     }

@@ -58,7 +58,7 @@ void phantom_brain_straighten(double straight[3], const double world[3])
     straight[0] = p[0] - shear * sin(waves * straight[1]);
 }
 
-/* Along the unit vector d from `seed`, how far the ellipsoid of the areas is. */
+/* Distance from `seed` to the ellipsoid of the areas along the unit vector d. */
 static double distance_to_rim(const double seed[3], const double d[3])
 {
     double a = 0;

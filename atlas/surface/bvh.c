@@ -52,7 +52,7 @@ static float middle(const struct bvh_box *box, int axis)
     return box->low[axis] / 2 + box->high[axis] / 2;
 }
 
-/* One step of a quickselect in boxes[first .. second]: afterwards no middle up to *first is above the pivot, and none
+/* One step of quickselect in boxes[first .. second]: afterwards no middle up to *first is above the pivot, and none
  * from *second on is below it. */
 static void part_at(struct bvh_box *boxes, size_t *first, size_t *second, int axis)
 {
@@ -89,15 +89,15 @@ void bvh_halve(struct bvh_box *boxes, size_t count, size_t half, int axis)
         } else if (half >= upper) {
             low = upper;
         } else {
-            return; /* between them all middles are the pivot */
+            return; /* all middles between them equal the pivot */
         }
     }
 }
 
-/* Boxes that are to become a node. */
+/* Boxes that will become a node. */
 struct range {
     size_t first, count;
-    struct bvh_node *parent; /* whose second node it becomes; NULL = it follows its parent, or is the root */
+    struct bvh_node *parent; /* the node whose second child it is; NULL = it follows its parent, or is the root */
 };
 
 /* Makes node after node, each before those below it. With more boxes than fit into a leaf, each half has two or more:
@@ -152,8 +152,8 @@ void bvh_finish(struct bvh *bvh)
     *bvh = (struct bvh){0};
 }
 
-/* Lets a node wait if the ray hits its box at @p limit or before. By slabs: where the ray runs along a slab, both of
- * its distances are infinite, or no numbers, with which every comparison is false. */
+/* Pushes a node if the ray hits its box at @p limit or before. By slabs: where the ray runs along a slab, both of its
+ * distances are infinite, or NaN, with which every comparison is false. */
 static void add_if_hit(struct bvh_search *search, size_t index, double limit)
 {
     const struct bvh_node *node = &search->bvh->nodes[index];
@@ -191,7 +191,7 @@ void bvh_search_init(struct bvh_search *out, const struct bvh *bvh, const double
     }
 }
 
-/* Lets the two nodes below one wait, and puts the nearer one last, which comes first. */
+/* Pushes the two children of a node, the nearer one last, so that it is visited first. */
 static void go_down(struct bvh_search *search, size_t first, size_t second, double limit)
 {
     struct bvh_visit *both = search->visits + search->waiting;

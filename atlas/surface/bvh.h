@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * A bounding volume hierarchy: a tree of boxes along the axes, searched along rays.
- *
- * Every box is taken to be a little larger than it is (BVH_SLACK), by far more than rounding in double precision moves
- * a ray. So a triangle that mesh_is_passed() accepts lies in boxes that the ray hits. */
+/** @file A bounding volume hierarchy: a tree of boxes along the axes, searched along rays. Every box is taken to be a
+ * little larger than it is (BVH_SLACK), far more than rounding in double precision moves a ray. So a triangle that
+ * mesh_is_passed() accepts lies in boxes that the ray hits. */
 #ifndef CONUS_ATLAS_SURFACE_BVH_H
 #define CONUS_ATLAS_SURFACE_BVH_H
 
@@ -31,7 +29,7 @@ struct bvh {
     size_t count;
 };
 
-/** Lets @p box reach to @p point. */
+/** Extends @p box to @p point. */
 void bvh_box_extend(struct bvh_box *box, const float point[3]);
 
 /** A box that holds nothing yet. */
@@ -40,7 +38,7 @@ struct bvh_box bvh_box_empty(uint32_t number);
 /** The box round @p count boxes, with number 0. */
 struct bvh_box bvh_box_around(const struct bvh_box *boxes, size_t count);
 
-/** 0 to 2; of equally long ones the first. */
+/** The longest axis, 0 to 2; of equally long ones the first. */
 int bvh_box_longest_axis(const struct bvh_box *box);
 
 /** Reorders boxes: those with the lower middles along @p axis come before boxes[half]; half is below count. */
@@ -51,7 +49,7 @@ void bvh_halve(struct bvh_box *boxes, size_t count, size_t half, int axis);
 conus_status bvh_init(struct bvh *out, struct bvh_box *boxes, size_t count);
 void bvh_finish(struct bvh *bvh);
 
-/** The nodes that wait in a search: each step down leaves one behind, and halving UINT32_MAX boxes takes 32 steps. */
+/** Nodes on the stack of a search: each step down leaves one behind, and halving UINT32_MAX boxes takes 32 steps. */
 enum { BVH_DEPTH = 33 };
 
 /** A search on its way. */
@@ -62,7 +60,7 @@ struct bvh_search {
     double slack;
     size_t next, end; /**< The rest of a leaf, in bvh->numbers. */
     struct bvh_visit {
-        double enter; /**< Where the ray comes into the node's box. */
+        double enter; /**< Where the ray enters the node's box. */
         uint32_t node;
     } visits[BVH_DEPTH]; /**< A stack of nodes to visit. */
     size_t waiting;
@@ -71,8 +69,9 @@ struct bvh_search {
 /** Begins a search along a ray from @p origin; both arrays are copied, @p bvh must outlive the search. */
 void bvh_search_init(struct bvh_search *out, const struct bvh *bvh, const double origin[3], const double direction[3]);
 
-/** The next number, about from near to far, whose leaf the ray hits at @p limit (in units of the direction's length) or
- * before; false after the last. The limit may shrink from call to call. The number's own box may be off the ray. */
+/** The next number, approximately from near to far, whose leaf the ray hits at @p limit (in units of the direction's
+ * length) or before; false after the last. The limit may shrink from call to call. The ray may miss the number's own
+ * box. */
 bool bvh_search_next(uint32_t *number, struct bvh_search *search, double limit);
 
 #endif

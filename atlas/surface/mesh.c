@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes, checks, measures, moves and ends a mesh, and tests a ray against a triangle. */
+/* Makes, checks, measures, moves and frees meshes, and tests a ray against a triangle. */
 #include "atlas/surface/mesh.h"
 
 #include "atlas/surface/mesh_closed.h"

@@ -22,7 +22,7 @@ struct mesh {
     size_t triangle_count;
     bool is_borrowed;        /**< The two arrays are not the mesh's own, not to be written, and 16 bytes behind each
                                   may be read.                                                                  */
-    struct mesh_shape shape; /**< mesh_check() fills in whether it is closed, atlas_add_mesh() all of it.       */
+    struct mesh_shape shape; /**< mesh_check() fills in `closed`, atlas_add_mesh() all of it. */
 };
 
 /** The corners of @p triangle. */
@@ -41,19 +41,18 @@ void mesh_finish(struct mesh *mesh);
 /** A mesh of zeroed arrays for so many vertices and triangles. */
 conus_status mesh_init(struct mesh *out, size_t vertex_count, size_t triangle_count);
 
-/** Refuses what no engine may see: no triangle, a coordinate that is not within 1e9 mm of 0, an index out of range.
- * Triangles of no area are left out and counted in @p notes, as is a mesh that is not closed. */
+/** Refuses meshes that no engine may get: no triangle, a coordinate that is not within 1e9 mm of 0, an index out of
+ * range. Leaves out triangles without area and counts them in @p notes; notes a mesh that is not closed. */
 conus_status mesh_check(struct mesh *mesh, struct notes *notes);
 
 /** The part of mesh_check() that makes a mesh safe to use: numbers and indices. */
 conus_status mesh_check_numbers(const struct mesh *mesh);
 
-/** Measures a checked mesh; what is closed by mesh->shape stays so. CONUS_ERROR_MEMORY without memory for its edges or
- * crossings. */
+/** Measures a checked mesh; keeps mesh->shape.closed. CONUS_ERROR_MEMORY without memory for edges or crossings. */
 conus_status mesh_measure(struct mesh_shape *out, const struct mesh *mesh);
 
-/** Distance along a ray to the plane of @p triangle, held within the triangle's reach along the ray: for a ray that
- * hits it, or passes it by less than rounding. In units of @p direction's length. */
+/** Distance along a ray to the plane of @p triangle, clamped to the triangle's range along the ray: for a ray that hits
+ * it, or misses it by less than rounding. In units of @p direction's length. */
 double mesh_distance(const struct mesh *mesh, size_t triangle, const double origin[3], const double direction[3]);
 
 /** mesh_distance(), and in @p side from which side the ray comes: 1 from that which the triangle faces, -1 from the

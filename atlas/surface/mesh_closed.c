@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pairs the edges of a mesh: a closed one passes each as often in either direction. */
+/* Pairs the edges of a mesh: a closed one passes each as often in either direction. Counts how often it winds. */
 #include "atlas/surface/mesh_closed.h"
 
 #include "atlas/surface/mesh_lines.h"
@@ -142,7 +142,7 @@ static bool find_balance(struct edges *edges, const struct mesh *mesh, const uin
     return balanced;
 }
 
-/* The vertices as they are, and where that does not do, those at equal positions as one. */
+/* Tries the vertices as they are, and then with those at equal positions as one. */
 conus_status mesh_is_closed(bool *out, const struct mesh *mesh)
 {
     struct edges edges = {.start = memory_raw(mesh->vertex_count + 1, sizeof *edges.start),
@@ -189,7 +189,7 @@ conus_status mesh_winds_once(bool *out, const struct mesh *mesh, const struct me
     double inside = 0;
     double wrong = 0;
     conus_status status = CONUS_OK;
-    /* Lines lie off the middle of their cells, since vertices of many meshes are at round numbers. */
+    /* Lines do not pass the middles of their cells, since vertices of many meshes are at round numbers. */
     static const double off_middle[2] = {0.4878911, 0.5127683};
     for (int a = 0; a < 2; a++) {
         lines.count[a] = LINES;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cuts triangles along the borders of voxels, and adds up what lies between each piece and the floor of its column. */
+/* Cuts triangles along the borders of voxels, and adds up the volume between each piece and the floor of its column. */
 #include "atlas/surface/mesh_voxels.h"
 
 #include "base/geometry/math3.h"
@@ -87,8 +87,8 @@ static void integrate(double *area, double *moment, const struct polygon *polygo
     }
 }
 
-/* Adds what is under a piece in column (i, j): in its own voxel down to the floor, all of each voxel below. Sums from
- * the top down will make that of one number here and one below. */
+/* Adds the volume under a piece in column (i, j): in its own voxel down to the floor, and all of each voxel below.
+ * These take one number here and one below, since columns are summed from the top down later. */
 static void add_piece(struct voxel_box *box, const struct polygon *piece, const size_t cell[3])
 {
     double area;
@@ -166,7 +166,7 @@ static bool shrink(struct voxel_box *box, const struct mesh *mesh, const double 
     return meets;
 }
 
-/* Sums columns from the top down, and makes the inside of a mesh that faces inwards one of volume above 0. */
+/* Sums columns from the top down, and makes volumes positive if the mesh faces inwards. */
 static void sum_columns(struct voxel_box *box)
 {
     size_t layer = box->count[0] * box->count[1];

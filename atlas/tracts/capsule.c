@@ -4,14 +4,13 @@
 
 #include "base/geometry/math3.h"
 
-/* Half of the chord that a line at the distance @p away from the middle has in a circle; a radius of it is the limit.
- */
+/* Half of the chord that a line at the distance `away` from the centre has in a circle, at most a radius. */
 static double half_chord(double radius, double away)
 {
     return sqrt((radius - away) * (radius + away));
 }
 
-/* The line's point that is nearest to @p point: how far along the line it is; @p out is from @p point to it. */
+/* Finds the line's point that is nearest to `point`, by its place along the line; `out` is from `point` to it. */
 static double foot_of(double out[3], const double point[3], const double origin[3], const double direction[3])
 {
     vec3_sub(out, origin, point);
@@ -31,7 +30,7 @@ static void add_ball(double interval[2], const double foot[3], double along, dou
     }
 }
 
-/* Where the line is in a slab, 0 <= height + t slope <= top, of what is in @p interval so far. */
+/* Clips `interval` to the part of the line in a slab, 0 <= height + t slope <= top. */
 static void cut_by_slab(double interval[2], double height, double slope, double top)
 {
     if (slope != 0) {

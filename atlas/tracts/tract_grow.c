@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Makes the tree of a tractogram: cuts its streamlines into runs, halves them at the median of their middles until a
- * leaf has few, and puts boxes round them. On the way runs are where their leaves will be, so that no more memory is in
- * use than in the end. */
+ * leaf has few, and puts boxes around them. Until then runs are stored where their leaves will be, so that no more
+ * memory is in use than in the end. */
 #include "atlas/tracts/tract_node.h"
 #include "atlas/tracts/tractogram.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 
-/* Far above what rounding makes of a run's thickness, which has to be no less than it is. */
+/* Far above the rounding of a run's thickness, which must not be too small. */
 #define BEND_SLACK 1e-6
 
-/* A run without a place in a leaf yet, as large as it has there. */
+/* A run without a place in a leaf yet, of the size that it has there. */
 struct item {
     uint16_t middle[3]; /* of its box, in the cube of a range of items */
     uint16_t segments;
@@ -19,7 +19,7 @@ struct item {
 
 _Static_assert(sizeof(struct item) * TRACT_LEAF == sizeof(struct tract_leaf), "runs are where their leaves will be");
 
-/* Longer ones where points take less memory, so that the tree takes less, too. */
+/* Segments of a run: more if points take less memory, so that the tree takes less, too. */
 static uint64_t run_length(const struct tractogram *tractogram)
 {
     enum { OF_FLOATS = 3, OF_HALVES = 5 };
@@ -57,7 +57,7 @@ static inline void extend(struct box *box, const float low[3], const float high[
     }
 }
 
-/* A box, and where it begins and ends along its diagonals. */
+/* A box, and its extent along its diagonals. */
 struct hull {
     struct box box;
     double low[TRACT_DIAGONALS], high[TRACT_DIAGONALS];
@@ -91,7 +91,7 @@ static inline void read_point(float out[3], const struct tractogram *tractogram,
     }
 }
 
-/* Round the @p count points from @p from on. */
+/* The box of the `count` points from `from` on. */
 static inline struct box box_of_points(const struct tractogram *tractogram, uint64_t from, uint64_t count)
 {
     struct box box = no_box();
@@ -141,8 +141,8 @@ static bool is_sharp(const struct tractogram *tractogram, uint64_t point)
     return dot < 0 || 2 * dot * dot < squares[0] * squares[1];
 }
 
-/* Where to cut instead of at a point that has two before it and one behind it: where the streamline turns sharply, if
- * that is next to it. So runs are slim. */
+/* Where to cut near a point that has two before it and one behind it: at a sharp turn next to it, if there is one. So
+ * runs are slim. */
 static uint64_t place_of_cut(const struct tractogram *tractogram, uint64_t point, uint64_t end)
 {
     if (is_sharp(tractogram, point)) {
@@ -202,7 +202,7 @@ static struct box box_of_middles(const struct item *items, size_t count, const s
     return around;
 }
 
-/* The axis along which the middles are farthest apart, and how far. */
+/* The axis with the largest spread of middles, and the spread. */
 static int longest_axis(unsigned *size, const struct item *items, size_t count)
 {
     uint16_t low[3] = {UINT16_MAX, UINT16_MAX, UINT16_MAX};
@@ -221,7 +221,7 @@ static int longest_axis(unsigned *size, const struct item *items, size_t count)
     return longest;
 }
 
-/* The number at place @p half of the ascending middles: its high byte, then its low one. */
+/* The number at place `half` of the ascending middles: first its high byte, then its low one. */
 static unsigned find_median(const struct item *items, size_t count, size_t half, int axis)
 {
     enum { BYTE = 256 };
@@ -241,7 +241,7 @@ static unsigned find_median(const struct item *items, size_t count, size_t half,
     return found;
 }
 
-/* Puts items from @p from on that are below a limit before the others, up to the place @p most. */
+/* Moves items from `from` on that are below a limit before the others, up to the place `most`. */
 static size_t put_before(struct item *items, size_t from, size_t count, size_t most, int axis, unsigned limit)
 {
     size_t place = from;
@@ -301,8 +301,8 @@ static double largest_distance(double points[][3], uint32_t count, const double 
     return sqrt(most);
 }
 
-/* Half the way from the chord of a run to the point that is farthest from its line, if no other one is on the other
- * side: a segment that is moved so far is half as far from all of them. */
+/* Half the vector from the chord of a run to its farthest point, if no other point is on the other side: a segment
+ * moved so far is half as far from all of them. */
 static void find_shift(double out[3], double points[][3], uint32_t segments)
 {
     double away[TRACT_RUN][3];
@@ -336,8 +336,8 @@ static uint8_t byte_of(double coordinate, double low, double step)
     return (uint8_t)(at > 0 ? at < UINT8_MAX ? at : UINT8_MAX : 0);
 }
 
-/* Gives a run its ends, and how far it is from the segment between them, and their own ends beyond what rounding does.
- */
+/* Sets a run's ends. Returns the run's distance from the segment between them, and that of the ends themselves beyond
+ * rounding. */
 static double set_ends(struct tract_leaf *leaf, size_t lane, const struct tractogram *tractogram)
 {
     double points[TRACT_RUN + 1][3];
@@ -376,7 +376,7 @@ static void set_bends(struct tract_leaf *leaf, const double bends[TRACT_LEAF])
     }
 }
 
-/* Makes a leaf of @p count items. Its hull. */
+/* Makes a leaf of `count` items and returns its hull. */
 static struct hull set_leaf(struct tract_leaf *out, const struct item *items, size_t count,
                             const struct tractogram *tractogram)
 {
@@ -410,7 +410,7 @@ static void fetch_points(const struct tractogram *tractogram, const struct item 
     __builtin_prefetch(from + size);
 }
 
-/* Where the low corner of a lane's box is along a diagonal. The length of all diagonals. */
+/* The place of the low corner of a lane's box along a diagonal. Returns the length of all diagonals. */
 static double find_corner(double *low, const struct tract_node *node, size_t lane, int diagonal)
 {
     double length = 0;
@@ -465,7 +465,7 @@ static struct hull hull_of_lanes(const struct tract_node *node, size_t count)
     return hull;
 }
 
-/* Items become leaves one by one. */
+/* Replaces items by leaves, one by one. */
 static void fill_leaves(struct tract_tree *tree, const struct item *items, const struct tractogram *tractogram)
 {
     for (size_t from = 0; from < tree->run_count; from += TRACT_LEAF) {

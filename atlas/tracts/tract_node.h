@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * The layout of a tract_tree, for those who search it with means of their own.
- *
- * An item of level 0 is a leaf, one of level l + 1 is a node with up to TRACT_WIDTH items of level l. All nodes and
- * leaves but the last ones of their levels are full. So item i of a level is lane i % TRACT_WIDTH of the node
- * i / TRACT_WIDTH above it, and no node says where its items are. The nodes above level 0 come first, the root is the
- * last one. Run r is lane r % TRACT_LEAF of leaf r / TRACT_LEAF. */
+/** @file The layout of a tract_tree in memory, for searches of other kinds. An item of level 0 is a leaf, one of level
+ * l + 1 is a node with up to TRACT_WIDTH items of level l. All nodes and leaves but the last ones of their levels are
+ * full. So item i of a level is lane i % TRACT_WIDTH of the node i / TRACT_WIDTH above it, and no node says where its
+ * items are. The nodes above level 0 come first, the root is the last one. Run r is lane r % TRACT_LEAF of leaf r /
+ * TRACT_LEAF. */
 #ifndef CONUS_ATLAS_TRACTS_TRACT_NODE_H
 #define CONUS_ATLAS_TRACTS_TRACT_NODE_H
 
@@ -21,9 +19,9 @@ enum {
     TRACT_SEGMENTS_BITS = 3 /**< TRACT_RUN is less than 2^3 */
 };
 
-/** The boxes round its items, from low to high; 0 in lanes without one. Along diagonal d of a box, of which
- * tract_diagonal() has the direction, its corners are as far apart as the box is long along its three axes together,
- * and cut[0][d] and cut[1][d] TRACT_CUTS-ths of this at either end hold nothing. */
+/** The boxes around its items, from low to high; 0 in empty lanes. Diagonal d of a box has the direction
+ * tract_diagonal(); its corners are as far apart along it as the box is long along its three axes together, and
+ * cut[0][d] and cut[1][d] TRACT_CUTS-ths of this are empty at either end. */
 struct tract_node {
     float low[3][TRACT_WIDTH], high[3][TRACT_WIDTH];
     uint8_t cut[2][TRACT_DIAGONALS][TRACT_WIDTH];
@@ -46,7 +44,7 @@ struct tract_leaf {
     uint32_t point[TRACT_LEAF];     /**< The run's first one, of all points of the tractogram. */
 };
 
-/** mm: about as far as rounding to bytes moves an end at most, half the diagonal of a cube of the longest step. */
+/** mm: about the largest error of an end by rounding to bytes, half the diagonal of a cube of the longest step. */
 static inline double tract_leaf_rounding(const struct tract_leaf *leaf)
 {
     float longest = leaf->step[0] > leaf->step[1] ? leaf->step[0] : leaf->step[1];

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Moves a ray to the border of a tractogram, in double, and on to single precision. */
+/* Moves a ray to the border of a tractogram, in double, and converts it to single precision. */
 #include "atlas/tracts/tract_start.h"
 
 #include "base/geometry/math3.h"
 
-/* A ray that moves by less than this of a mm per mm along an axis does not, as far as boxes are concerned. */
+/* A ray that moves by less than this along an axis, mm per mm, does not move along it as far as boxes are concerned. */
 #define STILL 1e-20
 
 /* Relative to the ray's distance from 0: far above any rounding in double precision. */
 #define FAR_SLACK 1e-12
 
-/* Where the ray is in the box round all capsules; false where it never is. By slabs. */
+/* The interval of the ray in the box around all capsules; false if it misses. By slabs. */
 static bool is_in_bounds(double interval[2], const struct tractogram *tractogram, double grown, const double origin[3],
                          const double direction[3])
 {

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * Where a search along a ray in a tractogram begins, in single precision, and how much larger everything is then taken
- * to be, so that no segment is lost. Processor and GPU search from there (Eq. 18). */
+/** @file The start of a search along a ray in a tractogram, in single precision, and the slack by which everything is
+ * then enlarged, so that no segment is lost. Processor and GPU search from there (Eq. 18). */
 #ifndef CONUS_ATLAS_TRACTS_TRACT_START_H
 #define CONUS_ATLAS_TRACTS_TRACT_START_H
 
@@ -18,8 +17,8 @@ struct tract_start {
     float radius, slack; /**< mm; the slack is no part of the radius. */
 };
 
-/** Where the ray from @p origin comes to the box round all capsules; false where it never does: then only radius and
- * slack are set, and nothing at all of a tractogram without a point. */
+/** Where the ray from @p origin enters the box around all capsules. False if it misses: then only radius and slack are
+ * set, and nothing at all for a tractogram without a point. */
 bool tract_start_find(struct tract_start *out, const struct tractogram *tractogram, const double origin[3],
                       const double direction[3]);
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * A tree of boxes round runs of streamlines' segments. A leaf has runs of neighbouring streamlines side by side, with
- * ends in bytes, so that a search reads it at once and few points. The tree is small beside the points (streamlines of
- * 100 points have 4.4 bytes of it a point, or 2.7 if points are halves), flat, and the same for the same points, so it
- * can be packed and mapped. tract_node.h says how it lies in memory. */
+/** @file A tree of boxes around runs of streamlines' segments. A leaf has runs of neighbouring streamlines side by
+ * side, with ends in bytes, so that a search reads it at once and few points. The tree is small beside the points
+ * (streamlines of 100 points have 4.4 bytes of it a point, or 2.7 if points are halves), flat, and the same for the
+ * same points, so it can be packed and mapped. tract_node.h has its layout. */
 #ifndef CONUS_ATLAS_TRACTS_TRACT_TREE_H
 #define CONUS_ATLAS_TRACTS_TRACT_TREE_H
 
@@ -53,12 +52,12 @@ struct tract_run tract_run_at(const struct tractogram *tractogram, size_t number
 enum tract_answer { TRACT_OUTSIDE, TRACT_PERHAPS, TRACT_INSIDE };
 typedef enum tract_answer (*tract_box_test)(void *user, const double low[3], const double high[3]);
 
-/** A run whose box is not outside; @p inside: the test has said so of a box around it. */
+/** Receives a run whose box is not outside; @p inside: the test has said so for a box around it. */
 typedef void (*tract_visit)(void *user, const struct tract_run *run, bool inside);
 
 /** Calls @p visit for all runs of @p tractogram in boxes that @p test does not call outside, in the order of the
- * leaves. Boxes are those round the polylines, those of single runs a little larger; who asks for capsules grows them
- * by the radius. */
+ * leaves. Boxes are those of the polylines, those of single runs a little larger; for capsules the test grows them by
+ * the radius. */
 void tract_tree_walk(const struct tractogram *tractogram, tract_box_test test, tract_visit visit, void *user);
 
 #endif

@@ -122,7 +122,7 @@ static conus_status check_first(const struct tractogram *tractogram)
     return CONUS_OK;
 }
 
-/* Whether all of @p count points from @p from on are where points may be; written so that compilers make vectors. */
+/* Whether all of `count` points from `from` on are within the limit; compilers can vectorise it. */
 static bool are_within(const struct tractogram *tractogram, uint64_t from, uint64_t count)
 {
     enum { EXPONENT = 0x7c00 };
@@ -332,7 +332,8 @@ static void walk_leaf(const struct walk *walk, size_t number, bool inside)
     }
 }
 
-/* A leaf is the first one of an item of each level up to some level. So the leaf and a level say where the walk is. */
+/* A leaf is the first one of an item of each level up to some level. So the leaf and a level are the state of the
+ * traversal. */
 void tract_tree_walk(const struct tractogram *tractogram, tract_box_test test, tract_visit visit, void *user)
 {
     const struct walk walk = {tractogram, test, visit, user};

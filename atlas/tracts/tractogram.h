@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * A tractogram: the streamlines of one file in world mm, as every reader leaves them and every room sees them. Objects
- * of the atlas (bundles) are all of its streamlines or groups of them; a streamline may be in several groups. */
+/** @file A tractogram: the streamlines of one file in world mm, as every reader makes them. Objects of the atlas
+ * (bundles) are all of its streamlines or groups of them; a streamline may be in several groups. */
 #ifndef CONUS_ATLAS_TRACTS_TRACTOGRAM_H
 #define CONUS_ATLAS_TRACTS_TRACTOGRAM_H
 
@@ -47,17 +46,17 @@ struct tractogram {
     size_t scalar_count;
     struct tract_group *groups; /**< Without a group all streamlines are one bundle. */
     size_t group_count;
-    double radius;            /**< mm: what a ray hits is what is nearer than this to a streamline (Eq. 18). */
+    double radius;            /**< mm: a ray hits a streamline if it comes nearer than this (Eq. 18). */
     struct tract_tree tree;   /**< The tree of all segments; tractogram_grow_tree() makes it. */
     double low[3], high[3];   /**< Bounds of all points, world mm; tractogram_grow_tree() fills them in. */
-    bool has_borrowed_points; /**< Points (or halves) and the tree's arrays are not its own, and not to be written. */
-    bool is_borrowed;         /**< Neither are the other arrays of numbers. */
+    bool has_borrowed_points; /**< Points (or halves) and the tree's arrays are borrowed and read-only. */
+    bool is_borrowed;         /**< So are the other arrays of numbers. */
 };
 
-/** Ends what it owns; a zeroed one is fine. */
+/** Frees what it owns; a zeroed one is fine. */
 void tractogram_finish(struct tractogram *tractogram);
 
-/** The double that a half (IEEE binary16) is. */
+/** The value of a half (IEEE binary16). */
 double tract_from_half(uint16_t half);
 
 /** Point @p index, world mm. */
@@ -84,17 +83,17 @@ static inline uint32_t tract_group_member(const struct tract_group *group, size_
 /** The streamline that has point @p index, below point_count. */
 uint32_t tractogram_streamline_of(const struct tractogram *tractogram, uint64_t index);
 
-/** Refuses what no engine may see, after a reader: a coordinate that is not within TRACT_COORDINATE_LIMIT of 0 (that of
- * infinity and NaN too), a `first` that does not ascend from 0 to point_count, a member of a group out of range or
- * order, too many streamlines, a radius that is not above 0 and at most TRACT_RADIUS_LIMIT. Notes count streamlines of
- * no point and of one. CONUS_ERROR_DATA, and CONUS_ERROR_ARGUMENT for the radius. */
+/** Refuses tractograms that no engine may get: a coordinate that is not within TRACT_COORDINATE_LIMIT of 0 (infinity
+ * and NaN too), a `first` that does not ascend from 0 to point_count, a member of a group out of range or order, too
+ * many streamlines, a radius that is not above 0 and at most TRACT_RADIUS_LIMIT. Notes count streamlines of no point
+ * and of one. CONUS_ERROR_DATA, and CONUS_ERROR_ARGUMENT for the radius. */
 conus_status tractogram_check(const struct tractogram *tractogram, struct notes *notes);
 
 /** Whether no number of a tractogram with its tree, which comes from elsewhere, leads out of its arrays: `first`, runs,
- * nodes, members of groups. Coordinates are not looked at. */
+ * nodes, members of groups. Does not check coordinates. */
 bool tractogram_leads_nowhere_else(const struct tractogram *tractogram);
 
-/** Makes tree, low and high of a checked tractogram. No more memory is in use on the way than in the end.
+/** Makes tree, low and high of a checked tractogram. Uses no more memory on the way than in the end.
  * CONUS_ERROR_MEMORY, and CONUS_ERROR_DATA for more than UINT32_MAX points. */
 conus_status tractogram_grow_tree(struct tractogram *tractogram);
 

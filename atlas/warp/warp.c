@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Moves an atlas by a deformation field: all is made first, then nothing can fail. */
+/* Moves an atlas by a deformation field: everything is made first, so that nothing can fail when the atlas changes. */
 #include "atlas/warp/warp.h"
 
 #include "atlas/bundles.h"
@@ -123,7 +123,7 @@ struct parts {
     struct notes notes; /* about the surfaces' shapes */
 };
 
-/* A place for one warp more, which counts only when the atlas has moved. */
+/* Reserves a place for one more warp, which counts only when the atlas has moved. */
 static conus_status reserve_warp(struct warp_way *way, conus_atlas *atlas, const struct deformation *field)
 {
     struct warp *warps = memory_resize(atlas->warps, atlas->warp_count + 1, sizeof *warps);

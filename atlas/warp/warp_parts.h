@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The parts of atlas_warp(): what an atlas has after it, made before anything is changed. */
+/** @file The parts of atlas_warp(): what the atlas gets, made before anything is changed. */
 #ifndef CONUS_ATLAS_WARP_WARP_PARTS_H
 #define CONUS_ATLAS_WARP_WARP_PARTS_H
 
 #include "atlas/warp/warp.h"
 
-/** Where points go until they are in the atlas's own space: first by an affine, then by the warps, the last one first.
- */
+/** The way of points to the atlas's own space: first an affine, then the warps, the last one first. */
 struct warp_way {
     double first[16];
     const struct warp *warps;
@@ -15,7 +14,7 @@ struct warp_way {
 
 /** Volumes on a new grid. */
 struct warped_volumes {
-    struct volume *items;    /**< [volume_count] Those that stay as they are have no voxels.  */
+    struct volume *items;    /**< [volume_count] Volumes that stay as they are have no voxels here. */
     uint64_t *voxels;        /**< [object_count + 1] How many each object has there.          */
     size_t sampled, outside; /**< Labelled voxels that were sampled, and how many of them are outside. */
 };
@@ -24,10 +23,10 @@ struct warped_volumes {
 conus_status warped_volumes_init(struct warped_volumes *out, const conus_atlas *atlas, const struct warp_way *way,
                                  const struct warp_plan *plan);
 
-/** Notes what of the atlas they do not have. */
+/** Adds notes about objects that the new volumes lack. */
 conus_status warped_volumes_note(const struct warped_volumes *volumes, conus_atlas *atlas, const char *words);
 
-/** Puts them into the atlas; @p volumes has the old ones then. */
+/** Puts them into the atlas; @p volumes gets the old ones. */
 void warped_volumes_take(struct warped_volumes *volumes, conus_atlas *atlas);
 void warped_volumes_finish(struct warped_volumes *volumes, size_t count);
 

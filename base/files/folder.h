@@ -13,11 +13,11 @@ struct names {
 
 enum { NAMES_LIMIT = 4096 }; /**< Names of a folder that names_list() gives. */
 
-/** The first NAMES_LIMIT names in @p folder that end in @p ending, sorted, so that an answer does not hang on the file
- * system; none if there is no such folder. A list, as for path_ending_length(), is of several endings. What does not
- * end so may come and go, and the answer is the same. @p out is the caller's to finish, also on failure. */
+/** The first NAMES_LIMIT names in @p folder that end in @p ending, sorted, so that an answer does not depend on the
+ * file system; none if there is no such folder. @p ending may be a list, as for path_ending_length(). Other files may
+ * come and go, and the answer stays the same. @p out is the caller's to finish, also on failure. */
 conus_status names_list(struct names *out, const char *folder, const char *ending);
-/** names_list() of which no trace hears. */
+/** names_list() without telling the trace. */
 conus_status names_read(struct names *out, const char *folder, const char *ending);
 void names_finish(struct names *names);
 

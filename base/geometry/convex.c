@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum { BOX_EDGES = 24 };
-static const double BESIDE = 1e-6; /* so far from a box's place its image as a box may be */
+static const double BESIDE = 1e-6; /* tolerance of a box's image, relative to the box */
 
 void convex_finish(struct convex_stack *stack)
 {
@@ -21,7 +21,7 @@ static bool reserve(struct convex_stack *stack, size_t count)
     return memory_reserve(&stack->edges, &stack->capacity, stack->count + count, sizeof *stack->edges);
 }
 
-/* Appends an edge unless it is a point: a face without it is as closed. There is room. */
+/* Appends an edge unless it is a point: a face is closed without it. There is space. */
 static void push(struct convex_stack *stack, const struct convex_edge *edge)
 {
     const double *from = edge->from;
@@ -84,7 +84,7 @@ static void find_corner(double out[3], const struct convex *box, unsigned corner
     }
 }
 
-/* Appends the edges of a box. There is room. */
+/* Appends the edges of a box. There is space. */
 static void push_box(struct convex_stack *stack, const struct convex *box)
 {
     for (unsigned face = 0; face < 6; face++) {
@@ -101,7 +101,7 @@ static void push_box(struct convex_stack *stack, const struct convex *box)
     }
 }
 
-/* Fills in bounds and volume of the polyhedron whose edges are the last on the stack, from out->first on. Each edge
+/* Computes bounds and volume of the polyhedron whose edges are the last on the stack, from out->first on. Each edge
  * makes a tetrahedron with a corner of its face and one of the polyhedron. */
 static void measure(struct convex *out, const struct convex_stack *stack)
 {
@@ -179,8 +179,8 @@ static void find_crossing(double out[3], const struct cut *cut, const double kep
     out[cut->axis] = cut->at;
 }
 
-/* Appends what is kept of an edge that the plane meets, and what joins its end there with the first such end of the
- * face: so the face is closed again, however often rounding has it meet the plane. */
+/* Appends the kept part of an edge that the plane meets, and the edge from its end there to the first such end of the
+ * face: so the face is closed again, however often the plane meets it by rounding. */
 static void cut_edge(struct convex_stack *stack, struct cut *cut, const struct convex_edge *edge, bool begins_kept)
 {
     struct convex_edge kept = *edge;
@@ -198,7 +198,7 @@ static void cut_edge(struct convex_stack *stack, struct cut *cut, const struct c
     push(stack, &closing);
 }
 
-/* Appends the new face: the edges that closed the others, the other way round. */
+/* Appends the new face: the edges that closed the others, reversed. */
 static void close_cut(struct convex_stack *stack, struct convex *out)
 {
     size_t end = stack->count;
@@ -224,7 +224,8 @@ bool convex_cut(struct convex *out, struct convex_stack *stack, const struct con
         measure_box(out);
         return true;
     }
-    if (!reserve(stack, 3 * convex->count)) { /* of each edge what is kept, what closes it, and that once more */
+    if (!reserve(stack, 3 * convex->count)) { /* for each edge: its kept part, the one that closes the face, and that
+                                                 one reversed */
         return false;
     }
     struct convex part = {.first = stack->count, .faces = convex->faces};

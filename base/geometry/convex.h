@@ -33,8 +33,8 @@ void convex_finish(struct convex_stack *stack);
 /** A box with faces across the axes. */
 struct convex convex_box(const double low[3], const double high[3]);
 
-/** Where the affine @p m takes @p convex. A box stays one where m takes axes to axes: what m moves beside them is at
- * most 10⁻⁶ over the box. False without memory. */
+/** The image of @p convex under the affine @p m. A box stays one if m maps axes to axes, within 10⁻⁶ over the box.
+ * False without memory. */
 bool convex_move(struct convex *out, struct convex_stack *stack, const struct convex *convex, const double m[16]);
 
 /** The part of @p convex below @p at along @p axis or, with @p above, above it; `at` is between its bounds. False

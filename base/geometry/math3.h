@@ -117,8 +117,8 @@ static inline void mat4_point(double out[3], const double m[16], const double p[
     }
 }
 
-/** Lets the last row be 0 0 0 1 where it is so within 1e-6, some roundings of a float; false (m untouched) where it is
- * another. Programs that compute inverses in float write 0.99999994. */
+/** Sets the last row to 0 0 0 1 if it is that within 1e-6, some roundings of a float; false (m untouched) otherwise.
+ * Programs that compute inverses in float write 0.99999994. */
 static inline bool mat4_settle_last_row(double m[16])
 {
     static const double last[4] = {0, 0, 0, 1};

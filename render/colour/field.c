@@ -95,8 +95,7 @@ struct box {
     size_t first[3], end[3];
 };
 
-/* Marks the columns along the first axis in which a voxel of the row is above `unseen`. Returns whether there is any.
- * */
+/* Marks columns along the first axis in which a voxel of the row is above `unseen`. Returns whether there is any. */
 static bool mark_columns(uint8_t *restrict columns, const uint8_t *row, size_t count, uint8_t unseen)
 {
     uint8_t any = 0;

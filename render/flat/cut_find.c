@@ -94,8 +94,7 @@ void cut_find_grey(struct cut *cut, const struct cut_view *view)
     }
 }
 
-/* Whether an area of probabilities gives way at the world point to `object`, of the same kind and more probable there.
- * */
+/* Whether an area of probabilities yields at the world point to `object`, of the same kind and more probable there. */
 static bool is_beaten(const conus_atlas *atlas, const struct volume *volume, size_t voxel, uint32_t object,
                       const double p[3])
 {

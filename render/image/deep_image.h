@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A deep image: each pixel has any number of samples, front to back, and each sample a value in every channel.
- * */
+/** @file A deep image: each pixel has any number of samples, front to back, each with a value in every channel. */
 #ifndef CONUS_RENDER_IMAGE_DEEP_IMAGE_H
 #define CONUS_RENDER_IMAGE_DEEP_IMAGE_H
 
