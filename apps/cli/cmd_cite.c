@@ -77,12 +77,6 @@ struct citing {
     char **names;           /* [citation.atlas_count] what the citation borrows */
 };
 
-static int no_memory(void)
-{
-    print_error_line("not enough memory");
-    return EXIT_DATA;
-}
-
 static void citing_finish(struct citing *citing)
 {
     for (size_t i = 0; i < citing->citation.atlas_count; i++) {
@@ -121,7 +115,7 @@ static int make_atlases(struct citing *citing, size_t count)
     citing->citation.atlases = calloc(count, sizeof *citing->citation.atlases);
     citing->names = calloc(count, sizeof(char *));
     citing->citation.atlas_count = citing->citation.atlases && citing->names ? count : 0;
-    return citing->citation.atlas_count ? EXIT_DONE : no_memory();
+    return citing->citation.atlas_count ? EXIT_DONE : print_no_memory();
 }
 
 /* The first file with this path, else with one in this folder. */
@@ -168,7 +162,7 @@ static int list_recorded(struct citing *citing, struct places *places)
         citing->names[i] = name ? strdup(name) : stem_of(path);
         atlas->name = citing->names[i];
         atlas->file = name_of(path);
-        code = atlas->name ? look_for_references(citing, atlas, path, places) : no_memory();
+        code = atlas->name ? look_for_references(citing, atlas, path, places) : print_no_memory();
     }
     return code;
 }
@@ -186,7 +180,7 @@ static int cite_result(struct citing *citing, const char *sidecar)
     citation->sidecar = citing->record.root;
     citation->question = citation_question(citation, &citing->replay.arguments);
     if (!citation->question) {
-        return no_memory();
+        return print_no_memory();
     }
     if (!citation_is_known(citation)) {
         print_error_line("%s: Question: names rows that this conus, %s, does not know", sidecar, conus_version());
@@ -274,7 +268,7 @@ static int cite_atlas(struct citing *citing)
     atlas->file = found.atlas && info ? name_of(info->path) : name_of(citing->given);
     atlas->is_here = true;
     atlas_name_finish(&found);
-    return atlas->name ? EXIT_DONE : no_memory();
+    return atlas->name ? EXIT_DONE : print_no_memory();
 }
 
 /* Breaks a line at spaces. */
@@ -306,7 +300,7 @@ static int put_text(FILE *out, const struct citation *citation)
     }
     if (!paragraph || fclose(paragraph)) {
         free(text);
-        return no_memory();
+        return print_no_memory();
     }
     put_wrapped(out, text);
     fputc('\n', out);
@@ -320,14 +314,14 @@ static int write_citation(const struct citing *citing)
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    int code = out ? EXIT_DONE : no_memory();
+    int code = out ? EXIT_DONE : print_no_memory();
     if (!code && citing->settings->format == BIBTEX) {
         citation_bibtex(out, &citing->citation);
     } else if (!code) {
         code = put_text(out, &citing->citation);
     }
     if (out && fclose(out)) {
-        code = code ? code : no_memory();
+        code = code ? code : print_no_memory();
     }
     if (!code) {
         conus_plain_text(text);

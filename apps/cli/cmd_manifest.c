@@ -70,8 +70,7 @@ static int write_manifest(const char *folder, const char *name, const struct man
                                             .log = settings->common.quiet ? NULL : log_note};
     char *path = manifest_path(folder, name);
     if (!path) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     conus_status status = conus_manifest_write(path, &options);
     int code = status ? print_status(status) : EXIT_DONE;

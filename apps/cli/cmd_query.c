@@ -166,8 +166,7 @@ static int mask_init(struct mask *out, const struct query_settings *settings, co
                                                       : CONUS_GRID_MASK_OF_AREAS;
     if (asprintf(&out->sidecar, "%.*s.json", (int)stem_length(path), path) < 0) {
         out->sidecar = NULL;
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     return EXIT_DONE;
 }

@@ -41,12 +41,6 @@ enum { NAME_LIMIT = 200 }; /* bytes of a row's name in that of a file */
 static const char QUERY[] = "{query}";
 static const char ROW[] = "{row}";
 
-static int print_no_memory(void)
-{
-    print_error_line("not enough memory");
-    return EXIT_DATA;
-}
-
 static bool begins(const char *text, const char *word)
 {
     return strncmp(text, word, strlen(word)) == 0;

@@ -201,8 +201,7 @@ static int write_steps(struct track *track)
         return output_write(NULL, text, size);
     }
     if (fwrite(text, 1, size, track->held) != size) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     return EXIT_DONE;
 }
@@ -336,8 +335,7 @@ static int write_rest(struct track *track)
         return answer_write(report, output, NULL, &provenance);
     }
     if (track->held && fflush(track->held)) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     int code = answer_write_sidecar(report, output, inquiry->sidecar, &provenance, track->held_text, track->held_size);
     return code || !track->held ? code : output_write(output, track->held_text, track->held_size);
@@ -384,8 +382,7 @@ static int answer_track(struct track *track)
     inquiry_say_notes(inquiry);
     track->trackers = calloc(inquiry->atlases.count, sizeof(conus_tracker *));
     if (!track->trackers) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     conus_status status = start_track(track);
     code = status ? print_status(status) : track->station ? answer_station(track) : answer_all(track);

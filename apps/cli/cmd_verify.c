@@ -64,8 +64,7 @@ static int write_verdict(const struct verdict *verdict, const struct verify_sett
 {
     char *text = settings->format ? verdict_json(verdict) : verdict_text(verdict);
     if (!text) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     int code = output_write(NULL, text, strlen(text));
     free(text);

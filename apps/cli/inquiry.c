@@ -36,8 +36,7 @@ int inquiry_init(struct inquiry *out, const struct inquiry_settings *settings, c
     }
     out->command_line = arguments_text(arguments);
     if (!out->command_line) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     int code = answer_sidecar(&out->sidecar, out->format, &settings->answer);
     outputs_collect(&out->outputs, arguments);
@@ -131,8 +130,7 @@ int inquiry_load_atlases(struct inquiry *inquiry)
     }
     inquiry->answerers = code ? NULL : calloc(1 + settings->atlas.more.count, sizeof *inquiry->answerers);
     if (!code && !inquiry->answerers) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     return code;
 }

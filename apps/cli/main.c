@@ -95,8 +95,7 @@ static int run_command(const struct command *command, int count, char **words)
     struct arguments arguments;
     void *settings = calloc(1, command->settings_size);
     if (!settings) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     int code = options_parse(&arguments, settings, command, count, words, 2);
     if (code < 0) {

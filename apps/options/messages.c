@@ -65,6 +65,12 @@ void print_error_line(const char *format, ...)
     va_end(args);
 }
 
+int print_no_memory(void)
+{
+    print_error_line("not enough memory");
+    return EXIT_DATA;
+}
+
 int print_usage_error(const char *format, ...)
 {
     va_list args;

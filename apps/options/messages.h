@@ -33,6 +33,9 @@ void make_plain_line(char *text);
 /** print_error_line(), and EXIT_USAGE. */
 int print_usage_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/** Prints that there is not enough memory. Gives EXIT_DATA. */
+int print_no_memory(void);
+
 /** print_error_line() with the library's message about @p status, and the exit code that goes with it. */
 int print_status(conus_status status);
 

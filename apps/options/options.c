@@ -133,8 +133,7 @@ static int keep_use(struct arguments *arguments, const struct option *option, co
 {
     struct option_use *uses = realloc(arguments->uses, (arguments->use_count + 1) * sizeof *uses);
     if (!uses) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     arguments->uses = uses;
     arguments->uses[arguments->use_count++] = (struct option_use){option, value};
@@ -238,8 +237,7 @@ static int take_another(struct option_list *list, const char *word)
 {
     const char **items = realloc(list->items, (list->count + 1) * sizeof *items);
     if (!items) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     list->items = items;
     list->items[list->count++] = word;

@@ -51,8 +51,7 @@ static int write_fitted(const char *text, size_t size, const char *whole)
     }
     char *fitted = table_fit(text, terminal_width(STDOUT_FILENO), terminal_has_colour(STDOUT_FILENO), whole);
     if (!fitted) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     int code = output_write(NULL, fitted, strlen(fitted));
     free(fitted);
@@ -240,8 +239,7 @@ static int check_folder(const char *path)
     const char *slash = strrchr(path, '/');
     char *folder = slash ? strndup(path, (size_t)(slash + 1 - path)) : strdup(".");
     if (!folder) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     int code = access(folder, F_OK) ? print_system_error(path, "write") : EXIT_DONE;
     free(folder);

@@ -281,8 +281,7 @@ int provenance_complete(char **out, const char *text, size_t size, const struct 
     *out = dumped ? join(dumped, rows ? rows : "\n", rows ? size - (size_t)(rows - text) : 1, rows != NULL) : NULL;
     free(dumped);
     if (!*out) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     return EXIT_DONE;
 }
@@ -344,8 +343,7 @@ int answer_write(conus_report *report, const char *path, const char *sidecar, co
     }
     char *kept = malloc(size + 1); /* the sidecar takes its place in the report */
     if (!kept) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     memcpy(kept, text, size);
     int code = answer_write_sidecar(report, path, sidecar, provenance, kept, size);

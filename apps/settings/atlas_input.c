@@ -295,8 +295,7 @@ static int transform_apply(conus_atlas *atlas, const char *given, uint64_t max_m
     struct transform_option option;
     char *text = strdup(given);
     if (!text) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     transform_parse(&option, text);
     option.options.max_memory = max_memory;
@@ -456,8 +455,7 @@ static int additions_parse(struct additions *out, const struct atlas_settings *s
     out->pathways = calloc(settings->pathways.count + 1, sizeof *out->pathways);
     out->streamlines = calloc(count + 1, sizeof *out->streamlines);
     if (!out->pathways || !out->streamlines) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     size_t files = parse_pathways(out->pathways, &settings->pathways);
     bool parsed = files != SIZE_MAX;

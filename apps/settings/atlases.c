@@ -132,8 +132,7 @@ int atlases_name(struct atlases *out, const char *path, const struct atlas_setti
     int code = EXIT_DONE;
     out->items = calloc(count, sizeof *out->items);
     if (!out->items) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     out->count = count;
     for (size_t i = 0; i < count && !code; i++) {

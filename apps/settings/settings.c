@@ -568,8 +568,7 @@ int settings_contacts(conus_contacts *out, const struct axis_settings *settings)
     }
     char *text = strdup(settings->contacts);
     if (!text) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     bool whole = parse(out, text);
     free(text);

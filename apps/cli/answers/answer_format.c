@@ -93,8 +93,7 @@ int answer_sidecar(char **out, conus_format format, const struct answer_settings
     }
     *out = given ? strdup(given) : provenance_path(output);
     if (!*out) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     return EXIT_DONE;
 }

@@ -73,8 +73,7 @@ int places_add(struct places *places, const char *folder)
         return print_usage_error("--search: %s is no folder", folder);
     }
     if (!walk(places, folder, &entries, 0)) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     return EXIT_DONE;
 }

@@ -303,8 +303,7 @@ static int compare_texts(struct checking *checking, const char *again, size_t ag
     }
     if (!differences_find(&verdict->differences, rows, size, other, other_size,
                           1 + lines_in(checking->text, (size_t)(rows - checking->text)))) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     return EXIT_DONE;
 }
@@ -357,8 +356,7 @@ static int compare_sidecars(struct checking *checking, const struct replay *repl
     free(difference);
     json_decref(again);
     if (again && !compared) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     return EXIT_DONE;
 }
