@@ -120,29 +120,6 @@ static conus_status fill_scalar(struct building *building, struct foreign_array 
     return CONUS_OK;
 }
 
-static conus_status fill_scalars(struct building *building)
-{
-    struct foreign_lines *lines = building->lines;
-    building->out->scalars = memory_zeroed(lines->array_count, sizeof *building->out->scalars);
-    conus_status status = building->out->scalars ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < lines->array_count; i++) {
-        status = fill_scalar(building, &lines->arrays[i]);
-    }
-    return status;
-}
-
-static conus_status add_notes(struct notes *notes, const struct foreign_mesh *mesh, const struct foreign_lines *lines)
-{
-    conus_status status = CONUS_OK;
-    if (mesh->space == MESH_SPACE_UNSTATED) {
-        status = notes_add(notes, "the file does not state its space; RAS was taken");
-    }
-    if (!status && lines->behind) {
-        status = notes_add(notes, "%zu polygons are not read", lines->behind);
-    }
-    return status;
-}
-
 /* Builds the tractogram, which takes what it can from @p mesh and @p lines. */
 static conus_status lines_build(struct tractogram *out, struct foreign_mesh *mesh, struct foreign_lines *lines,
                                 uint64_t max_memory, struct notes *notes)
@@ -159,8 +136,20 @@ static conus_status lines_build(struct tractogram *out, struct foreign_mesh *mes
     }
     status = status ? status : fill_points(&building, mesh);
     status = status ? status : fill_first(&building);
-    status = status ? status : fill_scalars(&building);
-    return status ? status : add_notes(notes, mesh, lines);
+    if (!status) {
+        out->scalars = memory_zeroed(lines->array_count, sizeof *out->scalars);
+        status = out->scalars ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; !status && i < lines->array_count; i++) {
+        status = fill_scalar(&building, &lines->arrays[i]);
+    }
+    if (!status && mesh->space == MESH_SPACE_UNSTATED) {
+        status = notes_add(notes, "the file does not state its space; RAS was taken");
+    }
+    if (!status && lines->behind) {
+        status = notes_add(notes, "%zu polygons are not read", lines->behind);
+    }
+    return status;
 }
 
 conus_status vtk_lines_parse(struct tractogram *out, const struct bytes *bytes, uint64_t max_memory,

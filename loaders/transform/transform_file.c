@@ -84,11 +84,6 @@ static conus_status matrix_text_parse(double out[16], struct text text)
     return status ? status : matrix_settle(out, "matrix");
 }
 
-static bool xfm_is(struct text text)
-{
-    return text_starts(text, "MNI Transform File");
-}
-
 /* The MNI's. */
 static conus_status xfm_parse(double out[16], struct text text)
 {
@@ -370,12 +365,12 @@ enum kind { KIND_NONE, KIND_MATRIX, KIND_ITK, KIND_XFM, KIND_LTA, KIND_MATLAB };
 static enum kind transform_kind_of(const struct bytes *file, struct text text)
 {
     bool readable = text_is_readable(text);
-    return readable && matrix_text_is(text)        ? KIND_MATRIX
-           : readable && itk_text_is(text)         ? KIND_ITK
-           : readable && xfm_is(text)              ? KIND_XFM
-           : readable && lta_is(text)              ? KIND_LTA
-           : itk_matlab_is(file->data, file->size) ? KIND_MATLAB
-                                                   : KIND_NONE;
+    return readable && matrix_text_is(text)                      ? KIND_MATRIX
+           : readable && itk_text_is(text)                       ? KIND_ITK
+           : readable && text_starts(text, "MNI Transform File") ? KIND_XFM
+           : readable && lta_is(text)                            ? KIND_LTA
+           : itk_matlab_is(file->data, file->size)               ? KIND_MATLAB
+                                                                 : KIND_NONE;
 }
 
 /* FreeSurfer's register.dat: a name, three numbers in a line each, and four rows. */
