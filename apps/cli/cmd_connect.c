@@ -2,36 +2,36 @@
 /* conus connect: which areas the streamlines of bundles connect, all of them, without a pose. */
 #include "cli/answers/ends.h"
 #include "cli/commands.h"
-#include "cli/inquiry.h"
+#include "cli/request.h"
 #include "options/messages.h"
 
 #include <stdlib.h>
 
 struct connect_settings {
-    struct inquiry_settings inquiry; /* first */
+    struct request_settings request; /* first */
     struct ends_settings ends;
 };
 
 static const struct option_group groups[] = {
-    {"What is connected", atlas_options, INQUIRY_FIELD(atlas)},
-    INQUIRY_NO_POSE_ATLAS_GROUPS,
-    INQUIRY_OUTPUT_GROUPS,
+    {"What is connected", atlas_options, REQUEST_FIELD(atlas)},
+    REQUEST_NO_POSE_ATLAS_GROUPS,
+    REQUEST_OUTPUT_GROUPS,
     {"", connectivity_options, offsetof(struct connect_settings, ends)},
-    {"", quiet_options, INQUIRY_FIELD(common)},
+    {"", quiet_options, REQUEST_FIELD(common)},
     {0},
 };
 
 /* An answer under way. */
 struct connect {
     const struct connect_settings *settings;
-    struct inquiry inquiry;
+    struct request request;
     struct matrix_file matrix;
 };
 
 static int add_answer(struct connect *connect, size_t index, const conus_report_options *report)
 {
-    const conus_connectivity_options options = ends_options_of(&connect->settings->ends, connect->inquiry.arguments);
-    struct answerer *answerer = &connect->inquiry.answerers[index];
+    const conus_connectivity_options options = ends_options_of(&connect->settings->ends, connect->request.arguments);
+    struct answerer *answerer = &connect->request.answerers[index];
     conus_connectivity *connectivity = NULL;
     conus_status status = conus_connectivity_create(&connectivity, answerer->selector, NULL, &options);
     status = status ? status : conus_report_add_connections(answerer->report, "1", connectivity);
@@ -44,29 +44,29 @@ static int add_answer(struct connect *connect, size_t index, const conus_report_
 
 static int answer(struct connect *connect)
 {
-    struct inquiry *inquiry = &connect->inquiry;
+    struct request *request = &connect->request;
     struct provenance provenance = {0};
-    conus_report_options report = inquiry_report_options(inquiry);
+    conus_report_options report = request_report_options(request);
     report.rows = CONUS_ROWS_CONNECTIONS;
     report.frame = NULL; /* its rows have no positions */
-    int code = inquiry_load_atlases(inquiry);
-    code = code ? code : inquiry_start_without_rays(inquiry, &report);
-    code = code ? code : inquiry_check_outputs(inquiry, NULL);
-    code = code || ends_check_atlases(&inquiry->atlases) ? code : EXIT_USAGE;
-    for (size_t i = 0; !code && i < inquiry->atlases.count; i++) {
+    int code = request_load_atlases(request);
+    code = code ? code : request_start_without_rays(request, &report);
+    code = code ? code : request_check_outputs(request, NULL);
+    code = code || ends_check_atlases(&request->atlases) ? code : EXIT_USAGE;
+    for (size_t i = 0; !code && i < request->atlases.count; i++) {
         code = add_answer(connect, i, &report);
     }
     if (code) {
         return code;
     }
-    inquiry_say_notes(inquiry);
-    inquiry_list_inputs(&provenance, inquiry);
+    request_say_notes(request);
+    request_list_inputs(&provenance, request);
     provenance.question.rows = "connections";
     provenance.question.region = "all";
     code = matrix_file_write(&connect->matrix, &provenance);
-    provenance_add_outputs(&provenance, inquiry->arguments);
+    provenance_add_outputs(&provenance, request->arguments);
     return code ? code
-                : answer_write(inquiry->answerers[0].report, inquiry->settings->answer.output, inquiry->sidecar,
+                : answer_write(request->answerers[0].report, request->settings->answer.output, request->sidecar,
                                &provenance);
 }
 
@@ -77,11 +77,11 @@ static int run_connect(const void *given, const struct arguments *arguments)
     if (!ends_check(&settings->ends, arguments)) {
         return EXIT_USAGE;
     }
-    int code = inquiry_init(&connect.inquiry, &settings->inquiry, arguments);
+    int code = request_init(&connect.request, &settings->request, arguments);
     code = code ? code : matrix_file_init(&connect.matrix, settings->ends.connectivity);
     code = code ? code : answer(&connect);
     matrix_file_finish(&connect.matrix);
-    inquiry_finish(&connect.inquiry);
+    request_finish(&connect.request);
     return code;
 }
 

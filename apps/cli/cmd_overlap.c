@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus overlap: which areas and pathways regions of interest cover. */
 #include "cli/commands.h"
-#include "cli/inquiry.h"
+#include "cli/request.h"
 #include "options/messages.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 struct overlap_settings {
-    struct inquiry_settings inquiry; /* first */
+    struct request_settings request; /* first */
     double threshold;
 };
 
@@ -28,37 +28,37 @@ static const struct option region_options[] = {
 
 static const struct option_group groups[] = {
     {"What the region is", region_options, 0},
-    {"", space_options, INQUIRY_FIELD(aim.space)},
-    {"What it may cover", atlas_options, INQUIRY_FIELD(atlas)},
-    INQUIRY_NO_POSE_ATLAS_GROUPS,
-    INQUIRY_OUTPUT_GROUPS,
-    {"", quiet_options, INQUIRY_FIELD(common)},
+    {"", space_options, REQUEST_FIELD(aim.space)},
+    {"What it may cover", atlas_options, REQUEST_FIELD(atlas)},
+    REQUEST_NO_POSE_ATLAS_GROUPS,
+    REQUEST_OUTPUT_GROUPS,
+    {"", quiet_options, REQUEST_FIELD(common)},
     {0},
 };
 
 /* An overlap under way. */
 struct overlap {
     const struct overlap_settings *settings;
-    struct inquiry inquiry;
+    struct request request;
 };
 
 static size_t region_count(const struct overlap *overlap)
 {
-    return overlap->inquiry.arguments->more.count + 1;
+    return overlap->request.arguments->more.count + 1;
 }
 
 static const char *region_path(const struct overlap *overlap, size_t index)
 {
-    return index ? overlap->inquiry.arguments->more.items[index - 1] : overlap->inquiry.arguments->operands[1];
+    return index ? overlap->request.arguments->more.items[index - 1] : overlap->request.arguments->operands[1];
 }
 
 static conus_status load_region(conus_roi **out, const struct overlap *overlap, const char *path, conus_log log)
 {
     const struct overlap_settings *settings = overlap->settings;
     const conus_roi_options options = {.threshold = settings->threshold,
-                                       .max_memory = settings->inquiry.atlas.max_memory,
+                                       .max_memory = settings->request.atlas.max_memory,
                                        .log = log,
-                                       .cache = !settings->inquiry.atlas.no_cache};
+                                       .cache = !settings->request.atlas.no_cache};
     return conus_roi_load(out, path, &options);
 }
 
@@ -66,9 +66,9 @@ static conus_status load_region(conus_roi **out, const struct overlap *overlap, 
  * atlas or as one of a single area. */
 static bool atlas_is_region(const struct overlap *overlap)
 {
-    const conus_atlas *atlas = overlap->inquiry.atlases.count ? overlap->inquiry.atlases.items[0].atlas : NULL;
+    const conus_atlas *atlas = overlap->request.atlases.count ? overlap->request.atlases.items[0].atlas : NULL;
     conus_roi *roi = NULL;
-    conus_status status = load_region(&roi, overlap, overlap->inquiry.arguments->operands[0], NULL);
+    conus_status status = load_region(&roi, overlap, overlap->request.arguments->operands[0], NULL);
     conus_roi_destroy(roi);
     return (status == CONUS_OK || status == CONUS_ERROR_ARGUMENT) && (!atlas || conus_atlas_object_count(atlas) == 1);
 }
@@ -76,7 +76,7 @@ static bool atlas_is_region(const struct overlap *overlap)
 /* Whether an atlas of several areas was given as ROI. */
 static bool region_is_atlas(const struct overlap *overlap, const char *path)
 {
-    const struct atlas_settings *given = &overlap->settings->inquiry.atlas;
+    const struct atlas_settings *given = &overlap->settings->request.atlas;
     const struct atlas_settings settings = {.max_memory = given->max_memory, .no_cache = given->no_cache};
     conus_atlas *atlas = NULL;
     bool is_atlas = !settings_load_atlas(&atlas, path, &settings) && conus_atlas_object_count(atlas) > 1;
@@ -100,11 +100,11 @@ static int print_failure(const struct overlap *overlap, const char *path, int co
 static void say_place(const struct overlap *overlap, size_t index, const conus_roi *roi, const conus_overlap *coverages)
 {
     char prefix[ATLAS_PREFIX_SIZE];
-    const struct named_atlas *named = &overlap->inquiry.atlases.items[index];
+    const struct named_atlas *named = &overlap->request.atlases.items[index];
     const conus_volume_info *info = conus_roi_volume(roi);
     const conus_coverage *best = conus_overlap_coverage(coverages, 0);
     const conus_volume_info *atlas = conus_atlas_volume(named->atlas, 0);
-    if (overlap->settings->inquiry.common.quiet) {
+    if (overlap->settings->request.common.quiet) {
         return;
     }
     atlases_prefix(prefix, named);
@@ -121,8 +121,8 @@ static void say_place(const struct overlap *overlap, size_t index, const conus_r
 /* Whether no output is the region's file. */
 static bool check_region(const struct overlap *overlap, const conus_roi *roi)
 {
-    const char *output = overlap->settings->inquiry.answer.output;
-    const char *const outputs[] = {output_is_stdout(output) ? NULL : output, overlap->inquiry.sidecar};
+    const char *output = overlap->settings->request.answer.output;
+    const char *const outputs[] = {output_is_stdout(output) ? NULL : output, overlap->request.sidecar};
     for (size_t i = 0; i < 2; i++) {
         if (outputs[i] && paths_equal(outputs[i], conus_roi_volume(roi)->path)) {
             print_error_line("--output would overwrite the region %s", outputs[i]);
@@ -135,7 +135,7 @@ static bool check_region(const struct overlap *overlap, const conus_roi *roi)
 /* Adds the areas of one atlas that the region covers. */
 static int add_answer(struct overlap *overlap, size_t index, const char *path, const conus_roi *roi)
 {
-    struct answerer *answerer = &overlap->inquiry.answerers[index];
+    struct answerer *answerer = &overlap->request.answerers[index];
     conus_overlap *coverages = NULL;
     conus_status status = conus_overlap_create(&coverages, answerer->selector, roi);
     status = status ? status : conus_report_add_overlap(answerer->report, path, coverages);
@@ -149,13 +149,13 @@ static int add_answer(struct overlap *overlap, size_t index, const char *path, c
 static int add_region(struct overlap *overlap, const char *path)
 {
     conus_roi *roi = NULL;
-    conus_status status = load_region(&roi, overlap, path, overlap->settings->inquiry.common.quiet ? NULL : log_note);
+    conus_status status = load_region(&roi, overlap, path, overlap->settings->request.common.quiet ? NULL : log_note);
     if (status) {
         messages_hold(true);
         return print_failure(overlap, path, print_status(status));
     }
     int code = check_region(overlap, roi) ? EXIT_DONE : EXIT_USAGE;
-    for (size_t i = 0; !code && i < overlap->inquiry.atlases.count; i++) {
+    for (size_t i = 0; !code && i < overlap->request.atlases.count; i++) {
         code = add_answer(overlap, i, path, roi);
     }
     conus_roi_destroy(roi);
@@ -164,38 +164,38 @@ static int add_region(struct overlap *overlap, const char *path)
 
 static int start(struct overlap *overlap)
 {
-    struct inquiry *inquiry = &overlap->inquiry;
+    struct request *request = &overlap->request;
     messages_hold(true);
-    int code = inquiry_load_atlases(inquiry);
+    int code = request_load_atlases(request);
     if (code) {
         return print_failure(overlap, region_path(overlap, 0), code);
     }
     messages_hold(false);
-    code = settings_frame(&inquiry->frame, &inquiry->atlases, &inquiry->settings->aim.space,
-                          inquiry->settings->common.quiet);
-    conus_report_options report = inquiry_report_options(inquiry);
+    code = settings_frame(&request->frame, &request->atlases, &request->settings->aim.space,
+                          request->settings->common.quiet);
+    conus_report_options report = request_report_options(request);
     report.rows = CONUS_ROWS_COVERAGES;
     report.no_voxels = true;
-    return code ? code : inquiry_start_without_rays(inquiry, &report);
+    return code ? code : request_start_without_rays(request, &report);
 }
 
 static int answer(struct overlap *overlap)
 {
-    struct inquiry *inquiry = &overlap->inquiry;
+    struct request *request = &overlap->request;
     struct provenance provenance = {0};
     int code = start(overlap);
-    code = code ? code : inquiry_check_outputs(inquiry, NULL);
+    code = code ? code : request_check_outputs(request, NULL);
     for (size_t i = 0; !code && i < region_count(overlap); i++) {
         code = add_region(overlap, region_path(overlap, i));
     }
     if (code) {
         return code;
     }
-    inquiry_say_notes(inquiry);
-    inquiry_list_inputs(&provenance, inquiry);
+    request_say_notes(request);
+    request_list_inputs(&provenance, request);
     provenance.question.rows = "coverages";
     provenance.question.region = "volume";
-    return answer_write(inquiry->answerers[0].report, inquiry->settings->answer.output, inquiry->sidecar, &provenance);
+    return answer_write(request->answerers[0].report, request->settings->answer.output, request->sidecar, &provenance);
 }
 
 static int run_overlap(const void *given, const struct arguments *arguments)
@@ -205,12 +205,12 @@ static int run_overlap(const void *given, const struct arguments *arguments)
     if (option_given(arguments, "threshold") && settings->threshold == 0) {
         return print_usage_error("--threshold: 0 would take the whole volume; leave it out for a mask");
     }
-    if (!settings_check_space(arguments, &settings->inquiry.aim.space)) {
+    if (!settings_check_space(arguments, &settings->request.aim.space)) {
         return EXIT_USAGE;
     }
-    int code = inquiry_init(&overlap.inquiry, &settings->inquiry, arguments);
+    int code = request_init(&overlap.request, &settings->request, arguments);
     code = code ? code : answer(&overlap);
-    inquiry_finish(&overlap.inquiry);
+    request_finish(&overlap.request);
     return code;
 }
 

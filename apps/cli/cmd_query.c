@@ -2,7 +2,7 @@
 /* conus query: what is in a cone or ball, with the tables, pictures and masks that belong to it. */
 #include "cli/answers/ends.h"
 #include "cli/commands.h"
-#include "cli/inquiry.h"
+#include "cli/request.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
@@ -17,7 +17,7 @@
 #include <string.h>
 
 struct query_settings {
-    struct inquiry_settings inquiry; /* first */
+    struct request_settings request; /* first */
     const char *voxels;
     size_t voxels_of;
     const char *image, *deep;
@@ -117,18 +117,18 @@ static const struct option output_options[] = {
 };
 
 static const struct option_group groups[] = {
-    INQUIRY_AIM_GROUPS,
+    REQUEST_AIM_GROUPS,
     {"", point_options, 0},
-    INQUIRY_ENGINE_GROUPS,
-    INQUIRY_ATLAS_GROUPS,
-    INQUIRY_MORE_ATLASES,
-    {"What is written", query_format_options, INQUIRY_FIELD(answer)},
-    {"", answer_output_options, INQUIRY_FIELD(answer)},
+    REQUEST_ENGINE_GROUPS,
+    REQUEST_ATLAS_GROUPS,
+    REQUEST_MORE_ATLASES,
+    {"What is written", query_format_options, REQUEST_FIELD(answer)},
+    {"", answer_output_options, REQUEST_FIELD(answer)},
     {"", axis_options, offsetof(struct query_settings, axis)},
     {"", endpoints_options, offsetof(struct query_settings, ends)},
     {"", connectivity_options, offsetof(struct query_settings, ends)},
     {"", output_options, 0},
-    {"", quiet_options, INQUIRY_FIELD(common)},
+    {"", quiet_options, REQUEST_FIELD(common)},
     {0},
 };
 
@@ -217,7 +217,7 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
         print_error_line("--voxels: %s ends as what it will not be: TSV is written", settings->voxels);
         return false;
     }
-    if (settings->deep && settings->inquiry.engine.layers != CONUS_LAYERS_ALL) {
+    if (settings->deep && settings->request.engine.layers != CONUS_LAYERS_ALL) {
         print_error_line("--deep needs --layers all");
         return false;
     }
@@ -227,16 +227,16 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
 static bool check_settings(const struct query_settings *settings, const struct arguments *arguments)
 {
     if (option_given(arguments, "point")) {
-        return settings_check_space(arguments, &settings->inquiry.aim.space) && check_outputs(settings, arguments);
+        return settings_check_space(arguments, &settings->request.aim.space) && check_outputs(settings, arguments);
     }
-    return inquiry_check(&settings->inquiry, arguments, false) && settings_check_aim(arguments, true) &&
+    return request_check(&settings->request, arguments, false) && settings_check_aim(arguments, true) &&
            check_outputs(settings, arguments);
 }
 
 /** A query under way. */
 struct query {
     const struct query_settings *settings;
-    struct inquiry inquiry;
+    struct request request;
     conus_image *image;
     struct mask mask;
     conus_streamline_list *streamlines;
@@ -257,7 +257,7 @@ static void query_finish(struct query *query)
     rows_file_finish(&query->segments);
     ends_finish(&query->ends);
     conus_selection_destroy(query->selection);
-    inquiry_finish(&query->inquiry);
+    request_finish(&query->request);
 }
 
 static bool is_of_probe(conus_format format)
@@ -266,16 +266,16 @@ static bool is_of_probe(conus_format format)
 }
 
 /* Whether the format of another program has a place for this answer. */
-static bool check_format(const struct inquiry *inquiry)
+static bool check_format(const struct request *request)
 {
-    conus_format format = inquiry->format;
-    if (format > CONUS_FORMAT_NDJSON && option_given(inquiry->arguments, "atlas")) {
+    conus_format format = request->format;
+    if (format > CONUS_FORMAT_NDJSON && option_given(request->arguments, "atlas")) {
         print_error_line("--format: other programs' have no column for the atlas, table, tsv, csv, json and ndjson do");
         return false;
     }
     bool of_contacts =
-        format == CONUS_FORMAT_BIDS || (is_of_probe(format) && option_given(inquiry->arguments, "point"));
-    if (of_contacts && !inquiry->settings->aim.pose) {
+        format == CONUS_FORMAT_BIDS || (is_of_probe(format) && option_given(request->arguments, "point"));
+    if (of_contacts && !request->settings->aim.pose) {
         print_error_line("--format: this one is of contacts, --pose FILE names them");
         return false;
     }
@@ -285,10 +285,10 @@ static bool check_format(const struct inquiry *inquiry)
 /* Some outputs are of one pose, and --angle is of poses without their own. */
 static int check_poses(const struct query *query)
 {
-    const struct aim_settings *aim = &query->inquiry.settings->aim;
-    const conus_pose_list *poses = query->inquiry.poses;
+    const struct aim_settings *aim = &query->request.settings->aim;
+    const conus_pose_list *poses = query->request.poses;
     size_t count = conus_pose_list_count(poses);
-    const struct option *of_one = option_with(query->inquiry.arguments, OPTION_OF_ONE_POSE);
+    const struct option *of_one = option_with(query->request.arguments, OPTION_OF_ONE_POSE);
     if (of_one && count != 1) {
         return print_usage_error("--%s shows one pose, %s has %zu", of_one->name, settings_poses_name(aim->pose),
                                  count);
@@ -329,9 +329,9 @@ static int add_answer(struct query *query, size_t index, const struct asked_row 
                       const conus_selection *selection)
 {
     const struct query_settings *settings = query->settings;
-    const struct answerer *answerer = &query->inquiry.answerers[index];
-    const conus_report_options report = inquiry_report_options(&query->inquiry);
-    bool is_shank = is_of_probe(query->inquiry.format) && !question->is_point;
+    const struct answerer *answerer = &query->request.answerers[index];
+    const conus_report_options report = request_report_options(&query->request);
+    bool is_shank = is_of_probe(query->request.format) && !question->is_point;
     query->has_points = query->has_points || question->is_point;
     query->has_cones = query->has_cones || !question->is_point;
     query->has_shanks = query->has_shanks || is_shank;
@@ -346,7 +346,7 @@ static int add_answer(struct query *query, size_t index, const struct asked_row 
     if (status) {
         return print_status(status);
     }
-    int code = mask_take(&query->mask, query->inquiry.atlases.items[index].atlas, selection);
+    int code = mask_take(&query->mask, query->request.atlases.items[index].atlas, selection);
     if (!code && settings->streamlines) {
         status = conus_selection_streamlines(&query->streamlines, selection, 0);
         code = status == CONUS_ERROR_ARGUMENT ? print_usage_error("--streamlines-out: %s", conus_message())
@@ -367,8 +367,8 @@ static int ask(struct query *query, const struct asked_row *question, bool *faul
 {
     int code = EXIT_DONE;
     double radius = question->radius;
-    for (size_t i = 0; i < query->inquiry.atlases.count && !code; i++) {
-        conus_selector *selector = query->inquiry.answerers[i].selector;
+    for (size_t i = 0; i < query->request.atlases.count && !code; i++) {
+        conus_selector *selector = query->request.answerers[i].selector;
         conus_selection *selection = NULL;
         conus_status status = question->is_point ? conus_select_ball(&selection, selector, question->point, radius)
                                                  : conus_select(&selection, selector, &question->pose, question->angle);
@@ -391,7 +391,7 @@ static int ask(struct query *query, const struct asked_row *question, bool *faul
 
 static int refuse_row(struct query *query, const conus_pose_row *row, const char *why)
 {
-    int code = inquiry_refuse_row(&query->inquiry, row, why);
+    int code = request_refuse_row(&query->request, row, why);
     code = code ? code : rows_file_refuse(&query->segments, row->id, row->line, why);
     return code ? code : rows_file_refuse(&query->ends.rows, row->id, row->line, why);
 }
@@ -399,8 +399,8 @@ static int refuse_row(struct query *query, const conus_pose_row *row, const char
 static int answer_row(void *user, const conus_pose_row *row)
 {
     struct query *query = user;
-    struct inquiry *inquiry = &query->inquiry;
-    double radius = inquiry->settings->engine.radius;
+    struct request *request = &query->request;
+    double radius = request->settings->engine.radius;
     struct asked_row question = {
         .id = row->id, .line = row->line, .pose = row->pose, .is_point = row->is_point, .radius = radius};
     bool fault = false;
@@ -409,10 +409,10 @@ static int answer_row(void *user, const conus_pose_row *row)
     }
     if (row->is_point) {
         memcpy(question.point, row->pose.world_from_device + 12, sizeof question.point);
-        inquiry_count_point(inquiry, row->line, question.point, radius);
+        request_count_point(request, row->line, question.point, radius);
     } else {
-        question.angle = inquiry_angle(inquiry, row);
-        inquiry_count_pose(inquiry, row->line, &row->pose, question.angle);
+        question.angle = request_angle(request, row);
+        request_count_pose(request, row->line, &row->pose, question.angle);
     }
     int code = ask(query, &question, &fault);
     return fault ? refuse_row(query, row, conus_message()) : code;
@@ -433,11 +433,11 @@ static bool is_outside(const conus_atlas *atlas, const double point[3])
  * is in the ball that was asked for. */
 static void say_nearest(const struct query *query, const struct asked_row *question)
 {
-    const conus_atlas *atlas = query->inquiry.atlases.items[0].atlas;
+    const conus_atlas *atlas = query->request.atlases.items[0].atlas;
     conus_selection *selection = NULL;
     const conus_result *nearest = NULL;
     if (!is_outside(atlas, question->point) ||
-        conus_select_ball(&selection, query->inquiry.answerers[0].selector, question->point, 0)) {
+        conus_select_ball(&selection, query->request.answerers[0].selector, question->point, 0)) {
         return;
     }
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
@@ -453,24 +453,24 @@ static void say_nearest(const struct query *query, const struct asked_row *quest
 
 static int answer_one(struct query *query)
 {
-    struct inquiry *inquiry = &query->inquiry;
-    const struct inquiry_settings *settings = inquiry->settings;
+    struct request *request = &query->request;
+    const struct request_settings *settings = request->settings;
     struct asked_row question = {.id = "1"};
     bool fault = false;
-    if (option_given(inquiry->arguments, "point")) {
-        int code = settings_point(question.point, query->settings->point, &inquiry->frame, "point");
+    if (option_given(request->arguments, "point")) {
+        int code = settings_point(question.point, query->settings->point, &request->frame, "point");
         if (code) {
             return code;
         }
         question.is_point = true;
         question.radius = settings->engine.radius;
     } else {
-        int code = settings_pose(&question.pose, &settings->aim, &inquiry->frame, inquiry->arguments);
+        int code = settings_pose(&question.pose, &settings->aim, &request->frame, request->arguments);
         if (code) {
             return code;
         }
         question.angle = settings_angle(&settings->aim, &settings->engine);
-        inquiry_count_pose(inquiry, 1, &question.pose, question.angle);
+        request_count_pose(request, 1, &question.pose, question.angle);
     }
     int code = ask(query, &question, &fault);
     code = fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
@@ -483,37 +483,37 @@ static int answer_one(struct query *query)
 /* Whether the question is what is at a point, without a radius. */
 static bool is_of_nearest(const struct query *query)
 {
-    const struct arguments *arguments = query->inquiry.arguments;
+    const struct arguments *arguments = query->request.arguments;
     return option_given(arguments, "point") && !option_given(arguments, "radius") && !option_given(arguments, "order");
 }
 
 static conus_status start_query(struct query *query)
 {
     const struct query_settings *settings = query->settings;
-    struct inquiry *inquiry = &query->inquiry;
-    conus_selector_options engine = settings_engine(&settings->inquiry.engine, &settings->inquiry.common);
-    if (option_given(inquiry->arguments, "point")) {
+    struct request *request = &query->request;
+    conus_selector_options engine = settings_engine(&settings->request.engine, &settings->request.common);
+    if (option_given(request->arguments, "point")) {
         engine.radius = 0; /* of the ball */
         engine.layers = CONUS_LAYERS_ALL;
     }
-    conus_status status = inquiry_start(inquiry, &engine);
+    conus_status status = request_start(request, &engine);
     if (status) {
         return status;
     }
-    conus_report_options report = inquiry_report_options(inquiry);
+    conus_report_options report = request_report_options(request);
     report.all_voxels = settings->voxels_of == 1;
     report.no_voxels = !settings->voxels;
     report.order = (conus_order)settings->axis.order;
-    if (is_of_nearest(query) && inquiry->format <= CONUS_FORMAT_NDJSON) {
+    if (is_of_nearest(query) && request->format <= CONUS_FORMAT_NDJSON) {
         report.order = CONUS_ORDER_DEPTH;
     }
     report.contacts = query->contacts;
-    report.electrodes = inquiry->format == CONUS_FORMAT_BIDS ? conus_pose_list_electrodes(inquiry->poses) : NULL;
-    status = inquiry_reports(inquiry, &report);
-    for (size_t i = 0; i < inquiry->atlases.count && !status; i++) {
-        report.atlas = inquiry->atlases.items[i].name;
-        status = rows_file_report(&query->segments, inquiry->answerers[i].selector, &report);
-        status = status ? status : rows_file_report(&query->ends.rows, inquiry->answerers[i].selector, &report);
+    report.electrodes = request->format == CONUS_FORMAT_BIDS ? conus_pose_list_electrodes(request->poses) : NULL;
+    status = request_reports(request, &report);
+    for (size_t i = 0; i < request->atlases.count && !status; i++) {
+        report.atlas = request->atlases.items[i].name;
+        status = rows_file_report(&query->segments, request->answerers[i].selector, &report);
+        status = status ? status : rows_file_report(&query->ends.rows, request->answerers[i].selector, &report);
     }
     return status;
 }
@@ -522,7 +522,7 @@ static conus_status start_query(struct query *query)
 static bool is_replaced(const struct query_settings *settings)
 {
     const char *segments = settings->axis.segments;
-    return segments && output_is_stdout(segments) && output_is_stdout(settings->inquiry.answer.output);
+    return segments && output_is_stdout(segments) && output_is_stdout(settings->request.answer.output);
 }
 
 /* Writes the files that belong to the answer but for those of rows and the mask. */
@@ -543,8 +543,8 @@ static conus_status write_files(const struct query *query)
 static int write_all(struct query *query)
 {
     const struct query_settings *settings = query->settings;
-    const struct inquiry *inquiry = &query->inquiry;
-    conus_report *report = inquiry->answerers[0].report;
+    const struct request *request = &query->request;
+    conus_report *report = request->answerers[0].report;
     struct provenance provenance = {0};
     const char *text = NULL;
     size_t size = 0;
@@ -557,7 +557,7 @@ static int write_all(struct query *query)
     if (status) {
         return print_status(status);
     }
-    inquiry_list_inputs(&provenance, inquiry);
+    request_list_inputs(&provenance, request);
     if (query->has_points && !query->has_cones) {
         provenance.question.region = "ball";
     }
@@ -568,19 +568,19 @@ static int write_all(struct query *query)
         provenance.question.region = "axis";
     }
     code = code ? code : mask_write(&query->mask, report, &provenance);
-    provenance_add_outputs(&provenance, inquiry->arguments);
+    provenance_add_outputs(&provenance, request->arguments);
     return code || is_replaced(settings)
                ? code
-               : answer_write(report, settings->inquiry.answer.output, inquiry->sidecar, &provenance);
+               : answer_write(report, settings->request.answer.output, request->sidecar, &provenance);
 }
 
 /* Whether --voxels has something to list. */
 static bool check_voxels(const struct query *query)
 {
-    bool has_points = query->settings->inquiry.engine.layers || option_given(query->inquiry.arguments, "point");
+    bool has_points = query->settings->request.engine.layers || option_given(query->request.arguments, "point");
     bool has_some = !query->settings->voxels || query->settings->voxels_of;
-    for (size_t i = 0; i < query->inquiry.atlases.count; i++) {
-        const conus_atlas *atlas = query->inquiry.atlases.items[i].atlas;
+    for (size_t i = 0; i < query->request.atlases.count; i++) {
+        const conus_atlas *atlas = query->request.atlases.items[i].atlas;
         for (uint32_t number = 1; number <= conus_atlas_object_count(atlas) && !has_some; number++) {
             conus_kind kind = conus_atlas_object(atlas, number)->kind;
             has_some = kind == CONUS_KIND_PATHWAY || (kind == CONUS_KIND_BUNDLE && has_points);
@@ -597,77 +597,77 @@ static bool check_voxels(const struct query *query)
 static int load_poses(void *user)
 {
     struct query *query = user;
-    struct inquiry *inquiry = &query->inquiry;
-    const char *poses = inquiry->settings->aim.pose;
-    int code = inquiry_load_poses(inquiry);
+    struct request *request = &query->request;
+    const char *poses = request->settings->aim.pose;
+    int code = request_load_poses(request);
     if (!code && poses) {
         code = check_poses(query);
     }
-    return code ? code : settings_check_electrodes(inquiry->format, conus_pose_list_electrodes(inquiry->poses), poses);
+    return code ? code : settings_check_electrodes(request->format, conus_pose_list_electrodes(request->poses), poses);
 }
 
 static int answer_query(struct query *query)
 {
-    struct inquiry *inquiry = &query->inquiry;
-    int code = inquiry_load(inquiry, load_poses, query);
+    struct request *request = &query->request;
+    int code = request_load(request, load_poses, query);
     if (code) {
         return code;
     }
     bool has_ends = query->settings->ends.endpoints || query->settings->ends.connectivity;
-    if (!check_voxels(query) || (has_ends && !ends_check_atlases(&inquiry->atlases))) {
+    if (!check_voxels(query) || (has_ends && !ends_check_atlases(&request->atlases))) {
         return EXIT_USAGE;
     }
-    code = inquiry_check_outputs(inquiry, NULL);
-    code = code ? code : inquiry_match(inquiry);
+    code = request_check_outputs(request, NULL);
+    code = code ? code : request_match(request);
     if (code) {
         return code;
     }
     conus_status status = start_query(query);
     code = status           ? print_status(status)
-           : inquiry->poses ? inquiry_each_row(inquiry, answer_row, query)
+           : request->poses ? request_each_row(request, answer_row, query)
                             : answer_one(query);
     if (code) {
         return code;
     }
-    inquiry_say_notes(inquiry);
-    atlases_say_open(&inquiry->atlases, &inquiry->settings->engine, &inquiry->settings->common);
-    inquiry_say_aims(inquiry);
-    return inquiry_code(inquiry, write_all(query));
+    request_say_notes(request);
+    atlases_say_open(&request->atlases, &request->settings->engine, &request->settings->common);
+    request_say_aims(request);
+    return request_code(request, write_all(query));
 }
 
 /* On stdout they have the format of the answer, whose place they take unless -o names it another. */
 static int start_segments(struct query *query)
 {
     const struct query_settings *settings = query->settings;
-    struct inquiry *inquiry = &query->inquiry;
+    struct request *request = &query->request;
     const char *path = settings->axis.segments;
     if (is_replaced(settings) && settings->axis.order) {
         return print_usage_error("--order has no effect without the answer, segments have but one order");
     }
-    if (is_replaced(settings) && settings->inquiry.answer.sidecar) {
+    if (is_replaced(settings) && settings->request.answer.sidecar) {
         return print_usage_error("--sidecar has no effect without the answer");
     }
-    bool answer_has_format = !output_is_stdout(settings->inquiry.answer.output);
+    bool answer_has_format = !output_is_stdout(settings->request.answer.output);
     int code = rows_file_init(&query->segments, "segments", CONUS_ROWS_SEGMENTS, path,
-                              answer_has_format ? CONUS_FORMAT_TABLE : inquiry->format);
-    outputs_add_sidecar(&inquiry->outputs, "segments", query->segments.sidecar);
+                              answer_has_format ? CONUS_FORMAT_TABLE : request->format);
+    outputs_add_sidecar(&request->outputs, "segments", query->segments.sidecar);
     return code;
 }
 
 static int start_outputs(struct query *query)
 {
     const struct query_settings *settings = query->settings;
-    struct inquiry *inquiry = &query->inquiry;
-    int code = mask_init(&query->mask, settings, inquiry->arguments);
-    outputs_add_sidecar(&inquiry->outputs, "mask", query->mask.sidecar);
+    struct request *request = &query->request;
+    int code = mask_init(&query->mask, settings, request->arguments);
+    outputs_add_sidecar(&request->outputs, "mask", query->mask.sidecar);
     code = code ? code : settings_contacts(&query->contacts, &settings->axis);
     code = code ? code : start_segments(query);
-    code = code ? code : ends_init(&query->ends, &settings->ends, inquiry->arguments);
+    code = code ? code : ends_init(&query->ends, &settings->ends, request->arguments);
     if (code) {
         return code;
     }
-    outputs_add_sidecar(&inquiry->outputs, "endpoints", query->ends.rows.sidecar);
-    return check_format(inquiry) && outputs_differ(&inquiry->outputs) ? EXIT_DONE : EXIT_USAGE;
+    outputs_add_sidecar(&request->outputs, "endpoints", query->ends.rows.sidecar);
+    return check_format(request) && outputs_differ(&request->outputs) ? EXIT_DONE : EXIT_USAGE;
 }
 
 static int run_query(const void *given, const struct arguments *arguments)
@@ -677,7 +677,7 @@ static int run_query(const void *given, const struct arguments *arguments)
         return EXIT_USAGE;
     }
     struct query query = {.settings = settings};
-    int code = inquiry_init(&query.inquiry, &settings->inquiry, arguments);
+    int code = request_init(&query.request, &settings->request, arguments);
     if (!code) {
         code = start_outputs(&query);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus sweep: the angles that admit areas, shares at several angles, probabilities under errors of the pose. */
 #include "cli/commands.h"
-#include "cli/inquiry.h"
+#include "cli/request.h"
 #include "options/angles.h"
 #include "options/messages.h"
 #include "options/options.h"
@@ -11,7 +11,7 @@
 #include <string.h>
 
 struct sweep_settings {
-    struct inquiry_settings inquiry; /* first */
+    struct request_settings request; /* first */
     const char *angles;
     const char *jitter;
     uint32_t samples;
@@ -52,20 +52,20 @@ static const struct option sweep_options[] = {
 
 static const struct option_group groups[] = {
     {"What is asked (default: the angle from which on each area is in the cone)", sweep_options, 0},
-    INQUIRY_AIM_GROUPS,
-    INQUIRY_ENGINE_GROUPS,
-    INQUIRY_ATLAS_GROUPS,
-    INQUIRY_MORE_ATLASES,
-    {"What is written", format_options, INQUIRY_FIELD(answer)},
-    {"", answer_output_options, INQUIRY_FIELD(answer)},
-    {"", quiet_options, INQUIRY_FIELD(common)},
+    REQUEST_AIM_GROUPS,
+    REQUEST_ENGINE_GROUPS,
+    REQUEST_ATLAS_GROUPS,
+    REQUEST_MORE_ATLASES,
+    {"What is written", format_options, REQUEST_FIELD(answer)},
+    {"", answer_output_options, REQUEST_FIELD(answer)},
+    {"", quiet_options, REQUEST_FIELD(common)},
     {0},
 };
 
 /** A sweep under way. */
 struct sweep {
     const struct sweep_settings *settings;
-    struct inquiry inquiry;
+    struct request request;
     conus_rows rows;
     double *angles; /* of --angles, radians */
     size_t angle_count;
@@ -75,7 +75,7 @@ struct sweep {
 
 static void sweep_finish(struct sweep *sweep)
 {
-    inquiry_finish(&sweep->inquiry);
+    request_finish(&sweep->request);
     free(sweep->angles);
 }
 
@@ -163,7 +163,7 @@ static bool read_jitter(struct sweep *sweep)
     sweep->jitter_of_rows = strcmp(sweep->settings->jitter, "columns") == 0;
     sweep->jitter = (conus_jitter_options){.samples = sweep->settings->samples};
     if (sweep->jitter_of_rows) {
-        return sweep->settings->inquiry.aim.pose ||
+        return sweep->settings->request.aim.pose ||
                (print_error_line("--jitter columns: without --pose FILE there are none"), false);
     }
     if (read_numbers(errors, 2, sweep->settings->jitter, ',') != 2) {
@@ -202,7 +202,7 @@ static bool check_kind(const struct sweep *sweep, const struct arguments *argume
         print_error_line("--samples: %u is no power of two", samples);
         return false;
     }
-    if (sweep->rows != CONUS_ROWS_CHANCES && settings->inquiry.engine.radius > 0) {
+    if (sweep->rows != CONUS_ROWS_CHANCES && settings->request.engine.radius > 0) {
         print_error_line("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
         return false;
     }
@@ -212,7 +212,7 @@ static bool check_kind(const struct sweep *sweep, const struct arguments *argume
 static bool check_sweep(struct sweep *sweep, const struct arguments *arguments)
 {
     const struct sweep_settings *settings = sweep->settings;
-    return inquiry_check(&settings->inquiry, arguments, false) && settings_check_aim(arguments, true) &&
+    return request_check(&settings->request, arguments, false) && settings_check_aim(arguments, true) &&
            check_kind(sweep, arguments) && (!settings->angles || read_angles(sweep)) &&
            (!settings->jitter || read_jitter(sweep));
 }
@@ -246,7 +246,7 @@ static bool has_errors(const conus_pose_row *row)
 static bool show_sample(void *user, size_t done, size_t total)
 {
     (void)total;
-    inquiry_show_step(user, done);
+    request_show_step(user, done);
     return true;
 }
 
@@ -257,7 +257,7 @@ static conus_status add_chances(struct sweep *sweep, const struct answerer *answ
     conus_jitter *jitter = NULL;
     conus_jitter_options options = sweep->jitter;
     options.progress = show_sample;
-    options.progress_user = &sweep->inquiry;
+    options.progress_user = &sweep->request;
     if (sweep->jitter_of_rows) {
         options.tilt = isfinite(row->error_deg) ? radians(row->error_deg) : 0;
         options.shift = isfinite(row->error_mm) ? row->error_mm : 0;
@@ -288,12 +288,12 @@ static conus_status add_answer(struct sweep *sweep, const struct answerer *answe
 
 static conus_status add_answers(struct sweep *sweep, const conus_pose_row *row)
 {
-    struct inquiry *inquiry = &sweep->inquiry;
-    double angle = inquiry_angle(inquiry, row);
+    struct request *request = &sweep->request;
+    double angle = request_angle(request, row);
     conus_status status = CONUS_OK;
-    inquiry_count_pose(inquiry, row->line, &row->pose, widest_angle(sweep, angle));
-    for (size_t i = 0; i < inquiry->atlases.count && !status; i++) {
-        status = add_answer(sweep, &inquiry->answerers[i], row, angle);
+    request_count_pose(request, row->line, &row->pose, widest_angle(sweep, angle));
+    for (size_t i = 0; i < request->atlases.count && !status; i++) {
+        status = add_answer(sweep, &request->answerers[i], row, angle);
     }
     return status;
 }
@@ -309,60 +309,60 @@ static int answer_row(void *user, const conus_pose_row *row)
     if (status == CONUS_ERROR_ARGUMENT) {
         why = conus_message();
     }
-    return why ? inquiry_refuse_row(&sweep->inquiry, row, why) : status ? print_status(status) : EXIT_DONE;
+    return why ? request_refuse_row(&sweep->request, row, why) : status ? print_status(status) : EXIT_DONE;
 }
 
 /* Errors in the file that --jitter on the command line overrides. */
 static void say_unused_errors(const struct sweep *sweep)
 {
-    bool said = sweep->settings->inquiry.common.quiet || sweep->rows != CONUS_ROWS_CHANCES || sweep->jitter_of_rows;
-    for (size_t i = 0; !said && i < conus_pose_list_count(sweep->inquiry.poses); i++) {
-        said = has_errors(conus_pose_list_row(sweep->inquiry.poses, i));
+    bool said = sweep->settings->request.common.quiet || sweep->rows != CONUS_ROWS_CHANCES || sweep->jitter_of_rows;
+    for (size_t i = 0; !said && i < conus_pose_list_count(sweep->request.poses); i++) {
+        said = has_errors(conus_pose_list_row(sweep->request.poses, i));
         if (said) {
             print_error_line(
                 "note: %s: error_deg and error_mm are not used, --jitter %s is; --jitter columns takes them",
-                settings_poses_name(sweep->settings->inquiry.aim.pose), sweep->settings->jitter);
+                settings_poses_name(sweep->settings->request.aim.pose), sweep->settings->jitter);
         }
     }
 }
 
 static int answer_all(struct sweep *sweep)
 {
-    struct inquiry *inquiry = &sweep->inquiry;
-    inquiry->steps = sweep->rows == CONUS_ROWS_CHANCES ? (sweep->jitter.samples ? sweep->jitter.samples : 1024) : 0;
-    if (inquiry->poses) {
+    struct request *request = &sweep->request;
+    request->steps = sweep->rows == CONUS_ROWS_CHANCES ? (sweep->jitter.samples ? sweep->jitter.samples : 1024) : 0;
+    if (request->poses) {
         say_unused_errors(sweep);
-        return inquiry_each_row(inquiry, answer_row, sweep);
+        return request_each_row(request, answer_row, sweep);
     }
     conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN};
-    int code = settings_pose(&row.pose, &inquiry->settings->aim, &inquiry->frame, inquiry->arguments);
-    inquiry_start_progress(inquiry, 1);
+    int code = settings_pose(&row.pose, &request->settings->aim, &request->frame, request->arguments);
+    request_start_progress(request, 1);
     conus_status status = code ? CONUS_OK : add_answers(sweep, &row);
-    progress_finish(&inquiry->progress, 0, 0);
+    progress_finish(&request->progress, 0, 0);
     return status ? print_status(status) : code;
 }
 
 static conus_status start_sweep(struct sweep *sweep)
 {
-    struct inquiry *inquiry = &sweep->inquiry;
-    const conus_selector_options engine = settings_engine(&inquiry->settings->engine, &inquiry->settings->common);
-    conus_report_options report = inquiry_report_options(inquiry);
+    struct request *request = &sweep->request;
+    const conus_selector_options engine = settings_engine(&request->settings->engine, &request->settings->common);
+    conus_report_options report = request_report_options(request);
     report.rows = sweep->rows;
-    conus_status status = inquiry_start(inquiry, &engine);
-    return status ? status : inquiry_reports(inquiry, &report);
+    conus_status status = request_start(request, &engine);
+    return status ? status : request_reports(request, &report);
 }
 
 static int load_poses(void *user)
 {
-    return inquiry_load_poses(user);
+    return request_load_poses(user);
 }
 
 static int answer_sweep(struct sweep *sweep)
 {
-    struct inquiry *inquiry = &sweep->inquiry;
-    int code = inquiry_load(inquiry, load_poses, inquiry);
-    code = code ? code : inquiry_match(inquiry);
-    code = code ? code : inquiry_check_outputs(inquiry, NULL);
+    struct request *request = &sweep->request;
+    int code = request_load(request, load_poses, request);
+    code = code ? code : request_match(request);
+    code = code ? code : request_check_outputs(request, NULL);
     if (code) {
         return code;
     }
@@ -371,15 +371,15 @@ static int answer_sweep(struct sweep *sweep)
     if (code) {
         return code;
     }
-    inquiry_say_notes(inquiry);
-    inquiry_say_aims(inquiry);
+    request_say_notes(request);
+    request_say_aims(request);
     struct provenance provenance = {0};
-    inquiry_list_inputs(&provenance, inquiry);
+    request_list_inputs(&provenance, request);
     provenance.question.rows = sweep->rows == CONUS_ROWS_SHARES    ? "shares"
                                : sweep->rows == CONUS_ROWS_CHANCES ? "chances"
                                                                    : "admissions";
-    code = answer_write(inquiry->answerers[0].report, inquiry->settings->answer.output, inquiry->sidecar, &provenance);
-    return inquiry_code(inquiry, code);
+    code = answer_write(request->answerers[0].report, request->settings->answer.output, request->sidecar, &provenance);
+    return request_code(request, code);
 }
 
 static int run_sweep(const void *given, const struct arguments *arguments)
@@ -391,7 +391,7 @@ static int run_sweep(const void *given, const struct arguments *arguments)
                                                      : CONUS_ROWS_ADMISSIONS};
     int code = EXIT_USAGE;
     if (check_sweep(&sweep, arguments)) {
-        code = inquiry_init(&sweep.inquiry, &settings->inquiry, arguments);
+        code = request_init(&sweep.request, &settings->request, arguments);
         code = code ? code : answer_sweep(&sweep);
     }
     sweep_finish(&sweep);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus track: the poses of a moving device, from a file, a pipe or a tracker, each ranked with those before it. */
 #include "cli/commands.h"
-#include "cli/inquiry.h"
+#include "cli/request.h"
 #include "link/clock.h"
 #include "link/send_selection.h"
 #include "options/interrupt.h"
@@ -15,7 +15,7 @@
 #include <string.h>
 
 struct track_settings {
-    struct inquiry_settings inquiry; /* first */
+    struct request_settings request; /* first */
     struct station_settings station;
     double seconds;
     conus_tracker_options constants;
@@ -27,7 +27,7 @@ struct track_settings {
 static const struct option pose_options[] = {
     {.name = "poses",
      .type = OPTION_TEXT,
-     .offset = INQUIRY_FIELD(aim.pose),
+     .offset = REQUEST_FIELD(aim.pose),
      .value = "FILE",
      .help = "poses of the device over time, for instance a table with columns time_s and, if wanted, trigger "
              "(docs/formats.md); - is standard input",
@@ -127,29 +127,29 @@ static const struct option output_options[] = {
 
 static const struct option_group groups[] = {
     {"Where the device is", pose_options, 0},
-    {"", pose_file_options, INQUIRY_FIELD(file)},
+    {"", pose_file_options, REQUEST_FIELD(file)},
     {"Poses from a tracker", station_options_table, FIELD(station)},
     {"", live_options, 0},
-    {"", angle_options, INQUIRY_FIELD(aim)},
-    {"", space_options, INQUIRY_FIELD(aim.space)},
-    {"", shape_options, INQUIRY_FIELD(engine)},
-    INQUIRY_ENGINE_GROUPS,
+    {"", angle_options, REQUEST_FIELD(aim)},
+    {"", space_options, REQUEST_FIELD(aim.space)},
+    {"", shape_options, REQUEST_FIELD(engine)},
+    REQUEST_ENGINE_GROUPS,
     {"History", history_options, 0},
-    INQUIRY_ATLAS_GROUPS,
-    INQUIRY_MORE_ATLASES,
-    {"What is written", format_options, INQUIRY_FIELD(answer)},
-    {"", answer_output_options, INQUIRY_FIELD(answer)},
+    REQUEST_ATLAS_GROUPS,
+    REQUEST_MORE_ATLASES,
+    {"What is written", format_options, REQUEST_FIELD(answer)},
+    {"", answer_output_options, REQUEST_FIELD(answer)},
     {"", output_options, 0},
-    {"", quiet_options, INQUIRY_FIELD(common)},
+    {"", quiet_options, REQUEST_FIELD(common)},
     {0},
 };
 
 /** A track under way. */
 struct track {
     const struct track_settings *settings;
-    struct inquiry inquiry;
+    struct request request;
     struct station *station;  /* NULL where the poses come from a file */
-    conus_tracker **trackers; /* [inquiry.atlases.count] */
+    conus_tracker **trackers; /* [request.atlases.count] */
     FILE *held;               /* what goes to a file, which appears whole or not at all; NULL for stdout */
     char *held_text;
     size_t held_size;
@@ -161,12 +161,12 @@ static void track_finish(struct track *track)
         fclose(track->held);
     }
     free(track->held_text);
-    for (size_t i = 0; track->trackers && i < track->inquiry.atlases.count; i++) {
+    for (size_t i = 0; track->trackers && i < track->request.atlases.count; i++) {
         conus_tracker_destroy(track->trackers[i]);
     }
     free((void *)track->trackers);
     station_stop(track->station);
-    inquiry_finish(&track->inquiry);
+    request_finish(&track->request);
 }
 
 static bool check_source(const struct station_settings *settings, const struct arguments *arguments)
@@ -182,7 +182,7 @@ static bool check_source(const struct station_settings *settings, const struct a
 
 static bool check_track(const struct track_settings *settings, const struct arguments *arguments)
 {
-    return check_source(&settings->station, arguments) && inquiry_check(&settings->inquiry, arguments, true);
+    return check_source(&settings->station, arguments) && request_check(&settings->request, arguments, true);
 }
 
 /* Writes what was answered since the last time. A whole JSON text waits for the end. */
@@ -190,10 +190,10 @@ static int write_steps(struct track *track)
 {
     const char *text = NULL;
     size_t size = 0;
-    if (track->inquiry.format == CONUS_FORMAT_JSON) {
+    if (track->request.format == CONUS_FORMAT_JSON) {
         return EXIT_DONE;
     }
-    conus_status status = conus_report_take(&text, &size, track->inquiry.answerers[0].report);
+    conus_status status = conus_report_take(&text, &size, track->request.answerers[0].report);
     if (status) {
         return print_status(status);
     }
@@ -210,11 +210,11 @@ static int write_steps(struct track *track)
  * or reported, and *fault is set. */
 static int answer_step(struct track *track, const conus_pose_row *row, bool *fault)
 {
-    struct inquiry *inquiry = &track->inquiry;
-    double angle = inquiry_angle(inquiry, row);
+    struct request *request = &track->request;
+    double angle = request_angle(request, row);
     conus_status status = CONUS_OK;
-    for (size_t i = 0; i < inquiry->atlases.count && !status; i++) {
-        const struct answerer *answerer = &inquiry->answerers[i];
+    for (size_t i = 0; i < request->atlases.count && !status; i++) {
+        const struct answerer *answerer = &request->answerers[i];
         conus_selection *selection = NULL;
         status = conus_tracker_step(&selection, track->trackers[i], row->time_s, &row->pose, angle, row->trigger);
         *fault = status == CONUS_ERROR_ARGUMENT && i == 0;
@@ -223,7 +223,7 @@ static int answer_step(struct track *track, const conus_pose_row *row, bool *fau
         }
         status = status ? status : conus_report_add(answerer->report, row->id, selection);
         if (!status && track->station && i == 0) {
-            station_send_selection(track->station, answerer->selector, inquiry->atlases.items[0].atlas, selection);
+            station_send_selection(track->station, answerer->selector, request->atlases.items[0].atlas, selection);
         }
         conus_selection_destroy(selection);
     }
@@ -232,17 +232,17 @@ static int answer_step(struct track *track, const conus_pose_row *row, bool *fau
 
 static int answer_row(struct track *track, const conus_pose_row *row)
 {
-    struct inquiry *inquiry = &track->inquiry;
+    struct request *request = &track->request;
     bool fault = false;
     if (row->error || row->is_point) {
-        return inquiry_skip_row(inquiry, row, row->error ? row->error : POINT_HAS_NO_DIRECTION);
+        return request_skip_row(request, row, row->error ? row->error : POINT_HAS_NO_DIRECTION);
     }
     if (isnan(row->time_s)) {
-        return inquiry_skip_row(inquiry, row, "no time_s, which a step needs");
+        return request_skip_row(request, row, "no time_s, which a step needs");
     }
-    inquiry_count_pose(inquiry, row->line, &row->pose, inquiry_angle(inquiry, row));
+    request_count_pose(request, row->line, &row->pose, request_angle(request, row));
     int code = answer_step(track, row, &fault);
-    return fault ? inquiry_skip_row(inquiry, row, conus_message()) : code;
+    return fault ? request_skip_row(request, row, conus_message()) : code;
 }
 
 static int answer_news(struct track *track, const struct station_news *news, double time_s)
@@ -266,7 +266,7 @@ static int answer_station(struct track *track)
     int code = EXIT_DONE;
     double begun = clock_ms();
     interrupt_catch(NULL);
-    if (!track->inquiry.settings->common.quiet) {
+    if (!track->request.settings->common.quiet) {
         char text[160];
         settings_station_text(text, sizeof text, track->station, &news);
         print_error_line("%s", text);
@@ -284,40 +284,40 @@ static int answer_station(struct track *track)
  * brought is kept; a file is another matter: half of its steps are no answer. */
 static int answer_all(struct track *track)
 {
-    if (conus_pose_stream_is_live(track->inquiry.stream)) {
-        interrupt_catch(track->inquiry.stream);
+    if (conus_pose_stream_is_live(track->request.stream)) {
+        interrupt_catch(track->request.stream);
     }
     size_t count = 0;
     uint64_t rows = 0;
     int code = EXIT_DONE;
     do {
         conus_pose_row row;
-        conus_status status = conus_pose_stream_read(&row, &count, track->inquiry.stream, 1);
+        conus_status status = conus_pose_stream_read(&row, &count, track->request.stream, 1);
         code = status ? print_status(status) : count ? answer_row(track, &row) : EXIT_DONE;
         rows += count;
     } while (!code && count);
     interrupt_release();
     if (!code && !rows) {
-        settings_say_no_poses(track->inquiry.settings->aim.pose, &track->inquiry.settings->common);
+        settings_say_no_poses(track->request.settings->aim.pose, &track->request.settings->common);
     }
     return code ? code : write_steps(track); /* without a step there is still a header row */
 }
 
 static conus_status start_track(struct track *track)
 {
-    struct inquiry *inquiry = &track->inquiry;
-    const conus_selector_options engine = settings_engine(&inquiry->settings->engine, &inquiry->settings->common);
+    struct request *request = &track->request;
+    const conus_selector_options engine = settings_engine(&request->settings->engine, &request->settings->common);
     conus_tracker_options constants = track->settings->constants;
-    conus_report_options report = inquiry_report_options(inquiry);
+    conus_report_options report = request_report_options(request);
     report.selected_only = track->settings->selected;
-    if (option_given(inquiry->arguments, "delay") && constants.delay == 0) {
+    if (option_given(request->arguments, "delay") && constants.delay == 0) {
         constants.delay = -1; /* none; 0 is the default */
     }
-    conus_status status = inquiry_start(inquiry, &engine);
-    for (size_t i = 0; i < inquiry->atlases.count && !status; i++) {
-        status = conus_tracker_create(&track->trackers[i], inquiry->answerers[i].selector, &constants);
+    conus_status status = request_start(request, &engine);
+    for (size_t i = 0; i < request->atlases.count && !status; i++) {
+        status = conus_tracker_create(&track->trackers[i], request->answerers[i].selector, &constants);
         report.tracker = track->trackers[i];
-        status = status ? status : inquiry_report(inquiry, i, &report);
+        status = status ? status : request_report(request, i, &report);
     }
     return status;
 }
@@ -325,45 +325,45 @@ static conus_status start_track(struct track *track)
 /* Writes the rest when the last row is answered; the answer's own file last. */
 static int write_rest(struct track *track)
 {
-    const struct inquiry *inquiry = &track->inquiry;
-    const char *output = inquiry->settings->answer.output;
-    conus_report *report = inquiry->answerers[0].report;
-    struct provenance provenance = {.poses = inquiry->stream};
-    inquiry_list_inputs(&provenance, inquiry);
+    const struct request *request = &track->request;
+    const char *output = request->settings->answer.output;
+    conus_report *report = request->answerers[0].report;
+    struct provenance provenance = {.poses = request->stream};
+    request_list_inputs(&provenance, request);
     provenance.question.rows = "steps";
-    if (inquiry->format == CONUS_FORMAT_JSON) {
+    if (request->format == CONUS_FORMAT_JSON) {
         return answer_write(report, output, NULL, &provenance);
     }
     if (track->held && fflush(track->held)) {
         return print_no_memory();
     }
-    int code = answer_write_sidecar(report, output, inquiry->sidecar, &provenance, track->held_text, track->held_size);
+    int code = answer_write_sidecar(report, output, request->sidecar, &provenance, track->held_text, track->held_size);
     return code || !track->held ? code : output_write(output, track->held_text, track->held_size);
 }
 
 static int open_poses(void *user)
 {
     struct track *track = user;
-    struct inquiry *inquiry = &track->inquiry;
-    const char *path = inquiry->settings->aim.pose;
+    struct request *request = &track->request;
+    const char *path = request->settings->aim.pose;
     if (!path) {
         return settings_start_station(&track->station, &track->settings->station);
     }
-    const conus_pose_options options = inquiry_pose_options(inquiry);
-    conus_status status = conus_pose_stream_open(&inquiry->stream, path, &options);
-    if (!status && !conus_pose_stream_has_times(inquiry->stream)) {
+    const conus_pose_options options = request_pose_options(request);
+    conus_status status = conus_pose_stream_open(&request->stream, path, &options);
+    if (!status && !conus_pose_stream_has_times(request->stream)) {
         print_error_line("%s: no time_s in it, which every step needs", settings_poses_name(path));
         return EXIT_DATA;
     }
-    return status ? settings_print_poses_error(status, path, "poses", inquiry->arguments) : EXIT_DONE;
+    return status ? settings_print_poses_error(status, path, "poses", request->arguments) : EXIT_DONE;
 }
 
 /* A hand points here and there: only where all of the track does it may be in another space or unit. */
-static bool is_astray(const struct inquiry *inquiry)
+static bool is_astray(const struct request *request)
 {
     bool is = false;
-    for (size_t i = 0; i < inquiry->atlases.count && !is; i++) {
-        const conus_astray *found = conus_aims_found(inquiry->answerers[i].aims);
+    for (size_t i = 0; i < request->atlases.count && !is; i++) {
+        const conus_astray *found = conus_aims_found(request->answerers[i].aims);
         uint64_t poses = found->poses;
         is = poses && (found->away.count == poses || found->inside.count == poses || found->tiny.count == poses);
     }
@@ -372,30 +372,30 @@ static bool is_astray(const struct inquiry *inquiry)
 
 static int answer_track(struct track *track)
 {
-    struct inquiry *inquiry = &track->inquiry;
-    int code = inquiry_load(inquiry, open_poses, track);
-    code = code ? code : inquiry_check_outputs(inquiry, track->settings->station.world_from_tracker);
-    code = code ? code : inquiry_match(inquiry);
+    struct request *request = &track->request;
+    int code = request_load(request, open_poses, track);
+    code = code ? code : request_check_outputs(request, track->settings->station.world_from_tracker);
+    code = code ? code : request_match(request);
     if (code) {
         return code;
     }
-    inquiry_say_notes(inquiry);
-    track->trackers = calloc(inquiry->atlases.count, sizeof(conus_tracker *));
+    request_say_notes(request);
+    track->trackers = calloc(request->atlases.count, sizeof(conus_tracker *));
     if (!track->trackers) {
         return print_no_memory();
     }
     conus_status status = start_track(track);
     code = status ? print_status(status) : track->station ? answer_station(track) : answer_all(track);
-    if (!code && is_astray(inquiry)) {
-        inquiry_say_aims(inquiry);
+    if (!code && is_astray(request)) {
+        request_say_aims(request);
     }
-    return inquiry_code(inquiry, code ? code : write_rest(track));
+    return request_code(request, code ? code : write_rest(track));
 }
 
 /* A file appears whole or not at all: what goes to one is held. */
 static bool hold_steps(struct track *track)
 {
-    if (!output_is_stdout(track->inquiry.settings->answer.output) && track->inquiry.format != CONUS_FORMAT_JSON) {
+    if (!output_is_stdout(track->request.settings->answer.output) && track->request.format != CONUS_FORMAT_JSON) {
         track->held = open_memstream(&track->held_text, &track->held_size);
         return track->held || (print_error_line("not enough memory"), false);
     }
@@ -409,7 +409,7 @@ static int run_track(const void *given, const struct arguments *arguments)
         return EXIT_USAGE;
     }
     struct track track = {.settings = settings};
-    int code = inquiry_init(&track.inquiry, &settings->inquiry, arguments);
+    int code = request_init(&track.request, &settings->request, arguments);
     if (!code) {
         code = hold_steps(&track) ? answer_track(&track) : EXIT_DATA;
     }

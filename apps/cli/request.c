@@ -1,0 +1,305 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The steps that commands that answer share: checks, loading, matching, rows without an answer, notes. */
+#include "cli/request.h"
+
+#include "options/messages.h"
+#include "options/output.h"
+#include "settings/notes.h"
+
+#include <assert.h>
+#include <stdlib.h>
+
+const struct option request_level_options[] = {
+    {.name = "level",
+     .type = OPTION_TEXT,
+     .offset = REQUEST_FIELD(engine.level),
+     .value = "LEVEL",
+     .help = "report areas at this depth of the area tree (1 = its roots), or as these areas: names, @FILE",
+     .words = "hierarchy, ontology",
+     .common = true,
+     .role = OPTION_READS},
+    {0},
+};
+
+bool request_check(const struct request_settings *settings, const struct arguments *arguments, bool has_history)
+{
+    return settings_check_score(&settings->engine, has_history) &&
+           settings_check_shape(&settings->aim, &settings->engine, arguments) &&
+           settings_check_space(arguments, &settings->aim.space);
+}
+
+int request_init(struct request *out, const struct request_settings *settings, const struct arguments *arguments)
+{
+    *out = (struct request){.settings = settings, .arguments = arguments};
+    if (!answer_format(&out->format, arguments, &settings->answer)) {
+        return EXIT_USAGE;
+    }
+    out->command_line = arguments_text(arguments);
+    if (!out->command_line) {
+        return print_no_memory();
+    }
+    int code = answer_sidecar(&out->sidecar, out->format, &settings->answer);
+    outputs_collect(&out->outputs, arguments);
+    if (!settings->answer.sidecar) {
+        outputs_add_sidecar(&out->outputs, "output", out->sidecar);
+    }
+    return code;
+}
+
+void request_finish(struct request *request)
+{
+    for (size_t i = 0; request->answerers && i < request->atlases.count; i++) {
+        conus_report_destroy(request->answerers[i].report);
+        conus_aims_destroy(request->answerers[i].aims);
+        conus_selector_destroy(request->answerers[i].selector);
+    }
+    free(request->answerers);
+    conus_pose_stream_destroy(request->stream);
+    conus_pose_list_destroy(request->poses);
+    atlases_finish(&request->atlases);
+    free(request->command_line);
+    free(request->sidecar);
+}
+
+static const char *coordinates_of(const struct request *request)
+{
+    return request->poses ? conus_pose_list_coordsystem(request->poses)
+                          : conus_pose_stream_coordsystem(request->stream);
+}
+
+/* Whether no output is a file that is read; prints an error if one is. */
+static bool check_inputs(const struct request *request, const char *matrix)
+{
+    const struct request_settings *settings = request->settings;
+    const struct input inputs[] = {{"the label table", settings->atlas.labels},
+                                   {"the list of areas", settings_level_file(&settings->engine)},
+                                   {"the file of poses", settings->aim.pose},
+                                   {"the coordinate system", coordinates_of(request)},
+                                   {"the tracker's matrix", matrix},
+                                   {0}};
+    for (size_t i = 0; i < request->outputs.count; i++) {
+        const struct output *output = &request->outputs.items[i];
+        const char *input = atlases_input(&request->atlases, inputs, output->path);
+        if (input) {
+            print_error_line("%s would overwrite %s %s", output->what, input, output->path);
+            return false;
+        }
+    }
+    return true;
+}
+
+int request_check_outputs(const struct request *request, const char *matrix)
+{
+    bool fits = outputs_differ(&request->outputs) && check_inputs(request, matrix);
+    int code = fits ? answer_check_names(request->format, &request->outputs, request->arguments, &request->atlases)
+                    : EXIT_USAGE;
+    return code ? code : outputs_check(&request->outputs, request->settings->answer.force);
+}
+
+void request_list_inputs(struct provenance *out, const struct request *request)
+{
+    const struct request_settings *settings = request->settings;
+    out->question = (struct question){request->arguments, "answers", settings->engine.radius > 0 ? "cylinder" : "cone"};
+    provenance_add_input(out, settings->aim.pose);
+    provenance_add_input(out, coordinates_of(request));
+    provenance_add_input(out, settings_level_file(&settings->engine));
+}
+
+conus_pose_options request_pose_options(const struct request *request)
+{
+    const struct request_settings *settings = request->settings;
+    return settings_pose_options(&settings->file, &request->frame, settings->atlas.max_memory);
+}
+
+int request_load_poses(struct request *request)
+{
+    const char *path = request->settings->aim.pose;
+    const conus_pose_options options = request_pose_options(request);
+    conus_status status = path ? conus_pose_list_load(&request->poses, path, &options) : CONUS_OK;
+    return status ? settings_print_poses_error(status, path, "pose", request->arguments) : EXIT_DONE;
+}
+
+int request_load_atlases(struct request *request)
+{
+    const struct request_settings *settings = request->settings;
+    struct atlases *atlases = &request->atlases;
+    int code = atlases_load(atlases, request->arguments->operands[0], &settings->atlas);
+    for (size_t i = 0; i < atlases->count && !code; i++) {
+        code = settings_load_context(atlases->items[i].atlas, settings->context.path, settings->context.blocks,
+                                     &settings->atlas);
+    }
+    request->answerers = code ? NULL : calloc(1 + settings->atlas.more.count, sizeof *request->answerers);
+    if (!code && !request->answerers) {
+        return print_no_memory();
+    }
+    return code;
+}
+
+int request_load(struct request *request, int (*load_poses)(void *user), void *user)
+{
+    const struct space_settings *space = &request->settings->aim.space;
+    if (settings_space_needs_atlas(space)) {
+        int code = request_load_atlases(request);
+        code = code ? code : settings_frame(&request->frame, &request->atlases, space, request->settings->common.quiet);
+        return code ? code : load_poses(user);
+    }
+    int code = settings_frame(&request->frame, &request->atlases, space, request->settings->common.quiet);
+    code = code ? code : load_poses(user);
+    return code ? code : request_load_atlases(request);
+}
+
+int request_match(struct request *request)
+{
+    const struct request_settings *settings = request->settings;
+    const char *path = settings->aim.pose;
+    if (request->poses) {
+        return settings_match_poses(request->poses, path, &request->atlases, &settings->file, &settings->common);
+    }
+    return request->stream
+               ? settings_match_stream(request->stream, path, &request->atlases, &settings->file, &settings->common)
+               : EXIT_DONE;
+}
+
+conus_status request_start(struct request *request, const conus_selector_options *options)
+{
+    conus_selector_options own = *options;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < request->atlases.count && !status; i++) {
+        struct answerer *answerer = &request->answerers[i];
+        own.level = i ? NULL : options->level;
+        status = conus_selector_create(&answerer->selector, request->atlases.items[i].atlas, &own);
+        status = status ? status : conus_aims_create(&answerer->aims, answerer->selector);
+    }
+    if (!status && request->settings->common.verbose) {
+        print_error_line("engine: %s", conus_selector_engine(request->answerers[0].selector));
+    }
+    return status;
+}
+
+conus_report_options request_report_options(const struct request *request)
+{
+    return (conus_report_options){
+        .format = request->format, .frame = &request->frame, .command = request->command_line};
+}
+
+conus_status request_report(struct request *request, size_t index, const conus_report_options *options)
+{
+    struct answerer *answerer = &request->answerers[index];
+    conus_report_options own = *options;
+    own.atlas = request->atlases.items[index].name;
+    conus_status status = conus_report_create(&answerer->report, answerer->selector, &own);
+    return status || index == 0 ? status : conus_report_join(request->answerers[0].report, answerer->report);
+}
+
+conus_status request_reports(struct request *request, const conus_report_options *options)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < request->atlases.count && !status; i++) {
+        status = request_report(request, i, options);
+    }
+    return status;
+}
+
+int request_start_without_rays(struct request *request, const conus_report_options *options)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < request->atlases.count && !status; i++) {
+        const conus_selector_options selector = {.level = i ? NULL : request->settings->engine.level,
+                                                 .engine = CONUS_ENGINE_RAYS};
+        status = conus_selector_create(&request->answerers[i].selector, request->atlases.items[i].atlas, &selector);
+        status = status ? status : request_report(request, i, options);
+    }
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+void request_count_pose(struct request *request, size_t line, const conus_pose *pose, double angle)
+{
+    for (size_t i = 0; i < request->atlases.count; i++) {
+        conus_aims_add(request->answerers[i].aims, line, pose, angle);
+    }
+}
+
+void request_count_point(struct request *request, size_t line, const double point[3], double radius)
+{
+    for (size_t i = 0; i < request->atlases.count; i++) {
+        conus_aims_add_point(request->answerers[i].aims, line, point, radius);
+    }
+}
+
+double request_angle(const struct request *request, const conus_pose_row *row)
+{
+    return row->angle != 0 ? row->angle : settings_angle(&request->settings->aim, &request->settings->engine);
+}
+
+void request_start_progress(struct request *request, size_t rows)
+{
+    progress_start(&request->progress, PROGRESS_AUTO, request->settings->common.quiet,
+                   request->steps ? "samples" : "poses", rows * (request->steps ? request->steps : 1));
+}
+
+void request_show_step(struct request *request, size_t done)
+{
+    progress_update(&request->progress, request->row * (request->steps ? request->steps : 1) + done, 0);
+}
+
+int request_each_row(struct request *request, int (*answer)(void *user, const conus_pose_row *row), void *user)
+{
+    int code = EXIT_DONE;
+    size_t count = conus_pose_list_count(request->poses);
+    if (!count) {
+        settings_say_no_poses(request->settings->aim.pose, &request->settings->common);
+    }
+    request_start_progress(request, count);
+    for (size_t i = 0; !code && i < count; i++) {
+        request->row = i;
+        code = answer(user, conus_pose_list_row(request->poses, i));
+        request_show_step(request, request->steps ? request->steps : 1);
+    }
+    progress_finish(&request->progress, 0, 0);
+    return code;
+}
+
+int request_skip_row(struct request *request, const conus_pose_row *row, const char *why)
+{
+    print_error_line("%s:%zu: %s", settings_poses_name(request->settings->aim.pose), row->line, why);
+    request->failed = true;
+    return EXIT_DONE;
+}
+
+int request_refuse_row(struct request *request, const conus_pose_row *row, const char *why)
+{
+    conus_status status = CONUS_OK;
+    request_skip_row(request, row, why);
+    for (size_t i = 0; i < request->atlases.count && !status; i++) {
+        status = conus_report_add_error(request->answerers[i].report, row->id, row->line, why);
+    }
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+void request_say_notes(const struct request *request)
+{
+    atlases_say_notes(&request->atlases, &request->settings->common);
+    atlases_say_spaces(&request->atlases, &request->settings->common);
+}
+
+void request_say_aims(const struct request *request)
+{
+    const char *path = request->settings->aim.pose;
+    size_t count = request->atlases.count;
+    struct aimed *aimed = calloc(count, sizeof *aimed);
+    for (size_t i = 0; aimed && i < count; i++) {
+        const struct named_atlas *at = &request->atlases.items[i];
+        const struct answerer *answerer = &request->answerers[i];
+        aimed[i] =
+            (struct aimed){conus_aims_found(answerer->aims), answerer->selector, at->atlas, at->name, &request->frame};
+    }
+    if (aimed) {
+        aim_notes_say(aimed, count, path ? settings_poses_name(path) : NULL, &request->settings->common);
+    }
+    free(aimed);
+}
+
+int request_code(const struct request *request, int code)
+{
+    return code ? code : request->failed ? EXIT_DIFFERENT : EXIT_DONE;
+}
