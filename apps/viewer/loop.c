@@ -175,11 +175,11 @@ static void draw_panels(struct window *window)
         panel_results(window);
     }
     for (int p = 0; p < PLANE_COUNT; p++) {
-        if (window_shows_pane(window, p)) {
+        if (screen_shows_pane(&window->screen, p)) {
             pane_cut(window, (enum plane)p);
         }
     }
-    if (window_shows_pane(window, PANE_3D)) {
+    if (screen_shows_pane(&window->screen, PANE_3D)) {
         pane_3d(window);
     }
     if (!window->screen.alone) { /* after the panes, which find what is under the mouse */

@@ -128,13 +128,13 @@ static void a_ball_casts_a_disc(void **state)
 {
     enum { WIDE = 300, HIGH = 200 };
     conus_atlas *atlas = load("sphere");
-    struct sight sight = {.frustum = {-0.75, 0.75, -0.5, 0.5}};
+    struct eye eye = {.frustum = {-0.75, 0.75, -0.5, 0.5}};
     uint8_t *mask = calloc(WIDE, HIGH);
     struct cells cells;
     (void)state;
-    assert_ok(conus_pose_along(&sight.camera, (double[]){0, 100, 0}, (double[]){0, -1, 0}, NULL));
+    assert_ok(conus_pose_along(&eye.camera, (double[]){0, 100, 0}, (double[]){0, -1, 0}, NULL));
     assert_ok(cells_find(&cells, atlas, (bool[]){false, true}));
-    cells_cast(mask, WIDE, HIGH, &cells, &sight);
+    cells_cast(mask, WIDE, HIGH, &cells, &eye);
     double wanted = 200 * tan(asin(0.2));
     for (int y = 0; y < HIGH; y++) {
         for (int x = 0; x < WIDE; x++) {
@@ -144,12 +144,12 @@ static void a_ball_casts_a_disc(void **state)
             }
         }
     }
-    assert_ok(conus_pose_along(&sight.camera, (double[]){0, 100, 0}, (double[]){0, 1, 0}, NULL)); /* behind the eye */
+    assert_ok(conus_pose_along(&eye.camera, (double[]){0, 100, 0}, (double[]){0, 1, 0}, NULL)); /* behind the eye */
     memset(mask, 0, (size_t)WIDE * HIGH);
-    cells_cast(mask, WIDE, HIGH, &cells, &sight);
+    cells_cast(mask, WIDE, HIGH, &cells, &eye);
     assert_null(memchr(mask, 1, (size_t)WIDE * HIGH));
-    assert_ok(conus_pose_along(&sight.camera, (double[]){0, 0, 0}, (double[]){0, 1, 0}, NULL)); /* around it */
-    cells_cast(mask, WIDE, HIGH, &cells, &sight);
+    assert_ok(conus_pose_along(&eye.camera, (double[]){0, 0, 0}, (double[]){0, 1, 0}, NULL)); /* around it */
+    cells_cast(mask, WIDE, HIGH, &cells, &eye);
     for (size_t pixel = 0; pixel < (size_t)WIDE * HIGH; pixel++) {
         assert_int_equal(mask[pixel], 1);
     }

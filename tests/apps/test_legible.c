@@ -236,7 +236,7 @@ static void nothing_is_cut_at_usual_sizes(void **state)
         struct window window = {.viewer = &viewer, .screen.enlarged = -1, .screen.scale = screens[i].scale};
         window.screen.width = screens[i].width;
         window.screen.height = screens[i].height;
-        window_divide(&window);
+        screen_divide(&window.screen);
         viewer.cone = (struct cone_state){0};
         viewer.tools[FIRST_TOOL] = (struct tool){.on = true, .angle = 20};
         viewer.tools[SECOND_TOOL] = (struct tool){.angle = 5};

@@ -115,7 +115,7 @@ static void paint(uint8_t rgb[3], struct viewer *viewer)
     char error[256];
     what.scene_number = viewer->scene_number;
     orbit_fit(&viewer->orbit, (double[]){SIDE, SIDE});
-    sight_of_orbit(&what.sight, &viewer->orbit, (double[]){SIDE, SIDE});
+    eye_of_orbit(&what.eye, &viewer->orbit, (double[]){SIDE, SIDE});
     painter_ask(viewer->painter, &what);
     while (!fine) {
         assert_false(painter_error(viewer->painter, error, sizeof error));
@@ -145,8 +145,8 @@ static void render(uint8_t rgb[3], struct viewer *viewer, const double *opacity,
     static const char *const channels[] = {"R", "G", "B"};
     conus_renderer *renderer = NULL;
     conus_image *image = NULL;
-    struct sight sight;
-    sight_of_orbit(&sight, &viewer->orbit, (double[]){SIDE, SIDE});
+    struct eye sight;
+    eye_of_orbit(&sight, &viewer->orbit, (double[]){SIDE, SIDE});
     const double *f = sight.frustum;
     const conus_view view = {.width = SIDE,
                              .height = SIDE,

@@ -22,24 +22,24 @@ static struct orbit make_orbit(uint64_t *seed)
 }
 
 /* A point along the ray through a pixel is drawn at that pixel. */
-static void assert_rays_hit(const struct sight *sight, uint64_t *seed)
+static void assert_rays_hit(const struct eye *sight, uint64_t *seed)
 {
     const double *m = sight->camera.world_from_device;
     for (int i = 0; i < 20; i++) {
         double at[2] = {test_random(seed, 0, pane[0]), test_random(seed, 0, pane[1])};
         double direction[3], p[3], back[2];
         double t = test_random(seed, 1, 1000);
-        sight_ray(direction, sight, pane, at);
+        eye_ray(direction, sight, pane, at);
         for (int a = 0; a < 3; a++) {
             p[a] = m[12 + a] + t * direction[a];
         }
-        assert_true(sight_project(back, sight, pane, p));
+        assert_true(eye_project(back, sight, pane, p));
         assert_near(back[0], at[0], 1e-6);
         assert_near(back[1], at[1], 1e-6);
         for (int a = 0; a < 3; a++) {
             p[a] = m[12 + a] - t * direction[a];
         }
-        assert_false(sight_project(back, sight, pane, p));
+        assert_false(eye_project(back, sight, pane, p));
     }
 }
 
@@ -67,15 +67,15 @@ static void what_is_drawn_is_hit_by_the_mouse(void **state)
     for (int round = 0; round < 100; round++) {
         struct orbit orbit = make_orbit(&seed);
         struct head head = make_head();
-        struct sight sight;
+        struct eye sight;
         double eye[3];
-        sight_of_orbit(&sight, &orbit, pane);
+        eye_of_orbit(&sight, &orbit, pane);
         assert_near(sight.frustum[1], -sight.frustum[0], 0);
         assert_near(sight.frustum[3], tan(orbit.field_of_view / 2), 0);
         assert_rays_hit(&sight, &seed);
         place_on(eye, &head, test_random(&seed, -2, 3), test_random(&seed, -2, 3), test_random(&seed, 100, 900));
         head_move(&head, eye, &head.screen);
-        assert_true(head_sight(&sight, &head, whole));
+        assert_true(head_eye(&sight, &head, whole));
         assert_rays_hit(&sight, &seed);
     }
 }
@@ -89,15 +89,15 @@ static void the_pane_is_its_part_of_the_screen(void **state)
     for (int round = 0; round < 300; round++) {
         const double *part = parts[round % 3];
         struct head head = make_head();
-        struct sight sight;
+        struct eye sight;
         double eye[3], place[3], at[2];
         double right = test_random(&seed, -0.5, 1.5);
         double up = test_random(&seed, -0.5, 1.5);
         place_on(eye, &head, test_random(&seed, -2, 3), test_random(&seed, -2, 3), test_random(&seed, 100, 900));
         place_on(place, &head, right, up, 0);
         head_move(&head, eye, &head.screen);
-        assert_true(head_sight(&sight, &head, part));
-        assert_true(sight_project(at, &sight, pane, place));
+        assert_true(head_eye(&sight, &head, part));
+        assert_true(eye_project(at, &sight, pane, place));
         assert_near(at[0], pane[0] * (right - part[0]) / (part[1] - part[0]), 1e-6);
         assert_near(at[1], pane[1] * (part[3] - up) / (part[3] - part[2]), 1e-6);
     }
@@ -108,15 +108,15 @@ static void the_last_view_is_kept(void **state)
 {
     (void)state;
     struct head head = make_head();
-    struct sight sight, kept;
+    struct eye sight, kept;
     double eye[3], bad[3];
     bool is_well;
-    assert_false(head_sight(&sight, &head, whole));
+    assert_false(head_eye(&sight, &head, whole));
     assert_non_null(strstr(head_text(&head, &is_well), "no tracker"));
     place_on(eye, &head, 0.2, 0.9, 500);
     head_set_state(&head, STATION_SEEN);
     head_move(&head, eye, &head.screen);
-    assert_true(head_sight(&kept, &head, whole));
+    assert_true(head_eye(&kept, &head, whole));
     assert_string_equal(head_text(&head, &is_well), "as the head sees it");
     assert_true(is_well);
     const double offs[] = {0, -10, -1e9, NAN, INFINITY};
@@ -125,7 +125,7 @@ static void the_last_view_is_kept(void **state)
         head.inside = false;
         place_on(bad, &head, 0.5, 0.5, offs[i]);
         head_move(&head, bad, &head.screen);
-        assert_true(head_sight(&sight, &head, whole));
+        assert_true(head_eye(&sight, &head, whole));
         assert_memory_equal(&sight, &kept, sizeof sight);
         assert_non_null(strstr(head_text(&head, &is_well), "not before the screen"));
         assert_false(is_well);
@@ -136,11 +136,11 @@ static void the_last_view_is_kept(void **state)
         head_set_state(&head, (enum station_state)s);
         assert_non_null(strstr(head_text(&head, &is_well), "last view kept"));
         assert_false(is_well);
-        assert_true(head_sight(&sight, &head, whole));
+        assert_true(head_eye(&sight, &head, whole));
     }
     assert_true(head_toggle(&head));
     assert_null(head_text(&head, &is_well));
-    assert_false(head_sight(&sight, &head, whole));
+    assert_false(head_eye(&sight, &head, whole));
     head = (struct head){0};
     assert_false(head_toggle(&head)); /* there is none */
     assert_false(head.on);
@@ -155,11 +155,11 @@ static void what_is_held_goes_with_the_mouse(void **state)
         struct orbit orbit = make_orbit(&seed);
         const struct orbit before = orbit;
         const double moved[2] = {test_random(&seed, -200, 200), test_random(&seed, -200, 200)};
-        struct sight sight;
+        struct eye sight;
         double at[2];
         orbit_pan(&orbit, moved[0], moved[1], pane[1]);
-        sight_of_orbit(&sight, &orbit, pane);
-        assert_true(sight_project(at, &sight, pane, before.centre));
+        eye_of_orbit(&sight, &orbit, pane);
+        assert_true(eye_project(at, &sight, pane, before.centre));
         assert_near(at[0], pane[0] / 2 + moved[0], 1e-6);
         assert_near(at[1], pane[1] / 2 + moved[1], 1e-6);
         assert_true(orbit.azimuth == before.azimuth && orbit.elevation == before.elevation);
@@ -174,7 +174,7 @@ static void the_view_turns_about_the_middle(void **state)
         static const double moves[4][2] = {{8, 0}, {-8, 0}, {0, 8}, {0, -8}};
         struct orbit orbit;
         conus_pose before, after;
-        struct sight sight;
+        struct eye sight;
         double at[2], near[3], turned = 0;
         orbit_look_at(&orbit, (double[]){1, 2, 3}, 90);
         orbit.elevation = 0; /* where both ways turn by the angle itself */
@@ -184,8 +184,8 @@ static void the_view_turns_about_the_middle(void **state)
         }
         orbit_turn(&orbit, moves[way][0], moves[way][1], pane[1]);
         orbit_camera(&after, &orbit);
-        sight_of_orbit(&sight, &orbit, pane);
-        assert_true(sight_project(at, &sight, pane, near));
+        eye_of_orbit(&sight, &orbit, pane);
+        assert_true(eye_project(at, &sight, pane, near));
         for (int a = 0; a < 3; a++) {
             turned += before.world_from_device[8 + a] * after.world_from_device[8 + a];
             assert_near(after.world_from_device[12 + a],

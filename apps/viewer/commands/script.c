@@ -160,16 +160,16 @@ static bool do_point(struct call *call)
 {
     double part[2];
     double direction[3];
-    struct sight sight;
+    struct eye eye;
     if (!numbers(part, call, 0, 2)) {
         return false;
     }
-    window_sight(call->window, &sight);
-    sight_ray(direction, &sight, (double[]){1, 1}, part);
+    window_eye(call->window, &eye);
+    eye_ray(direction, &eye, (double[]){1, 1}, part);
     if (tool_moved_by(call->viewer, POINT_BY_MOUSE) == SECOND_TOOL) {
-        inputs_point(&call->window->inputs, call->viewer, sight.camera.world_from_device + 12, direction);
+        inputs_point(&call->window->inputs, call->viewer, eye.camera.world_from_device + 12, direction);
     } else {
-        point_through(call->viewer, sight.camera.world_from_device + 12, direction);
+        point_through(call->viewer, eye.camera.world_from_device + 12, direction);
     }
     return true;
 }

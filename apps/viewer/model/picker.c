@@ -14,7 +14,7 @@ static conus_status make_picker(struct view_atlas *on)
 }
 
 /* A ray through the context, and how the picture shows it there. */
-struct veil {
+struct context_ray {
     const conus_atlas *atlas;
     size_t volume;
     conus_transfer_point points[EDITOR_POINTS];
@@ -22,11 +22,11 @@ struct veil {
     double thinned; /* what the fade leaves of it */
 };
 
-static bool veil_init(struct veil *out, const struct viewer *viewer)
+static bool context_ray_init(struct context_ray *out, const struct viewer *viewer)
 {
-    *out = (struct veil){.atlas = viewer->drawn->atlas,
-                         .volume = view_atlas_context(viewer->drawn),
-                         .thinned = 1 - viewer->display.fade};
+    *out = (struct context_ray){.atlas = viewer->drawn->atlas,
+                                .volume = view_atlas_context(viewer->drawn),
+                                .thinned = 1 - viewer->display.fade};
     if (out->volume < conus_atlas_volume_count(viewer->drawn->atlas) && viewer->painter) {
         out->count = painter_transfer(viewer->painter, out->points, EDITOR_POINTS);
     }
@@ -34,28 +34,29 @@ static bool veil_init(struct veil *out, const struct viewer *viewer)
 }
 
 /* Opacity of 1 mm at a grey value. */
-static double opacity_of(const struct veil *veil, double value)
+static double opacity_of(const struct context_ray *context_ray, double value)
 {
-    const conus_transfer_point *last = &veil->points[veil->count - 1];
+    const conus_transfer_point *last = &context_ray->points[context_ray->count - 1];
     size_t above = 0;
-    while (above < veil->count && veil->points[above].value <= value) {
+    while (above < context_ray->count && context_ray->points[above].value <= value) {
         above++;
     }
-    const conus_transfer_point *low = &veil->points[above ? above - 1 : 0];
-    const conus_transfer_point *high = above < veil->count ? &veil->points[above] : last;
+    const conus_transfer_point *low = &context_ray->points[above ? above - 1 : 0];
+    const conus_transfer_point *high = above < context_ray->count ? &context_ray->points[above] : last;
     double part = high->value > low->value ? (value - low->value) / (high->value - low->value) : 0;
     return low->rgba[3] + part * (high->rgba[3] - low->rgba[3]);
 }
 
 /* How far along the ray, in mm, only @p left of the light comes through; INFINITY beyond @p most. */
-static double depth_of(const struct veil *veil, const double origin[3], const double along[3], double most, double left)
+static double depth_of(const struct context_ray *context_ray, const double origin[3], const double along[3],
+                       double most, double left)
 {
     double light = 1;
     for (unsigned step = 0; step < most; step++) {
         double t = step;
         const double place[3] = {origin[0] + t * along[0], origin[1] + t * along[1], origin[2] + t * along[2]};
-        double value = conus_atlas_value(veil->atlas, veil->volume, place);
-        light *= isfinite(value) ? pow(1 - fmin(opacity_of(veil, value), 1), veil->thinned) : 1;
+        double value = conus_atlas_value(context_ray->atlas, context_ray->volume, place);
+        light *= isfinite(value) ? pow(1 - fmin(opacity_of(context_ray, value), 1), context_ray->thinned) : 1;
         if (light <= left) {
             return t;
         }
@@ -67,9 +68,9 @@ static double depth_of(const struct veil *veil, const double origin[3], const do
 static double depth_of_surface(const struct viewer *viewer, const double origin[3], const double along[3], double most)
 {
     static const double dark = 0.1, half = 0.5;
-    struct veil veil;
-    bool hides = veil_init(&veil, viewer) && depth_of(&veil, origin, along, most, dark) < most;
-    return hides ? depth_of(&veil, origin, along, most, half) : INFINITY;
+    struct context_ray context_ray;
+    bool hides = context_ray_init(&context_ray, viewer) && depth_of(&context_ray, origin, along, most, dark) < most;
+    return hides ? depth_of(&context_ray, origin, along, most, half) : INFINITY;
 }
 
 /* Pathways or bundles that are shown. */

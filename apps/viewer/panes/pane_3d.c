@@ -20,7 +20,7 @@ static const ui_colour compass_edge = {20, 20, 24, 190};
 static void draw_direction(const struct window *window, const float centre[2], size_t axis, int sign)
 {
     static const char letters[3][2][2] = {{"L", "R"}, {"P", "A"}, {"I", "S"}};
-    const double *m = window->pictures.sight.camera.world_from_device;
+    const double *m = window->pictures.eye.camera.world_from_device;
     float x = (float)(sign * m[axis]);
     float y = (float)(-sign * m[4 + axis]);
     bool is_away = sign * m[8 + axis] < 0;
@@ -48,7 +48,7 @@ static void pane_compass(const struct window *window)
         for (int half = 0; half < 12; half++) { /* what points away first */
             size_t axis = (size_t)half % 3;
             int sign = half / 3 % 2 ? 1 : -1;
-            bool is_away = sign * window->pictures.sight.camera.world_from_device[8 + axis] < 0;
+            bool is_away = sign * window->pictures.eye.camera.world_from_device[8 + axis] < 0;
             if (is_away == (half < 6)) {
                 draw_direction(window, centre, axis, sign);
             }
@@ -72,7 +72,7 @@ static void ask_painter(struct window *window, bool moving)
 {
     struct viewer *viewer = window->viewer;
     const struct ui_box *box = &window->screen.panes[PANE_3D];
-    struct painting what = {.sight = window->pictures.sight,
+    struct painting what = {.eye = window->pictures.eye,
                             .width = (uint32_t)fmaxf(box->width, 1),
                             .height = (uint32_t)fmaxf(box->height, 1),
                             .fade = viewer->display.fade,
@@ -261,8 +261,8 @@ static void find_ray(double eye[3], double direction[3], const struct window *wi
     const struct ui_mouse mouse = ui_mouse_now();
     const double size[2] = {(double)box->width, (double)box->height};
     const double at[2] = {(double)(mouse.x - box->x), (double)(mouse.y - box->y)};
-    memcpy(eye, window->pictures.sight.camera.world_from_device + 12, 3 * sizeof *eye);
-    sight_ray(direction, &window->pictures.sight, size, at);
+    memcpy(eye, window->pictures.eye.camera.world_from_device + 12, 3 * sizeof *eye);
+    eye_ray(direction, &window->pictures.eye, size, at);
 }
 
 static void point(struct window *window)
@@ -369,7 +369,7 @@ void pane_3d(struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     orbit_fit(&window->viewer->orbit, (double[]){(double)box->width, (double)box->height});
-    window_sight(window, &window->pictures.sight);
+    window_eye(window, &window->pictures.eye);
     take_picture(window);
     ui_panel("3d", *box, UI_PLAIN);
     if (window->pictures.painted.name) {

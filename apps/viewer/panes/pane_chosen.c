@@ -30,9 +30,9 @@ static void find_cells(struct shadow *shadow, struct viewer *viewer)
     free(wanted);
 }
 
-static bool shows_same(const struct shadow *shadow, const struct sight *sight, uint32_t width, uint32_t height)
+static bool shows_same(const struct shadow *shadow, const struct eye *eye, uint32_t width, uint32_t height)
 {
-    return shadow->width == width && shadow->height == height && sight_is_same(&shadow->sight, sight);
+    return shadow->width == width && shadow->height == height && eye_is_same(&shadow->eye, eye);
 }
 
 /* The shadow's colour, with its outline; of a bundle only that, since its streamlines may have colours of their own. */
@@ -55,11 +55,11 @@ static void cast(struct window *window, uint32_t width, uint32_t height)
     shadow->top.is_there = false;
     shadow->width = width;
     shadow->height = height;
-    shadow->sight = window->pictures.sight;
+    shadow->eye = window->pictures.eye;
     if (mask && rgba) {
         uint8_t rgb[3];
         viewer_colour(rgb, window->viewer, shadow->chosen);
-        cells_cast(mask, width, height, &shadow->cells, &shadow->sight);
+        cells_cast(mask, width, height, &shadow->cells, &shadow->eye);
         draw_shadow(shadow, rgba, mask, rgb);
         texture_set(&shadow->texture, rgba, width, height, true);
     }
@@ -98,7 +98,7 @@ void pane_chosen(struct window *window)
     if (!shadow->cells.count) {
         return;
     }
-    if (!shows_same(shadow, &window->pictures.sight, width, height)) {
+    if (!shows_same(shadow, &window->pictures.eye, width, height)) {
         cast(window, width, height);
     }
     if (shadow->top.is_there) {

@@ -124,7 +124,7 @@ void pane_second_3d(struct window *window)
 {
     struct shell shell;
     float apex[2];
-    const double *eye = window->pictures.sight.camera.world_from_device + 12;
+    const double *eye = window->pictures.eye.camera.world_from_device + 12;
     if (!shows(window)) {
         return;
     }

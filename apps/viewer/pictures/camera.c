@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-bool sight_is_same(const struct sight *a, const struct sight *b)
+bool eye_is_same(const struct eye *a, const struct eye *b)
 {
     bool same = true;
     for (int i = 0; i < 16; i++) {
@@ -17,27 +17,27 @@ bool sight_is_same(const struct sight *a, const struct sight *b)
     return same;
 }
 
-void sight_fit(struct sight *sight, const double size[2])
+void eye_fit(struct eye *eye, const double size[2])
 {
-    double *f = sight->frustum;
+    double *f = eye->frustum;
     double middle = (f[0] + f[1]) / 2;
     double half = (f[3] - f[2]) / 2 * size[0] / size[1];
     f[0] = middle - half;
     f[1] = middle + half;
 }
 
-void sight_of_orbit(struct sight *out, const struct orbit *orbit, const double size[2])
+void eye_of_orbit(struct eye *out, const struct orbit *orbit, const double size[2])
 {
     double slope = tan(orbit->field_of_view / 2);
-    *out = (struct sight){.frustum = {0, 0, -slope, slope}};
+    *out = (struct eye){.frustum = {0, 0, -slope, slope}};
     orbit_camera(&out->camera, orbit);
-    sight_fit(out, size);
+    eye_fit(out, size);
 }
 
-bool sight_project(double out[2], const struct sight *sight, const double size[2], const double p[3])
+bool eye_project(double out[2], const struct eye *eye, const double size[2], const double p[3])
 {
-    const double *m = sight->camera.world_from_device;
-    const double *f = sight->frustum;
+    const double *m = eye->camera.world_from_device;
+    const double *f = eye->frustum;
     double place[3] = {0};
     for (int axis = 0; axis < 3; axis++) {
         for (int a = 0; a < 3; a++) {
@@ -52,10 +52,10 @@ bool sight_project(double out[2], const struct sight *sight, const double size[2
     return true;
 }
 
-void sight_ray(double direction[3], const struct sight *sight, const double size[2], const double at[2])
+void eye_ray(double direction[3], const struct eye *eye, const double size[2], const double at[2])
 {
-    const double *m = sight->camera.world_from_device;
-    const double *f = sight->frustum;
+    const double *m = eye->camera.world_from_device;
+    const double *f = eye->frustum;
     double right = f[0] + at[0] / size[0] * (f[1] - f[0]);
     double up = f[3] - at[1] / size[1] * (f[3] - f[2]);
     double scale = 1 / sqrt(right * right + up * up + 1);
@@ -174,7 +174,7 @@ bool head_toggle(struct head *head)
     return is_there;
 }
 
-bool head_sight(struct sight *out, const struct head *head, const double part[4])
+bool head_eye(struct eye *out, const struct head *head, const double part[4])
 {
     conus_pose pane = head->screen;
     const double *m = head->screen.world_from_device;

@@ -30,23 +30,23 @@ void orbit_pan(struct orbit *orbit, double right, double down, double height);
 void orbit_zoom(struct orbit *orbit, double clicks);
 
 /** As conus_view has it. */
-struct sight {
+struct eye {
     conus_pose camera; /**< Looks down its own -z, +y up.                               */
     double frustum[4]; /**< The picture's left, right, lower and upper edge at depth 1. */
 };
 
 /** The eye on an orbit, for a picture of width x height pixels. */
-void sight_of_orbit(struct sight *out, const struct orbit *orbit, const double size[2]);
+void eye_of_orbit(struct eye *out, const struct orbit *orbit, const double size[2]);
 /** Whether both see the same. */
-bool sight_is_same(const struct sight *a, const struct sight *b);
+bool eye_is_same(const struct eye *a, const struct eye *b);
 /** Takes as much to the left and right as square pixels of a picture of that size need. */
-void sight_fit(struct sight *sight, const double size[2]);
+void eye_fit(struct eye *eye, const double size[2]);
 
 /** Where the world point @p p lies in a picture of width x height pixels: x right, y down from the top left. False
  * behind the eye. */
-bool sight_project(double out[2], const struct sight *sight, const double size[2], const double p[3]);
+bool eye_project(double out[2], const struct eye *eye, const double size[2], const double p[3]);
 /** The unit direction from the eye through a point of such a picture. */
-void sight_ray(double direction[3], const struct sight *sight, const double size[2], const double at[2]);
+void eye_ray(double direction[3], const struct eye *eye, const double size[2], const double at[2]);
 
 struct head {
     bool named;               /**< A tool is on it: --head.                                       */
@@ -69,7 +69,7 @@ bool head_toggle(struct head *head);
 
 /** Its view through a part of the screen: left, right, lower and upper edge, each from 0 to 1 of the whole. False
  * where that is not shown, or never was seen. */
-bool head_sight(struct sight *out, const struct head *head, const double part[4]);
+bool head_eye(struct eye *out, const struct head *head, const double part[4]);
 /** One line about it; *is_well tells whether the head is seen. NULL where it does not matter. */
 const char *head_text(const struct head *head, bool *is_well);
 

@@ -20,7 +20,7 @@ struct lattice {
 };
 
 /* The objects to find in an atlas. */
-struct wish {
+struct search {
     const conus_atlas *atlas;
     const bool *wanted; /* [objects + 1] */
     bool *seen;         /* likewise: those that were found */
@@ -35,7 +35,7 @@ static bool is_inside(const struct lattice *lattice, long i, long j, long k)
 }
 
 /* One plane across z. */
-static conus_status sample_plane(struct lattice *lattice, uint32_t k, struct wish *wish)
+static conus_status sample_plane(struct lattice *lattice, uint32_t k, struct search *search)
 {
     const uint32_t *n = lattice->dim;
     const conus_cut_view view = {.centre = {lattice->low[0] + lattice->edge * n[0] / 2,
@@ -46,19 +46,19 @@ static conus_status sample_plane(struct lattice *lattice, uint32_t k, struct wis
                                  .height = n[1],
                                  .no_outlines = true,
                                  .window = {0, 1}};
-    conus_status status = conus_cutter_draw(wish->cutter, &view);
-    const uint32_t *objects = status ? NULL : conus_cutter_objects(wish->cutter);
+    conus_status status = conus_cutter_draw(search->cutter, &view);
+    const uint32_t *objects = status ? NULL : conus_cutter_objects(search->cutter);
     for (uint32_t j = 0; objects && j < n[1]; j++) { /* the top row is the last along y */
         for (uint32_t i = 0; i < n[0]; i++) {
             uint32_t object = objects[(size_t)(n[1] - 1 - j) * n[0] + i];
-            lattice->inside[((size_t)k * n[1] + j) * n[0] + i] = wish->wanted[object];
-            wish->seen[object] = true;
+            lattice->inside[((size_t)k * n[1] + j) * n[0] + i] = search->wanted[object];
+            search->seen[object] = true;
         }
     }
     return status;
 }
 
-static conus_status sample(struct lattice *out, const double low[3], const double high[3], struct wish *wish)
+static conus_status sample(struct lattice *out, const double low[3], const double high[3], struct search *search)
 {
     struct lattice lattice = {.low = {low[0], low[1], low[2]}};
     double longest = fmax(high[0] - low[0], fmax(high[1] - low[1], high[2] - low[2]));
@@ -70,7 +70,7 @@ static conus_status sample(struct lattice *out, const double low[3], const doubl
     lattice.inside = calloc((size_t)lattice.dim[0] * lattice.dim[1], lattice.dim[2]);
     conus_status status = lattice.inside ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (uint32_t k = 0; k < lattice.dim[2] && !status; k++) {
-        status = sample_plane(&lattice, k, wish);
+        status = sample_plane(&lattice, k, search);
     }
     if (status) {
         free(lattice.inside);
@@ -102,15 +102,15 @@ static bool find_box(double low[3], double high[3], const struct lattice *lattic
 
 /* Objects that lie between the cells of the first look have their middles at least; what many of them are, whose
  * middles take long to find, is large. */
-static void add_middles(double low[3], double high[3], double around, const struct wish *wish)
+static void add_middles(double low[3], double high[3], double around, const struct search *search)
 {
-    size_t count = conus_atlas_object_count(wish->atlas);
+    size_t count = conus_atlas_object_count(search->atlas);
     unsigned small = 0;
     for (size_t number = 1; number <= count && small < SMALL_ONES; number++) {
-        bool missed = wish->wanted[number] && !wish->seen[number] && !conus_atlas_is_hidden(wish->atlas, number);
+        bool missed = search->wanted[number] && !search->seen[number] && !conus_atlas_is_hidden(search->atlas, number);
         double middle[3];
         small += missed;
-        if (missed && !conus_atlas_centre(middle, wish->atlas, number)) {
+        if (missed && !conus_atlas_centre(middle, search->atlas, number)) {
             for (int a = 0; a < 3; a++) {
                 low[a] = fmin(low[a], middle[a] - around);
                 high[a] = fmax(high[a], middle[a] + around);
@@ -145,19 +145,19 @@ static conus_status take_surface(struct cells *out, const struct lattice *lattic
 }
 
 /* Where they are, by a first look at the whole atlas; nowhere, low is above high. */
-static conus_status find_place(double low[3], double high[3], struct wish *wish)
+static conus_status find_place(double low[3], double high[3], struct search *search)
 {
     double bounds[2][3];
     struct lattice lattice = {.inside = NULL};
-    bool any = !conus_atlas_bounds(bounds[0], bounds[1], wish->atlas); /* else all is hidden */
-    conus_status status = any ? sample(&lattice, bounds[0], bounds[1], wish) : CONUS_OK;
+    bool any = !conus_atlas_bounds(bounds[0], bounds[1], search->atlas); /* else all is hidden */
+    conus_status status = any ? sample(&lattice, bounds[0], bounds[1], search) : CONUS_OK;
     bool found = any && !status && find_box(low, high, &lattice);
     for (int a = 0; a < 3 && !found; a++) {
         low[a] = INFINITY;
         high[a] = -INFINITY;
     }
     if (any && !status) {
-        add_middles(low, high, lattice.edge, wish);
+        add_middles(low, high, lattice.edge, search);
         free(lattice.inside);
     }
     return status;
@@ -167,17 +167,17 @@ conus_status cells_find(struct cells *out, const conus_atlas *atlas, const bool 
 {
     double box[2][3];
     struct lattice lattice = {.inside = NULL};
-    struct wish wish = {atlas, wanted, calloc(conus_atlas_object_count(atlas) + 1, sizeof *wish.seen), NULL};
+    struct search search = {atlas, wanted, calloc(conus_atlas_object_count(atlas) + 1, sizeof *search.seen), NULL};
     *out = (struct cells){.middles = NULL};
-    conus_status status = wish.seen ? conus_cutter_create(&wish.cutter, atlas) : CONUS_ERROR_MEMORY;
-    status = status ? status : find_place(box[0], box[1], &wish);
+    conus_status status = search.seen ? conus_cutter_create(&search.cutter, atlas) : CONUS_ERROR_MEMORY;
+    status = status ? status : find_place(box[0], box[1], &search);
     if (!status && box[0][0] < box[1][0]) {
-        status = sample(&lattice, box[0], box[1], &wish);
+        status = sample(&lattice, box[0], box[1], &search);
         status = status ? status : take_surface(out, &lattice);
     }
     free(lattice.inside);
-    free(wish.seen);
-    conus_cutter_destroy(wish.cutter);
+    free(search.seen);
+    conus_cutter_destroy(search.cutter);
     return status;
 }
 
@@ -192,11 +192,11 @@ static uint32_t clamped(double pixel, uint32_t size)
     return (uint32_t)fmin(fmax(pixel, 0), size);
 }
 
-void cells_cast(uint8_t *mask, uint32_t width, uint32_t height, const struct cells *cells, const struct sight *sight)
+void cells_cast(uint8_t *mask, uint32_t width, uint32_t height, const struct cells *cells, const struct eye *eye)
 {
-    const double *m = sight->camera.world_from_device;
+    const double *m = eye->camera.world_from_device;
     const double size[2] = {width, height};
-    double pixels = height / (sight->frustum[3] - sight->frustum[2]); /* of 1 mm at depth 1 mm */
+    double pixels = height / (eye->frustum[3] - eye->frustum[2]); /* of 1 mm at depth 1 mm */
     for (size_t c = 0; c < cells->count; c++) {
         const double *p = cells->middles[c];
         double depth = 0;
@@ -206,7 +206,7 @@ void cells_cast(uint8_t *mask, uint32_t width, uint32_t height, const struct cel
             depth -= (p[a] - m[12 + a]) * m[8 + a];
             away = hypot(away, p[a] - m[12 + a]);
         }
-        if (depth < near_mm || !sight_project(at, sight, size, p)) {
+        if (depth < near_mm || !eye_project(at, eye, size, p)) {
             continue;
         }
         double half =

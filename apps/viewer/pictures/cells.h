@@ -20,6 +20,6 @@ conus_status cells_find(struct cells *out, const conus_atlas *atlas, const bool 
 void cells_finish(struct cells *cells); /**< One that is all 0 is fine. */
 
 /** Sets what they cover in a picture to 1, in @p mask, [height width], top row first, whose other pixels stay. */
-void cells_cast(uint8_t *mask, uint32_t width, uint32_t height, const struct cells *cells, const struct sight *sight);
+void cells_cast(uint8_t *mask, uint32_t width, uint32_t height, const struct cells *cells, const struct eye *eye);
 
 #endif

@@ -65,7 +65,7 @@ bool painting_shows_same(const struct painting *a, const struct painting *b)
 {
     return a->width == b->width && a->height == b->height && a->fade == b->fade && a->backdrop == b->backdrop &&
            a->chosen == b->chosen && a->answer_number == b->answer_number && a->scene_number == b->scene_number &&
-           sight_is_same(&a->sight, &b->sight);
+           eye_is_same(&a->eye, &b->eye);
 }
 
 /* With the lock held; ends it. */
@@ -141,11 +141,11 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
     struct drawing drawing = {painter, what};
     double coarse = coarseness(painter, what, stage);
     conus_image *image = NULL;
-    const double *f = what->sight.frustum;
+    const double *f = what->eye.frustum;
     conus_view view = {.width = (uint32_t)fmax(what->width / coarse, 1),
                        .height = (uint32_t)fmax(what->height / coarse, 1),
                        .frustum = {f[0], f[1], f[2], f[3]},
-                       .camera = &what->sight.camera,
+                       .camera = &what->eye.camera,
                        .selection = answer_selection(what->answer),
                        .chosen = what->chosen,
                        .no_legend = true,

@@ -14,7 +14,7 @@ struct painter;
 
 /** A picture to draw. */
 struct painting {
-    struct sight sight;
+    struct eye eye;
     uint32_t width, height;
     double fade;
     enum backdrop backdrop;

@@ -11,7 +11,7 @@ static const double skin_part = 0.2;
 static const double fine = 0.01; /* of a step: how well the skin is found */
 
 /* A ray through the context. */
-struct course {
+struct ray {
     const struct view_atlas *on;
     size_t context;
     const double *from, *direction;
@@ -19,30 +19,29 @@ struct course {
     double step; /* mm: a voxel */
 };
 
-static bool is_inside(const struct course *course, double depth)
+static bool is_inside(const struct ray *ray, double depth)
 {
     double at[3];
     for (int a = 0; a < 3; a++) {
-        at[a] = course->from[a] + depth * course->direction[a];
+        at[a] = ray->from[a] + depth * ray->direction[a];
     }
-    return conus_atlas_value(course->on->atlas, course->context, at) >= course->skin; /* NaN, outside of it, is not */
+    return conus_atlas_value(ray->on->atlas, ray->context, at) >= ray->skin; /* NaN, outside of it, is not */
 }
 
 /* The skin is between both depths. */
-static double find_skin(const struct course *course, double outside, double inside)
+static double find_skin(const struct ray *ray, double outside, double inside)
 {
-    while (inside - outside > fine * course->step) {
+    while (inside - outside > fine * ray->step) {
         double middle = (outside + inside) / 2;
-        *(is_inside(course, middle) ? &inside : &outside) = middle;
+        *(is_inside(ray, middle) ? &inside : &outside) = middle;
     }
     return inside;
 }
 
 /* A single voxel of noise is brighter than air, too, but for less than two voxels along any ray. */
-static bool is_skin(const struct course *course, double depth)
+static bool is_skin(const struct ray *ray, double depth)
 {
-    return is_inside(course, depth) && is_inside(course, depth + course->step) &&
-           is_inside(course, depth + 2 * course->step);
+    return is_inside(ray, depth) && is_inside(ray, depth + ray->step) && is_inside(ray, depth + 2 * ray->step);
 }
 
 /* Between the depths @p least and @p most. */
@@ -56,16 +55,16 @@ static double depth_of_context(const struct viewer *viewer, const double from[3]
     }
     size_t context = view_atlas_context(on);
     const double *voxel = conus_atlas_volume(on->atlas, context)->spacing;
-    const struct course course = {.on = on,
-                                  .context = context,
-                                  .from = from,
-                                  .direction = direction,
-                                  .skin = black + skin_part * (on->window[1] - black),
-                                  .step = fmax(voxel[0], fmax(voxel[1], voxel[2]))};
-    for (unsigned step = 0; least + course.step * step < most; step++) {
-        double depth = least + course.step * step;
-        if (is_skin(&course, depth)) {
-            return find_skin(&course, fmax(depth - course.step, 0), depth);
+    const struct ray ray = {.on = on,
+                            .context = context,
+                            .from = from,
+                            .direction = direction,
+                            .skin = black + skin_part * (on->window[1] - black),
+                            .step = fmax(voxel[0], fmax(voxel[1], voxel[2]))};
+    for (unsigned step = 0; least + ray.step * step < most; step++) {
+        double depth = least + ray.step * step;
+        if (is_skin(&ray, depth)) {
+            return find_skin(&ray, fmax(depth - ray.step, 0), depth);
         }
     }
     return INFINITY;

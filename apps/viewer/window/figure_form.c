@@ -79,15 +79,15 @@ static conus_status make_renderer(conus_renderer **out, const struct viewer *vie
 
 /* A field of view fits the drawing, which a legend beside it makes narrower; an eye beside the middle needs a
  * frustum. */
-static bool set_camera(conus_view *view, struct sight *sight, const char *streamline_colour)
+static bool set_camera(conus_view *view, struct eye *eye, const char *streamline_colour)
 {
-    double *f = sight->frustum;
-    view->camera = &sight->camera;
+    double *f = eye->frustum;
+    view->camera = &eye->camera;
     if (f[0] == -f[1] && f[2] == -f[3]) {
         view->field_of_view = 2 * atan(f[3]);
         return true;
     }
-    sight_fit(sight, (double[]){view->width, view->height});
+    eye_fit(eye, (double[]){view->width, view->height});
     memcpy(view->frustum, f, sizeof view->frustum);
     bool has_key = streamline_colour && strcmp(streamline_colour, "bundle") != 0;
     return view->legend != CONUS_LEGEND_RIGHT || view->no_legend || (!view->selection && !has_key);
@@ -99,13 +99,13 @@ static bool write_3d(const struct window *window, const struct figure_settings *
     const struct viewer *viewer = window->viewer;
     conus_renderer *renderer = NULL;
     conus_image *image = NULL;
-    struct sight sight;
+    struct eye eye;
     conus_view view = {
         .selection = viewer_selection(viewer), .chosen = viewer->drawn->shown.chosen, .fade = viewer->display.fade};
-    window_sight(window, &sight);
+    window_eye(window, &eye);
     figure_view(&view, settings);
     look_set(&view, &viewer->drawn->look);
-    if (!set_camera(&view, &sight, settings->streamline_colour)) {
+    if (!set_camera(&view, &eye, settings->streamline_colour)) {
         return refuse(why, "a tracked head's view has no room for a legend beside it: choose inside, below or none");
     }
     conus_status status = make_renderer(&renderer, viewer, settings);

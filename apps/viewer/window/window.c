@@ -139,18 +139,18 @@ static void find_part(double part[4], const struct window *window, const struct 
     part[3] = 1 - top / screen[3];
 }
 
-void window_sight(const struct window *window, struct sight *out)
+void window_eye(const struct window *window, struct eye *out)
 {
     const struct viewer *viewer = window->viewer;
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     double part[4];
     if (viewer->head.on && window->screen.width > 0) {
         find_part(part, window, box);
-        if (head_sight(out, &viewer->head, part)) {
+        if (head_eye(out, &viewer->head, part)) {
             return;
         }
     }
-    sight_of_orbit(out, &viewer->orbit, (double[]){(double)box->width, (double)box->height});
+    eye_of_orbit(out, &viewer->orbit, (double[]){(double)box->width, (double)box->height});
 }
 
 enum { STATUS_HEIGHT = 24 };
@@ -518,39 +518,38 @@ void window_resize(struct window *window, int width, int height)
 void window_lay_out(struct window *window)
 {
     glfwGetFramebufferSize(window->handle, &window->screen.width, &window->screen.height);
-    window_divide(window);
+    screen_divide(&window->screen);
 }
 
-void window_divide(struct window *window)
+void screen_divide(struct screen *screen)
 {
-    float width = (float)window->screen.width;
-    float status = STATUS_HEIGHT * window->screen.scale;
-    float height = fmaxf((float)window->screen.height - status, 0);
-    struct division d = layout_divide(&window->screen.layout, width, height, window->screen.scale);
-    window->screen.left = (struct ui_box){0, 0, d.left, height};
-    window->screen.right = (struct ui_box){width - d.right, 0, d.right, height};
-    window->screen.status = (struct ui_box){0, height, width, status};
+    float width = (float)screen->width;
+    float status = STATUS_HEIGHT * screen->scale;
+    float height = fmaxf((float)screen->height - status, 0);
+    struct division d = layout_divide(&screen->layout, width, height, screen->scale);
+    screen->left = (struct ui_box){0, 0, d.left, height};
+    screen->right = (struct ui_box){width - d.right, 0, d.right, height};
+    screen->status = (struct ui_box){0, height, width, status};
     for (int p = 0; p < PANE_COUNT; p++) {
         static const int place[PANE_COUNT] = {1, 2, 3, 0}; /* 3-D is the first, then axial, coronal, sagittal */
         int column = place[p] % 2;
         int row = place[p] / 2;
-        window->screen.panes[p] =
+        screen->panes[p] =
             (struct ui_box){d.left + (column ? d.column : 0), row ? d.row : 0,
                             (column ? d.columns - d.column : d.column) - 1, (row ? d.rows - d.row : d.row) - 1};
-        if (window->screen.enlarged == p) {
-            window->screen.panes[p] = (struct ui_box){d.left, 0, d.columns, d.rows};
+        if (screen->enlarged == p) {
+            screen->panes[p] = (struct ui_box){d.left, 0, d.columns, d.rows};
         }
     }
-    if (window->screen.alone) {
-        window->screen.panes[PANE_3D] = (struct ui_box){0, 0, width, (float)window->screen.height};
+    if (screen->alone) {
+        screen->panes[PANE_3D] = (struct ui_box){0, 0, width, (float)screen->height};
     }
 }
 
-bool window_shows_pane(const struct window *window, int pane)
+bool screen_shows_pane(const struct screen *screen, int pane)
 {
-    const struct ui_box *box = &window->screen.panes[pane];
-    bool chosen =
-        window->screen.alone ? pane == PANE_3D : window->screen.enlarged < 0 || window->screen.enlarged == pane;
+    const struct ui_box *box = &screen->panes[pane];
+    bool chosen = screen->alone ? pane == PANE_3D : screen->enlarged < 0 || screen->enlarged == pane;
     return chosen && box->width >= 2 && box->height >= 2;
 }
 
@@ -607,12 +606,13 @@ bool window_is_settled(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     bool has_page = window->start.on || window->dialog.on;
-    bool settled = has_page || window->pictures.painted_fine || !window_shows_pane(window, PANE_3D);
+    bool settled = has_page || window->pictures.painted_fine || !screen_shows_pane(&window->screen, PANE_3D);
     if (!has_page && studies_is_on(viewer)) {
         settled = settled && !studies_is_old(viewer);
     }
     for (int p = 0; p < PLANE_COUNT && !has_page; p++) {
-        settled = settled && (window->pictures.cuts[p].version == viewer->version || !window_shows_pane(window, p));
+        settled =
+            settled && (window->pictures.cuts[p].version == viewer->version || !screen_shows_pane(&window->screen, p));
     }
     return settled;
 }
@@ -899,8 +899,7 @@ bool window_point(float out[2], const struct window *window, const double world[
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     double at[2];
-    bool visible =
-        sight_project(at, &window->pictures.sight, (double[]){(double)box->width, (double)box->height}, world);
+    bool visible = eye_project(at, &window->pictures.eye, (double[]){(double)box->width, (double)box->height}, world);
     out[0] = box->x + (float)at[0];
     out[1] = box->y + (float)at[1];
     return visible;

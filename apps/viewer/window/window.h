@@ -48,7 +48,7 @@ struct shadow {
     unsigned atlas_number;       /**< and at which of the viewer's numbers. */
     struct texture texture;
     uint32_t width, height; /**< Size of the texture; 0 = it is to be drawn anew. */
-    struct sight sight;     /**< That it shows. */
+    struct eye eye;         /**< That it shows. */
     struct outline_top top;
 };
 
@@ -130,7 +130,7 @@ struct pictures {
     struct texture painted, device_view;
     struct shadow shadow;
     const struct view_atlas *painted_of; /**< The atlas that painted shows. */
-    struct sight sight;                  /**< The eye of the 3-D pane in this frame. */
+    struct eye eye;                      /**< The eye of the 3-D pane in this frame. */
     struct painting asked;               /**< The last request to the painter. */
     double painted_ms;
     bool painted_fine;       /**< The picture is what was asked last, as fine as it gets. */
@@ -261,12 +261,12 @@ bool window_press(struct window *window, const char *key);
 /** Lays everything out for the window's size now. */
 void window_lay_out(struct window *window);
 /** The same for its width and height as they stand there. */
-void window_divide(struct window *window);
+void screen_divide(struct screen *screen);
 
 /** Lets the pane under the mouse, or else that in 3-D, fill the middle, or all come back. */
 void window_maximise(struct window *window);
 /** Whether a pane is on the window and large enough to be drawn. */
-bool window_shows_pane(const struct window *window, int pane);
+bool screen_shows_pane(const struct screen *screen, int pane);
 
 /** Where a point (world mm) is in the 3-D pane, pixels of the window; false behind the eye. */
 bool window_point(float out[2], const struct window *window, const double world[3]);
@@ -296,7 +296,7 @@ void texture_drop(struct texture *texture);
 void window_fill_screen(struct window *window, bool fill);
 
 /** The eye of the 3-D pane now: its own, or that of a tracked head through its part of the screen. */
-void window_sight(const struct window *window, struct sight *out);
+void window_eye(const struct window *window, struct eye *out);
 
 /** "conus"; with an atlas "conus - aal.nii.gz [session.json] - Hippocampus_L (held)": its file, the session's if there
  * is one, and the best hit in the drawn atlas (hit, or held) or else the chosen area (chosen). */
