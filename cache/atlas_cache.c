@@ -31,7 +31,7 @@ struct heard_head {
     uint64_t severity, path_size, text_size;
 };
 
-static void hear(void *user, const conus_note *note)
+static void keep_note(void *user, const conus_note *note)
 {
     struct atlas_cache *cache = user;
     const struct heard_head head = {note->severity, note->path ? strlen(note->path) + 1 : 0, strlen(note->line) + 1};
@@ -105,7 +105,7 @@ static bool is_used(const struct atlas_cache *cache)
 void atlas_cache_watch(struct atlas_cache *cache)
 {
     if (is_used(cache)) {
-        cache->options.log = hear;
+        cache->options.log = keep_note;
         cache->options.log_user = cache;
         file_trace_begin(&cache->trace);
     }
@@ -170,7 +170,7 @@ static bool write_atlas(void *user, int file, size_t at)
 }
 
 /* Maps what was just written: then the atlas is in memory once, and answers as it will the next time. */
-static void exchange(struct atlas_cache *cache, conus_atlas **atlas)
+static void map_kept(struct atlas_cache *cache, conus_atlas **atlas)
 {
     const struct conus_load_options *given = cache->given;
     const struct conus_load_options silent = {0};
@@ -196,7 +196,7 @@ void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
     if (!buffer_status(&trace) && !cache->heard.failed &&
         cache_store_keep(&cache->store, &entry, write_atlas, *atlas)) {
         cache->store.written = entry.trace;
-        exchange(cache, atlas);
+        map_kept(cache, atlas);
         cache->store.written = (struct cache_part){0};
     }
     buffer_finish(&trace);

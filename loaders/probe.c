@@ -31,7 +31,7 @@ static enum format_reader find_reader(const struct probe *probe, const struct by
     return kind && !(is_text && probe->packed) ? kind->reader : READER_VOLUME;
 }
 
-static conus_status look(struct probe *probe)
+static conus_status look_at_head(struct probe *probe)
 {
     struct bytes unpacked = {0};
     struct text text = text_trim(text_from_bytes(probe->stored.data, probe->stored.size));
@@ -57,7 +57,7 @@ conus_status probe_open(struct probe *out, const char *path)
     }
     out->is_open = true;
     conus_status status = file_read_open(&out->stored, &out->file, FILE_KIND_HEAD, UINT64_MAX, "");
-    status = status ? status : look(out);
+    status = status ? status : look_at_head(out);
     if (status || (map.size && out->reader != READER_CIFTI)) {
         probe_close(out);
     }

@@ -47,7 +47,7 @@ static conus_status check_shape(const conus_voxels *voxels)
     return CONUS_OK;
 }
 
-static conus_status describe(struct volume_header *header, const conus_voxels *voxels)
+static conus_status array_describe(struct volume_header *header, const conus_voxels *voxels)
 {
     const int64_t dim[7] = {(int64_t)voxels->dim[0], (int64_t)voxels->dim[1], (int64_t)voxels->dim[2], 1, 1, 1, 1};
     header->info = (conus_volume_info){.slope = 1, .space_code = voxels->space_code};
@@ -135,7 +135,7 @@ static conus_status array_volume_open(struct array_volume *out, const conus_voxe
     voxels = options_of(conus_voxels, voxels);
     const char *name = voxels->name ? voxels->name : "array";
     conus_status status = check_shape(voxels);
-    status = status ? status : describe(&header, voxels);
+    status = status ? status : array_describe(&header, voxels);
     if (status) {
         return fail_in(status, name);
     }

@@ -78,7 +78,7 @@ static bool is_called(const struct catalogue_item *item, const char *name, bool 
 }
 
 /* The same file with the same labels, though of another source. */
-static bool is_same(const struct catalogue_item *a, const struct catalogue_item *b)
+static bool is_same_name(const struct catalogue_item *a, const struct catalogue_item *b)
 {
     const char *one = a->atlas.labels ? a->atlas.labels : "";
     const char *other = b->atlas.labels ? b->atlas.labels : "";
@@ -97,7 +97,7 @@ static void find_candidates(struct candidates *out, const conus_catalogue *catal
         const struct catalogue_item *item = &catalogue->items[i];
         bool is = is_called(item, name, folded);
         for (size_t j = 0; is && j < out->count && j < CANDIDATES; j++) {
-            is = !is_same(item, out->items[j]);
+            is = !is_same_name(item, out->items[j]);
         }
         if (is && out->count < CANDIDATES) {
             out->items[out->count] = item;
@@ -125,7 +125,7 @@ static conus_status refuse_ambiguous(const char *name, const struct candidates *
 }
 
 /* How far `name` is from what the atlas is called; one that contains it is near. */
-static size_t distance(const conus_installed *atlas, const char *name)
+static size_t name_distance(const conus_installed *atlas, const char *name)
 {
     const char *colon = strchr(name, ':');
     struct text own = text_from(atlas->name);
@@ -160,7 +160,7 @@ static conus_status refuse_unknown(const conus_catalogue *catalogue, const char 
     struct buffer list = {0};
     size_t most = (strlen(name) + 2) / 3;
     for (size_t i = 0; i < catalogue->count; i++) {
-        size_t far = distance(&catalogue->items[i].atlas, name);
+        size_t far = name_distance(&catalogue->items[i].atlas, name);
         if (far <= most) {
             rank(nearest, &catalogue->items[i].atlas, far);
         }

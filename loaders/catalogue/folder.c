@@ -23,7 +23,7 @@ static bool matches_any(const char *name, const char *const *patterns)
 }
 
 /* The name without `length` bytes of ending, and without `cut` before that. */
-static char *name_of(const char *name, size_t length, const char *cut)
+static char *atlas_name(const char *name, size_t length, const char *cut)
 {
     size_t ending = cut ? strlen(cut) : 0;
     if (ending && length > ending && strncmp(name + length - ending, cut, ending) == 0) {
@@ -49,7 +49,8 @@ static conus_status take_volume(conus_catalogue *catalogue, const char *name, st
     }
     conus_status status = volume_marks_find(&labels, found->spacing, found->path, rule->patterns != NULL);
     found->kind = "volume";
-    return status || !labels ? status : add_named(catalogue, found, name_of(name, volume_stem_length(name), rule->cut));
+    return status || !labels ? status
+                             : add_named(catalogue, found, atlas_name(name, volume_stem_length(name), rule->cut));
 }
 
 static conus_status take_file(conus_catalogue *catalogue, const char *name, struct catalogue_found *found,
@@ -60,7 +61,7 @@ static conus_status take_file(conus_catalogue *catalogue, const char *name, stru
     }
     if (path_ends_in(name, manifest_ending)) {
         found->kind = "scene";
-        return add_named(catalogue, found, name_of(name, strlen(name) - strlen(manifest_ending), NULL));
+        return add_named(catalogue, found, atlas_name(name, strlen(name) - strlen(manifest_ending), NULL));
     }
     return path_ends_in(name, ".xml") ? fsl_look(catalogue, found->path) : CONUS_OK;
 }
@@ -101,7 +102,8 @@ static conus_status take_brainglobe(conus_catalogue *catalogue, const char *name
 /** The passes over a folder, in this order: XMLs name volumes, and volumes in the folders below. */
 enum turn { XMLS, OTHER_FILES, FOLDERS, TURNS };
 
-static conus_status look(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule, size_t depth);
+static conus_status look_in_folder(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule,
+                                   size_t depth);
 
 /* Whether it is, as far as its name says. */
 static bool may_be_of_turn(enum turn turn, const char *name)
@@ -110,8 +112,8 @@ static bool may_be_of_turn(enum turn turn, const char *name)
 }
 
 /* No deeper than rule->depth. NOLINTNEXTLINE(misc-no-recursion) */
-static conus_status look_at(conus_catalogue *catalogue, const char *folder, const char *name,
-                            const struct folder_rule *rule, size_t depth, enum turn turn)
+static conus_status look_at_name(conus_catalogue *catalogue, const char *folder, const char *name,
+                                 const struct folder_rule *rule, size_t depth, enum turn turn)
 {
     struct stat info;
     char *path = catalogue_join(folder, name);
@@ -124,22 +126,23 @@ static conus_status look_at(conus_catalogue *catalogue, const char *folder, cons
     if (there && turn != FOLDERS && S_ISREG(info.st_mode) && info.st_size) { /* TemplateFlow: empty until fetched */
         status = take_file(catalogue, name, &found, rule);
     } else if (there && turn == FOLDERS && S_ISDIR(info.st_mode) && depth < rule->depth) {
-        status =
-            is_brainglobe(path) ? take_brainglobe(catalogue, name, &found) : look(catalogue, path, rule, depth + 1);
+        status = is_brainglobe(path) ? take_brainglobe(catalogue, name, &found)
+                                     : look_in_folder(catalogue, path, rule, depth + 1);
     }
     memory_free(path);
     return status;
 }
 
 /* NOLINTNEXTLINE(misc-no-recursion) */
-static conus_status look(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule, size_t depth)
+static conus_status look_in_folder(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule,
+                                   size_t depth)
 {
     struct names names = {0};
     conus_status status = catalogue_list(&names, catalogue, folder);
     for (enum turn turn = XMLS; turn < TURNS; turn++) {
         for (size_t i = 0; !status && i < names.count; i++) {
             const char *name = names.names[i];
-            status = may_be_of_turn(turn, name) ? look_at(catalogue, folder, name, rule, depth, turn) : CONUS_OK;
+            status = may_be_of_turn(turn, name) ? look_at_name(catalogue, folder, name, rule, depth, turn) : CONUS_OK;
         }
     }
     names_finish(&names);
@@ -148,5 +151,5 @@ static conus_status look(conus_catalogue *catalogue, const char *folder, const s
 
 conus_status folder_look(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule)
 {
-    return look(catalogue, folder, rule, 0);
+    return look_in_folder(catalogue, folder, rule, 0);
 }

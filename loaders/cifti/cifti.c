@@ -560,8 +560,8 @@ bool cifti_is(const uint8_t *data, size_t size)
 }
 
 /* The header, and what it asks of the rest. */
-static conus_status read_header(struct volume_header *header, size_t shape[2], const uint8_t *data, size_t size,
-                                uint64_t max_memory)
+static conus_status cifti_read_header(struct volume_header *header, size_t shape[2], const uint8_t *data, size_t size,
+                                      uint64_t max_memory)
 {
     conus_status status = nifti_matrix_parse(header, shape, data, size);
     if (status) {
@@ -617,7 +617,7 @@ conus_status cifti_parse(struct cifti *out, const uint8_t *data, size_t size, ui
     struct volume_header header;
     size_t shape[2];
     struct text xml = {0};
-    conus_status status = read_header(&header, shape, data, size, max_memory);
+    conus_status status = cifti_read_header(&header, shape, data, size, max_memory);
     if (status) {
         return status;
     }

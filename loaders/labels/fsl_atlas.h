@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file FSL's atlas specification: one XML that names images (in several resolutions) and their labels. And SPM's,
  * which CAT12 has, too: the same outermost elements, but index and name of a label are elements of their own. */
-#ifndef CONUS_LOADERS_TABLES_FSL_ATLAS_H
-#define CONUS_LOADERS_TABLES_FSL_ATLAS_H
+#ifndef CONUS_LOADERS_LABELS_FSL_ATLAS_H
+#define CONUS_LOADERS_LABELS_FSL_ATLAS_H
 
 #include "atlas/labels/labels.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Which atlas XML of FSL or SPM names a volume, and where the images are that an XML names. */
-#ifndef CONUS_LOADERS_TABLES_FSL_FIND_H
-#define CONUS_LOADERS_TABLES_FSL_FIND_H
+#ifndef CONUS_LOADERS_LABELS_FSL_FIND_H
+#define CONUS_LOADERS_LABELS_FSL_FIND_H
 
 #include "base/files/file.h"
 #include "loaders/labels/fsl_atlas.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Which number a label of an FSL atlas XML has in a volume of labels. */
-#ifndef CONUS_LOADERS_TABLES_FSL_NUMBER_H
-#define CONUS_LOADERS_TABLES_FSL_NUMBER_H
+#ifndef CONUS_LOADERS_LABELS_FSL_NUMBER_H
+#define CONUS_LOADERS_LABELS_FSL_NUMBER_H
 
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/labels/label_use.h"

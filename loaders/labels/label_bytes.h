@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file A label table from bytes: the format is detected from the content, never from the name of the file. */
-#ifndef CONUS_LOADERS_TABLES_LABEL_BYTES_H
-#define CONUS_LOADERS_TABLES_LABEL_BYTES_H
+#ifndef CONUS_LOADERS_LABELS_LABEL_BYTES_H
+#define CONUS_LOADERS_LABELS_LABEL_BYTES_H
 
 #include "loaders/labels/label_format.h"
 #include "loaders/labels/label_use.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Entries of label tables and their cells, for all formats. */
-#ifndef CONUS_LOADERS_TABLES_LABEL_CELLS_H
-#define CONUS_LOADERS_TABLES_LABEL_CELLS_H
+#ifndef CONUS_LOADERS_LABELS_LABEL_CELLS_H
+#define CONUS_LOADERS_LABELS_LABEL_CELLS_H
 
 #include "atlas/labels/labels.h"
 #include "base/formats/xml.h"

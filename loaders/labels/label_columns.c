@@ -83,7 +83,7 @@ static char separator_of(struct text line)
 }
 
 /* Reads the header row; false if `line` is none, which takes a number and a name. */
-static bool read_header(struct header *header, struct text line, char separator)
+static bool read_header_row(struct header *header, struct text line, char separator)
 {
     int ranks[COLUMN_COUNT];
     *header = (struct header){.separator = separator};
@@ -226,7 +226,7 @@ static conus_status parse_table(struct label_table *out, struct text text, struc
     struct header header;
     struct text line;
     size_t number = 0;
-    if (!next_line(&text, &number, &line) || !read_header(&header, line, separator_of(line))) {
+    if (!next_line(&text, &number, &line) || !read_header_row(&header, line, separator_of(line))) {
         return fail(CONUS_ERROR_DATA, "no header with an index and a name");
     }
     if (header.twice) {
@@ -305,7 +305,7 @@ conus_status label_columns_parse(struct label_table *out, struct text text, cons
     if (!next_line(&text, &number, &line)) {
         return fail(CONUS_ERROR_DATA, "no header row that could name columns");
     }
-    (void)read_header(&header, line, best_separator(line));
+    (void)read_header_row(&header, line, best_separator(line));
     for (int column = INDEX; column <= NAME; column++) {
         const struct text wanted = columns[column];
         header.at[column] = wanted.size ? find_column(line, header.separator, wanted) : header.at[column];
@@ -422,7 +422,7 @@ static bool is_bare(struct text text)
     return 2 * good > rows;
 }
 
-static int compare_names(const void *a, const void *b)
+static int compare_column_names(const void *a, const void *b)
 {
     const struct label *const *x = a;
     const struct label *const *y = b;
@@ -441,10 +441,10 @@ static conus_status check_names_differ(const struct label_table *table)
         labels[count] = &table->entries[i];
         count += table->entries[i].name != NULL;
     }
-    qsort(labels, count, sizeof(struct label *), compare_names);
+    qsort(labels, count, sizeof(struct label *), compare_column_names);
     conus_status status = CONUS_OK;
     for (size_t i = 1; !status && i < count; i++) {
-        if (labels[i - 1]->number != labels[i]->number && compare_names(&labels[i - 1], &labels[i]) == 0) {
+        if (labels[i - 1]->number != labels[i]->number && compare_column_names(&labels[i - 1], &labels[i]) == 0) {
             status = fail(CONUS_ERROR_DATA,
                           "labels %u and %u are both \"%s\" in column 2, and other columns have words, too: a header "
                           "row (index,name) must say which is the name",
@@ -499,7 +499,7 @@ const struct label_format *label_format_of_columns(struct text text)
     struct text line;
     struct text rest = text;
     size_t number = 0;
-    if (!next_line(&rest, &number, &line) || !read_header(&header, line, separator_of(line))) {
+    if (!next_line(&rest, &number, &line) || !read_header_row(&header, line, separator_of(line))) {
         return is_bare(text) ? &bare : NULL;
     }
     if (header.by_value && !counts_by_value(&header, rest)) {

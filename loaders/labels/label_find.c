@@ -38,7 +38,7 @@ static bool has_entity(struct text stem, const char *entity)
     return false;
 }
 
-static enum kind kind_of(struct text stem)
+static enum kind freesurfer_kind(struct text stem)
 {
     static const char *const whole[] = {
         "aseg",
@@ -180,7 +180,7 @@ static conus_status try_table(struct label_search *search, enum kind kind, const
 static enum kind kind_of_volume(const struct label_search *search)
 {
     const char *name = path_base(search->volume->info->path);
-    return kind_of((struct text){name, volume_stem_length(name)});
+    return freesurfer_kind((struct text){name, volume_stem_length(name)});
 }
 
 /* A label_judge of a FreeSurferColorLUT.txt in the volume's folder: FreeSurfer's own is taken only for volumes that

@@ -91,8 +91,8 @@ static conus_status list_keys(struct key **out, size_t *out_count, const struct 
     return CONUS_OK;
 }
 
-static void compare_names(struct comparison *comparison, const struct key *a, size_t a_count, const struct key *b,
-                          size_t b_count)
+static void compare_labels(struct comparison *comparison, const struct key *a, size_t a_count, const struct key *b,
+                           size_t b_count)
 {
     for (size_t i = 0, k = 0; i < a_count && k < b_count;) {
         int order = compare_keys(&a[i], &b[k]);
@@ -160,7 +160,7 @@ static conus_status compare_tables(struct comparison *out, const struct label_ta
     conus_status status = list_keys(&keys[0], &counts[0], a);
     status = status ? status : list_keys(&keys[1], &counts[1], b);
     if (!status) {
-        compare_names(out, keys[0], counts[0], keys[1], counts[1]);
+        compare_labels(out, keys[0], counts[0], keys[1], counts[1]);
         status = compare_numbers(out, a, b);
     }
     finish_keys(keys[0], counts[0]);

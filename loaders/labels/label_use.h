@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file What a label table is read for. */
-#ifndef CONUS_LOADERS_TABLES_LABEL_USE_H
-#define CONUS_LOADERS_TABLES_LABEL_USE_H
+#ifndef CONUS_LOADERS_LABELS_LABEL_USE_H
+#define CONUS_LOADERS_LABELS_LABEL_USE_H
 
 #include "atlas/labels/label_voxels.h"
 #include "base/files/file_sums.h"

@@ -103,7 +103,7 @@ static conus_status note_rival(void *user, struct fsl_atlas *atlas, const char *
 }
 
 /* Other XMLs, and a table beside the image, may call its volumes otherwise. */
-static conus_status compare_names(struct fsl_maps *maps, const char *xml, uint64_t max_memory, struct notes *notes)
+static conus_status compare_map_names(struct fsl_maps *maps, const char *xml, uint64_t max_memory, struct notes *notes)
 {
     struct rival rival = {maps, path_base(xml), notes};
     struct label_table table = {0};
@@ -136,7 +136,7 @@ conus_status fsl_maps_open(struct fsl_maps *out, conus_atlas *atlas, const char 
         status = fail(CONUS_ERROR_DATA, "fsl: %s has %zu labels, %s has %zu volumes", path_base(xml), labels,
                       path_base(maps.image.path), maps.image.info.volume_count);
     }
-    status = status ? status : compare_names(&maps, xml, options->max_memory, &atlas->notes);
+    status = status ? status : compare_map_names(&maps, xml, options->max_memory, &atlas->notes);
     if (status) {
         fsl_maps_finish(&maps);
         return status;

@@ -79,7 +79,7 @@ static int compare_ends(const void *a, const void *b)
     return (first->low > second->low) - (first->low < second->low);
 }
 
-static int compare_names(const void *a, const void *b)
+static int compare_band_names(const void *a, const void *b)
 {
     return strcmp(((const conus_band *)a)->name, ((const conus_band *)b)->name);
 }
@@ -88,9 +88,9 @@ static int compare_names(const void *a, const void *b)
 static conus_status check_together(conus_band *bands, size_t count, const conus_volume_info *info)
 {
     char ends[2][ENDS_SIZE];
-    qsort(bands, count, sizeof *bands, compare_names);
+    qsort(bands, count, sizeof *bands, compare_band_names);
     for (size_t i = 1; i < count; i++) {
-        if (compare_names(&bands[i - 1], &bands[i]) == 0) {
+        if (compare_band_names(&bands[i - 1], &bands[i]) == 0) {
             return fail(CONUS_ERROR_ARGUMENT, "%s: two bands are called %s", info->path, bands[i].name);
         }
     }

@@ -99,7 +99,7 @@ static conus_status judge(bool *labels, const struct volume_file *file, const fl
     return status;
 }
 
-static conus_status add_volume(struct findings *findings, const struct volume_file *file, const float *values)
+static conus_status add_findings(struct findings *findings, const struct volume_file *file, const float *values)
 {
     const conus_volume_info *info = &file->info;
     bool fractions = false;
@@ -117,7 +117,7 @@ static conus_status add_volume(struct findings *findings, const struct volume_fi
     return status;
 }
 
-static conus_status gather(struct findings *findings, struct volume_file *file, struct notes *notes)
+static conus_status find_facts(struct findings *findings, struct volume_file *file, struct notes *notes)
 {
     const size_t *dim = file->info.dim;
     findings->above = memory_zeroed(dim[0] * dim[1] * dim[2], sizeof *findings->above);
@@ -126,7 +126,7 @@ static conus_status gather(struct findings *findings, struct volume_file *file, 
         float *values = NULL;
         status = volume_file_select(file, i);
         status = status ? status : volume_file_values(&values, file, notes);
-        status = status ? status : add_volume(findings, file, values);
+        status = status ? status : add_findings(findings, file, values);
         memory_free(values);
     }
     return status;
@@ -144,7 +144,7 @@ static double overlap(const struct findings *findings, const conus_volume_info *
     return places > 0 ? others / places / (double)(info->volume_count - 1) : 0;
 }
 
-static conus_status refuse(const struct volume_file *file, const char *reason)
+static conus_status refuse_maps(const struct volume_file *file, const char *reason)
 {
     return fail(CONUS_ERROR_DATA,
                 "%s: a table names its %zu volumes, but %s; FILE,volume=K chooses one, --probability T takes them for "
@@ -152,7 +152,7 @@ static conus_status refuse(const struct volume_file *file, const char *reason)
                 file->path, file->info.volume_count, reason);
 }
 
-static conus_status weigh(const struct findings *findings, const struct volume_file *file)
+static conus_status check_findings(const struct findings *findings, const struct volume_file *file)
 {
     static const double most = 2.0 / 3;
     char reason[200];
@@ -160,18 +160,18 @@ static conus_status weigh(const struct findings *findings, const struct volume_f
     if (findings->minimum < 0 || findings->maximum > 100) {
         snprintf(reason, sizeof reason, "values from %.9g to %.9g are not probabilities, 0 to 1 or percent",
                  findings->minimum, findings->maximum);
-        return refuse(file, reason);
+        return refuse_maps(file, reason);
     }
     if (!findings->fractions && findings->like_labels) {
         snprintf(reason, sizeof reason, "the whole numbers in %zu of them may be labels", findings->like_labels);
-        return refuse(file, reason);
+        return refuse_maps(file, reason);
     }
     if (part > most) {
         snprintf(
             reason, sizeof reason,
             "where one is above 0, %.0f %% of the others are, too, as in images of one thing; of areas up to 67 %% are",
             100 * part);
-        return refuse(file, reason);
+        return refuse_maps(file, reason);
     }
     return CONUS_OK;
 }
@@ -190,8 +190,8 @@ conus_status named_maps_check(struct volume_file *file, double asked, struct not
     if (asked > 0 || named_maps_is_probseg(file->path)) {
         return CONUS_OK;
     }
-    conus_status status = gather(&findings, file, notes);
-    status = status ? status : weigh(&findings, file);
+    conus_status status = find_facts(&findings, file, notes);
+    status = status ? status : check_findings(&findings, file);
     memory_free(findings.above);
     return status;
 }

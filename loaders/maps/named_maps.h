@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file A file of several volumes that is an atlas of probabilities by itself, because a table names its volumes. */
-#ifndef CONUS_LOADERS_SCENE_NAMED_MAPS_H
-#define CONUS_LOADERS_SCENE_NAMED_MAPS_H
+#ifndef CONUS_LOADERS_MAPS_NAMED_MAPS_H
+#define CONUS_LOADERS_MAPS_NAMED_MAPS_H
 
 #include "atlas/labels/labels.h"
 #include "base/files/file_sums.h"

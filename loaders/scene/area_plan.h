@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The list of surfaces that a manifest makes areas, before any of them is read. */
-#ifndef CONUS_LOADERS_PLAN_AREA_PLAN_H
-#define CONUS_LOADERS_PLAN_AREA_PLAN_H
+#ifndef CONUS_LOADERS_SCENE_AREA_PLAN_H
+#define CONUS_LOADERS_SCENE_AREA_PLAN_H
 
 #include "base/files/file_sums.h"
 #include "loaders/surfaces/mesh_file.h"

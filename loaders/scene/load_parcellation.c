@@ -33,7 +33,7 @@ static void set_range(conus_volume_info *info, const uint32_t *labels)
     info->maximum = most;
 }
 
-static conus_status describe(struct volume_file *out, const struct cifti_file *file, uint64_t max_memory)
+static conus_status cifti_describe(struct volume_file *out, const struct cifti_file *file, uint64_t max_memory)
 {
     const struct cifti *cifti = &file->choice.cifti;
     conus_volume_info *info = &out->info;
@@ -62,7 +62,7 @@ static conus_status cifti_parcellation_read(struct parcellation *out, const char
                       "manifest, or --labels, takes them",
                       file.path);
     }
-    status = status ? status : describe(&out->file, &file, max_memory);
+    status = status ? status : cifti_describe(&out->file, &file, max_memory);
     uint32_t *labels = NULL;
     status = status ? status : cifti_choice_voxels(&labels, &out->table, &file.choice);
     if (!status && !out->table.count) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file A parcellation before it is an atlas: voxels with labels, and their table. */
-#ifndef CONUS_LOADERS_PLAN_LOAD_PARCELLATION_H
-#define CONUS_LOADERS_PLAN_LOAD_PARCELLATION_H
+#ifndef CONUS_LOADERS_SCENE_LOAD_PARCELLATION_H
+#define CONUS_LOADERS_SCENE_LOAD_PARCELLATION_H
 
 #include "atlas/atlas.h"
 #include "loaders/probe.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file From the "areas" and the "tree" of a manifest to the list of surfaces that become areas. */
-#ifndef CONUS_LOADERS_PLAN_LOAD_PLAN_H
-#define CONUS_LOADERS_PLAN_LOAD_PLAN_H
+#ifndef CONUS_LOADERS_SCENE_LOAD_PLAN_H
+#define CONUS_LOADERS_SCENE_LOAD_PLAN_H
 
 #include "loaders/manifest/manifest.h"
 #include "loaders/scene/area_plan.h"

@@ -34,7 +34,7 @@ static bool is_named_so(const char *name)
            path_ends_in(name, ".xfm");
 }
 
-static conus_status say(struct manifest_draft *draft, const char *name, const char *what)
+static conus_status say_transform(struct manifest_draft *draft, const char *name, const char *what)
 {
     return manifest_draft_log(draft,
                               "%s: %s, left out: where it leads is not known; \"transform\": \"%s\" in the manifest "
@@ -56,7 +56,7 @@ static conus_status draft_transform_say(struct manifest_draft *draft, const char
     bool is_transform = !status || status == CONUS_ERROR_ARGUMENT; /* FSL's, without its images */
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
     if (!status && is_transform) {
-        status = say(draft, name, "a transform");
+        status = say_transform(draft, name, "a transform");
     }
     file_sums_finish(&read);
     memory_free(path);
@@ -75,7 +75,7 @@ static conus_status draft_field_say(bool *is_field, struct manifest_draft *draft
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* whoever reads the volume says what is wrong */
     *is_field = !status && words;
     if (!status && words) {
-        status = usable ? say(draft, name, words)
+        status = usable ? say_transform(draft, name, words)
                         : manifest_draft_log(draft, "%s: %s, left out: it moves no areas", name, words);
     }
     return status;

@@ -222,7 +222,7 @@ conus_status parcellations_unite(struct parcellations *all)
 
 enum { SHOWN = 4 };
 
-static const char *name_of(const struct parcellation *part)
+static const char *label_name(const struct parcellation *part)
 {
     return path_base(part->file.path);
 }
@@ -333,7 +333,7 @@ static conus_status note_gone(struct notes *notes, const struct loss *loss, cons
     conus_status status = buffer_status(&list);
     if (!status && loss->gone_count) {
         status = notes_warn(notes, "%s: areas that lose all of their voxels to earlier parcellations: %zu (%s%s)",
-                            name_of(part), loss->gone_count, list.data, loss->gone_count > SHOWN ? ", ..." : "");
+                            label_name(part), loss->gone_count, list.data, loss->gone_count > SHOWN ? ", ..." : "");
     }
     buffer_finish(&list);
     return status;
@@ -345,7 +345,7 @@ static conus_status note_loss(struct notes *notes, const struct loss *loss, cons
     if (loss->sum) {
         status = notes_add(notes,
                            "%s: voxels in areas of earlier parcellations, which keep them: %llu (of %zu of its areas)",
-                           name_of(part), (unsigned long long)loss->sum, loss->voxels.count);
+                           label_name(part), (unsigned long long)loss->sum, loss->voxels.count);
     }
     return status ? status : note_gone(notes, loss, part);
 }
@@ -381,10 +381,10 @@ static conus_status note_grids(struct parcellations *all)
     for (size_t p = 0; p < all->count; p++) {
         bool is_first = find_grid(all, p, p) == p;
         grids += is_first;
-        buffer_format(&list, is_first && p ? "; %s" : "%s", is_first ? name_of(&all->parts[p]) : "");
+        buffer_format(&list, is_first && p ? "; %s" : "%s", is_first ? label_name(&all->parts[p]) : "");
         for (size_t q = p + 1; is_first && q < all->count; q++) {
             bool joins = find_grid(all, q, q) == p;
-            buffer_format(&list, joins ? " with %s" : "%s", joins ? name_of(&all->parts[q]) : "");
+            buffer_format(&list, joins ? " with %s" : "%s", joins ? label_name(&all->parts[q]) : "");
         }
     }
     conus_status status = buffer_status(&list);
@@ -405,8 +405,9 @@ static conus_status note_spaces(struct parcellations *all)
     for (size_t p = 1; !status && p < all->count; p++) {
         const conus_volume_info *info = &all->parts[p].file.info;
         if (first->space_code >= TEMPLATES && info->space_code >= TEMPLATES && first->space_code != info->space_code) {
-            status = notes_warn(&all->notes, "%s is placed by %s, %s by %s: their areas may not fit together",
-                                name_of(&all->parts[0]), first->transform, name_of(&all->parts[p]), info->transform);
+            status =
+                notes_warn(&all->notes, "%s is placed by %s, %s by %s: their areas may not fit together",
+                           label_name(&all->parts[0]), first->transform, label_name(&all->parts[p]), info->transform);
         }
     }
     return status;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Several parcellations that become one atlas: whose a label is, and whose a voxel. */
-#ifndef CONUS_LOADERS_PLAN_PARCELLATIONS_H
-#define CONUS_LOADERS_PLAN_PARCELLATIONS_H
+#ifndef CONUS_LOADERS_SCENE_PARCELLATIONS_H
+#define CONUS_LOADERS_SCENE_PARCELLATIONS_H
 
 #include "atlas/labels/label_voxels.h"
 #include "base/buffer.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file A .dlabel.nii with the surfaces beside it as a manifest. */
-#ifndef CONUS_LOADERS_PLAN_PLAN_CIFTI_H
-#define CONUS_LOADERS_PLAN_PLAN_CIFTI_H
+#ifndef CONUS_LOADERS_SCENE_PLAN_CIFTI_H
+#define CONUS_LOADERS_SCENE_PLAN_CIFTI_H
 
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/manifest/manifest.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Labels that both surfaces of a manifest and its parcellation have. */
-#ifndef CONUS_LOADERS_PLAN_PLAN_SETTLE_H
-#define CONUS_LOADERS_PLAN_PLAN_SETTLE_H
+#ifndef CONUS_LOADERS_SCENE_PLAN_SETTLE_H
+#define CONUS_LOADERS_SCENE_PLAN_SETTLE_H
 
 #include "loaders/manifest/manifest.h"
 #include "loaders/scene/area_plan.h"
