@@ -430,14 +430,6 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
     return status;
 }
 
-static void read_kept(conus_pose_row *out, const conus_pose_stream *stream, bool *found)
-{
-    *found = stream->taken < stream->whole.count;
-    if (*found) {
-        *out = stream->whole.rows[stream->taken];
-    }
-}
-
 conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_pose_stream *stream, size_t capacity)
 {
     size_t got = 0;
@@ -446,7 +438,10 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
     pose_strings_clear(&stream->strings);
     while (!status && found && got < capacity) {
         if (is_whole(stream)) {
-            read_kept(&rows[got], stream, &found);
+            found = stream->taken < stream->whole.count;
+            if (found) {
+                rows[got] = stream->whole.rows[stream->taken];
+            }
         } else {
             status = read_row(&rows[got], stream, &found);
         }

@@ -65,13 +65,6 @@ static void mark_border(bool *on_border, const conus_selection *selection)
     }
 }
 
-static void clear_border(bool *on_border, const struct statistics *statistics)
-{
-    for (size_t i = 0; i < statistics->count; i++) {
-        on_border[statistics->results[i].object] = false;
-    }
-}
-
 static uint32_t count_pixels(const struct statistics *statistics)
 {
     uint32_t pixels = 0;
@@ -95,6 +88,8 @@ void selection_rank(conus_selection *selection, conus_selector *selector, const 
     }
     score_rank(&selection->statistics, &selector->ranking, &view);
     if (selector->on_border) {
-        clear_border(selector->on_border, &selection->statistics);
+        for (size_t i = 0; i < selection->statistics.count; i++) {
+            selector->on_border[selection->statistics.results[i].object] = false;
+        }
     }
 }

@@ -2,8 +2,8 @@
 /* conus track: the poses of a moving device, from a file, a pipe or a tracker, each ranked with those before it. */
 #include "cli/commands.h"
 #include "cli/request.h"
-#include "link/clock.h"
 #include "link/send_selection.h"
+#include "options/clock.h"
 #include "options/interrupt.h"
 #include "options/messages.h"
 #include "options/output.h"

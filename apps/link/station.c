@@ -2,7 +2,7 @@
 /* The station's thread: its sockets, its peers, the newest poses. */
 #include "link/station.h"
 
-#include "link/clock.h"
+#include "options/clock.h"
 
 #include <arpa/inet.h>
 #include <errno.h>

@@ -149,23 +149,6 @@ static void stop_all(struct ordered_file *file, int code)
     file->stop = code > file->stop ? code : file->stop;
 }
 
-static void note_end(struct ordered_file *file, int rank)
-{
-    file->coordinator->has_ended[rank] = true;
-    file->coordinator->ended++;
-    send_reply(rank, FAREWELL, 0, NULL);
-}
-
-static void note_answer(struct ordered_file *file, int rank, const uint64_t request[REQUEST_SIZE])
-{
-    *slot_of(file->coordinator, request[NUMBER]) = (struct slot){
-        .state = SLOT_ANSWERED,
-        .rank = rank,
-        .is_last = request[KIND] == ANSWERED_LAST,
-        .entry = {request[POSES], request[ERRORS], request[SIZE], (uint32_t)request[CRC]},
-    };
-}
-
 static void handle_request(struct ordered_file *file, int rank, const uint64_t request[REQUEST_SIZE])
 {
     struct coordinator *coordinator = file->coordinator;
@@ -179,7 +162,12 @@ static void handle_request(struct ordered_file *file, int rank, const uint64_t r
         break;
     case ANSWERED:
     case ANSWERED_LAST:
-        note_answer(file, rank, request);
+        *slot_of(coordinator, request[NUMBER]) = (struct slot){
+            .state = SLOT_ANSWERED,
+            .rank = rank,
+            .is_last = request[KIND] == ANSWERED_LAST,
+            .entry = {request[POSES], request[ERRORS], request[SIZE], (uint32_t)request[CRC]},
+        };
         break;
     case WRITTEN:
         slot_of(coordinator, request[NUMBER])->state = SLOT_WRITTEN;
@@ -188,7 +176,9 @@ static void handle_request(struct ordered_file *file, int rank, const uint64_t r
         stop_all(file, (int)request[NUMBER]);
         break;
     case END:
-        note_end(file, rank);
+        coordinator->has_ended[rank] = true;
+        coordinator->ended++;
+        send_reply(rank, FAREWELL, 0, NULL);
         break;
     }
 }

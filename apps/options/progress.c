@@ -2,7 +2,7 @@
 /* The progress line on a terminal or in a log, or as JSON. */
 #include "options/progress.h"
 
-#include "link/clock.h"
+#include "options/clock.h"
 #include "options/messages.h"
 
 #include <stdio.h>

@@ -21,11 +21,6 @@ static bool is_name_byte(char c, bool first)
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || (!first && c >= '0' && c <= '9');
 }
 
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 static void skip_blanks(struct parser *parser)
 {
     parser->at += strspn(parser->at, " \t");
@@ -149,10 +144,10 @@ static conus_status parse_factor(struct parser *parser)
     while (take_mark(parser, "-")) {
         negative = !negative;
     }
-    conus_status status = take_mark(parser, "(")                        ? parse_group(parser)
-                          : is_digit(*parser->at) || *parser->at == '.' ? parse_number(parser)
-                          : is_name_byte(*parser->at, true)             ? parse_name(parser)
-                                                                        : expected(parser, "a number, a name or '('");
+    conus_status status = take_mark(parser, "(")                                             ? parse_group(parser)
+                          : (*parser->at >= '0' && *parser->at <= '9') || *parser->at == '.' ? parse_number(parser)
+                          : is_name_byte(*parser->at, true)                                  ? parse_name(parser)
+                                                            : expected(parser, "a number, a name or '('");
     if (!status && negative) {
         emit(parser, (struct formula_step){.kind = FORMULA_NEGATE});
     }

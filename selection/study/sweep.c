@@ -275,11 +275,6 @@ static conus_status check_selector(const conus_selector *selector)
     return CONUS_OK;
 }
 
-static bool is_closed(const conus_atlas *atlas, uint32_t number)
-{
-    return atlas->objects[number - 1].closed;
-}
-
 /* Finds the admission of every object, as which it is reported. */
 static void search(struct admission *admissions, const conus_selector *selector, const struct cone *cone)
 {
@@ -297,7 +292,8 @@ static void search(struct admission *admissions, const conus_selector *selector,
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, number);
         if (mesh) {
-            admission_of_mesh(&admissions[group ? group[number] : number], &region, mesh, is_closed(atlas, number));
+            admission_of_mesh(&admissions[group ? group[number] : number], &region, mesh,
+                              atlas->objects[number - 1].closed);
         }
         const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
         if (tractogram && !atlas->places[number - 1].is_hidden) {

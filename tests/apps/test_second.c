@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The window's second tool without a window: its answers, what moves and holds it, its cone's lines, sessions. */
-#include "link/clock.h"
+#include "options/clock.h"
 #include "viewer/commands/script.h"
 #include "viewer/session/session.h"
 #include "viewer/session/undo.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The connection to a station, over real sockets of this machine. */
-#include "link/clock.h"
 #include "link/station.h"
+#include "options/clock.h"
 #include "test.h"
 
 #include <arpa/inet.h>

@@ -24,8 +24,8 @@ ROOT = pathlib.Path(re.search("CMAKE_HOME_DIRECTORY:INTERNAL=(.*)", (BUILD / "CM
 
 PUBLIC = "include/conus"
 APPS = {
-    "apps/link": "",
-    "apps/options": "apps/link",
+    "apps/link": "apps/options",
+    "apps/options": "",
     "apps/settings": "apps/link apps/options",
     "apps/figures": "apps/options",
     "apps/pages": "apps/options",
@@ -37,10 +37,10 @@ APPS = {
     " apps/cli/verify apps/cli/cite",
     "apps/mpi": "apps/options apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
-    "apps/viewer/pictures": "apps/link",
+    "apps/viewer/pictures": "apps/link apps/options",
     "apps/viewer/devices": "apps/link",
-    "apps/viewer/model": "apps/link apps/options apps/settings apps/viewer/pictures",
-    "apps/viewer/tools": "apps/link apps/viewer/devices apps/viewer/model",
+    "apps/viewer/model": "apps/options apps/settings apps/viewer/pictures",
+    "apps/viewer/tools": "apps/link apps/options apps/viewer/devices apps/viewer/model",
     "apps/viewer/ui": "",
     "apps/viewer/window": "apps/options apps/figures apps/viewer/pictures apps/viewer/model apps/viewer/tools"
     " apps/viewer/ui",

@@ -2,7 +2,7 @@
 /* The thread of studies: the newest question, one answer at a time. */
 #include "viewer/model/studier.h"
 
-#include "link/clock.h"
+#include "options/clock.h"
 
 #include <pthread.h>
 #include <stdlib.h>

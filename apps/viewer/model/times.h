@@ -3,7 +3,7 @@
 #ifndef CONUS_VIEWER_MODEL_TIMES_H
 #define CONUS_VIEWER_MODEL_TIMES_H
 
-#include "link/clock.h"
+#include "options/clock.h"
 
 #include <conus/conus.h>
 

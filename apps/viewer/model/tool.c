@@ -2,7 +2,7 @@
 /* Moves tools and asks the atlases what their cones hit. */
 #include "viewer/model/viewer.h"
 
-#include "link/clock.h"
+#include "options/clock.h"
 
 #include <math.h>
 

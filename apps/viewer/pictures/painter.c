@@ -2,7 +2,7 @@
 /* The thread that draws 3-D pictures: coarse, full, smooth. */
 #include "viewer/pictures/painter.h"
 
-#include "link/clock.h"
+#include "options/clock.h"
 
 #include <math.h>
 #include <pthread.h>

@@ -2,7 +2,7 @@
 /* Asks the device of each tool, lets it move the tool, and finds what is to be said of it. */
 #include "viewer/tools/inputs.h"
 
-#include "link/clock.h"
+#include "options/clock.h"
 #include "viewer/tools/point.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The one clock of the programs. It is in link/ because that folder includes no other folder of apps/. */
-#ifndef CONUS_LINK_CLOCK_H
-#define CONUS_LINK_CLOCK_H
+/** @file The one clock of the programs. */
+#ifndef CONUS_OPTIONS_CLOCK_H
+#define CONUS_OPTIONS_CLOCK_H
 
 #include <time.h>
 
