@@ -3,7 +3,7 @@
 #ifndef CONUS_BENCH_ALL_H
 #define CONUS_BENCH_ALL_H
 
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 
 /** Runs @p scenarios and adds to @p bench what they have measured and to @p settings {name: settings}. One that cannot
  * run, crashes or takes too long is left out, with the reason. Progress goes to stderr. */

@@ -2,8 +2,8 @@
 /* conus-bench: the table of scenarios, the command line and the exit code. */
 #include "base/text.h"
 #include "bench/all.h"
-#include "bench/bench.h"
 #include "bench/report.h"
+#include "bench/support/bench.h"
 
 #include <ftw.h>
 #include <getopt.h>

@@ -4,7 +4,7 @@
 #ifndef CONUS_BENCH_REPORT_H
 #define CONUS_BENCH_REPORT_H
 
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 
 /** The JSON of everything measured: docs/benchmarks.md, "What is written". @p load is what it was at the start;
  * @p scenarios {name: settings} of each that ran, borrowed. NULL if memory runs out. */

@@ -3,8 +3,8 @@
  * to sample. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "bench/bench.h"
 #include "bench/peers/peers.h"
+#include "bench/support/bench.h"
 #include "bench/support/frame.h"
 #include "render/colour/colour_view.h"
 #include "render/colour/renderer.h"

@@ -2,8 +2,8 @@
 /* The torus scene by VTK's selector, locators and picker, beside the rays engine. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "bench/bench.h"
 #include "bench/peers/peers.h"
+#include "bench/support/bench.h"
 #include "bench/support/trace.h"
 #include "bench/torus/torus_scene.h"
 

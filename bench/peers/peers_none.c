@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Leaves the peer scenarios out in a build without VTK. */
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 
 static conus_status leave_out(struct bench *bench, const char *scenario)
 {

@@ -5,8 +5,8 @@
  * miss one in 22, and may hit another one behind. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "bench/bench.h"
 #include "bench/peers/peers.h"
+#include "bench/support/bench.h"
 #include "bench/support/fibres.h"
 #include "selection/cone/aperture.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How wrong slices are (Eq. 7): labels of an atlas, and thin tubes, by a fifth of the slices, all of them, and exactly;
  * and what that costs. */
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 #include "bench/support/trace.h"
 #include "render/id/slices.h"
 

@@ -3,7 +3,7 @@
  * and with a selection by 72 slices in each; against ray casting that skips what is empty, and exact selection. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 #include "bench/support/bonsai_volume.h"
 #include "bench/support/frame.h"
 #include "bench/support/slicing.h"

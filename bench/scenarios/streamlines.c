@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* 256 rays into 1,000 to 1,000,000 streamlines (Eq. 18), random walks and helices, by each kernel of the search. */
 #include "base/memory.h"
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 #include "bench/support/fibres.h"
 
 #include <stdio.h>

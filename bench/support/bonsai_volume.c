@@ -5,7 +5,7 @@
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 #include "selection/cone/aperture.h"
 
 #include <string.h>

@@ -4,7 +4,7 @@
 #ifndef CONUS_BENCH_SUPPORT_FRAME_H
 #define CONUS_BENCH_SUPPORT_FRAME_H
 
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 #include "render/colour/renderer.h"
 
 #include <epoxy/gl.h>

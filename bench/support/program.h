@@ -3,7 +3,7 @@
 #ifndef CONUS_BENCH_SUPPORT_PROGRAM_H
 #define CONUS_BENCH_SUPPORT_PROGRAM_H
 
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 
 /** The folder of conus-bench itself, without a slash at its end; "." where the system does not say. */
 void program_folder(char *out, size_t size);

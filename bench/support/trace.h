@@ -3,7 +3,7 @@
 #ifndef CONUS_BENCH_SUPPORT_TRACE_H
 #define CONUS_BENCH_SUPPORT_TRACE_H
 
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 #include "selection/engine/engine.h"
 #include "selection/engine/triangles/mesh_rays.h"
 

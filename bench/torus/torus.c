@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Rays through 1,000 to 200,000 tori: how the time grows with the number of objects. */
 #include "base/memory.h"
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 #include "bench/support/trace.h"
 #include "bench/torus/torus_pass.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The paper's first experiment: the frame rate of 1,000 to 20,000 tori without and with a selection in every frame. */
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 #include "bench/support/frame.h"
 #include "bench/support/trace.h"
 #include "bench/torus/torus_pass.h"

@@ -2,7 +2,7 @@
 /* The torus scene in all layers (Eq. 10), against what is visible and against every triangle of every torus. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 #include "bench/torus/torus_scene.h"
 #include "selection/engine/engine.h"
 #include "selection/evidence/layers.h"

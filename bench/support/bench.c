@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Times the variants of a scenario in turn, and keeps runs, ratios and what is left out. */
-#include "bench/bench.h"
+#include "bench/support/bench.h"
 
 #include "base/memory.h"
 

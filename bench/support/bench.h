@@ -2,8 +2,8 @@
 /** @file
  * conus-bench: scenarios in a table, and what they share: interleaved timing, statistics, JSON. A scenario may use the
  * library's internals. Every ratio stands on variants that ran side by side in one process and gave equal answers. */
-#ifndef CONUS_BENCH_BENCH_H
-#define CONUS_BENCH_BENCH_H
+#ifndef CONUS_BENCH_SUPPORT_BENCH_H
+#define CONUS_BENCH_SUPPORT_BENCH_H
 
 #include "atlas/atlas.h"
 
