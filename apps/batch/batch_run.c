@@ -4,6 +4,7 @@
 
 #include "options/messages.h"
 #include "options/output.h"
+#include "options/outputs.h"
 #include "options/provenance.h"
 #include "settings/notes.h"
 

@@ -116,7 +116,6 @@ const struct command cmd_batch = {
     .see_also = "  conus merge     joins the outputs of --shard\n"
                 "  conus verify    answers a result again, and compares\n",
     .answers = true,
-    .family = commands,
     .groups = batch_groups,
     .settings_size = sizeof(struct batch_settings),
     .more_help = help_scores,

@@ -173,7 +173,6 @@ const struct command cmd_cache = {
     .examples = "  conus cache list\n"
                 "  conus cache clear\n"
                 "  CONUS_CACHE=off conus query aal --origin=-90,20,20 --toward=0,-10,10\n",
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct cache_settings),
     .run = run_cache,

@@ -69,6 +69,7 @@ static const struct option_group groups[] = {
 /* A citation on the way. */
 struct citing {
     const struct cite_settings *settings;
+    const struct command *const *commands; /* of conus, up to NULL */
     const char *given;
     struct citation citation;
     struct record record;
@@ -173,7 +174,7 @@ static int cite_result(struct citing *citing, const char *sidecar)
     struct citation *citation = &citing->citation;
     int code = EXIT_DONE;
     citing->replay.record = &citing->record;
-    if (!replay_parse(&citing->replay, commands)) {
+    if (!replay_parse(&citing->replay, citing->commands)) {
         print_error_line("%s: %s", sidecar, citing->replay.why);
         return EXIT_DATA;
     }
@@ -224,7 +225,7 @@ static int verify_result(const struct citing *citing, const char *sidecar)
         free(result);
         return EXIT_DONE;
     }
-    int code = verdict_find(&verdict, result, &settings, commands);
+    int code = verdict_find(&verdict, result, &settings, citing->commands);
     const char *why = verdict.why.count ? verdict.why.items[0] : "its rows differ";
     if (!code && verdict.kind == VERDICT_NONE && citing->record.is_intact) {
         verdict_print_error(&verdict);
@@ -363,7 +364,7 @@ static int read_record(struct citing *citing, const char *sidecar)
 
 static int run_cite(const void *given, const struct arguments *arguments)
 {
-    struct citing citing = {.settings = given, .given = arguments->operands[0]};
+    struct citing citing = {.settings = given, .commands = arguments->family, .given = arguments->operands[0]};
     const char *named = citing.settings->sidecar;
     char *sidecar = named ? strdup(named) : sidecar_find(citing.given);
     int code = EXIT_DONE;
@@ -392,7 +393,6 @@ const struct command cmd_cite = {
     .examples = "  conus cite answers.tsv\n"
                 "  conus cite answers.tsv --format bibtex >>paper.bib\n"
                 "  conus cite aal\n",
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct cite_settings),
     .run = run_cite,

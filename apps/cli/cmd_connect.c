@@ -96,7 +96,6 @@ const struct command cmd_connect = {
     .examples = "  conus connect aal --streamlines arcuate.trk\n"
                 "  conus connect aal --streamlines whole.tck -o rows.tsv --connectivity matrix.tsv\n",
     .answers = true,
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct connect_settings),
     .run = run_connect,

@@ -305,7 +305,6 @@ const struct command cmd_diff = {
         "same, 1: different.",
     .examples = "  conus diff rays.tsv gl.tsv --tolerance 1e-4\n"
                 "  conus diff today.exr yesterday.exr\n",
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct diff_settings),
     .run = run_diff,

@@ -628,7 +628,6 @@ const struct command cmd_info = {
     .examples = "  conus info aal.nii.gz\n"
                 "  conus info aal\n"
                 "  conus info aal.nii.gz --labels my_names.txt --format tsv\n",
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct info_settings),
     .run = run_info,

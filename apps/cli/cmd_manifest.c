@@ -112,7 +112,6 @@ const struct command cmd_manifest = {
         "the result. An existing manifest is never replaced.",
     .examples = "  conus manifest my-atlas\n"
                 "  conus info my-atlas/my-atlas.atlas.json\n",
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct manifest_settings),
     .run = run_manifest,

@@ -6,6 +6,7 @@
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "options/outputs.h"
 #include "options/progress.h"
 #include "options/provenance.h"
 
@@ -428,7 +429,6 @@ const struct command cmd_merge = {
         "Reads the outputs of conus batch --shard I/N and the .json beside each, checks that they are whole, of\n"
         "one batch, and that none is missing or repeated. Writes their rows in order, with one header.",
     .examples = "  conus merge rows.0.tsv rows.1.tsv rows.2.tsv rows.3.tsv -o rows.tsv\n",
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct merge_settings),
     .run = run_merge,

@@ -154,7 +154,6 @@ const struct command cmd_mesh = {
         "built where VTK is; its results are kept in the user's cache folder.",
     .examples = "  conus mesh aal.nii.gz -o aal-meshes\n"
                 "  conus mesh aal.nii.gz -o print --format stl --smooth 20 --pass-band 0.1 --decimate 0.8\n",
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct mesh_settings),
     .run = run_mesh,

@@ -226,7 +226,6 @@ const struct command cmd_overlap = {
     .examples = "  conus overlap aal lesion.nii.gz\n"
                 "  conus overlap aal zstat1.nii.gz --threshold 3.1 -o overlap.tsv\n",
     .answers = true,
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct overlap_settings),
     .run = run_overlap,

@@ -133,7 +133,6 @@ const struct command cmd_phantom = {
         "the options of the grid.",
     .examples = "  conus phantom sphere -o phantoms\n"
                 "  conus phantom torus -o phantoms --size 128 --spacing 1,1,2 --oblique 30 --flip x\n",
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct phantom_settings),
     .more_help = list_kinds,

@@ -706,7 +706,6 @@ const struct command cmd_query = {
                 "  conus render    figures of the brain and the cone, in colour (color)\n"
                 "  conus overlap   how much of each area (region) a lesion or a mask covers\n",
     .answers = true,
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct query_settings),
     .more_help = help_scores,

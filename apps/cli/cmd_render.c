@@ -953,7 +953,6 @@ const struct command cmd_render = {
                 "  conus render aal.nii.gz -o cone.png --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
                 "  conus render aal.nii.gz --poses session.tsv -o 'fig-{query}.png'\n"
                 "  conus render aal.nii.gz -o top.exr --camera-origin 0,0,500 --camera-toward 0,0,0\n",
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct render_settings),
     .more_help = list_transfers,

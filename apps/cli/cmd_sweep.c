@@ -411,7 +411,6 @@ const struct command cmd_sweep = {
                 "  conus sweep aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angles 2:20:2\n"
                 "  conus sweep aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 5 --jitter 2,1.5\n",
     .answers = true,
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct sweep_settings),
     .more_help = help_scores,

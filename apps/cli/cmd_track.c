@@ -433,7 +433,6 @@ const struct command cmd_track = {
                 "  conus track aal.nii.gz --poses hand.tsv --angle 5 -o steps.tsv\n"
                 "  conus track aal.nii.gz --listen 18944 --tool Pointer --reference Head --format ndjson\n",
     .answers = true,
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct track_settings),
     .more_help = help_scores,

@@ -80,7 +80,7 @@ static int run_verify(const void *given, const struct arguments *arguments)
     struct verdict_settings own = settings->verdict;
     struct verdict verdict;
     own.engine_name = option_given(arguments, "engine") ? engines[own.engine] : NULL;
-    int code = verdict_find(&verdict, arguments->operands[0], &own, commands);
+    int code = verdict_find(&verdict, arguments->operands[0], &own, arguments->family);
     if (!code && verdict.kind == VERDICT_NONE && !settings->format) {
         verdict_print_error(&verdict);
     } else if (!code) {
@@ -101,7 +101,6 @@ const struct command cmd_verify = {
         "0: identical, 1: something differs, and which row and why, 3: it cannot be answered again, and why.",
     .examples = "  conus verify answers.tsv\n"
                 "  conus verify answers.tsv --search ~/atlases --search /data/study\n",
-    .family = commands,
     .groups = groups,
     .settings_size = sizeof(struct verify_settings),
     .run = run_verify,

@@ -24,9 +24,6 @@ extern const struct command cmd_verify;
 extern const struct command cmd_cite;
 extern const struct command cmd_view; /**< Another program's. */
 
-/** All of them, and NULL. */
-extern const struct command *const commands[];
-
 /** Turns this program into conus-view, with @p words as its command line; gives an exit code where that fails. */
 int view_run(char **words);
 

@@ -8,6 +8,7 @@
 
 #include "cli/answers/answer_format.h"
 #include "options/output.h"
+#include "options/outputs.h"
 #include "options/progress.h"
 #include "settings/pose_settings.h"
 

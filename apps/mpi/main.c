@@ -425,7 +425,7 @@ static int read_command(struct arguments *arguments, struct batch_settings *sett
         *arguments = (struct arguments){.command = &batch};
         return print_usage_error("the only command is conus-mpi batch; conus-mpi --help explains it");
     }
-    return options_parse(arguments, settings, &batch, count, words, named ? 2 : 1);
+    return options_parse(arguments, settings, &batch, NULL, count, words, named ? 2 : 1);
 }
 
 /* Rank 0 prints what is wrong with the command line; the others wait for it. */

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Parses a command line by a command's table of options, and the values by their types. */
+/* Parses a command line by a command's table of options. */
 #include "options/options.h"
 
 #include "options/messages.h"
 #include "options/output.h"
 
 #include <assert.h>
-#include <errno.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -183,9 +181,8 @@ static const struct option *find_word(const struct command *command, const char 
 }
 
 /* The name of another command of the family that has the option; NULL = none. */
-static const char *command_with(const struct command *command, const char *name)
+static const char *command_with(const struct command *const *other, const char *name)
 {
-    const struct command *const *other = command->family;
     for (; other && *other; other++) {
         if ((*other)->groups && find_name(*other, NULL, name, strlen(name)).option) {
             return (*other)->name;
@@ -194,12 +191,13 @@ static const char *command_with(const struct command *command, const char *name)
     return NULL;
 }
 
-static int print_unknown_option(const struct command *command, const char *word, const char *name)
+static int print_unknown_option(const struct arguments *arguments, const char *word, const char *name)
 {
+    const struct command *command = arguments->command;
     const char *program = command->program ? command->program : "conus";
     const struct option *meant = find_word(command, name);
     const char *near = meant ? meant->name : closest_name(name, name_at, command);
-    const char *other = near ? NULL : command_with(command, name);
+    const char *other = near ? NULL : command_with(arguments->family, name);
     if (meant && meant->letter) {
         return print_usage_error("unknown option %s; did you mean -%c, --%s?", word, meant->letter, near);
     }
@@ -218,7 +216,7 @@ static int take_long(struct cursor *cursor, const char *word)
     if (!found.option) {
         char bare[OPTION_LIMIT];
         snprintf(bare, sizeof bare, "%.*s", (int)(length < sizeof bare ? length : 0), name);
-        return print_unknown_option(command, word, bare);
+        return print_unknown_option(cursor->arguments, word, bare);
     }
     return take_option(cursor, found, name[length] ? name + length + 1 : NULL);
 }
@@ -227,7 +225,7 @@ static int take_short(struct cursor *cursor, const char *word)
 {
     struct found found = find_letter(cursor->arguments->command, cursor->settings, word[1]);
     if (!found.option) {
-        return print_unknown_option(cursor->arguments->command, word, word + 1);
+        return print_unknown_option(cursor->arguments, word, word + 1);
     }
     cursor->arguments->is_brief = true; /* if it is -h */
     return take_option(cursor, found, word[2] ? word + 2 : NULL);
@@ -411,11 +409,11 @@ static int check_relations(const struct arguments *arguments)
     return fits ? CONTINUE : EXIT_USAGE;
 }
 
-int options_parse(struct arguments *out, void *settings, const struct command *command, int count, char **words,
-                  int first)
+int options_parse(struct arguments *out, void *settings, const struct command *command,
+                  const struct command *const *family, int count, char **words, int first)
 {
     assert(!found_at(command, NULL, OPTION_LIMIT).option);
-    *out = (struct arguments){.command = command, .count = count, .words = words};
+    *out = (struct arguments){.command = command, .family = family, .count = count, .words = words};
     struct cursor cursor = {.arguments = out, .settings = settings, .next = first};
     while (cursor.next < count) {
         int code = take_word(&cursor, words[cursor.next++]);
@@ -477,299 +475,4 @@ char *arguments_text(const struct arguments *arguments)
         return NULL;
     }
     return text;
-}
-
-static const char digits[] = "0123456789";
-
-/* Sign, digits with at most one point among them, exponent: the form that strtod() reads the same in every program,
- * and none of "nan", "inf", "0x1p3" and " 1" that it would take as well. */
-static bool is_decimal(const char *text)
-{
-    text += *text == '-' || *text == '+';
-    size_t whole = strspn(text, digits);
-    text += whole;
-    size_t fraction = 0;
-    if (*text == '.') {
-        fraction = strspn(++text, digits);
-        text += fraction;
-    }
-    if (whole + fraction == 0) {
-        return false;
-    }
-    if (*text == 'e' || *text == 'E') {
-        text++;
-        text += *text == '-' || *text == '+';
-        size_t exponent = strspn(text, digits);
-        return exponent > 0 && text[exponent] == '\0';
-    }
-    return *text == '\0';
-}
-
-bool number_parse(const char *text, double *out)
-{
-    if (!is_decimal(text)) {
-        return false;
-    }
-    double number = strtod(text, NULL); /* the program never leaves the C locale */
-    if (!isfinite(number)) {
-        return false;
-    }
-    *out = number;
-    return true;
-}
-
-bool count_parse(const char *text, uint64_t limit, uint64_t *out)
-{
-    size_t length = strspn(text, digits);
-    if (length == 0 || text[length]) {
-        return false;
-    }
-    errno = 0;
-    unsigned long long number = strtoull(text, NULL, 10);
-    if (errno || number > limit) {
-        return false;
-    }
-    *out = number;
-    return true;
-}
-
-static bool outside(const struct option *option, double number)
-{
-    if (option->low == 0 && option->high == 0) {
-        return false;
-    }
-    return (number < option->low || (number == option->low && (option->open || option->open_below))) ||
-           (number > option->high || (number == option->high && option->open));
-}
-
-static bool refuse_value(const struct option *option, const char *text, const char *wanted)
-{
-    print_error_line("--%s: \"%s\" is not %s", option->name, text, wanted);
-    return false;
-}
-
-static bool refuse_range(const struct option *option, const char *text)
-{
-    const char *form = option->open         ? "--%s: %s is out of range, allowed is more than %.10g and less than %.10g"
-                       : option->open_below ? "--%s: %s is out of range, allowed is more than %.10g to %.10g"
-                                            : "--%s: %s is out of range, allowed is %.10g to %.10g";
-    print_error_line(form, option->name, text, option->low, option->high);
-    return false;
-}
-
-static bool read_number(const struct option *option, double *field, const char *text)
-{
-    if (!number_parse(text, field)) {
-        return refuse_value(option, text, "a number");
-    }
-    return !outside(option, *field) || refuse_range(option, text);
-}
-
-static bool read_count(const struct option *option, uint32_t *field, const char *text)
-{
-    uint64_t number;
-    if (!count_parse(text, UINT64_MAX, &number)) {
-        return refuse_value(option, text, "a whole number");
-    }
-    if (number > UINT32_MAX || outside(option, (double)number)) {
-        return refuse_range(option, text);
-    }
-    *field = (uint32_t)number;
-    return true;
-}
-
-enum { NUMBERS_SIZE = 256 };
-
-/* Copies the text and cuts the copy at `separator`; false unless that gives exactly `count` parts. */
-static bool split(char copy[NUMBERS_SIZE], const char *text, char separator, const char **parts, size_t count)
-{
-    if (snprintf(copy, NUMBERS_SIZE, "%s", text) >= NUMBERS_SIZE) {
-        return false;
-    }
-    for (size_t i = 0; i < count; i++) {
-        parts[i] = copy;
-        copy = strchr(copy, separator);
-        if (!copy) {
-            return i + 1 == count;
-        }
-        *copy++ = '\0';
-    }
-    return false;
-}
-
-static bool read_numbers(const struct option *option, double *field, size_t count, const char *text, const char *wanted)
-{
-    char copy[NUMBERS_SIZE];
-    const char *parts[4];
-    if (!split(copy, text, ',', parts, count)) {
-        return refuse_value(option, text, wanted);
-    }
-    for (size_t i = 0; i < count; i++) {
-        if (!number_parse(parts[i], &field[i])) {
-            return refuse_value(option, text, wanted);
-        }
-        if (outside(option, field[i])) {
-            return refuse_range(option, text);
-        }
-    }
-    return true;
-}
-
-static bool read_range(const struct option *option, double field[2], const char *text)
-{
-    if (!read_numbers(option, field, 2, text, "two numbers LOW,HIGH without spaces")) {
-        return false;
-    }
-    return field[0] < field[1] || refuse_value(option, text, "two numbers, the lower one first");
-}
-
-static bool read_edges(const struct option *option, double field[4], const char *text)
-{
-    if (!read_numbers(option, field, 4, text, "four numbers LEFT,RIGHT,LOWER,UPPER without spaces")) {
-        return false;
-    }
-    return (field[0] < field[1] && field[2] < field[3]) ||
-           refuse_value(option, text, "left before right and lower before upper");
-}
-
-static bool read_size(const struct option *option, uint32_t field[2], const char *text)
-{
-    char copy[NUMBERS_SIZE];
-    const char *parts[2];
-    if (!split(copy, text, 'x', parts, 2)) {
-        return refuse_value(option, text, "a size WxH");
-    }
-    for (size_t i = 0; i < 2; i++) {
-        uint64_t number;
-        if (!count_parse(parts[i], UINT32_MAX, &number)) {
-            return refuse_value(option, text, "a size WxH");
-        }
-        if (outside(option, (double)number)) {
-            return refuse_range(option, text);
-        }
-        field[i] = (uint32_t)number;
-    }
-    return true;
-}
-
-static bool read_bytes(const struct option *option, uint64_t *field, const char *text)
-{
-    static const char units[] = "KMGT";
-    static const char wanted[] = "a number of bytes above 0, like 512M or 2G";
-    char copy[NUMBERS_SIZE];
-    size_t length = strlen(text);
-    if (length == 0 || length >= sizeof copy) {
-        return refuse_value(option, text, wanted);
-    }
-    memcpy(copy, text, length + 1);
-    const char *unit = strchr(units, copy[length - 1]);
-    unsigned shift = unit ? 10 * (unsigned)(unit - units + 1) : 0;
-    if (unit) {
-        copy[length - 1] = '\0';
-    }
-    uint64_t number;
-    if (!count_parse(copy, UINT64_MAX >> shift, &number) || number == 0) {
-        return refuse_value(option, text, wanted);
-    }
-    *field = number << shift;
-    return true;
-}
-
-const char *option_choice(const struct option *option, size_t index)
-{
-    return option->choices ? option->choices[index] : option->choice_at(index);
-}
-
-static const char *choice_of(const void *option, size_t index)
-{
-    return option_choice(option, index);
-}
-
-static bool refuse_choice(const struct option *option, const char *text)
-{
-    const char *near = closest_name(text, choice_of, option);
-    if (near) {
-        print_error_line("--%s: \"%s\" is none of its choices; did you mean %s?", option->name, text, near);
-        return false;
-    }
-    char list[NUMBERS_SIZE] = "";
-    const char *choice;
-    for (size_t i = 0; (choice = option_choice(option, i)); i++) {
-        size_t used = strlen(list);
-        snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", choice);
-    }
-    print_error_line("--%s: \"%s\" is none of its choices: %s", option->name, text, list);
-    return false;
-}
-
-static bool read_choice(const struct option *option, size_t *field, const char *text)
-{
-    const char *choice;
-    for (size_t i = 0; (choice = option_choice(option, i)); i++) {
-        if (strcasecmp(choice, text) == 0) {
-            *field = i;
-            return true;
-        }
-    }
-    return refuse_choice(option, text);
-}
-
-static bool read_text(const struct option *option, const char **field, const char *text)
-{
-    *field = text;
-    return *text || refuse_value(option, text, option->value);
-}
-
-static bool read_item(const struct option *option, struct option_list *field, const char *text)
-{
-    const char **items = realloc(field->items, (field->count + 1) * sizeof *items);
-    if (!items) {
-        print_error_line("--%s: not enough memory", option->name);
-        return false;
-    }
-    field->items = items;
-    return read_text(option, &items[field->count++], text);
-}
-
-bool option_read(const struct option *option, void *field, const char *text)
-{
-    switch (option->type) {
-    case OPTION_FLAG:
-        *(bool *)field = true;
-        return true;
-    case OPTION_NUMBER:
-        return read_number(option, field, text);
-    case OPTION_COUNT:
-        return read_count(option, field, text);
-    case OPTION_VECTOR:
-        return read_numbers(option, field, 3, text, "three numbers X,Y,Z without spaces");
-    case OPTION_RANGE:
-        return read_range(option, field, text);
-    case OPTION_EDGES:
-        return read_edges(option, field, text);
-    case OPTION_SIZE:
-        return read_size(option, field, text);
-    case OPTION_BYTES:
-        return read_bytes(option, field, text);
-    case OPTION_CHOICE:
-        return read_choice(option, field, text);
-    case OPTION_TEXT:
-        return read_text(option, field, text);
-    case OPTION_LIST:
-        return read_item(option, field, text);
-    }
-    return false;
-}
-
-bool key_left_in_file(const char *option, const char *file, const char *const *keys)
-{
-    const char *key = NULL;
-    for (; *keys && !key; keys++) {
-        key = strstr(file, *keys);
-    }
-    if (key) {
-        print_error_line("%s: \"%s\" has a comma in it; a number has a decimal point, and a name no comma", option,
-                         key + 1);
-    }
-    return key;
 }

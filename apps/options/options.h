@@ -97,6 +97,7 @@ struct option_use {
 /** The words of a command line, by their meaning. */
 struct arguments {
     const struct command *command;
+    const struct command *const *family; /**< The program's commands, up to NULL; NULL = only this one. */
     const char *operands[OPERAND_LIMIT];
     size_t operand_count;
     struct option_list more;  /**< Operands behind those, of a command that repeats the last one. */
@@ -122,18 +123,18 @@ struct command {
     const char *see_also;                /**< Lines for --help about other commands; may be NULL. */
     const struct option_group *groups;   /**< Ends with a NULL title. */
     size_t settings_size;                /**< Bytes of the settings that @p run gets, zeroed before parsing. */
-    const struct command *const *family; /**< The program's commands, up to NULL, for hints; may be NULL. */
     void (*more_help)(FILE *out);        /**< Ends --help; may be NULL. */
     int (*run)(const void *settings, const struct arguments *arguments); /**< Gives the exit code. */
     int (*hand_over)(char **words); /**< Becomes the program that has this command, which has a name and a summary
                                          only. Gives the exit code where that fails. */
 };
 
-/** Fills @p settings (zeroed, command->settings_size bytes) and @p out from words[first..count). Returns -1, or the
- * exit code where that ends the program: a mistake (said on stderr) or --help and --version (answered on stdout).
+/** Fills @p settings (zeroed, command->settings_size bytes) and @p out from words[first..count). @p family, which may
+ * be NULL, are the program's commands, up to NULL: a message names the one that has an unknown option. Returns -1, or
+ * the exit code where that ends the program: a mistake (said on stderr) or --help and --version (answered on stdout).
  * settings and @p out are the caller's to options_finish() in every case. */
-int options_parse(struct arguments *out, void *settings, const struct command *command, int count, char **words,
-                  int first);
+int options_parse(struct arguments *out, void *settings, const struct command *command,
+                  const struct command *const *family, int count, char **words, int first);
 void options_finish(void *settings, struct arguments *arguments);
 
 /** Whether the option @p name of the command was on the command line. */

@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * Where results go: stdout, or files that appear whole or not at all. No file replaces another one unless --force is
- * given. */
+/** @file Where results go: stdout, or files that appear whole or not at all. */
 #ifndef CONUS_OPTIONS_OUTPUT_H
 #define CONUS_OPTIONS_OUTPUT_H
-
-#include "options/options.h"
 
 #include <conus/conus.h>
 
@@ -58,40 +54,5 @@ int path_place_order(const struct path_place *a, const struct path_place *b);
 
 /** Whether both paths lead to one regular file, be it there already or not yet. */
 bool paths_equal(const char *a, const char *b);
-
-/** A file that is written. */
-struct output {
-    char what[64]; /**< "--output" or "the .json beside --output", for messages. */
-    const char *path;
-    bool is_sidecar; /**< It is beside another one. */
-};
-
-enum { OUTPUT_LIMIT = 16 };
-
-struct outputs {
-    struct output items[OUTPUT_LIMIT];
-    size_t count;
-};
-
-/** Lists the files that options of the command line name: the answer, the sidecar, those that belong to it, and rows.
- * Their paths are the command line's. */
-void outputs_collect(struct outputs *out, const struct arguments *arguments);
-/** Adds the sidecar beside the file of @p option; no path (NULL) is fine. */
-void outputs_add_sidecar(struct outputs *out, const char *option, const char *path);
-
-/** Whether all are different files; prints an error if not. */
-bool outputs_differ(const struct outputs *outputs);
-
-/** Whether they can be written: their folders are there, and no file is where one goes; with @p force only a sidecar
- * may be where a sidecar goes, and @p force without a file is an error. Devices, pipes and what is open already
- * (/dev/stdout) are written to, not replaced. Returns the exit code and prints an error unless it is 0. */
-int outputs_check(const struct outputs *outputs, bool force);
-
-/** Whether a sidecar may be written to @p path, with --force: nothing is there, or a sidecar. Likewise. */
-int outputs_check_sidecar(const char *path);
-
-/** Whether a sidecar can hold a path or a word of the command line: what has control characters, or bytes that are no
- * UTF-8, could not be found again. Likewise. */
-int outputs_check_name(const char *name);
 
 #endif

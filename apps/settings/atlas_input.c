@@ -5,7 +5,6 @@
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
-#include "settings/atlases.h"
 #include "settings/settings.h"
 
 #include <conus/conus.h>
@@ -522,6 +521,32 @@ static int say_no_atlas(conus_status status, const struct atlas_settings *settin
         messages_hold(false);
     }
     return code;
+}
+
+int atlas_name_find(struct atlas_name *out, const char *text)
+{
+    *out = (struct atlas_name){.path = text};
+    if (conus_atlas_is_path(text)) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_catalogue_create(&out->catalogue, NULL);
+    status = status ? status : conus_catalogue_find(&out->atlas, out->catalogue, text);
+    if (status) {
+        return print_status(status);
+    }
+    out->path = out->atlas->path;
+    return EXIT_DONE;
+}
+
+void atlas_name_finish(struct atlas_name *name)
+{
+    conus_catalogue_destroy(name->catalogue);
+    *name = (struct atlas_name){0};
+}
+
+const char *atlas_name_labels(const struct atlas_name *name, const char *given)
+{
+    return given || !name->atlas ? given : name->atlas->labels;
 }
 
 static int load_named(conus_atlas **out, const struct atlas_name *name, const struct additions *additions,

@@ -4,37 +4,12 @@
 
 #include "options/messages.h"
 #include "options/output.h"
+#include "options/outputs.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-
-int atlas_name_find(struct atlas_name *out, const char *text)
-{
-    *out = (struct atlas_name){.path = text};
-    if (conus_atlas_is_path(text)) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_catalogue_create(&out->catalogue, NULL);
-    status = status ? status : conus_catalogue_find(&out->atlas, out->catalogue, text);
-    if (status) {
-        return print_status(status);
-    }
-    out->path = out->atlas->path;
-    return EXIT_DONE;
-}
-
-void atlas_name_finish(struct atlas_name *name)
-{
-    conus_catalogue_destroy(name->catalogue);
-    *name = (struct atlas_name){0};
-}
-
-const char *atlas_name_labels(const struct atlas_name *name, const char *given)
-{
-    return given || !name->atlas ? given : name->atlas->labels;
-}
 
 /* Length of a file's name without its ending, if that is one of an atlas: "lh.pial" has none. */
 static size_t stem_length(const char *name)

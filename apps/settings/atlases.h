@@ -48,19 +48,4 @@ bool spaces_differ(const conus_volume_info *a, const conus_volume_info *b);
  * these differ, or where no voxel and no triangle of one is in the box around the other. */
 void atlases_say_spaces(const struct atlases *atlases, const struct common_settings *settings);
 
-struct atlas_name {
-    conus_catalogue *catalogue;   /**< The atlas is one of its entries; NULL if there was no need to look. */
-    const conus_installed *atlas; /**< NULL: what was given is a path. */
-    const char *path;             /**< For conus_atlas_load(). */
-};
-
-/** Finds out what @p text, which must outlive @p out, means: what is there under that path, or else the installed atlas
- * of that name. Returns the exit code and prints an error unless it is 0; @p out is the caller's to finish in every
- * case. */
-int atlas_name_find(struct atlas_name *out, const char *text);
-void atlas_name_finish(struct atlas_name *name);
-
-/** The labels to load it with: those of --labels, @p given, or else those of the installed atlas; NULL = none. */
-const char *atlas_name_labels(const struct atlas_name *name, const char *given);
-
 #endif

@@ -223,7 +223,7 @@ int main(int count, char **words)
     if (pages_answer(&code, &program, count, words)) {
         return code;
     }
-    code = options_parse(&arguments, &settings, &cmd_view, count, words, 1);
+    code = options_parse(&arguments, &settings, &cmd_view, NULL, count, words, 1);
     if (code < 0) {
         settings.arguments = &arguments;
         code = run_view(&settings, &arguments);

@@ -153,13 +153,13 @@ static void each_option_counts_for_itself(void **state)
     const struct command command = {.name = "test", .groups = groups};
     struct arguments arguments;
     char *words[] = {"conus", "test", "--x0", "--x64", "--x125"};
-    assert_int_equal(options_parse(&arguments, fields, &command, 5, words, 2), -1);
+    assert_int_equal(options_parse(&arguments, fields, &command, NULL, 5, words, 2), -1);
     for (size_t i = 0; i < COUNT; i++) {
         assert_int_equal(option_given(&arguments, names[i]), i == 0 || i == 64 || i == 125);
     }
     options_finish(fields, &arguments);
     char *twice[] = {"conus", "test", "--x64", "--x64"};
-    assert_int_equal(options_parse(&arguments, fields, &command, 4, twice, 2), 2);
+    assert_int_equal(options_parse(&arguments, fields, &command, NULL, 4, twice, 2), 2);
     options_finish(fields, &arguments);
 }
 

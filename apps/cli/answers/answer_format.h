@@ -4,6 +4,7 @@
 #define CONUS_CLI_ANSWERS_ANSWER_FORMAT_H
 
 #include "options/output.h"
+#include "options/outputs.h"
 #include "options/provenance.h"
 #include "settings/atlases.h"
 #include "settings/settings.h"

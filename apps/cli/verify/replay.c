@@ -288,7 +288,7 @@ bool replay_parse(struct replay *out, const struct command *const *commands)
         return fail_replay(out, "it does not fit into memory");
     }
     messages_hold(true);
-    int code = options_parse(&out->arguments, out->settings, out->command, (int)line->count, line->words, 2);
+    int code = options_parse(&out->arguments, out->settings, out->command, commands, (int)line->count, line->words, 2);
     messages_hold(false);
     if (code >= 0) {
         return fail_replay(out, "this conus, %s, does not take its command line: %s", conus_version(), error_line());
@@ -469,11 +469,11 @@ static bool redirect(const char *path, int flags, int descriptor)
     return done;
 }
 
-static int run_words(const struct command *command, int count, char **words)
+static int run_words(const struct command *command, const struct command *const *family, int count, char **words)
 {
     struct arguments arguments;
     void *settings = calloc(1, command->settings_size);
-    int code = settings ? options_parse(&arguments, settings, command, count, words, 2) : EXIT_DATA;
+    int code = settings ? options_parse(&arguments, settings, command, family, count, words, 2) : EXIT_DATA;
     return code < 0 ? command->run(settings, &arguments) : code;
 }
 
@@ -493,7 +493,7 @@ static int answer_in_child(const struct replay *replay, const struct stage *stag
         print_error_line("its command line does not fit into memory, or is not whole");
         return EXIT_DATA;
     }
-    int code = run_words(replay->command, writing.count, writing.words);
+    int code = run_words(replay->command, replay->arguments.family, writing.count, writing.words);
     fflush(NULL);
     return code;
 }

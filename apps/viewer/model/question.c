@@ -186,7 +186,8 @@ bool ask_words(struct viewer *viewer, char **words, int count)
 {
     struct ask_settings settings = {0};
     struct arguments arguments;
-    bool fine = options_parse(&arguments, &settings, &command, count, words, 1) < 0 && check(&settings, &arguments);
+    bool fine =
+        options_parse(&arguments, &settings, &command, NULL, count, words, 1) < 0 && check(&settings, &arguments);
     conus_order before = viewer->cone.order;
     if (fine && !use(viewer, &settings)) {
         viewer->cone.order = before;

@@ -179,7 +179,7 @@ int worded_parse(struct worded *out, const json_t *words, const struct view_sett
         return EXIT_DATA;
     }
     json_decref(own);
-    int code = options_parse(&out->arguments, &out->read, &cmd_words, out->arguments.count, out->words, 0);
+    int code = options_parse(&out->arguments, &out->read, &cmd_words, NULL, out->arguments.count, out->words, 0);
     if (code == EXIT_DONE) {
         print_error_line("a session's options say nothing of --help and --version");
     }

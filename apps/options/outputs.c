@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Checks the files that are about to be written. */
+#include "options/outputs.h"
+
+#include "options/input_file.h"
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/provenance.h"
+
+#include <assert.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { SIDECAR_LIMIT = 1 << 26 };
+
+static void add_output(struct outputs *out, const char *form, const char *option, const char *path, bool is_sidecar)
+{
+    assert(out->count < OUTPUT_LIMIT);
+    struct output *output = &out->items[out->count++];
+    *output = (struct output){.path = path, .is_sidecar = is_sidecar};
+    snprintf(output->what, sizeof output->what, form, option);
+}
+
+void outputs_collect(struct outputs *out, const struct arguments *arguments)
+{
+    const struct option *option;
+    *out = (struct outputs){0};
+    for (enum option_role role = OPTION_WRITES_ANSWER; role <= OPTION_WRITES_ROWS; role++) {
+        for (size_t i = 0; (option = option_at(arguments->command, i)); i++) {
+            const char *path = option->role == role ? option_text(arguments, option->name) : NULL;
+            if (!output_is_stdout(path)) {
+                add_output(out, "--%s", option->name, path, role == OPTION_WRITES_SIDECAR);
+            }
+        }
+    }
+}
+
+void outputs_add_sidecar(struct outputs *out, const char *option, const char *path)
+{
+    if (path) {
+        add_output(out, "the .json beside --%s", option, path, true);
+    }
+}
+
+bool outputs_differ(const struct outputs *outputs)
+{
+    for (size_t i = 0; i < outputs->count; i++) {
+        const struct output *output = &outputs->items[i];
+        for (size_t j = 0; j < i; j++) {
+            if (paths_equal(output->path, outputs->items[j].path)) {
+                print_error_line("%s and %s are the same file %s", outputs->items[j].what, output->what, output->path);
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* A file that is replaced, where it is written: what is open already is not. */
+static bool is_there(const char *path)
+{
+    struct stat info;
+    return strncmp(path, "/dev/", strlen("/dev/")) != 0 && strncmp(path, "/proc/", strlen("/proc/")) != 0 &&
+           stat(path, &info) == 0 && S_ISREG(info.st_mode);
+}
+
+/* Else the message would be of a temporary file, or of the sidecar, which is written first. */
+static int check_folder(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *folder = slash ? strndup(path, (size_t)(slash + 1 - path)) : strdup(".");
+    if (!folder) {
+        return print_no_memory();
+    }
+    int code = access(folder, F_OK) ? print_system_error(path, "write") : EXIT_DONE;
+    free(folder);
+    return code;
+}
+
+int outputs_check_sidecar(const char *path)
+{
+    char *text = NULL;
+    size_t size = 0;
+    json_error_t error;
+    if (!is_there(path)) {
+        return EXIT_DONE;
+    }
+    messages_hold(true);
+    int code = input_file_read(&text, &size, path, INPUT_FILE, SIDECAR_LIMIT);
+    messages_hold(false);
+    json_t *root = code || provenance_json_rows(text, size) ? NULL : provenance_parse(text, size, &error);
+    const json_t *program = json_array_get(json_object_get(root, "GeneratedBy"), 0);
+    const char *name = json_string_value(json_object_get(program, "Name"));
+    bool is_sidecar = name && strcmp(name, "conus") == 0;
+    json_decref(root);
+    free(text);
+    return is_sidecar
+               ? EXIT_DONE
+               : print_usage_error("%s: there is a file that is no sidecar, which a sidecar does not replace", path);
+}
+
+int outputs_check(const struct outputs *outputs, bool force)
+{
+    for (size_t i = 0; i < outputs->count; i++) {
+        const struct output *output = &outputs->items[i];
+        int code = check_folder(output->path);
+        if (!code && is_there(output->path) && !force) {
+            code =
+                print_usage_error("%s: there is a file already (%s); --force replaces it", output->path, output->what);
+        }
+        code = !code && output->is_sidecar ? outputs_check_sidecar(output->path) : code;
+        if (code) {
+            return code;
+        }
+    }
+    return force && !outputs->count ? print_usage_error("--force has no effect without a file that is written")
+                                    : EXIT_DONE;
+}
+
+int outputs_check_name(const char *name)
+{
+    char *plain = strdup(name);
+    json_t *text = json_string(name); /* NULL of what is no UTF-8 */
+    if (plain) {
+        make_plain_line(plain);
+    }
+    bool fits = plain && text && strcmp(plain, name) == 0;
+    free(plain);
+    json_decref(text);
+    return fits
+               ? EXIT_DONE
+               : print_usage_error("\"%s\": a control character or bytes that are no UTF-8, which no sidecar can name; "
+                                   "rename the file",
+                                   name);
+}
