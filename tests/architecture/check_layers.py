@@ -1,17 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""tests/architecture/check_layers.py [--circles] BUILD: every #include goes along the arrows of docs/architecture.md.
+"""tests/architecture/check_layers.py BUILD: every #include goes along the arrows of docs/architecture.md.
 
 The table below names, for each folder, the folders whose headers it may include. Each file may include the headers of
 its own folder. A folder with sources that the table lacks is an error, and so are an arrow that no include uses, and an
 include that names no file of the project.
 
 So are circles of any length: between files, where one file's object of the build folder BUILD uses a symbol that the
-other's defines, and between folders, where one folder includes another's header or uses its symbol. Those of
-KNOWN_CIRCLES are passed over. --circles prints all of them, with the arrows that make them, and checks nothing else.
+other's defines, and between folders, where one folder includes another's header or uses its symbol. They are printed
+with the arrows that make them.
 """
 import collections
-import fnmatch
 import itertools
 import json
 import pathlib
@@ -19,7 +18,7 @@ import re
 import subprocess
 import sys
 
-BUILD = pathlib.Path(sys.argv[-1]).resolve()
+BUILD = pathlib.Path(sys.argv[1]).resolve()
 ROOT = pathlib.Path(re.search("CMAKE_HOME_DIRECTORY:INTERNAL=(.*)", (BUILD / "CMakeCache.txt").read_text())[1])
 
 PUBLIC = "include/conus"
@@ -122,15 +121,6 @@ LIBRARY = {
     "selection/batch": "base base/geometry atlas/tracts atlas poses selection/engine/voxels selection selection/study selection/report",
 }
 RULES = {**LIBRARY, **APPS}
-# Patterns of the members of a circle, and why it is there. Others are faults.
-KNOWN_CIRCLES = {
-    "apps/cli/main.c apps/cli/cmd_*.c": "main.c has the table of commands; each of them names it as its family, for the help",
-    "apps/options/*.c": "the parser prints the help and checks outputs; these ask the parser for options by name",
-    "apps/settings/atlas_input.c apps/settings/atlases.c": "one story in two files",
-    "apps/mesh/main.cpp apps/mesh/vtk_surfaces.cpp": "the stream of main.cpp takes the meshes that it asks for",
-    "bench/growth/growth*.c": "growth.c calls each curve, and has what curves share",
-    "bench bench/*": "main.c calls the scenarios; what they share lies beside it",
-}
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
@@ -247,15 +237,9 @@ def find_circles(arrows):
     return circles
 
 
-def is_known(circle):
-    return any(all(any(fnmatch.fnmatchcase(node, pattern) for pattern in patterns.split()) for node in circle)
-               for patterns in KNOWN_CIRCLES)
-
-
-def print_circles(what, arrows, known):
-    """Prints the circles, largest first, with the known ones or without. Returns how many."""
-    circles = [circle for circle in find_circles(arrows) if known or not is_known(circle)]
-    circles.sort(key=lambda circle: (-len(circle), sorted(circle)))
+def print_circles(what, arrows):
+    """Prints the circles, largest first. Returns how many."""
+    circles = sorted(find_circles(arrows), key=lambda circle: (-len(circle), sorted(circle)))
     for circle in circles:
         print(f"a circle of {len(circle)} {what}: {' '.join(sorted(circle))}")
         for (source, target), reasons in sorted(arrows.items()):
@@ -265,19 +249,17 @@ def print_circles(what, arrows, known):
     return len(circles)
 
 
-def check_circles(known):
+def check_circles():
     files = find_calls()
     folders = collections.defaultdict(set, find_includes())
     for (source, target), names in files.items():
         rooms = source.rpartition("/")[0], target.rpartition("/")[0]
         if rooms[0] != rooms[1]:
             folders[rooms].update(f"{source.rpartition('/')[2]} uses {name}" for name in names)
-    return print_circles("files", files, known) + print_circles("folders", folders, known)
+    return print_circles("files", files) + print_circles("folders", folders)
 
 
-if "--circles" in sys.argv:
-    sys.exit(1 if check_circles(known=True) else 0)
 FAULTS = check()
 for fault in FAULTS:
     print(fault)
-sys.exit(1 if check_circles(known=False) or FAULTS else 0)
+sys.exit(1 if check_circles() or FAULTS else 0)
