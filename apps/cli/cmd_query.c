@@ -203,7 +203,10 @@ static int mask_write(const struct mask *mask, conus_report *report, const struc
     }
     provenance_add_output(&own, "mask", mask->settings->mask, NULL, 0);
     status = conus_report_grid_sidecar(&text, &size, report, mask->grid);
-    int code = status ? print_status(status) : provenance_complete(&whole, text, size, &own);
+    if (status) {
+        return print_status(status);
+    }
+    int code = provenance_complete(&whole, text, size, &own);
     code = code ? code : output_write(mask->sidecar, whole, strlen(whole));
     free(whole);
     return code;

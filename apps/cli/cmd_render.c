@@ -128,13 +128,14 @@ static int compare_paths(const void *a, const void *b)
 static int check_clashes(const struct drawn_rows *rows)
 {
     struct drawn_row *sorted = calloc(rows->count + 1, sizeof *sorted);
-    int code = sorted ? EXIT_DONE : print_no_memory();
-    for (size_t i = 0; sorted && i < rows->count; i++) {
+    int code = EXIT_DONE;
+    if (!sorted) {
+        return print_no_memory();
+    }
+    for (size_t i = 0; i < rows->count; i++) {
         sorted[i] = rows->items[i];
     }
-    if (sorted) {
-        qsort(sorted, rows->count, sizeof *sorted, compare_paths);
-    }
+    qsort(sorted, rows->count, sizeof *sorted, compare_paths);
     for (size_t i = 1; i < rows->count && !code; i++) {
         const char *path = sorted[i].path;
         if (path && sorted[i - 1].path && strcmp(path, sorted[i - 1].path) == 0) {

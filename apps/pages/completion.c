@@ -316,7 +316,7 @@ static void zsh_put_values(FILE *out, const struct option *option)
                                           [COMPLETION_ANY] = " "};
     enum completion_value value = completion_value(option);
     const char *choice;
-    if (value == COMPLETION_NONE) {
+    if (!option->value) {
         return;
     }
     completion_quote(out, option->value, zsh_special);

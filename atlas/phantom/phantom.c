@@ -69,7 +69,7 @@ static const struct phantom table[] = {
 
 enum { TABLE_SIZE = sizeof table / sizeof table[0] };
 
-/* Not drawn but made by atlas/phantom/phantom_brain.c and loaders/phantom/phantom_bundle_write.c. */
+/* Not drawn but made by atlas/phantom/phantom_brain.c and loaders/phantom. */
 static const conus_phantom_info made[] = {
     {"brain", "eleven packed surfaces (234,444 triangles), a context and a curved pathway, with their manifest"},
     {"bundle", "144 streamlines round the z axis, straight lines and helices, with their manifest"},

@@ -18,7 +18,7 @@ struct image {
 };
 
 struct images {
-    struct image *images; /* the finest first, from images_settle() on */
+    struct image *images; /* the finest first, once all are known */
     size_t count;
 };
 

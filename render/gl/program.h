@@ -19,8 +19,8 @@ struct program_define {
 };
 
 struct program_shader {
-    const char *file; /**< "id.frag.glsl", for messages.               */
-    const char *text; /**< shader_id_frag.                             */
+    const char *file; /**< "tube.frag.glsl", for messages. */
+    const char *text; /**< shader_tube_frag.              */
 };
 
 struct program_source {

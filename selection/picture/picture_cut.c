@@ -145,12 +145,12 @@ conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atla
     conus_cutter *cutter = NULL;
     conus_status status = conus_cutter_create(&cutter, atlas);
     status = status ? status : conus_cutter_draw(cutter, view);
-    size_t pixels = (size_t)view->width * view->height;
     if (!status) {
+        size_t pixels = (size_t)view->width * view->height;
         memcpy(rgba, cutter->cut.rgba, 4 * pixels);
-    }
-    if (!status && objects) {
-        memcpy(objects, cutter->cut.objects, pixels * sizeof *objects);
+        if (objects) {
+            memcpy(objects, cutter->cut.objects, pixels * sizeof *objects);
+        }
     }
     conus_cutter_destroy(cutter);
     return status;

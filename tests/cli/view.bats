@@ -75,10 +75,10 @@ END
             --layers "$layers" -o query/$file
         cmp view/$file query/$file || [ $file = c.json ]
     done
-    # a window has no command line of its own, and so another checksum; files have their names
+    # a window has no command line of its own, and so no question and another checksum; files have their names
     for file in a b c; do
         for from in view query; do
-            jq 'del(.GeneratedBy[].CommandLine, .Checksum, .Outputs[].path)' $from/$file.json >$from.$file
+            jq 'del(.GeneratedBy[].CommandLine, .Question, .Checksum, .Outputs[].path)' $from/$file.json >$from.$file
             [ -s $from.$file ]
         done
         cmp view.$file query.$file

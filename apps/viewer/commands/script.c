@@ -267,7 +267,7 @@ static bool use_study(struct call *call, struct study_settings *study, enum stud
 {
     bool ends = call->count == 1 && is_word(call, 0, "off");
     bool fine = ends || call->count >= least;
-    for (size_t i = 0; i < call->count && fine && !ends; i++) {
+    for (size_t i = 0; i < call->count && i < 3 && fine && !ends; i++) {
         fine = numbers(out[i], call, i, 1);
     }
     study->kind = ends ? STUDY_NONE : kind;

@@ -67,7 +67,7 @@ bool viewer_move_grey(struct viewer *viewer, double right, double up);
 void viewer_set_opacity(struct viewer *viewer, uint32_t object, double opacity);
 /** Draws a pathway of the drawn atlas so (look.h). */
 void viewer_set_haze(struct viewer *viewer, uint32_t pathway, size_t haze);
-/** Colours the streamlines of the drawn atlas by this (pictures/tract_colour.h). */
+/** Colours the streamlines of the drawn atlas by this (tract_colour_name() in pictures/look.h). */
 void viewer_colour_streamlines(struct viewer *viewer, size_t colour);
 /** Takes over how @p on, one of the viewer's atlases, looks; @p look is of as many objects. */
 void viewer_set_look(struct viewer *viewer, struct view_atlas *on, struct look *look);

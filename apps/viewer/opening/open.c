@@ -16,6 +16,7 @@
 #include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -281,6 +282,7 @@ static void finish(struct viewer *viewer)
 static struct viewer *create(const struct atlases *atlases, const char *path, const struct view_settings *settings,
                              void (*wake)(void))
 {
+    assert(atlases->count);
     struct viewer *viewer = malloc(sizeof *viewer);
     struct view_source *sources = calloc(atlases->count, sizeof *sources);
     for (size_t i = 0; sources && i < atlases->count; i++) {

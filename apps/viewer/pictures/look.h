@@ -33,7 +33,7 @@ struct look {
 /** All as conus draws it by itself; false without memory. */
 bool look_init(struct look *out, size_t object_count);
 void look_finish(struct look *look);
-/** Colours streamlines by this, of pictures/tract_colour.h. */
+/** Colours streamlines by this, see tract_colour_name(). */
 void look_colour_streamlines(struct look *look, const conus_atlas *atlas, size_t colour);
 /** Whether both draw pathways and streamlines in the same way. */
 bool look_same_tracts(const struct look *a, const struct look *b);

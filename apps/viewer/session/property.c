@@ -39,7 +39,8 @@ static const char *const study_says[] = {"no study", "sweep: the shares over the
 #define REALS(how_many, least, most) .type = PROPERTY_REAL, .count = (how_many), .low = (least), .high = (most)
 #define FLAG .type = PROPERTY_FLAG, .high = 1
 #define TRUTH .type = PROPERTY_TRUTH, .high = 1
-#define ENUM(array) .type = PROPERTY_NAME_OR_NUMBER, .names = (array), .high = sizeof(array) / sizeof(array)[0] - 1
+#define ENUM(array)                                                                                                    \
+    .type = PROPERTY_NAME_OR_NUMBER, .names = (array), .high = (int)(sizeof(array) / sizeof(array)[0]) - 1
 #define FAR 1e6 /* mm */
 
 _Static_assert(offsetof(struct orbit, elevation) == offsetof(struct orbit, centre) + 5 * sizeof(double),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds the surface under the mouse, and holds or frees the cone. */
+/* Finds the surface under the mouse. */
 #include "viewer/tools/point.h"
 
 #include "viewer/model/picker.h"

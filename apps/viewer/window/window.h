@@ -155,7 +155,7 @@ struct frame_state {
     uint32_t listed;     /**< The object that the list of areas was scrolled to last. */
     const struct view_atlas *listed_of; /**< In the list of this atlas. */
     bool keeps_picture;                 /**< The next frame goes into a file. */
-    char title[TITLE_SIZE];             /**< As title.h gave it last; "" = none yet. */
+    char title[TITLE_SIZE];             /**< As title_write() gave it last; "" = none yet. */
     unsigned sent_answer;               /**< The answer that was sent to the station last. */
     double watched;                     /**< When the atlas's files were looked at last, by clock_ms(). */
 };

@@ -6,6 +6,7 @@
 #include "loaders/surfaces/foreign/foreign_mesh.h"
 #include "loaders/surfaces/foreign/words.h"
 
+#include <assert.h>
 #include <string.h>
 
 struct vtk {
@@ -474,6 +475,7 @@ static conus_status read_offset_cells(struct vtk *vtk, size_t count, size_t size
     const struct vtk_type *corner_type = NULL;
     int64_t offset = 0;
     conus_status status = begin_array(&offset_type, vtk, "OFFSETS");
+    assert(status || offset_type);
     struct vtk offsets = *vtk;
     for (size_t i = 0; !status && i < count; i++) { /* to where the corners begin */
         int64_t next;
@@ -486,6 +488,7 @@ static conus_status read_offset_cells(struct vtk *vtk, size_t count, size_t size
         offset = status ? 0 : next;
     }
     status = status ? status : begin_array(&corner_type, vtk, "CONNECTIVITY");
+    assert(status || corner_type);
     offset = 0;
     for (size_t i = 0; !status && i < count; i++) {
         int64_t next;

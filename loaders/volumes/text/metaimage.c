@@ -224,8 +224,8 @@ static bool split_line(struct text line, struct text *name, struct text *value)
 static conus_status metaimage_read_lines(struct header_values *values, struct text *rest)
 {
     struct text line;
-    struct text name;
-    struct text value;
+    struct text name = {0};
+    struct text value = {0};
     size_t lines = 0;
     conus_status status = CONUS_OK;
     while (!header_has(values, &table, "ElementDataFile") && header_line(rest, &line, &lines, &status)) {

@@ -312,6 +312,7 @@ static void what_cannot_be_drawn_is_refused(void **state)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_fails(conus_cut(picture.rgba, NULL, atlas, &bad[i]), CONUS_ERROR_ARGUMENT);
     }
+    assert_fails(conus_cut(picture.rgba, NULL, atlas, NULL), CONUS_ERROR_ARGUMENT); /* 0 x 0 pixels */
     conus_atlas_destroy(atlas);
 }
 
