@@ -38,7 +38,7 @@ static void hear_devices(struct window *window)
 {
     uint64_t before = window->inputs.news.number;
     if (window->inputs.station) {
-        station_hear(window->inputs.station, window->viewer, &window->inputs.news);
+        inputs_hear(window->inputs.station, window->viewer, &window->inputs.news);
     }
     bool aimed = inputs_step(&window->inputs, window->viewer, 1e-3 * clock_ms());
     if (aimed && window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_TRACKER &&
@@ -63,15 +63,15 @@ static void send_answer(struct window *window)
 
 static void watch_files(struct window *window)
 {
-    char news[WATCH_NEWS];
+    char news[FILE_WATCH_TEXT];
     double now = clock_ms();
     if (now - window->frame.watched < 1e3 * longest_s) {
         return;
     }
     window->frame.watched = now;
     for (size_t i = 0; i < window->viewer->atlas_count; i++) {
-        struct watch *watch = window->viewer->atlases[i].watch;
-        if (watch && watch_look(watch, news)) {
+        struct file_watch *watch = window->viewer->atlases[i].watch;
+        if (watch && file_watch_check(watch, news)) {
             viewer_say(window->viewer, "%s", news);
         }
     }

@@ -60,11 +60,11 @@ static void lists_are_sorted_as_tables_are(void **state)
     for (int way = 0; way < 4; way++) {
         viewer.cone.options.layers = way & 1 ? CONUS_LAYERS_ALL : CONUS_LAYERS_VISIBLE;
         viewer.cone.order = way & 2 ? CONUS_ORDER_DEPTH : CONUS_ORDER_RANK;
-        viewer_reselect(&viewer);
+        tool_reselect(&viewer);
         assert_listed_as_in_table(&viewer);
     }
     viewer.cone.one_ray = true; /* has first hits only, whatever the layers */
-    viewer_reselect(&viewer);
+    tool_reselect(&viewer);
     assert_listed_as_in_table(&viewer);
     viewer_finish(&viewer);
 }
@@ -153,7 +153,7 @@ static void studies_answer_as_the_library_does(void **state)
     assert_int_equal(answer->angle_count, 2);
     for (size_t angle = 0; angle < 2; angle++) {
         viewer.tools[FIRST_TOOL].angle = answer->angles[angle];
-        viewer_reselect(&viewer);
+        tool_reselect(&viewer);
         for (size_t i = 0; i < answer->tables[0].curve_count; i++) {
             const struct study_curve *curve = &answer->tables[0].curves[i];
             double share = 0;
@@ -205,11 +205,11 @@ static void what_changes_makes_a_study_old(void **state)
     }
     await_study(&viewer);
     viewer.cone.options.radius = 3;
-    viewer_reselect(&viewer);
+    tool_reselect(&viewer);
     await_study(&viewer);
     assert_null(studies_text(&viewer));
     assert_string_equal(viewer.message, "a cylinder has no angle to sweep");
-    viewer_clear(&viewer);
+    tool_clear(&viewer);
     assert_false(studies_is_on(&viewer));
     viewer_finish(&viewer);
 }

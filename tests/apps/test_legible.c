@@ -182,20 +182,20 @@ static void look_at_all(struct window *window)
     viewer->cone.options.layers = CONUS_LAYERS_ALL;
     viewer->cone.options.radius = 12.5;
     viewer->cone.options.score = "unoccluded";
-    viewer_reselect(viewer);
+    tool_reselect(viewer);
     nothing_is_cut(window, "all hits in a cylinder");
     for (size_t column = 0; column < RESULT_COLUMNS; column++) {
         result_show(viewer, column, true);
     }
     viewer->cone.options.score = "distance";
-    viewer_reselect(viewer);
+    tool_reselect(viewer);
     nothing_is_cut(window, "all columns");
     result_choose(viewer, NULL, 0);
     viewer->cone.options.sampling = CONUS_SAMPLING_SLICES;
     viewer->cone.options.layers = CONUS_LAYERS_VISIBLE;
     viewer->tools[FIRST_TOOL].pointer = POINT_BY_WAND;
     viewer->frame.space = CONUS_SPACE_BREGMA;
-    viewer_reselect(viewer);
+    tool_reselect(viewer);
     nothing_is_cut(window, "slices, from bregma");
     tool_confirm(viewer, FIRST_TOOL);
     viewer_choose(viewer, 1);
@@ -204,7 +204,7 @@ static void look_at_all(struct window *window)
     viewer_pin(viewer, 0, 3, NULL, 0.5, 12.3, (double[]){0, 0, 0});
     nothing_is_cut(window, "a long name");
     viewer_hide(viewer, 1, true);
-    viewer_clear(viewer);
+    tool_clear(viewer);
     viewer->tools[FIRST_TOOL].pointer = POINT_BY_REPLAY;
     nothing_is_cut(window, "hidden, and no cone");
     viewer->tools[FIRST_TOOL].pointer = POINT_BY_TRACKER;

@@ -170,7 +170,7 @@ static void it_is_held_and_freed_and_cleared(void **state)
     tool_hold(&viewer, FIRST_TOOL);
     unsigned version = viewer.version;
     unsigned number = viewer.tools[FIRST_TOOL].answer_number;
-    viewer_clear(&viewer);
+    tool_clear(&viewer);
     assert_false(viewer.tools[FIRST_TOOL].held);
     assert_false(viewer.tools[FIRST_TOOL].has_pose);
     assert_null(viewer_selection(&viewer));
@@ -201,7 +201,7 @@ static void one_ray_names_one_area(void **state)
     assert_near(conus_selection_result(selection, 0)->distance, 70, 1e-6);
     assert_near(conus_selection_result(selection, 0)->contact[0], -1, 1e-6);
     viewer.cone.options.radius = 5; /* nor is it a cylinder */
-    viewer_reselect(&viewer);
+    tool_reselect(&viewer);
     assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->pixels, 1);
     viewer.cone.options.radius = 0;
     property_set(&window, PROPERTY_ONE_RAY, false);

@@ -84,7 +84,7 @@ static void each_tool_has_answers_of_its_own(void **state)
     assert_int_equal(window.viewer->tools[SECOND_TOOL].answer_number, number); /* nothing to ask */
     viewer.cone.options.layers = CONUS_LAYERS_ALL;
     viewer.cone.options.resolution = 24;
-    viewer_reselect(&viewer);
+    tool_reselect(&viewer);
     check_answer(&window);
     viewer_hide(&viewer, 1, true);
     check_answer(&window);
@@ -194,7 +194,7 @@ static void step(struct window *window)
 {
     usleep(2000);
     if (window->inputs.station) {
-        station_hear(window->inputs.station, window->viewer, &window->inputs.news);
+        inputs_hear(window->inputs.station, window->viewer, &window->inputs.news);
     }
     inputs_step(&window->inputs, window->viewer, 0);
 }
@@ -396,22 +396,22 @@ static void a_tool_is_steered_along_its_own_axes(void **state)
     const double none[3] = {0, 0, 0};
     (void)state;
     open_window(&window, &viewer);
-    tool_steer(&viewer, SECOND_TOOL, none, none); /* the first time it is put there: to the right, looking left */
+    inputs_steer(&viewer, SECOND_TOOL, none, none); /* the first time it is put there: to the right, looking left */
     assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[12], viewer.centre[0] + 1.6 * viewer.radius,
                 1e-9);
     assert_near(-window.viewer->tools[SECOND_TOOL].pose.world_from_device[8], -1, 1e-12);
     conus_pose pose = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
     tool_aim(window.viewer, SECOND_TOOL, &pose);
-    tool_steer(&viewer, SECOND_TOOL, (double[]){1, 2, -3}, (double[]){0, M_PI / 2, 0});
+    inputs_steer(&viewer, SECOND_TOOL, (double[]){1, 2, -3}, (double[]){0, M_PI / 2, 0});
     const double *m = window.viewer->tools[SECOND_TOOL].pose.world_from_device;
     assert_near(m[12], 1, 1e-12);
     assert_near(m[13], 2, 1e-12);
     assert_near(m[14], -3, 1e-12);
     assert_near(-m[8], -1, 1e-12);
-    tool_steer(&viewer, SECOND_TOOL, (double[]){0, 0, -5}, none); /* forward, which is -x now */
+    inputs_steer(&viewer, SECOND_TOOL, (double[]){0, 0, -5}, none); /* forward, which is -x now */
     assert_near(m[12], -4, 1e-9);
     for (int i = 0; i < 2000; i++) { /* it stays a rotation, and near the brain */
-        tool_steer(&viewer, SECOND_TOOL, (double[]){3, 0, -5}, (double[]){0.0001, 0.0002, 0.0003});
+        inputs_steer(&viewer, SECOND_TOOL, (double[]){3, 0, -5}, (double[]){0.0001, 0.0002, 0.0003});
     }
     conus_pose exact;
     assert_ok(conus_pose_from_matrix(&exact, m));

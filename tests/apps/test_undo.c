@@ -79,7 +79,7 @@ static void close_window(struct window *window)
 static void set_angle(struct window *window, double angle)
 {
     window->viewer->tools[FIRST_TOOL].angle = angle;
-    viewer_reselect(window->viewer);
+    tool_reselect(window->viewer);
     undo_note(window);
 }
 

@@ -100,7 +100,7 @@ static void all_atlases_are_asked_the_same(void **state)
         viewer_draw(&viewer, (size_t)i / 4);
         assert_ptr_equal(viewer_selection(&viewer), view_atlas_selection(&viewer.atlases[i / 4], FIRST_TOOL));
         viewer.tools[FIRST_TOOL].angle *= 2;
-        viewer_reselect(&viewer);
+        tool_reselect(&viewer);
         assert_all_answer(&viewer);
     }
     viewer_finish(&viewer);
@@ -132,7 +132,7 @@ static void each_option_alone_changes_the_answers(void **state)
     tool_aim_along(&viewer, FIRST_TOOL, (double[]){3, 90, 20}, (double[]){0, -1, -0.1});
     for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++) {
         viewer.cone.options = changes[i];
-        viewer_reselect(&viewer);
+        tool_reselect(&viewer);
         assert_all_answer(&viewer);
         char *now = viewer_results_text(&viewer);
         assert_true(!before || strcmp(before, now) != 0);
@@ -210,13 +210,13 @@ static void no_answer_outlives_its_question(void **state)
     tool_aim_along(&viewer, FIRST_TOOL, eye, back);
     unsigned before = viewer.tools[FIRST_TOOL].answer_number;
     viewer.tools[FIRST_TOOL].angle = 180;
-    viewer_reselect(&viewer);
+    tool_reselect(&viewer);
     assert_null(view_atlas_selection(&viewer.atlases[0], FIRST_TOOL));
     assert_null(view_atlas_selection(&viewer.atlases[1], FIRST_TOOL));
     assert_true(viewer.tools[FIRST_TOOL].answer_number != before);
     assert_memory_equal(viewer.message, "slabs: ", 7); /* the last that was asked */
     viewer.tools[FIRST_TOOL].angle = 10;
-    viewer_reselect(&viewer);
+    tool_reselect(&viewer);
     assert_all_answer(&viewer);
     viewer_finish(&viewer);
 }

@@ -73,7 +73,7 @@ static void clear(struct window *window, const int by[3])
         window->frame.navigated = 0;
         window->frame.navigates_anew = true;
     } else {
-        viewer_clear(window->viewer);
+        tool_clear(window->viewer);
         viewer_choose(window->viewer, 0);
         viewer_say(window->viewer, "cleared");
     }
@@ -215,7 +215,7 @@ static void scale_angle(struct window *window, const int by[3])
     struct viewer *viewer = window->viewer;
     double *angle = &viewer->tools[FIRST_TOOL].angle;
     *angle = fmin(fmax(*angle * (by[0] > 0 ? 1.1 : 1 / 1.1), 0.1), 179);
-    viewer_reselect(viewer);
+    tool_reselect(viewer);
 }
 
 static void scale_second(struct window *window, const int by[3])
@@ -384,7 +384,7 @@ static void steer(struct window *window, const int by[3])
 {
     double steps[6] = {0};
     steps[by[0]] = by[1] * (by[0] < 3 ? 1 : 0.035);
-    tool_steer(window->viewer, tool_moved_by(window->viewer, POINT_BY_WAND), steps, steps + 3);
+    inputs_steer(window->viewer, tool_moved_by(window->viewer, POINT_BY_WAND), steps, steps + 3);
 }
 
 /* In the order of the page that lists them. A key of the wand comes before one of the views. */

@@ -46,7 +46,7 @@ static void resume(struct viewer *viewer)
 {
     studier_resume(viewer->study.studier);
     start_painter(viewer);
-    viewer_reselect(viewer);
+    tool_reselect(viewer);
 }
 
 /* Edits for another context do not apply to this one. */
@@ -152,10 +152,10 @@ void viewer_use_safe_colours(struct viewer *viewer, bool safe)
 void viewer_set_grey(struct viewer *viewer, double black, double white)
 {
     for (size_t i = 0; i < viewer->atlas_count; i++) {
-        struct view_atlas *on = &viewer->atlases[i];
-        if (on == viewer->drawn || view_atlas_shares_context(on, viewer->drawn)) {
-            on->look.grey[0] = black;
-            on->look.grey[1] = white;
+        struct view_atlas *view = &viewer->atlases[i];
+        if (view == viewer->drawn || view_atlas_shares_context(view, viewer->drawn)) {
+            view->look.grey[0] = black;
+            view->look.grey[1] = white;
         }
     }
     viewer->version++;
@@ -163,13 +163,13 @@ void viewer_set_grey(struct viewer *viewer, double black, double white)
 
 bool viewer_move_grey(struct viewer *viewer, double right, double up)
 {
-    const struct view_atlas *on = viewer->drawn;
+    const struct view_atlas *view = viewer->drawn;
     double grey[2];
-    if (!(on->window[1] > on->window[0])) {
+    if (!(view->window[1] > view->window[0])) {
         return false;
     }
-    memcpy(grey, view_atlas_grey(on), sizeof grey);
-    look_move_grey(grey, on->window, right, up);
+    memcpy(grey, view_atlas_grey(view), sizeof grey);
+    look_move_grey(grey, view->window, right, up);
     viewer_set_grey(viewer, grey[0], grey[1]);
     return true;
 }
@@ -205,13 +205,13 @@ void viewer_colour_streamlines(struct viewer *viewer, size_t colour)
     repaint(viewer);
 }
 
-void viewer_set_look(struct viewer *viewer, struct view_atlas *on, struct look *look)
+void viewer_set_look(struct viewer *viewer, struct view_atlas *view, struct look *look)
 {
-    bool same = look_same_tracts(&on->look, look);
-    look_finish(&on->look);
-    on->look = *look;
+    bool same = look_same_tracts(&view->look, look);
+    look_finish(&view->look);
+    view->look = *look;
     *look = (struct look){0};
-    if (on != viewer->drawn) {
+    if (view != viewer->drawn) {
         viewer->version++;
     } else if (same) {
         pass_opacity(viewer);
@@ -220,10 +220,10 @@ void viewer_set_look(struct viewer *viewer, struct view_atlas *on, struct look *
     }
 }
 
-static bool differ(const struct view_atlas *on, const double *thresholds)
+static bool differ(const struct view_atlas *view, const double *thresholds)
 {
-    for (uint32_t number = 1; thresholds && number <= on->object_count; number++) {
-        const conus_volume_info *info = view_atlas_pathway(on, number);
+    for (uint32_t number = 1; thresholds && number <= view->object_count; number++) {
+        const conus_volume_info *info = view_atlas_pathway(view, number);
         if (info && info->threshold != thresholds[number]) {
             return true;
         }
@@ -233,14 +233,14 @@ static bool differ(const struct view_atlas *on, const double *thresholds)
 
 /* Sets those of pathways before @p end, or up to one that fails, where @p end is then; what they were takes their
  * place. */
-static conus_status swap_some(struct view_atlas *on, double *thresholds, uint32_t *end)
+static conus_status swap_some(struct view_atlas *view, double *thresholds, uint32_t *end)
 {
     conus_status status = CONUS_OK;
     for (uint32_t number = 1; number < *end; number++) {
-        const conus_volume_info *info = view_atlas_pathway(on, number);
+        const conus_volume_info *info = view_atlas_pathway(view, number);
         if (info) {
             double was = info->threshold;
-            status = conus_atlas_set_threshold(on->atlas, number, thresholds[number]);
+            status = conus_atlas_set_threshold(view->atlas, number, thresholds[number]);
             thresholds[number] = status ? thresholds[number] : was;
             *end = status ? number : *end;
         }
@@ -249,11 +249,11 @@ static conus_status swap_some(struct view_atlas *on, double *thresholds, uint32_
 }
 
 /* All of an atlas, or none of them. */
-static conus_status swap_thresholds(struct viewer *viewer, struct view_atlas *on, double *thresholds)
+static conus_status swap_thresholds(struct viewer *viewer, struct view_atlas *view, double *thresholds)
 {
-    uint32_t end = (uint32_t)on->object_count + 1;
-    conus_status status = thresholds ? swap_some(on, thresholds, &end) : CONUS_OK;
-    if (status && swap_some(on, thresholds, &end)) {
+    uint32_t end = (uint32_t)view->object_count + 1;
+    conus_status status = thresholds ? swap_some(view, thresholds, &end) : CONUS_OK;
+    if (status && swap_some(view, thresholds, &end)) {
         viewer_say(viewer, "not enough memory");
     }
     return status;
@@ -310,18 +310,18 @@ conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *sett
 }
 
 /* Hidden objects leave the atlas: they are not hit, not drawn, and block nothing. */
-static void hide_in_atlas(struct viewer *viewer, struct view_atlas *on)
+static void hide_in_atlas(struct viewer *viewer, struct view_atlas *view)
 {
     if (viewer->painter) {
         painter_hold(viewer->painter);
     }
     studier_hold(viewer->study.studier);
-    view_atlas_rest(on);
+    view_atlas_rest(view);
     viewer->atlas_number++;
-    if (conus_atlas_set_hidden(on->atlas, on->shown.hidden)) {
+    if (conus_atlas_set_hidden(view->atlas, view->shown.hidden)) {
         viewer_say(viewer, "%s", conus_message());
-        for (size_t number = 1; number <= on->object_count; number++) {
-            on->shown.hidden[number] = conus_atlas_is_hidden(on->atlas, number);
+        for (size_t number = 1; number <= view->object_count; number++) {
+            view->shown.hidden[number] = conus_atlas_is_hidden(view->atlas, number);
         }
     }
     if (viewer->painter) {
@@ -329,7 +329,7 @@ static void hide_in_atlas(struct viewer *viewer, struct view_atlas *on)
     }
     studier_resume(viewer->study.studier);
     viewer->scene_number++;
-    viewer_reselect(viewer);
+    tool_reselect(viewer);
 }
 
 bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor)
@@ -377,9 +377,9 @@ void viewer_show_all(struct viewer *viewer)
     hide_in_atlas(viewer, viewer->drawn);
 }
 
-void viewer_set_hidden(struct viewer *viewer, struct view_atlas *on, bool *hidden)
+void viewer_set_hidden(struct viewer *viewer, struct view_atlas *view, bool *hidden)
 {
-    free(on->shown.hidden);
-    on->shown.hidden = hidden;
-    hide_in_atlas(viewer, on);
+    free(view->shown.hidden);
+    view->shown.hidden = hidden;
+    hide_in_atlas(viewer, view);
 }

@@ -69,8 +69,8 @@ void viewer_set_opacity(struct viewer *viewer, uint32_t object, double opacity);
 void viewer_set_haze(struct viewer *viewer, uint32_t pathway, size_t haze);
 /** Colours the streamlines of the drawn atlas by this (tract_colour_name() in pictures/look.h). */
 void viewer_colour_streamlines(struct viewer *viewer, size_t colour);
-/** Takes over how @p on, one of the viewer's atlases, looks; @p look is of as many objects. */
-void viewer_set_look(struct viewer *viewer, struct view_atlas *on, struct look *look);
+/** Takes over how @p view, one of the viewer's atlases, looks; @p look is of as many objects. */
+void viewer_set_look(struct viewer *viewer, struct view_atlas *view, struct look *look);
 
 /** Draws with the editor's points from now on. */
 void viewer_use_transfer(struct viewer *viewer);
@@ -83,8 +83,8 @@ void viewer_hide(struct viewer *viewer, uint32_t object, bool hide);
 /** Hides all but an object and what is below it. */
 void viewer_isolate(struct viewer *viewer, uint32_t object);
 void viewer_show_all(struct viewer *viewer);
-/** Hides in @p on, one of the viewer's atlases, what @p hidden says, [object_count + 1], which is taken over. */
-void viewer_set_hidden(struct viewer *viewer, struct view_atlas *on, bool *hidden);
+/** Hides in @p view, one of the viewer's atlases, what @p hidden says, [object_count + 1], which is taken over. */
+void viewer_set_hidden(struct viewer *viewer, struct view_atlas *view, bool *hidden);
 /** Whether @p object is @p ancestor or below it. */
 bool viewer_is_below(const struct viewer *viewer, uint32_t object, uint32_t ancestor);
 /** How much of an object and all below it is shown. */

@@ -212,9 +212,9 @@ void result_order_by(struct viewer *viewer, size_t column)
 }
 
 /* NULL where there is none. */
-static const char *text_of(const struct view_atlas *on, const struct column *of, const conus_result *result)
+static const char *text_of(const struct view_atlas *view, const struct column *of, const conus_result *result)
 {
-    const conus_object *object = conus_atlas_object(on->atlas, result->object);
+    const conus_object *object = conus_atlas_object(view->atlas, result->object);
     if (of->kind == TEXT_NAME) {
         return object ? object->name : "(nothing hit)";
     }
@@ -230,11 +230,11 @@ static double number_at(const conus_result *result, const struct column *of)
 }
 
 /* In the unit of conus query's tables; NaN where there is none. */
-static double value_of(const struct viewer *viewer, const struct view_atlas *on, const struct column *of,
+static double value_of(const struct viewer *viewer, const struct view_atlas *view, const struct column *of,
                        const conus_result *result)
 {
     double place[3];
-    const conus_object *object = conus_atlas_object(on->atlas, result->object);
+    const conus_object *object = conus_atlas_object(view->atlas, result->object);
     bool of_bundles = (size_t)(of - columns) >= RESULT_STREAMLINES;
     if ((of->needs_object && !object) || (of_bundles && object->kind != CONUS_KIND_BUNDLE) ||
         !result_is_offered(viewer, (size_t)(of - columns))) {
@@ -259,15 +259,15 @@ static int digits_of(const struct viewer *viewer, const struct column *of)
     return of->kind != PLACE ? of->digits : viewer->frame.space == CONUS_SPACE_CCF ? 1 : 2;
 }
 
-const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *on, size_t column,
-                        const conus_result *result)
+const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *view,
+                        size_t column, const conus_result *result)
 {
     const struct column *of = &columns[column];
     if (result_is_text(column)) {
-        const char *text = text_of(on, of, result);
+        const char *text = text_of(view, of, result);
         return text ? text : "-";
     }
-    double value = value_of(viewer, on, of, result);
+    double value = value_of(viewer, view, of, result);
     if (isfinite(value)) {
         bool is_part = of->kind == PART;
         snprintf(out, RESULT_TEXT, "%.*f%s", digits_of(viewer, of), is_part ? 100 * value : value, is_part ? " %" : "");
@@ -277,15 +277,15 @@ const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, cons
     return out;
 }
 
-const char *result_exact(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *on, size_t column,
-                         const conus_result *result)
+const char *result_exact(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *view,
+                         size_t column, const conus_result *result)
 {
     const struct column *of = &columns[column];
     if (result_is_text(column)) {
-        const char *text = text_of(on, of, result);
+        const char *text = text_of(view, of, result);
         return text ? text : "n/a";
     }
-    double value = value_of(viewer, on, of, result);
+    double value = value_of(viewer, view, of, result);
     bool is_whole = fabs(value) < 0x1p53 && value == floor(value);
     if (!isfinite(value)) {
         return "n/a";
@@ -326,28 +326,28 @@ static int compare_rows(const void *left, const void *right)
     return order ? order : (a->index > b->index) - (a->index < b->index);
 }
 
-static struct row row_of(const struct viewer *viewer, const struct view_atlas *on, const conus_selection *selection,
+static struct row row_of(const struct viewer *viewer, const struct view_atlas *view, const conus_selection *selection,
                          size_t index)
 {
     const struct column *of = &columns[viewer->list.order];
     const conus_result *result = conus_selection_result(selection, index);
     struct row row = {.index = index, .value = NAN, .is_unassigned = !result->object};
     if (result_is_text(viewer->list.order)) {
-        row.text = text_of(on, of, result);
+        row.text = text_of(view, of, result);
     } else {
-        row.value = value_of(viewer, on, of, result);
+        row.value = value_of(viewer, view, of, result);
     }
     row.falls = of->falls != viewer->list.reversed;
     return row;
 }
 
-size_t *result_order(const struct viewer *viewer, const struct view_atlas *on, const conus_selection *selection)
+size_t *result_order(const struct viewer *viewer, const struct view_atlas *view, const conus_selection *selection)
 {
     size_t count = conus_selection_count(selection);
     struct row *rows = calloc(count + 1, sizeof *rows);
     size_t *order = calloc(count + 1, sizeof *order);
     for (size_t i = 0; rows && order && i < count; i++) {
-        rows[i] = row_of(viewer, on, selection, i);
+        rows[i] = row_of(viewer, view, selection, i);
     }
     if (rows && order) {
         qsort(rows, count, sizeof *rows, compare_rows);

@@ -67,15 +67,15 @@ bool result_choose(struct viewer *viewer, char *const *keys, size_t count);
 void result_order_by(struct viewer *viewer, size_t column);
 
 /** A cell with the digits of conus query's table for people, "-" where there is nothing; a text whole. */
-const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *on, size_t column,
-                        const conus_result *result);
+const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *view,
+                        size_t column, const conus_result *result);
 /** The same with all digits, as in the TSV of conus query; "n/a" where there is nothing. */
-const char *result_exact(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *on, size_t column,
-                         const conus_result *result);
+const char *result_exact(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *view,
+                         size_t column, const conus_result *result);
 
 /** The rows of a selection in the viewer's order; to be freed. What has no value comes last, behind
  * all what is unassigned. NULL without memory. */
-size_t *result_order(const struct viewer *viewer, const struct view_atlas *on, const conus_selection *selection);
+size_t *result_order(const struct viewer *viewer, const struct view_atlas *view, const conus_selection *selection);
 
 enum { EXPORT_WHY = 256 };
 

@@ -12,11 +12,11 @@ const char *const side_names[SIDE_COUNT] = {"both", "left", "right"};
 static const char letters[SIDE_COUNT] = {0, 'L', 'R'};
 
 /* How many areas of a side there are, or only those that are shown. */
-static size_t count(const struct view_atlas *on, enum side side, bool shown_only)
+static size_t count(const struct view_atlas *view, enum side side, bool shown_only)
 {
     size_t found = 0;
-    for (size_t number = 1; on->sides && number <= on->object_count; number++) {
-        found += on->sides[number] == letters[side] && !(shown_only && on->shown.hidden[number]);
+    for (size_t number = 1; view->sides && number <= view->object_count; number++) {
+        found += view->sides[number] == letters[side] && !(shown_only && view->shown.hidden[number]);
     }
     return found;
 }
@@ -35,26 +35,26 @@ enum side side_shown(const struct viewer *viewer)
 
 void side_show(struct viewer *viewer, enum side side)
 {
-    struct view_atlas *on = viewer->drawn;
+    struct view_atlas *view = viewer->drawn;
     if (!side_is_known(viewer)) {
         viewer_say(viewer, "no areas are known to be left and right ones; F8 splits them");
         return;
     }
-    bool *hidden = malloc((on->object_count + 1) * sizeof *hidden);
+    bool *hidden = malloc((view->object_count + 1) * sizeof *hidden);
     if (!hidden) {
         viewer_say(viewer, "not enough memory");
         return;
     }
-    memcpy(hidden, on->shown.hidden, (on->object_count + 1) * sizeof *hidden);
+    memcpy(hidden, view->shown.hidden, (view->object_count + 1) * sizeof *hidden);
     for (enum side one = SIDE_LEFT; one <= SIDE_RIGHT; one++) {
         bool is_other = side != SIDE_BOTH && side != one;
-        if (is_other || !count(on, one, true)) {
-            for (size_t number = 1; number <= on->object_count; number++) {
-                hidden[number] = on->sides[number] == letters[one] ? is_other : hidden[number];
+        if (is_other || !count(view, one, true)) {
+            for (size_t number = 1; number <= view->object_count; number++) {
+                hidden[number] = view->sides[number] == letters[one] ? is_other : hidden[number];
             }
         }
     }
-    viewer_set_hidden(viewer, on, hidden);
+    viewer_set_hidden(viewer, view, hidden);
 }
 
 void side_show_next(struct viewer *viewer)

@@ -7,10 +7,10 @@
 
 static const double ray_angle = 1e-3; /* the one pixel's ray is the axis, whatever it is */
 
-static conus_status make_picker(struct view_atlas *on)
+static conus_status make_picker(struct view_atlas *view)
 {
     const conus_selector_options options = {.resolution = 1, .layers = CONUS_LAYERS_ALL};
-    return on->picker ? CONUS_OK : conus_selector_create(&on->picker, on->atlas, &options);
+    return view->picker ? CONUS_OK : conus_selector_create(&view->picker, view->atlas, &options);
 }
 
 /* A ray through the context, and how the picture shows it there. */
@@ -74,22 +74,22 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
 }
 
 /* Pathways or bundles that are shown. */
-static bool has_pathways(const struct view_atlas *on)
+static bool has_pathways(const struct view_atlas *view)
 {
-    for (size_t number = on->object_count; number > 0; number--) { /* they come last */
-        if (conus_atlas_object(on->atlas, number)->kind == CONUS_KIND_AREA) {
+    for (size_t number = view->object_count; number > 0; number--) { /* they come last */
+        if (conus_atlas_object(view->atlas, number)->kind == CONUS_KIND_AREA) {
             return false;
         }
-        if (!on->shown.hidden[number]) {
+        if (!view->shown.hidden[number]) {
             return true;
         }
     }
     return false;
 }
 
-static bool is_hit(const struct view_atlas *on, uint32_t number)
+static bool is_hit(const struct view_atlas *view, uint32_t number)
 {
-    const conus_selection *selection = view_atlas_selection(on, FIRST_TOOL);
+    const conus_selection *selection = view_atlas_selection(view, FIRST_TOOL);
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object == number && result->pixels + result->pierced > 0) {
@@ -100,25 +100,25 @@ static bool is_hit(const struct view_atlas *on, uint32_t number)
 }
 
 /* Areas of voxels would hide pathways and bundles: where there are any, the picture has the areas that are hit. */
-static bool is_drawn(const struct view_atlas *on, uint32_t number)
+static bool is_drawn(const struct view_atlas *view, uint32_t number)
 {
-    const conus_object *object = conus_atlas_object(on->atlas, number);
-    return object->kind != CONUS_KIND_AREA || object->triangles > 0 || !has_pathways(on) || is_hit(on, number);
+    const conus_object *object = conus_atlas_object(view->atlas, number);
+    return object->kind != CONUS_KIND_AREA || object->triangles > 0 || !has_pathways(view) || is_hit(view, number);
 }
 
 /* How far it is to the first that is drawn; INFINITY and 0 where there is none. */
-static double find_first(uint32_t *object, struct view_atlas *on, const conus_pose *pose)
+static double find_first(uint32_t *object, struct view_atlas *view, const conus_pose *pose)
 {
     conus_selection *selection = NULL;
     size_t count = 0;
     double depth = INFINITY;
     *object = 0;
-    if (make_picker(on) || conus_select(&selection, on->picker, pose, ray_angle)) {
+    if (make_picker(view) || conus_select(&selection, view->picker, pose, ray_angle)) {
         return INFINITY;
     }
     const conus_interval *intervals = conus_selection_intervals(&count, selection);
     for (size_t i = 0; i < count && !*object; i++) {
-        if (is_drawn(on, intervals[i].object)) {
+        if (is_drawn(view, intervals[i].object)) {
             *object = intervals[i].object;
             depth = intervals[i].entry;
         }
@@ -127,21 +127,21 @@ static double find_first(uint32_t *object, struct view_atlas *on, const conus_po
     return depth;
 }
 
-uint32_t view_atlas_pick(double *depth, struct view_atlas *on, const double origin[3], const double direction[3])
+uint32_t view_atlas_pick(double *depth, struct view_atlas *view, const double origin[3], const double direction[3])
 {
     conus_pose pose;
     uint32_t object = 0;
-    *depth = conus_pose_along(&pose, origin, direction, NULL) ? INFINITY : find_first(&object, on, &pose);
+    *depth = conus_pose_along(&pose, origin, direction, NULL) ? INFINITY : find_first(&object, view, &pose);
     return object;
 }
 
-double view_atlas_depth(struct view_atlas *on, const double origin[3], const double direction[3])
+double view_atlas_depth(struct view_atlas *view, const double origin[3], const double direction[3])
 {
     conus_selection *selection = NULL;
     conus_pose pose;
     size_t count = 0;
-    if (conus_pose_along(&pose, origin, direction, NULL) || make_picker(on) ||
-        conus_select(&selection, on->picker, &pose, ray_angle)) {
+    if (conus_pose_along(&pose, origin, direction, NULL) || make_picker(view) ||
+        conus_select(&selection, view->picker, &pose, ray_angle)) {
         return INFINITY;
     }
     const conus_interval *intervals = conus_selection_intervals(&count, selection);
@@ -150,14 +150,14 @@ double view_atlas_depth(struct view_atlas *on, const double origin[3], const dou
     return depth;
 }
 
-uint32_t view_atlas_at(struct view_atlas *on, const double place[3])
+uint32_t view_atlas_at(struct view_atlas *view, const double place[3])
 {
-    conus_cut_view view = {.width = 1, .height = 1, .window = {0, 1}};
-    memcpy(view.centre, place, sizeof view.centre);
-    if ((!on->probe && conus_cutter_create(&on->probe, on->atlas)) || conus_cutter_draw(on->probe, &view)) {
+    conus_cut_view cut = {.width = 1, .height = 1, .window = {0, 1}};
+    memcpy(cut.centre, place, sizeof cut.centre);
+    if ((!view->probe && conus_cutter_create(&view->probe, view->atlas)) || conus_cutter_draw(view->probe, &cut)) {
         return 0;
     }
-    return conus_cutter_objects(on->probe)[0];
+    return conus_cutter_objects(view->probe)[0];
 }
 
 bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, const double origin[3],
@@ -193,13 +193,13 @@ static double reach_of(const conus_atlas *atlas, const conus_object *pathway)
     return 0.51 * sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
 }
 
-double view_atlas_value(struct view_atlas *on, uint32_t object, const double place[3])
+double view_atlas_value(struct view_atlas *view, uint32_t object, const double place[3])
 {
-    const conus_object *info = conus_atlas_object(on->atlas, object);
+    const conus_object *info = conus_atlas_object(view->atlas, object);
     conus_selection *selection = NULL;
     double value = NAN;
-    if (!info || info->kind != CONUS_KIND_PATHWAY || make_picker(on) ||
-        conus_select_ball(&selection, on->picker, place, reach_of(on->atlas, info))) {
+    if (!info || info->kind != CONUS_KIND_PATHWAY || make_picker(view) ||
+        conus_select_ball(&selection, view->picker, place, reach_of(view->atlas, info))) {
         return NAN;
     }
     for (size_t i = 0; i < conus_selection_count(selection); i++) {

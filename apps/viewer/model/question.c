@@ -31,7 +31,7 @@ bool question_use(struct viewer *viewer, const conus_selector_options *options, 
         *cone = before;
         return false;
     }
-    viewer_reselect(viewer);
+    tool_reselect(viewer);
     return true;
 }
 

@@ -17,13 +17,13 @@ static void ask(struct viewer *viewer, enum tool_number number)
     struct tool *tool = &viewer->tools[number];
     double begun = clock_ms();
     for (size_t i = 0; i < viewer->atlas_count; i++) {
-        struct view_atlas *on = &viewer->atlases[i];
+        struct view_atlas *view = &viewer->atlases[i];
         conus_selector_options options;
         double angle = viewer_question(&options, viewer, number, i);
-        conus_status status = view_atlas_select(on, number, &options, &tool->pose, angle);
+        conus_status status = view_atlas_select(view, number, &options, &tool->pose, angle);
         if (status) {
-            viewer_say(viewer, "%s%s%s", number == SECOND_TOOL ? "second tool" : on->name,
-                       number == SECOND_TOOL || on->name[0] ? ": " : "",
+            viewer_say(viewer, "%s%s%s", number == SECOND_TOOL ? "second tool" : view->name,
+                       number == SECOND_TOOL || view->name[0] ? ": " : "",
                        status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
         }
     }
@@ -50,7 +50,7 @@ static void follow_cone(struct viewer *viewer)
     }
 }
 
-void viewer_reselect(struct viewer *viewer)
+void tool_reselect(struct viewer *viewer)
 {
     viewer->version++;
     if (viewer->tools[FIRST_TOOL].has_pose) {
@@ -61,16 +61,16 @@ void viewer_reselect(struct viewer *viewer)
     }
 }
 
-void viewer_clear(struct viewer *viewer)
+void tool_clear(struct viewer *viewer)
 {
     viewer->tools[FIRST_TOOL].has_pose = viewer->tools[FIRST_TOOL].held = false;
-    viewer_reselect(viewer);
+    tool_reselect(viewer);
 }
 
 void tool_changed(struct viewer *viewer, enum tool_number number)
 {
     if (number == FIRST_TOOL) {
-        viewer_reselect(viewer);
+        tool_reselect(viewer);
     } else {
         viewer->tools[number].is_asked = false;
         viewer->tools[number].version++;

@@ -43,9 +43,9 @@ struct tool {
 
 /** To be called after options, score or the first tool's angle changed, or whether it has a pose: without one there is
  * no answer. */
-void viewer_reselect(struct viewer *viewer);
+void tool_reselect(struct viewer *viewer);
 /** The first tool has no pose any more, and no answer; the mouse is free to give it another one. */
-void viewer_clear(struct viewer *viewer);
+void tool_clear(struct viewer *viewer);
 
 /** To be called when its pose or angle was changed. */
 void tool_changed(struct viewer *viewer, enum tool_number number);

@@ -9,148 +9,149 @@
 #include <string.h>
 
 /* Once, and not for every cut. */
-static void find_window(struct view_atlas *on)
+static void find_window(struct view_atlas *view)
 {
-    size_t context = view_atlas_context(on);
-    if (context == conus_atlas_volume_count(on->atlas) || conus_atlas_window(on->window, on->atlas, context)) {
-        on->window[0] = on->window[1] = 0;
+    size_t context = view_atlas_context(view);
+    if (context == conus_atlas_volume_count(view->atlas) || conus_atlas_window(view->window, view->atlas, context)) {
+        view->window[0] = view->window[1] = 0;
     }
 }
 
 /* Likewise: it takes names apart. */
-static void find_sides(struct view_atlas *on)
+static void find_sides(struct view_atlas *view)
 {
-    on->sides = malloc(on->object_count + 1);
-    if (on->sides && conus_atlas_sides(on->sides, on->atlas)) {
-        free(on->sides);
-        on->sides = NULL;
+    view->sides = malloc(view->object_count + 1);
+    if (view->sides && conus_atlas_sides(view->sides, view->atlas)) {
+        free(view->sides);
+        view->sides = NULL;
     }
 }
 
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
 {
-    struct view_atlas on = {.atlas = source->atlas,
-                            .path = strdup(source->path ? source->path : ""),
-                            .name = strdup(source->name ? source->name : ""),
-                            .object_count = conus_atlas_object_count(source->atlas)};
-    on.shown.hidden = calloc(on.object_count + 1, sizeof *on.shown.hidden);
-    for (size_t number = 1; on.shown.hidden && number <= on.object_count; number++) {
-        on.shown.hidden[number] = conus_atlas_is_hidden(on.atlas, number);
+    struct view_atlas view = {.atlas = source->atlas,
+                              .path = strdup(source->path ? source->path : ""),
+                              .name = strdup(source->name ? source->name : ""),
+                              .object_count = conus_atlas_object_count(source->atlas)};
+    view.shown.hidden = calloc(view.object_count + 1, sizeof *view.shown.hidden);
+    for (size_t number = 1; view.shown.hidden && number <= view.object_count; number++) {
+        view.shown.hidden[number] = conus_atlas_is_hidden(view.atlas, number);
     }
-    bool has_look = look_init(&on.look, on.object_count);
-    if (!on.shown.hidden || !has_look || !on.path || !on.name) {
-        view_atlas_finish(&on);
+    bool has_look = look_init(&view.look, view.object_count);
+    if (!view.shown.hidden || !has_look || !view.path || !view.name) {
+        view_atlas_finish(&view);
         return false;
     }
-    on.watch = watch_create(on.atlas);
-    find_sides(&on);
-    on.kinds = calloc(on.object_count + 1, sizeof(const char *));
-    for (size_t number = 0; on.kinds && number <= on.object_count; number++) {
-        on.kinds[number] = conus_atlas_kind_word(on.atlas, number);
+    view.watch = file_watch_create(view.atlas);
+    find_sides(&view);
+    view.kinds = calloc(view.object_count + 1, sizeof(const char *));
+    for (size_t number = 0; view.kinds && number <= view.object_count; number++) {
+        view.kinds[number] = conus_atlas_kind_word(view.atlas, number);
     }
-    find_window(&on);
-    *out = on;
+    find_window(&view);
+    *out = view;
     return true;
 }
 
-void view_atlas_finish(struct view_atlas *on)
+void view_atlas_finish(struct view_atlas *view)
 {
     for (enum tool_number tool = FIRST_TOOL; tool < TOOL_COUNT; tool++) {
-        view_atlas_forget(on, tool);
+        view_atlas_forget(view, tool);
     }
-    view_atlas_rest(on);
-    free(on->shown.hidden);
-    look_finish(&on->look);
-    watch_destroy(on->watch);
-    free(on->sides);
-    free((void *)on->kinds);
-    free(on->made_level);
-    free(on->name);
-    free(on->path);
+    view_atlas_rest(view);
+    free(view->shown.hidden);
+    look_finish(&view->look);
+    file_watch_destroy(view->watch);
+    free(view->sides);
+    free((void *)view->kinds);
+    free(view->made_level);
+    free(view->name);
+    free(view->path);
 }
 
-conus_status view_atlas_prepare(struct view_atlas *on, const conus_selector_options *options)
+conus_status view_atlas_prepare(struct view_atlas *view, const conus_selector_options *options)
 {
-    if (on->selector && selector_options_are_same(options, &on->made_with)) {
+    if (view->selector && selector_options_are_same(options, &view->made_with)) {
         return CONUS_OK;
     }
     char *level = options->level ? strdup(options->level) : NULL;
     if (options->level && !level) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_selector_destroy(on->selector);
-    on->selector = NULL;
-    free(on->made_level);
-    on->made_level = level;
-    on->made_with = *options;
-    on->made_with.level = level;
-    return conus_selector_create(&on->selector, on->atlas, options);
+    conus_selector_destroy(view->selector);
+    view->selector = NULL;
+    free(view->made_level);
+    view->made_level = level;
+    view->made_with = *options;
+    view->made_with.level = level;
+    return conus_selector_create(&view->selector, view->atlas, options);
 }
 
-conus_status view_atlas_select(struct view_atlas *on, enum tool_number tool, const conus_selector_options *options,
+conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, const conus_selector_options *options,
                                const conus_pose *pose, double angle)
 {
     conus_selection *selection = NULL;
-    conus_status status = view_atlas_prepare(on, options);
-    status = status ? status : conus_select(&selection, on->selector, pose, angle);
+    conus_status status = view_atlas_prepare(view, options);
+    status = status ? status : conus_select(&selection, view->selector, pose, angle);
     struct answer *answer = status ? NULL : answer_create(selection);
     if (!status && !answer) {
         conus_selection_destroy(selection);
         status = CONUS_ERROR_MEMORY;
     }
-    answer_drop(on->answers[tool]);
-    on->answers[tool] = answer;
+    answer_drop(view->answers[tool]);
+    view->answers[tool] = answer;
     return status;
 }
 
-void view_atlas_rest(struct view_atlas *on)
+void view_atlas_rest(struct view_atlas *view)
 {
-    conus_selector_destroy(on->selector);
-    conus_selector_destroy(on->picker);
-    conus_cutter_destroy(on->probe);
-    on->selector = on->picker = NULL;
-    on->probe = NULL;
+    conus_selector_destroy(view->selector);
+    conus_selector_destroy(view->picker);
+    conus_cutter_destroy(view->probe);
+    view->selector = view->picker = NULL;
+    view->probe = NULL;
 }
 
-void view_atlas_forget(struct view_atlas *on, enum tool_number tool)
+void view_atlas_forget(struct view_atlas *view, enum tool_number tool)
 {
-    answer_drop(on->answers[tool]);
-    on->answers[tool] = NULL;
+    answer_drop(view->answers[tool]);
+    view->answers[tool] = NULL;
 }
 
-const conus_selection *view_atlas_selection(const struct view_atlas *on, enum tool_number tool)
+const conus_selection *view_atlas_selection(const struct view_atlas *view, enum tool_number tool)
 {
-    return answer_selection(on->answers[tool]);
+    return answer_selection(view->answers[tool]);
 }
 
-const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas *on, size_t number)
+const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number)
 {
-    return view_atlas_title_of(out, on, number, conus_atlas_object(on->atlas, number)->name);
+    return view_atlas_title_of(out, view, number, conus_atlas_object(view->atlas, number)->name);
 }
 
-const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *on, size_t number,
+const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number,
                                 const char *name)
 {
-    if (!on->kinds || !on->kinds[number][0]) {
+    if (!view->kinds || !view->kinds[number][0]) {
         return name;
     }
-    snprintf(out, VIEW_ATLAS_TITLE, "%s %s", on->kinds[number], name); /* so that where it is cut, they differ */
+    snprintf(out, VIEW_ATLAS_TITLE, "%s %s", view->kinds[number], name); /* so that where it is cut, they differ */
     return out;
 }
 
-size_t view_atlas_context(const struct view_atlas *on)
+size_t view_atlas_context(const struct view_atlas *view)
 {
     size_t i = 0;
-    while (i < conus_atlas_volume_count(on->atlas) && conus_atlas_volume(on->atlas, i)->role != CONUS_ROLE_CONTEXT) {
+    while (i < conus_atlas_volume_count(view->atlas) &&
+           conus_atlas_volume(view->atlas, i)->role != CONUS_ROLE_CONTEXT) {
         i++;
     }
     return i;
 }
 
-const double *view_atlas_grey(const struct view_atlas *on)
+const double *view_atlas_grey(const struct view_atlas *view)
 {
-    const double *set = on->look.grey;
-    return set[0] != 0 || set[1] != 0 ? set : on->window;
+    const double *set = view->look.grey;
+    return set[0] != 0 || set[1] != 0 ? set : view->window;
 }
 
 bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atlas *b)
@@ -160,9 +161,9 @@ bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atl
     return one && other ? strcmp(one->path, other->path) == 0 && one->volume == other->volume : one == other;
 }
 
-const conus_volume_info *view_atlas_pathway(const struct view_atlas *on, uint32_t object)
+const conus_volume_info *view_atlas_pathway(const struct view_atlas *view, uint32_t object)
 {
-    const conus_object *pathway = conus_atlas_object(on->atlas, object);
+    const conus_object *pathway = conus_atlas_object(view->atlas, object);
     bool has_threshold = pathway && pathway->kind == CONUS_KIND_PATHWAY && !pathway->is_band;
-    return has_threshold ? conus_atlas_volume(on->atlas, pathway->volume) : NULL;
+    return has_threshold ? conus_atlas_volume(view->atlas, pathway->volume) : NULL;
 }

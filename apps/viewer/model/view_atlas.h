@@ -4,8 +4,8 @@
 #ifndef CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 #define CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 
+#include "viewer/model/file_watch.h"
 #include "viewer/model/tool.h"
-#include "viewer/model/watch.h"
 #include "viewer/pictures/answer.h"
 #include "viewer/pictures/look.h"
 
@@ -29,7 +29,7 @@ struct view_atlas {
                            others: what air and bright tissue have; both 0 without one. */
     struct look look;
     struct shown_objects shown;
-    struct watch *watch;                /**< NULL without memory. */
+    struct file_watch *watch;           /**< NULL without memory. */
     conus_selector *selector;           /**< Made when needed; NULL after the atlas changed. */
     conus_selector_options made_with;   /**< The selector. */
     char *made_level;                   /**< Its level; NULL = none. */
@@ -47,33 +47,33 @@ struct view_source {
 /** Does not take the atlas over; false without memory. */
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source);
 /** Ends all but the atlas itself. */
-void view_atlas_finish(struct view_atlas *on);
+void view_atlas_finish(struct view_atlas *view);
 
 /** Asks for what is in the cone of a tool, of full opening @p angle, radians. Where that fails, there is no answer. */
-conus_status view_atlas_select(struct view_atlas *on, enum tool_number tool, const conus_selector_options *options,
+conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, const conus_selector_options *options,
                                const conus_pose *pose, double angle);
 /** Makes the selector, unless there is one of these options. */
-conus_status view_atlas_prepare(struct view_atlas *on, const conus_selector_options *options);
+conus_status view_atlas_prepare(struct view_atlas *view, const conus_selector_options *options);
 /** Ends what was made for the atlas and would have to be made anew after a change; the answer stays. */
-void view_atlas_rest(struct view_atlas *on);
+void view_atlas_rest(struct view_atlas *view);
 /** Ends the answer for a tool. */
-void view_atlas_forget(struct view_atlas *on, enum tool_number tool);
+void view_atlas_forget(struct view_atlas *view, enum tool_number tool);
 
 /** The answer for a tool; NULL = none. */
-const conus_selection *view_atlas_selection(const struct view_atlas *on, enum tool_number tool);
+const conus_selection *view_atlas_selection(const struct view_atlas *view, enum tool_number tool);
 /** Index of the context volume, or the number of volumes where there is none. */
-size_t view_atlas_context(const struct view_atlas *on);
+size_t view_atlas_context(const struct view_atlas *view);
 /** Grey values that the cuts show as black and white now. */
-const double *view_atlas_grey(const struct view_atlas *on);
+const double *view_atlas_grey(const struct view_atlas *view);
 /** Whether the same file is the context of both, or none is. */
 bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atlas *b);
 enum { VIEW_ATLAS_TITLE = 256 };
 /** How lists and pictures call object @p number: its name, behind its kind where another kind has that name. */
-const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas *on, size_t number);
+const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number);
 /** The same with a @p name that it had before. */
-const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *on, size_t number,
+const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number,
                                 const char *name);
 /** The volume of a pathway from a threshold on; NULL of another object. */
-const conus_volume_info *view_atlas_pathway(const struct view_atlas *on, uint32_t object);
+const conus_volume_info *view_atlas_pathway(const struct view_atlas *view, uint32_t object);
 
 #endif

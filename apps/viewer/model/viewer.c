@@ -218,22 +218,22 @@ char *viewer_pins_text(const struct viewer *viewer)
 static conus_status add_report(conus_report **reports, struct viewer *viewer, enum tool_number tool, size_t index,
                                conus_format format, const char *command)
 {
-    struct view_atlas *on = &viewer->atlases[index];
+    struct view_atlas *view = &viewer->atlases[index];
     const conus_report_options options = {.format = format,
-                                          .atlas = on->name[0] ? on->name : NULL,
+                                          .atlas = view->name[0] ? view->name : NULL,
                                           .frame = &viewer->frame,
                                           .command = command,
                                           .order = viewer->cone.order,
                                           .no_voxels = true};
-    const conus_selection *selection = view_atlas_selection(on, tool);
+    const conus_selection *selection = view_atlas_selection(view, tool);
     conus_selector_options asked;
     bool was_asked = false;
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         was_asked = was_asked || view_atlas_selection(&viewer->atlases[i], tool);
     }
     viewer_question(&asked, viewer, tool, index);
-    conus_status status = view_atlas_prepare(on, &asked);
-    status = status ? status : conus_report_create(&reports[index], on->selector, &options);
+    conus_status status = view_atlas_prepare(view, &asked);
+    status = status ? status : conus_report_create(&reports[index], view->selector, &options);
     if (!status && selection) {
         status = conus_report_add(reports[index], "1", selection);
     } else if (!status && was_asked) {

@@ -10,7 +10,7 @@
 #include "viewer/model/additions.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/session_file.h"
-#include "viewer/opening/again.h"
+#include "viewer/opening/reopen.h"
 #include "viewer/opening/waiting.h"
 #include "viewer/session/session.h"
 #include "viewer/window/window.h"
@@ -22,7 +22,7 @@
 #include <string.h>
 
 /* The file to open first, and the files to add to it. Paths are borrowed. */
-struct sorted {
+struct file_set {
     const char *atlas;   /* Or a session, or an image, which opening it tells; NULL = there is none. */
     bool is_session;     /* It is a session. */
     const char **images; /* [image_count] */
@@ -30,10 +30,10 @@ struct sorted {
     size_t image_count, tractogram_count;
 };
 
-enum { REOPEN_WHY = 512 };
+enum { RESUME_WHY = 512 };
 
 /* A session that is opened, with its atlas. */
-struct reopening {
+struct resume {
     char path[PATH_MAX]; /* Path or name of the atlas. */
     struct session_file file;
     struct worded worded;            /* Its settings. */
@@ -96,38 +96,38 @@ static bool refuse_second(const char *one, const char *other, const char *kind, 
 }
 
 /* Takes over what opens first. */
-static bool use_atlas(struct sorted *sorted, const char *path, bool is_session, char why[LOADER_WHY])
+static bool use_atlas(struct file_set *set, const char *path, bool is_session, char why[LOADER_WHY])
 {
-    if (sorted->atlas) {
-        return refuse_second(sorted->atlas, path, "atlases or sessions", why);
+    if (set->atlas) {
+        return refuse_second(set->atlas, path, "atlases or sessions", why);
     }
-    sorted->atlas = path;
-    sorted->is_session = is_session;
+    set->atlas = path;
+    set->is_session = is_session;
     return true;
 }
 
 /* Among several files that may be atlases one is, and another is an image; false: why not. */
-static bool find_atlas(struct sorted *sorted, struct window *window, const struct view_settings *settings,
+static bool find_atlas(struct file_set *set, struct window *window, const struct view_settings *settings,
                        char why[LOADER_WHY])
 {
-    size_t count = sorted->image_count;
+    size_t count = set->image_count;
     bool fine = true;
-    sorted->image_count = 0;
+    set->image_count = 0;
     for (size_t i = 0; i < count && fine; i++) {
-        const char *path = sorted->images[i];
+        const char *path = set->images[i];
         if (is_atlas(window, path, settings, why)) {
-            fine = use_atlas(sorted, path, false, why);
+            fine = use_atlas(set, path, false, why);
         } else {
-            fine = atlas_input_is_image(why) &&
-                   (!sorted->image_count || refuse_second(sorted->images[0], path, "images", why));
-            sorted->images[sorted->image_count++] = path;
+            fine =
+                atlas_input_is_image(why) && (!set->image_count || refuse_second(set->images[0], path, "images", why));
+            set->images[set->image_count++] = path;
         }
     }
     why[0] = fine ? '\0' : why[0];
     return fine;
 }
 
-static bool put(struct sorted *out, const struct looking *looking, char why[LOADER_WHY])
+static bool put(struct file_set *out, const struct looking *looking, char why[LOADER_WHY])
 {
     bool fine = true;
     for (size_t i = 0; i < looking->wanted->count && fine; i++) {
@@ -144,13 +144,13 @@ static bool put(struct sorted *out, const struct looking *looking, char why[LOAD
 }
 
 /* Tells the files of `wanted` apart, which are read on another thread. False: nobody wants them any more, or `why`
- * has the reason. `out` is the caller's to files_finish() in any case. */
-static bool files_sort(struct sorted *out, struct window *window, const struct wanted *wanted,
-                       const struct view_settings *settings, char why[LOADER_WHY])
+ * has the reason. `out` is the caller's to file_set_finish() in any case. */
+static bool file_set_find(struct file_set *out, struct window *window, const struct wanted *wanted,
+                          const struct view_settings *settings, char why[LOADER_WHY])
 {
     struct looking looking = {wanted, settings->session, calloc(wanted->count + 1, sizeof *looking.kinds)};
-    *out = (struct sorted){.images = calloc(wanted->count + 1, sizeof *out->images),
-                           .tractograms = calloc(wanted->count + 1, sizeof *out->tractograms)};
+    *out = (struct file_set){.images = calloc(wanted->count + 1, sizeof *out->images),
+                             .tractograms = calloc(wanted->count + 1, sizeof *out->tractograms)};
     bool fine = looking.kinds && out->images && out->tractograms;
     snprintf(why, LOADER_WHY, "%s", fine ? "" : "not enough memory");
     fine = fine && wait_look(window, wanted->paths[0], look, &looking, why) && put(out, &looking, why);
@@ -164,19 +164,19 @@ static bool files_sort(struct sorted *out, struct window *window, const struct w
     return fine;
 }
 
-static void files_finish(struct sorted *sorted)
+static void file_set_finish(struct file_set *set)
 {
-    free((void *)sorted->images);
-    free((void *)sorted->tractograms);
+    free((void *)set->images);
+    free((void *)set->tractograms);
 }
 
 /* The options `words` with all that is to be added; NULL without memory, or where a name is not UTF-8. */
-static json_t *files_add(const json_t *words, const struct sorted *sorted)
+static json_t *file_set_add(const json_t *words, const struct file_set *set)
 {
     json_t *all = json_copy((json_t *)words);
-    for (size_t i = 0; i < sorted->image_count + sorted->tractogram_count && all; i++) {
-        bool is_image = i < sorted->image_count;
-        const char *path = is_image ? sorted->images[i] : sorted->tractograms[i - sorted->image_count];
+    for (size_t i = 0; i < set->image_count + set->tractogram_count && all; i++) {
+        bool is_image = i < set->image_count;
+        const char *path = is_image ? set->images[i] : set->tractograms[i - set->image_count];
         json_t *more = additions_with(all, is_image ? ADD_CONTEXT : ADD_STREAMLINES, path);
         json_decref(all);
         all = more;
@@ -210,11 +210,11 @@ static bool find(char out[PATH_MAX], const struct session_file *file, const char
 }
 
 /* In plain words, and what to do. */
-static void say_missing(char why[REOPEN_WHY], const struct session_file *file, const char *session)
+static void say_missing(char why[RESUME_WHY], const struct session_file *file, const char *session)
 {
     const char *slash = strrchr(session, '/');
     const char *joint = file->folder[0] && file->atlas[0] != '/' ? "/" : "";
-    snprintf(why, REOPEN_WHY,
+    snprintf(why, RESUME_WHY,
              "%.100s: its atlas is not found: %.150s%s%.150s. It was looked for there, beside the session, among what "
              "was opened before and what is installed. Open or drop it, and the session goes on.",
              slash ? slash + 1 : session, joint[0] ? file->folder : "", joint, file->atlas);
@@ -223,25 +223,25 @@ static void say_missing(char why[REOPEN_WHY], const struct session_file *file, c
 /* Finds what the session `session` is of; `atlas`: a path that somebody named in place of it, or NULL. `given` are
  * the settings of the command line, whose options come before the session's where they `count`. False: *why says why
  * not, unless the atlas is not found, which *missing tells. `session` must outlive `out`, which is the caller's to
- * reopening_finish() in any case. */
-static bool reopening_prepare(struct reopening *out, const char *session, const char *atlas,
-                              const struct view_settings *given, bool count, bool *missing, char why[REOPEN_WHY])
+ * resume_finish() in any case. */
+static bool resume_prepare(struct resume *out, const char *session, const char *atlas,
+                           const struct view_settings *given, bool count, bool *missing, char why[RESUME_WHY])
 {
-    *out = (struct reopening){.path = ""};
+    *out = (struct resume){.path = ""};
     *missing = false;
     if (!session_file_read(&out->file, session)) {
-        snprintf(why, REOPEN_WHY, "%s: no session of conus view, or it cannot be read", session);
+        snprintf(why, RESUME_WHY, "%s: no session of conus view, or it cannot be read", session);
         print_error_line("%s", why);
         return false;
     }
     out->words = additions_find(out->missing, out->file.options,
                                 json_object_get(json_object_get(out->file.root, "opened"), "added"), session);
     if (!out->words) {
-        snprintf(why, REOPEN_WHY, "%.200s: not enough memory", session);
+        snprintf(why, RESUME_WHY, "%.200s: not enough memory", session);
         return false;
     }
     if (worded_parse(&out->worded, out->words, given, count)) {
-        snprintf(why, REOPEN_WHY, "%.200s: opened: options: %.200s", session, error_line());
+        snprintf(why, RESUME_WHY, "%.200s: opened: options: %.200s", session, error_line());
         return false;
     }
     out->worded.settings.session = session;
@@ -255,20 +255,20 @@ static bool reopening_prepare(struct reopening *out, const char *session, const 
 }
 
 /* Whether the window shows that already: the same atlas, opened in the same way. */
-static bool reopening_is_open(const struct reopening *reopening, const struct window *window)
+static bool resume_is_open(const struct resume *resume, const struct window *window)
 {
-    const json_t *opened = json_object_get(reopening->file.root, "opened");
+    const json_t *opened = json_object_get(resume->file.root, "opened");
     return window->viewer && window->files.opened && json_equal(opened, window->files.opened) &&
-           strcmp(reopening->file.atlas, window->viewer->atlases->path) == 0;
+           strcmp(resume->file.atlas, window->viewer->atlases->path) == 0;
 }
 
-static void reopening_finish(struct reopening *reopening)
+static void resume_finish(struct resume *resume)
 {
-    if (reopening->worded.words) {
-        worded_finish(&reopening->worded);
+    if (resume->worded.words) {
+        worded_finish(&resume->worded);
     }
-    json_decref(reopening->words);
-    session_file_finish(&reopening->file);
+    json_decref(resume->words);
+    session_file_finish(&resume->file);
 }
 
 static void finish(struct viewer *viewer)
@@ -496,62 +496,61 @@ static bool open_named(struct window *window, const char *text, const struct vie
 }
 
 /* Says which added files are missing now, or are others. */
-static void say_added(struct window *window, const struct reopening *reopening, const char *session, char *why)
+static void say_added(struct window *window, const struct resume *resume, const char *session, char *why)
 {
-    const json_t *then = json_object_get(json_object_get(reopening->file.root, "opened"), "added");
+    const json_t *then = json_object_get(json_object_get(resume->file.root, "opened"), "added");
     char name[ADDITIONS_MISSING];
     if (additions_differ(name, then, json_object_get(window->files.opened, "added"))) {
         viewer_say(window->viewer, "the session is of another %s than this: numbers may differ", name);
     }
-    if (reopening->missing[0]) {
+    if (resume->missing[0]) {
         const char *slash = strrchr(session, '/');
         snprintf(why, LOADER_WHY, "%.100s is opened without what is not found: %s", slash ? slash + 1 : session,
-                 reopening->missing);
+                 resume->missing);
         print_error_line("%s", why);
     }
 }
 
 /* For another thread: finding the atlas reads what is beside the session. */
 struct preparation {
-    struct reopening *out;
+    struct resume *out;
     const char *session, *atlas;
     const struct view_settings *settings;
     bool with_options, fine, missing;
-    char why[REOPEN_WHY];
+    char why[RESUME_WHY];
 };
 
 static void prepare_session(void *user)
 {
     struct preparation *of = user;
-    of->fine =
-        reopening_prepare(of->out, of->session, of->atlas, of->settings, of->with_options, &of->missing, of->why);
+    of->fine = resume_prepare(of->out, of->session, of->atlas, of->settings, of->with_options, &of->missing, of->why);
 }
 
 /* A session, whose atlas is opened unless it is open already; `atlas`: in place of it, or NULL. */
 static bool open_session(struct window *window, const char *session, const char *atlas,
                          const struct view_settings *settings, bool with_options, char why[LOADER_WHY])
 {
-    struct reopening reopening = {.path = ""};
-    struct preparation of = {&reopening, session, atlas, settings, .with_options = with_options};
+    struct resume resume = {.path = ""};
+    struct preparation of = {&resume, session, atlas, settings, .with_options = with_options};
     bool is_read = wait_look(window, session, prepare_session, &of, why);
     bool fine = is_read && of.fine;
     bool missing = is_read && of.missing;
     if (is_read) {
         snprintf(why, LOADER_WHY, "%s", of.why);
     }
-    bool was_open = fine && !atlas && reopening_is_open(&reopening, window);
+    bool was_open = fine && !atlas && resume_is_open(&resume, window);
     if (was_open) {
         fine = session_load(window, session, why);
         window->start.on = window->start.on && !fine;
     } else if (fine) {
-        fine = open_named(window, reopening.path, &reopening.worded.settings, why);
+        fine = open_named(window, resume.path, &resume.worded.settings, why);
     }
-    if (fine && session_file_differs(&reopening.file, window->viewer->atlases->atlas)) {
+    if (fine && session_file_differs(&resume.file, window->viewer->atlases->atlas)) {
         viewer_say(window->viewer, "the session is of another file than this %s: numbers and names may differ",
                    window->viewer->atlases->path);
     }
     if (fine && !was_open) {
-        say_added(window, &reopening, session, why);
+        say_added(window, &resume, session, why);
     }
     if (fine && window->files.remembers) {
         recent_add(session);
@@ -562,37 +561,37 @@ static bool open_session(struct window *window, const char *session, const char 
         window->files.session_waits = waits;
         window->start.on = window->start.on || missing;
     }
-    reopening_finish(&reopening);
+    resume_finish(&resume);
     return fine;
 }
 
 /* Opens the first file: a session, an atlas, or the atlas that a session waits for. */
-static bool open_first(struct window *window, const struct sorted *sorted, const struct view_settings *settings,
+static bool open_first(struct window *window, const struct file_set *set, const struct view_settings *settings,
                        bool with_options, char why[LOADER_WHY])
 {
-    const char *waiting = sorted->is_session ? sorted->atlas : window->files.session_waits;
+    const char *waiting = set->is_session ? set->atlas : window->files.session_waits;
     char *session = waiting ? strdup(waiting) : NULL;
-    bool fine =
-        session ? open_session(window, session, sorted->is_session ? NULL : sorted->atlas, settings, with_options, why)
-                : open_named(window, sorted->atlas, settings, why);
+    bool fine = session
+                    ? open_session(window, session, set->is_session ? NULL : set->atlas, settings, with_options, why)
+                    : open_named(window, set->atlas, settings, why);
     free(session);
     return fine;
 }
 
 /* In addition to what is open. */
-static bool add_all(struct window *window, const struct sorted *sorted, const struct view_settings *settings,
+static bool add_all(struct window *window, const struct file_set *set, const struct view_settings *settings,
                     char why[LOADER_WHY])
 {
-    const char *first = sorted->image_count ? sorted->images[0] : sorted->tractograms[0];
+    const char *first = set->image_count ? set->images[0] : set->tractograms[0];
     if (!window->viewer) {
         snprintf(why, LOADER_WHY, "%.300s: %s: open the atlas that it belongs to first, then this", first,
-                 sorted->image_count ? "an image" : "a tractogram");
+                 set->image_count ? "an image" : "a tractogram");
         print_error_line("%s", why);
         return false;
     }
     const json_t *words = window_words(window);
-    json_t *all = words ? files_add(words, sorted) : NULL;
-    bool fine = all && open_again(window, all, 0, settings, why);
+    json_t *all = words ? file_set_add(words, set) : NULL;
+    bool fine = all && reopen(window, all, 0, settings, why);
     if (words && !all) {
         snprintf(why, LOADER_WHY, "%.300s: not enough memory, or a name that is not UTF-8", first);
         print_error_line("%s", why);
@@ -602,23 +601,23 @@ static bool add_all(struct window *window, const struct sorted *sorted, const st
 }
 
 /* Opens an atlas in place of the open one; an image that is no atlas is added as context. */
-static bool open_sorted(struct window *window, struct sorted *sorted, const struct view_settings *settings,
+static bool open_sorted(struct window *window, struct file_set *set, const struct view_settings *settings,
                         bool with_options, char why[LOADER_WHY])
 {
     struct view_settings first = *settings;
     struct view_settings later = *settings;
     bool fine = true;
-    if (sorted->atlas) {
-        first.atlas.image_is_fine = window->viewer && !window->files.session_waits && !sorted->is_session;
-        fine = open_first(window, sorted, &first, with_options, why);
+    if (set->atlas) {
+        first.atlas.image_is_fine = window->viewer && !window->files.session_waits && !set->is_session;
+        fine = open_first(window, set, &first, with_options, why);
         if (!fine && first.atlas.image_is_fine && atlas_input_is_image(why)) {
-            sorted->images[sorted->image_count++] = sorted->atlas;
+            set->images[set->image_count++] = set->atlas;
             why[0] = '\0';
             fine = true;
         }
     }
     leave_options(&later);
-    return fine && (!(sorted->image_count + sorted->tractogram_count) || add_all(window, sorted, &later, why));
+    return fine && (!(set->image_count + set->tractogram_count) || add_all(window, set, &later, why));
 }
 
 /* The files of `wanted`, in any order; but where another atlas may be among them and what was confirmed would be lost,
@@ -626,14 +625,14 @@ static bool open_sorted(struct window *window, struct sorted *sorted, const stru
 static bool open_files(struct window *window, const struct wanted *wanted, const struct view_settings *settings,
                        bool with_options, char why[LOADER_WHY])
 {
-    struct sorted sorted;
-    bool fine = files_sort(&sorted, window, wanted, settings, why);
-    if (fine && wanted->asks && (sorted.atlas || sorted.image_count)) {
+    struct file_set set;
+    bool fine = file_set_find(&set, window, wanted, settings, why);
+    if (fine && wanted->asks && (set.atlas || set.image_count)) {
         window_ask(window, wanted);
         fine = false;
     }
-    fine = fine && open_sorted(window, &sorted, settings, with_options, why);
-    files_finish(&sorted);
+    fine = fine && open_sorted(window, &set, settings, with_options, why);
+    file_set_finish(&set);
     return fine;
 }
 
@@ -660,7 +659,7 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
     if (!with_options) {
         leave_options(&used);
     }
-    bool fine = wanted.words ? open_again(window, wanted.words, wanted.step, &used, why)
+    bool fine = wanted.words ? reopen(window, wanted.words, wanted.step, &used, why)
                              : open_files(window, &wanted, &used, with_options, why);
     wait_leave(window); /* it was a session, and its atlas is another */
     window->press = press;

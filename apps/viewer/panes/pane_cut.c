@@ -34,10 +34,10 @@ static bool pane_grey_drag(struct window *window, const struct ui_mouse *mouse)
 /* Writes them into a cut, where they are not those that were found. */
 static void pane_grey_show(const struct window *window, const struct ui_box *box)
 {
-    const struct view_atlas *on = window->viewer->drawn;
-    const double *grey = view_atlas_grey(on);
+    const struct view_atlas *view = window->viewer->drawn;
+    const double *grey = view_atlas_grey(view);
     char text[96];
-    if (grey != on->window) {
+    if (grey != view->window) {
         snprintf(text, sizeof text, "black %.6g  white %.6g", grey[0], grey[1]);
         ui_draw_text((float[]){box->x + 8, box->y + box->height - 1.4F * ui_line()}, light, text);
     }

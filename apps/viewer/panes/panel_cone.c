@@ -320,7 +320,7 @@ void panel_cone(struct window *window)
         changed = choose_score(viewer) || changed;
         changed = choose_look(viewer) || changed;
         if (changed) {
-            viewer_reselect(viewer);
+            tool_reselect(viewer);
         }
     }
     panel_question(window);

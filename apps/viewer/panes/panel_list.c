@@ -12,18 +12,18 @@
 enum { NAME_WIDTH = 118 }; /* pixels at scale 1: most names of human atlases */
 
 /* Colours are those of the pictures: an atlas that is not in them has none. */
-static ui_colour colour_of(const struct viewer *viewer, const struct view_atlas *on, uint32_t object)
+static ui_colour colour_of(const struct viewer *viewer, const struct view_atlas *view, uint32_t object)
 {
     static const ui_colour grey = {130, 132, 138, 255};
     uint8_t rgb[3];
     viewer_colour(rgb, viewer, object);
-    return on == viewer->drawn ? (ui_colour){rgb[0], rgb[1], rgb[2], 255} : grey;
+    return view == viewer->drawn ? (ui_colour){rgb[0], rgb[1], rgb[2], 255} : grey;
 }
 
 /* Only what is drawn can be chosen; wherever it is, the crosshair goes there. */
-static void click(struct viewer *viewer, const struct view_atlas *on, const conus_result *result)
+static void click(struct viewer *viewer, const struct view_atlas *view, const conus_result *result)
 {
-    if (on == viewer->drawn) {
+    if (view == viewer->drawn) {
         viewer->drawn->shown.chosen = result->object;
     }
     if (result->pixels) {
@@ -68,12 +68,12 @@ static float width_of(const struct window *window, size_t column)
     return wide > widest ? wide : widest;
 }
 
-static void draw_name(struct viewer *viewer, const struct view_atlas *on, const conus_result *result)
+static void draw_name(struct viewer *viewer, const struct view_atlas *view, const conus_result *result)
 {
     char tip[256] = "";
     char title[VIEW_ATLAS_TITLE];
     char place[VIEWER_PLACE_TEXT];
-    const conus_object *object = conus_atlas_object(on->atlas, result->object);
+    const conus_object *object = conus_atlas_object(view->atlas, result->object);
     if (!object) {
         ui_text("(nothing hit)");
         return;
@@ -83,17 +83,17 @@ static void draw_name(struct viewer *viewer, const struct view_atlas *on, const 
         snprintf(tip + used, sizeof tip - (size_t)used, "\nhit at %s, by %u pixels; click: crosshair there",
                  viewer_place_text(place, viewer, result->contact), result->pixels);
     }
-    if (on == viewer->drawn) {
-        ui_chip("colour", colour_of(viewer, on, result->object));
+    if (view == viewer->drawn) {
+        ui_chip("colour", colour_of(viewer, view, result->object));
         ui_same_line();
     }
-    if (ui_row_cut(view_atlas_title(title, on, result->object),
-                   on == viewer->drawn && on->shown.chosen == result->object, tip)) {
-        click(viewer, on, result);
+    if (ui_row_cut(view_atlas_title(title, view, result->object),
+                   view == viewer->drawn && view->shown.chosen == result->object, tip)) {
+        click(viewer, view, result);
     }
 }
 
-static void draw_cell(const struct viewer *viewer, const struct view_atlas *on, size_t column,
+static void draw_cell(const struct viewer *viewer, const struct view_atlas *view, size_t column,
                       const conus_result *result)
 {
     char cell[RESULT_TEXT];
@@ -102,34 +102,34 @@ static void draw_cell(const struct viewer *viewer, const struct view_atlas *on, 
     char tip[RESULT_TIP + RESULT_TEXT];
     ui_cell();
     if (column == RESULT_SHARE) {
-        ui_underline(result->share, colour_of(viewer, on, result->object));
+        ui_underline(result->share, colour_of(viewer, view, result->object));
     }
-    const char *text = result_cell(cell, viewer, on, column, result);
+    const char *text = result_cell(cell, viewer, view, column, result);
     if (result_is_text(column)) {
         ui_text_cut(text, ui_room());
     } else {
         ui_text_right(text);
     }
     if (ui_hovered()) {
-        snprintf(tip, sizeof tip, "%s\n%s", result_exact(exact, viewer, on, column, result),
+        snprintf(tip, sizeof tip, "%s\n%s", result_exact(exact, viewer, view, column, result),
                  result_meaning(meaning, viewer, column));
         ui_tip(tip);
     }
 }
 
-static void draw_rows(struct viewer *viewer, const struct view_atlas *on, const conus_selection *selection,
+static void draw_rows(struct viewer *viewer, const struct view_atlas *view, const conus_selection *selection,
                       const size_t *shown, size_t columns)
 {
     size_t count = conus_selection_count(selection);
     bool by_rank = viewer->list.order == RESULT_RANK && !viewer->list.reversed;
-    size_t *order = by_rank ? question_order(viewer, selection) : result_order(viewer, on, selection);
+    size_t *order = by_rank ? question_order(viewer, selection) : result_order(viewer, view, selection);
     for (size_t i = 0; i < count; i++) {
         const conus_result *result = conus_selection_result(selection, order ? order[i] : i);
         if (ui_list_row()) {
             ui_id(result->object);
-            draw_name(viewer, on, result);
+            draw_name(viewer, view, result);
             for (size_t c = 1; c < columns; c++) {
-                draw_cell(viewer, on, shown[c], result);
+                draw_cell(viewer, view, shown[c], result);
             }
             ui_id_end();
         }
@@ -137,7 +137,7 @@ static void draw_rows(struct viewer *viewer, const struct view_atlas *on, const 
     free(order);
 }
 
-void panel_list(struct window *window, const struct view_atlas *on, const conus_selection *selection, float lines)
+void panel_list(struct window *window, const struct view_atlas *view, const conus_selection *selection, float lines)
 {
     size_t shown[RESULT_COLUMNS];
     float widths[RESULT_COLUMNS];
@@ -151,7 +151,7 @@ void panel_list(struct window *window, const struct view_atlas *on, const conus_
         for (size_t i = 0; i < columns; i++) {
             draw_heading(viewer, shown[i]);
         }
-        draw_rows(viewer, on, selection, shown, columns);
+        draw_rows(viewer, view, selection, shown, columns);
         ui_list_end();
     }
 }

@@ -23,11 +23,11 @@ static void draw_all_results(struct window *window)
     struct viewer *viewer = window->viewer;
     float lines = fmaxf((window->viewer->tools[SECOND_TOOL].on ? 8.0F : 16.0F) / (float)viewer->atlas_count, 5);
     for (size_t i = 0; i < viewer->atlas_count; i++) {
-        const struct view_atlas *on = &viewer->atlases[i];
+        const struct view_atlas *view = &viewer->atlases[i];
         ui_id((uint32_t)i);
-        ui_text_coloured(theme_texts[THEME_AMBER], "%s", on->name);
+        ui_text_coloured(theme_texts[THEME_AMBER], "%s", view->name);
         ui_same_line();
-        if (on == viewer->drawn) {
+        if (view == viewer->drawn) {
             ui_text("drawn");
         } else {
             bool next = ui_small_button("draw");
@@ -36,7 +36,7 @@ static void draw_all_results(struct window *window)
                 viewer_draw(viewer, i);
             }
         }
-        panel_list(window, on, view_atlas_selection(on, FIRST_TOOL), lines);
+        panel_list(window, view, view_atlas_selection(view, FIRST_TOOL), lines);
         ui_id_end();
     }
 }

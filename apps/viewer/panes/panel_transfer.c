@@ -174,10 +174,10 @@ static void edit_thresholds(struct viewer *viewer)
 }
 
 /* Bundles may come behind them. */
-static bool has_pathways(const struct view_atlas *on)
+static bool has_pathways(const struct view_atlas *view)
 {
-    size_t number = on->object_count;
-    while (number && conus_atlas_object(on->atlas, number)->kind != CONUS_KIND_PATHWAY) {
+    size_t number = view->object_count;
+    while (number && conus_atlas_object(view->atlas, number)->kind != CONUS_KIND_PATHWAY) {
         number--;
     }
     return number;

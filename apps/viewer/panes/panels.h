@@ -11,7 +11,7 @@ void panel_dialog(struct window *window); /**< Likewise. */
 void panel_tools(struct window *window);
 void panel_areas(struct window *window);
 /** The hits of a cone in an atlas, as a list so many lines high. */
-void panel_list(struct window *window, const struct view_atlas *on, const conus_selection *selection, float lines);
+void panel_list(struct window *window, const struct view_atlas *view, const conus_selection *selection, float lines);
 void panel_second(struct window *window); /**< The second tool. */
 void panel_cone(struct window *window);
 /** Sweep or jitter of the cone; pale where @p is_old says that the cone is one from before. */

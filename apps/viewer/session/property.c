@@ -377,7 +377,7 @@ static void set(struct window *window, const struct property *property, const do
     }
     switch (property->change) {
     case CHANGES_ANSWER:
-        viewer_reselect(viewer);
+        tool_reselect(viewer);
         break;
     case CHANGES_SECOND:
         tool_changed(window->viewer, SECOND_TOOL);

@@ -265,7 +265,7 @@ static bool read_point(conus_transfer_point *out, const json_t *entry, double le
     return fine;
 }
 
-static bool read_transfer(struct atlas_edits *out, const struct view_atlas *on, const json_t *list,
+static bool read_transfer(struct atlas_edits *out, const struct view_atlas *view, const json_t *list,
                           char why[PROPERTY_REASON])
 {
     size_t count = json_array_size(list);
@@ -273,7 +273,7 @@ static bool read_transfer(struct atlas_edits *out, const struct view_atlas *on, 
     if (json_is_null(list)) {
         return true;
     }
-    if (view_atlas_context(on) == conus_atlas_volume_count(on->atlas)) {
+    if (view_atlas_context(view) == conus_atlas_volume_count(view->atlas)) {
         return session_refuse(why, "session: transfer: there is no context here, open it with --context");
     }
     bool fine = json_is_array(list) && count >= 1 && count <= EDITOR_POINTS;
@@ -288,7 +288,8 @@ static bool read_transfer(struct atlas_edits *out, const struct view_atlas *on, 
                           EDITOR_POINTS);
 }
 
-static bool read_preset(const char **preset, const struct view_atlas *on, const json_t *name, char why[PROPERTY_REASON])
+static bool read_preset(const char **preset, const struct view_atlas *view, const json_t *name,
+                        char why[PROPERTY_REASON])
 {
     const char *text = json_string_value(name);
     const char *found = NULL;
@@ -296,7 +297,7 @@ static bool read_preset(const char **preset, const struct view_atlas *on, const 
     if (!name || json_is_null(name)) {
         return true;
     }
-    if (view_atlas_context(on) == conus_atlas_volume_count(on->atlas)) {
+    if (view_atlas_context(view) == conus_atlas_volume_count(view->atlas)) {
         return session_refuse(why, "session: preset: there is no context here, open it with --context");
     }
     for (size_t i = 0; text && !*preset && (found = conus_transfer_preset(i)); i++) {
@@ -378,7 +379,7 @@ static void put_session(struct window *window, struct session *session, const js
     memmove(viewer->cone.level, session->level, strlen(session->level) + 1); /* maybe itself */
     session_atlases_show(&session->atlases, viewer);
     read_pins(viewer, root);
-    viewer_reselect(viewer);
+    tool_reselect(viewer);
     enum pointer pointer = second->pointer;
     tool_use_second(viewer, session->values[PROPERTY_SECOND_ON][0] > 0);
     second->pointer = pointer; /* whatever moves the first */

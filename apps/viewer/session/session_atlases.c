@@ -7,25 +7,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-json_t *session_hidden(const struct view_atlas *on)
+json_t *session_hidden(const struct view_atlas *view)
 {
     json_t *hidden = json_array();
-    for (uint32_t number = 1; number <= on->object_count; number++) {
-        if (on->shown.hidden[number]) {
+    for (uint32_t number = 1; number <= view->object_count; number++) {
+        if (view->shown.hidden[number]) {
             json_array_append_new(hidden, json_integer(number));
         }
     }
     return hidden;
 }
 
-json_t *session_thresholds(const struct view_atlas *on)
+json_t *session_thresholds(const struct view_atlas *view)
 {
     json_t *list = json_array();
-    for (uint32_t number = 1; number <= on->object_count; number++) {
-        const conus_volume_info *info = view_atlas_pathway(on, number);
+    for (uint32_t number = 1; number <= view->object_count; number++) {
+        const conus_volume_info *info = view_atlas_pathway(view, number);
         if (info) {
             json_array_append_new(list,
-                                  json_pack("{s: s, s: f}", "pathway", conus_atlas_object(on->atlas, number)->name,
+                                  json_pack("{s: s, s: f}", "pathway", conus_atlas_object(view->atlas, number)->name,
                                             "threshold", info->threshold));
         }
     }
@@ -36,23 +36,23 @@ enum { PLACES = 10, OLD_PLACES = 4 };
 
 /* Where some points are in the atlas's own space, which is what --atlas-transform says: the origin, a step along each
  * axis, and what is 40 mm from the origin. Older sessions have the first four, which tell affines apart. */
-static void find_place(double out[3 * PLACES], const struct view_atlas *on)
+static void find_place(double out[3 * PLACES], const struct view_atlas *view)
 {
     for (int i = 0; i < PLACES; i++) {
         double point[3] = {i == 1, i == 2, i == 3};
         if (i >= OLD_PLACES) {
             point[(i - OLD_PLACES) / 2] = i % 2 ? 40 : -40;
         }
-        conus_atlas_own_point(out + (ptrdiff_t)3 * i, on->atlas, point);
+        conus_atlas_own_point(out + (ptrdiff_t)3 * i, view->atlas, point);
     }
 }
 
 /* A number, or null where a deformation field says nothing. */
-json_t *session_place(const struct view_atlas *on)
+json_t *session_place(const struct view_atlas *view)
 {
     double place[3 * PLACES];
     json_t *list = json_array();
-    find_place(place, on);
+    find_place(place, view);
     for (int i = 0; i < 3 * PLACES; i++) {
         json_array_append_new(list, isfinite(place[i]) ? json_real(place[i]) : json_null());
     }
@@ -79,23 +79,23 @@ static json_t *opacities_of(const struct look *look)
     return list;
 }
 
-static json_t *haze_of(const struct view_atlas *on)
+static json_t *haze_of(const struct view_atlas *view)
 {
     json_t *list = json_array();
-    for (size_t number = 1; number <= on->look.object_count; number++) {
-        if (on->look.haze[number] != HAZE_NONE) {
-            json_array_append_new(list, json_pack("[i, s]", (int)number, haze_name(on->look.haze[number])));
+    for (size_t number = 1; number <= view->look.object_count; number++) {
+        if (view->look.haze[number] != HAZE_NONE) {
+            json_array_append_new(list, json_pack("[i, s]", (int)number, haze_name(view->look.haze[number])));
         }
     }
     return list;
 }
 
-json_t *session_look(const struct view_atlas *on)
+json_t *session_look(const struct view_atlas *view)
 {
-    const char *streamlines = tract_colour_name(on->atlas, on->look.streamlines);
+    const char *streamlines = tract_colour_name(view->atlas, view->look.streamlines);
     json_t *look =
-        json_pack("{s: o, s: o, s: f, s: o}", "grey", grey_of(&on->look), "opacities", opacities_of(&on->look),
-                  "opacity_of_the_rest", on->look.opacity[0], "pathways", haze_of(on));
+        json_pack("{s: o, s: o, s: f, s: o}", "grey", grey_of(&view->look), "opacities", opacities_of(&view->look),
+                  "opacity_of_the_rest", view->look.opacity[0], "pathways", haze_of(view));
     if (look && streamlines) {
         json_object_set_new(look, "streamline_colour", json_string(streamlines));
     }
@@ -107,11 +107,11 @@ json_t *session_further(const struct viewer *viewer)
     json_t *list = json_array();
     bool fine = list;
     for (size_t i = 1; i < viewer->atlas_count && fine; i++) {
-        const struct view_atlas *on = &viewer->atlases[i];
-        fine = !json_array_append_new(list, json_pack("{s: s, s: i, s: o, s: o, s: o, s: o}", "atlas", on->path,
-                                                      "objects", (int)on->object_count, "place", session_place(on),
-                                                      "hidden", session_hidden(on), "thresholds",
-                                                      session_thresholds(on), "look", session_look(on)));
+        const struct view_atlas *view = &viewer->atlases[i];
+        fine = !json_array_append_new(list, json_pack("{s: s, s: i, s: o, s: o, s: o, s: o}", "atlas", view->path,
+                                                      "objects", (int)view->object_count, "place", session_place(view),
+                                                      "hidden", session_hidden(view), "thresholds",
+                                                      session_thresholds(view), "look", session_look(view)));
     }
     if (!fine) {
         json_decref(list);
@@ -150,13 +150,13 @@ static bool read_threshold(double *out, const json_t *entry, const char *wanted,
 }
 
 /* One for each pathway, in the atlas's order. Fills [object_count + 1]. */
-static bool read_thresholds(double *out, const struct view_atlas *on, const json_t *list, char why[PROPERTY_REASON])
+static bool read_thresholds(double *out, const struct view_atlas *view, const json_t *list, char why[PROPERTY_REASON])
 {
     size_t count = 0;
-    for (uint32_t number = 1; number <= on->object_count; number++) {
-        const conus_volume_info *info = view_atlas_pathway(on, number);
+    for (uint32_t number = 1; number <= view->object_count; number++) {
+        const conus_volume_info *info = view_atlas_pathway(view, number);
         if (info && !read_threshold(&out[number], json_array_get(list, count++),
-                                    conus_atlas_object(on->atlas, number)->name, info, why)) {
+                                    conus_atlas_object(view->atlas, number)->name, info, why)) {
             return false;
         }
     }
@@ -165,11 +165,11 @@ static bool read_thresholds(double *out, const struct view_atlas *on, const json
 }
 
 /* Whether the atlas lies where it lay. Sessions older than transforms have no place. */
-static bool check_place(const struct view_atlas *on, const json_t *list, char why[PROPERTY_REASON])
+static bool check_place(const struct view_atlas *view, const json_t *list, char why[PROPERTY_REASON])
 {
     double place[3 * PLACES];
     size_t count = json_array_size(list);
-    find_place(place, on);
+    find_place(place, view);
     for (size_t i = 0; list && (i == 0 || i < count); i++) {
         const json_t *was = json_array_get(list, i);
         bool fits = (count == 3 * PLACES || count == 3 * OLD_PLACES) &&
@@ -228,7 +228,7 @@ static bool read_rest(struct look *out, const json_t *value, char why[PROPERTY_R
            session_refuse(why, "session: opacity_of_the_rest: a number above 0 and up to 1 is needed");
 }
 
-static bool read_haze(struct look *out, const struct view_atlas *on, const json_t *list, char why[PROPERTY_REASON])
+static bool read_haze(struct look *out, const struct view_atlas *view, const json_t *list, char why[PROPERTY_REASON])
 {
     bool fine = !list || json_is_array(list);
     for (size_t i = 0; fine && i < json_array_size(list); i++) {
@@ -236,18 +236,18 @@ static bool read_haze(struct look *out, const struct view_atlas *on, const json_
         const char *name = json_string_value(json_array_get(entry, 1));
         size_t number = number_of(entry, out);
         size_t haze = name ? haze_find(name) : HAZE_LIMIT;
-        fine = number && haze < HAZE_LIMIT && conus_atlas_object(on->atlas, number)->kind == CONUS_KIND_PATHWAY;
+        fine = number && haze < HAZE_LIMIT && conus_atlas_object(view->atlas, number)->kind == CONUS_KIND_PATHWAY;
         out->haze[fine ? number : 0] = (uint8_t)(fine ? haze : HAZE_NONE);
     }
     return fine || session_refuse(why, "session: pathways: a list of pairs is needed, each a pathway's number and "
                                        "\"solid\", \"own\" or the name of a preset");
 }
 
-static bool read_streamlines(struct look *out, const struct view_atlas *on, const json_t *value,
+static bool read_streamlines(struct look *out, const struct view_atlas *view, const json_t *value,
                              char why[PROPERTY_REASON])
 {
     const char *name = json_string_value(value);
-    size_t colour = name ? tract_colour_find(on->atlas, name) : TRACT_COLOUR_LIMIT;
+    size_t colour = name ? tract_colour_find(view->atlas, name) : TRACT_COLOUR_LIMIT;
     if (!value) {
         return true;
     }
@@ -256,22 +256,22 @@ static bool read_streamlines(struct look *out, const struct view_atlas *on, cons
                               "session: streamline_colour: \"bundle\", \"direction\" or the name of a number that the "
                               "streamlines have is needed");
     }
-    look_colour_streamlines(out, on->atlas, colour);
+    look_colour_streamlines(out, view->atlas, colour);
     return true;
 }
 
-static bool read_look(struct look *out, const struct view_atlas *on, const json_t *entry, char why[PROPERTY_REASON])
+static bool read_look(struct look *out, const struct view_atlas *view, const json_t *entry, char why[PROPERTY_REASON])
 {
     struct look look;
-    if (!look_init(&look, on->object_count)) {
+    if (!look_init(&look, view->object_count)) {
         return session_refuse(why, "session: not enough memory");
     }
     bool fine = (json_is_object(entry) || session_refuse(why, "session: look: an object is needed")) &&
                 read_grey(&look, json_object_get(entry, "grey"), why) &&
                 read_opacities(&look, json_object_get(entry, "opacities"), why) &&
                 read_rest(&look, json_object_get(entry, "opacity_of_the_rest"), why) &&
-                read_haze(&look, on, json_object_get(entry, "pathways"), why) &&
-                read_streamlines(&look, on, json_object_get(entry, "streamline_colour"), why);
+                read_haze(&look, view, json_object_get(entry, "pathways"), why) &&
+                read_streamlines(&look, view, json_object_get(entry, "streamline_colour"), why);
     if (fine) {
         *out = look;
     } else {
@@ -281,27 +281,27 @@ static bool read_look(struct look *out, const struct view_atlas *on, const json_
 }
 
 /* Reads the entry of one atlas. */
-static bool read_atlas(struct session_atlases *out, size_t index, const struct view_atlas *on, const json_t *entry,
+static bool read_atlas(struct session_atlases *out, size_t index, const struct view_atlas *view, const json_t *entry,
                        char why[PROPERTY_REASON])
 {
     const json_t *list = json_object_get(entry, "thresholds");
     const json_t *look = json_object_get(entry, "look");
     json_int_t objects = json_integer_value(json_object_get(entry, "objects"));
-    if ((size_t)objects != on->object_count) {
+    if ((size_t)objects != view->object_count) {
         return session_refuse(why, "session: of an atlas with %lld areas and pathways, %s has %zu", (long long)objects,
-                              index ? on->name : "this one", on->object_count);
+                              index ? view->name : "this one", view->object_count);
     }
-    if (!check_place(on, json_object_get(entry, "place"), why)) {
+    if (!check_place(view, json_object_get(entry, "place"), why)) {
         return false;
     }
-    out->hidden[index] = calloc(on->object_count + 1, sizeof *out->hidden[index]);
-    out->thresholds[index] = list ? calloc(on->object_count + 1, sizeof *out->thresholds[index]) : NULL;
+    out->hidden[index] = calloc(view->object_count + 1, sizeof *out->hidden[index]);
+    out->thresholds[index] = list ? calloc(view->object_count + 1, sizeof *out->thresholds[index]) : NULL;
     if (!out->hidden[index] || (list && !out->thresholds[index])) {
         return session_refuse(why, "session: not enough memory");
     }
-    return read_hidden(out->hidden[index], entry, on->object_count, why) &&
-           (!list || read_thresholds(out->thresholds[index], on, list, why)) &&
-           (!look || read_look(&out->looks[index], on, look, why));
+    return read_hidden(out->hidden[index], entry, view->object_count, why) &&
+           (!list || read_thresholds(out->thresholds[index], view, list, why)) &&
+           (!look || read_look(&out->looks[index], view, look, why));
 }
 
 static bool read_further(struct session_atlases *out, const struct viewer *viewer, const json_t *list,

@@ -8,10 +8,10 @@
 
 #include <jansson.h>
 
-json_t *session_hidden(const struct view_atlas *on);
-json_t *session_thresholds(const struct view_atlas *on);
-json_t *session_place(const struct view_atlas *on);
-json_t *session_look(const struct view_atlas *on);
+json_t *session_hidden(const struct view_atlas *view);
+json_t *session_thresholds(const struct view_atlas *view);
+json_t *session_place(const struct view_atlas *view);
+json_t *session_look(const struct view_atlas *view);
 /** The entries of all atlases but the first; NULL without memory, or where a path is not UTF-8. */
 json_t *session_further(const struct viewer *viewer);
 

@@ -151,9 +151,9 @@ static void fit_pins(json_t *list, const struct numbers *numbers)
 }
 
 /* The thresholds of the pathways that are there now; the session's own where it has one by that name. */
-static json_t *fit_thresholds(const json_t *then, const struct view_atlas *on)
+static json_t *fit_thresholds(const json_t *then, const struct view_atlas *view)
 {
-    json_t *now = session_thresholds(on);
+    json_t *now = session_thresholds(view);
     for (size_t i = 0; i < json_array_size(now); i++) {
         for (size_t k = 0; k < json_array_size(then); k++) {
             json_t *entry = json_array_get(then, k);
@@ -166,25 +166,25 @@ static json_t *fit_thresholds(const json_t *then, const struct view_atlas *on)
 }
 
 /* The number by which streamlines were coloured may have gone with them. */
-static void fit_look(json_t *look, const struct numbers *numbers, const struct view_atlas *on)
+static void fit_look(json_t *look, const struct numbers *numbers, const struct view_atlas *view)
 {
     const char *colour = json_string_value(json_object_get(look, "streamline_colour"));
     fit_pairs(json_object_get(look, "opacities"), numbers);
     fit_pairs(json_object_get(look, "pathways"), numbers);
-    if (colour && tract_colour_find(on->atlas, colour) == TRACT_COLOUR_LIMIT) {
+    if (colour && tract_colour_find(view->atlas, colour) == TRACT_COLOUR_LIMIT) {
         json_object_del(look, "streamline_colour");
     }
 }
 
-static void fit_objects(json_t *root, const struct numbers *numbers, const struct view_atlas *on)
+static void fit_objects(json_t *root, const struct numbers *numbers, const struct view_atlas *view)
 {
     json_t *thresholds = json_object_get(root, "thresholds");
     json_object_set_new(root, "objects", json_integer((json_int_t)numbers->count));
     fit_hidden(json_object_get(root, "hidden"), numbers);
     fit_pins(json_object_get(root, "confirmed"), numbers);
-    fit_look(json_object_get(root, "look"), numbers, on);
+    fit_look(json_object_get(root, "look"), numbers, view);
     if (thresholds) {
-        json_object_set_new(root, "thresholds", fit_thresholds(thresholds, on));
+        json_object_set_new(root, "thresholds", fit_thresholds(thresholds, view));
     }
 }
 
@@ -236,12 +236,12 @@ void session_fit(json_t *root, const struct window *window)
     if (!then || !now || json_equal(then, now)) {
         return;
     }
-    const struct view_atlas *on = window->viewer->atlases;
-    struct numbers numbers = {.then = own_count(on->object_count, now) + count_objects(then),
-                              .count = on->object_count};
+    const struct view_atlas *view = window->viewer->atlases;
+    struct numbers numbers = {.then = own_count(view->object_count, now) + count_objects(then),
+                              .count = view->object_count};
     json_int_t objects = json_integer_value(json_object_get(root, "objects"));
     if ((uint64_t)objects == numbers.then && find_numbers(&numbers, then, now)) {
-        fit_objects(root, &numbers, on);
+        fit_objects(root, &numbers, view);
     }
     if (has_other_context(then, now)) {
         fit_context(root);

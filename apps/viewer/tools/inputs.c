@@ -93,7 +93,7 @@ static double distance(const double a[3], const double b[3])
     return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
 }
 
-void tool_steer(struct viewer *viewer, enum tool_number number, const double move[3], const double turn[3])
+void inputs_steer(struct viewer *viewer, enum tool_number number, const double move[3], const double turn[3])
 {
     if (!viewer->tools[number].has_pose) {
         tool_place(viewer, number);
@@ -118,7 +118,7 @@ static bool take_news(struct viewer *viewer, enum tool_number number, const stru
     if (moves && news->has_pose) {
         tool_aim(viewer, number, &news->pose);
     } else if (moves) {
-        tool_steer(viewer, number, news->move, news->turn);
+        inputs_steer(viewer, number, news->move, news->turn);
     }
     if (news->widen > 0) {
         tool_widen(viewer, number, news->widen);
@@ -360,7 +360,7 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock)
     return true;
 }
 
-void station_hear(struct station *station, struct viewer *viewer, struct station_news *news)
+void inputs_hear(struct station *station, struct viewer *viewer, struct station_news *news)
 {
     station_ask(station, news);
     if (viewer->head.named) {

@@ -29,7 +29,7 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock);
 double replay_rest(const struct replay *replay, const struct viewer *viewer, double clock);
 
 /** Asks @p station for its news; the head moves along, if one is named. */
-void station_hear(struct station *station, struct viewer *viewer, struct station_news *news);
+void inputs_hear(struct station *station, struct viewer *viewer, struct station_news *news);
 
 struct inputs {
     struct replay replay;
@@ -49,7 +49,7 @@ double inputs_rest(const struct inputs *inputs, const struct viewer *viewer);
 void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye[3], const double direction[3]);
 
 /** Moves and turns a tool along its own axes ; where it has no pose, it is placed first. */
-void tool_steer(struct viewer *viewer, enum tool_number number, const double move[3], const double turn[3]);
+void inputs_steer(struct viewer *viewer, enum tool_number number, const double move[3], const double turn[3]);
 
 /** A message about a tool: that it is held, that it is not there yet, that its tracker is gone. */
 struct notice {

@@ -12,7 +12,7 @@ static const double fine = 0.01; /* of a step: how well the skin is found */
 
 /* A ray through the context. */
 struct ray {
-    const struct view_atlas *on;
+    const struct view_atlas *view;
     size_t context;
     const double *from, *direction;
     double skin; /* its grey value */
@@ -25,7 +25,7 @@ static bool is_inside(const struct ray *ray, double depth)
     for (int a = 0; a < 3; a++) {
         at[a] = ray->from[a] + depth * ray->direction[a];
     }
-    return conus_atlas_value(ray->on->atlas, ray->context, at) >= ray->skin; /* NaN, outside of it, is not */
+    return conus_atlas_value(ray->view->atlas, ray->context, at) >= ray->skin; /* NaN, outside of it, is not */
 }
 
 /* The skin is between both depths. */
@@ -48,18 +48,18 @@ static bool is_skin(const struct ray *ray, double depth)
 static double depth_of_context(const struct viewer *viewer, const double from[3], const double direction[3],
                                double least, double most)
 {
-    const struct view_atlas *on = viewer->drawn;
-    const double black = on->window[0];
-    if (!(on->window[1] > black)) { /* none, or one of a single value, which has no surface */
+    const struct view_atlas *view = viewer->drawn;
+    const double black = view->window[0];
+    if (!(view->window[1] > black)) { /* none, or one of a single value, which has no surface */
         return INFINITY;
     }
-    size_t context = view_atlas_context(on);
-    const double *voxel = conus_atlas_volume(on->atlas, context)->spacing;
-    const struct ray ray = {.on = on,
+    size_t context = view_atlas_context(view);
+    const double *voxel = conus_atlas_volume(view->atlas, context)->spacing;
+    const struct ray ray = {.view = view,
                             .context = context,
                             .from = from,
                             .direction = direction,
-                            .skin = black + skin_part * (on->window[1] - black),
+                            .skin = black + skin_part * (view->window[1] - black),
                             .step = fmax(voxel[0], fmax(voxel[1], voxel[2]))};
     for (unsigned step = 0; least + ray.step * step < most; step++) {
         double depth = least + ray.step * step;

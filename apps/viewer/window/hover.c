@@ -18,7 +18,7 @@ struct found {
     double deeper; /* mm */
 };
 
-static void find_along_ray(struct found *out, const struct hover *hover, struct view_atlas *on)
+static void find_along_ray(struct found *out, const struct hover *hover, struct view_atlas *view)
 {
     double depth;
     double drawn = 0;
@@ -26,40 +26,40 @@ static void find_along_ray(struct found *out, const struct hover *hover, struct 
     if (!hover->object) { /* nothing is there, or the context hides it */
         return;
     }
-    out->object = view_atlas_pick(&depth, on, hover->eye, hover->direction);
+    out->object = view_atlas_pick(&depth, view, hover->eye, hover->direction);
     for (int a = 0; a < 3 && out->object; a++) {
         place[a] = hover->eye[a] + depth * hover->direction[a];
         drawn += (hover->at[a] - hover->eye[a]) * hover->direction[a];
     }
     if (out->object) {
-        out->value = view_atlas_value(on, out->object, place);
+        out->value = view_atlas_value(view, out->object, place);
         out->deeper = depth - drawn;
     }
 }
 
-static void find(struct found *out, const struct window *window, struct view_atlas *on)
+static void find(struct found *out, const struct window *window, struct view_atlas *view)
 {
     const struct hover *hover = &window->frame.hover;
     const double *at = hover->has_place ? hover->at : window->viewer->crosshair;
     *out = (struct found){.value = NAN};
-    if (hover->has_place && on == window->viewer->drawn) {
+    if (hover->has_place && view == window->viewer->drawn) {
         out->object = hover->object;
         out->value = hover->value;
     } else if (hover->has_place && hover->by_ray) {
-        find_along_ray(out, hover, on);
+        find_along_ray(out, hover, view);
     } else {
-        out->object = view_atlas_at(on, at);
-        out->value = view_atlas_value(on, out->object, at);
+        out->object = view_atlas_at(view, at);
+        out->value = view_atlas_value(view, out->object, at);
     }
 }
 
-static void name(char out[NAME_TEXT], const struct window *window, struct view_atlas *on)
+static void name(char out[NAME_TEXT], const struct window *window, struct view_atlas *view)
 {
     struct found found;
-    find(&found, window, on);
-    const conus_object *object = conus_atlas_object(on->atlas, found.object);
+    find(&found, window, view);
+    const conus_object *object = conus_atlas_object(view->atlas, found.object);
     char title[VIEW_ATLAS_TITLE];
-    int used = snprintf(out, NAME_TEXT, "%.200s", object ? view_atlas_title(title, on, found.object) : "");
+    int used = snprintf(out, NAME_TEXT, "%.200s", object ? view_atlas_title(title, view, found.object) : "");
     if (object && isfinite(found.value)) {
         used += snprintf(out + used, NAME_TEXT - (size_t)used, "  %.3g", found.value);
     }
@@ -79,9 +79,9 @@ void hover_text(char out[HOVER_TEXT], const struct window *window, const char *b
         name(out, window, viewer->drawn);
     }
     for (size_t i = 0; i < viewer->atlas_count && viewer->atlas_count > 1 && used < HOVER_TEXT; i++) {
-        struct view_atlas *on = &viewer->atlases[i];
-        name(text, window, on);
-        used += (size_t)snprintf(out + used, HOVER_TEXT - used, "%s%s: %s", i ? between : "", on->name,
+        struct view_atlas *view = &viewer->atlases[i];
+        name(text, window, view);
+        used += (size_t)snprintf(out + used, HOVER_TEXT - used, "%s%s: %s", i ? between : "", view->name,
                                  text[0] ? text : "-");
     }
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Opens the atlases that are open again with other wishes: other hemispheres, files added or taken out. */
-#ifndef CONUS_VIEWER_OPENING_AGAIN_H
-#define CONUS_VIEWER_OPENING_AGAIN_H
+#ifndef CONUS_VIEWER_OPENING_REOPEN_H
+#define CONUS_VIEWER_OPENING_REOPEN_H
 
 #include "viewer/opening/loader.h"
 #include "viewer/opening/view_words.h"
@@ -9,9 +9,9 @@
 #include <jansson.h>
 
 /** Opens them with the options @p words in place of their own, by which undo goes @p step (0 = it does not); @p
- * settings are those of conus-view. All that the user set stays (carry.h). False: the window stays as it was, and @p
+ * settings are those of conus-view. All that the user set stays (replace.h). False: the window stays as it was, and @p
  * why says why, on stderr, too, unless nobody wants it any more; else @p why says what is other than before. */
-bool open_again(struct window *window, const json_t *words, int step, const struct view_settings *settings,
-                char why[LOADER_WHY]);
+bool reopen(struct window *window, const json_t *words, int step, const struct view_settings *settings,
+            char why[LOADER_WHY]);
 
 #endif

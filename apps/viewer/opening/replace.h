@@ -2,13 +2,13 @@
 /** @file The user's changes of objects, carried over to the same atlases opened with other wishes. Areas are known
  * again by their labels and names: an area by its own, a half or a pair by that of the area that it was made of.
  * Pathways and bundles are known by their names. */
-#ifndef CONUS_VIEWER_OPENING_CARRY_H
-#define CONUS_VIEWER_OPENING_CARRY_H
+#ifndef CONUS_VIEWER_OPENING_REPLACE_H
+#define CONUS_VIEWER_OPENING_REPLACE_H
 
 #include "viewer/model/viewer.h"
 
 /** Atlases that take the place of a viewer's. */
-struct carried {
+struct replacement {
     conus_atlas **atlases;         /**< [atlas_count of the viewer] */
     conus_hemispheres before, how; /**< The viewer's, and theirs. */
     const bool
@@ -19,6 +19,6 @@ struct carried {
  * thresholds, objects are hidden and opaque as they were: both halves as the whole, a whole or a pair only where both
  * halves agree, else it is shown and as opaque as the rest. What was set for grey values stays with their context.
  * False with a reason in @p why: all is as it was, and they are the caller's. */
-bool carry_over(struct viewer *viewer, const struct carried *now, char *why, size_t size);
+bool viewer_replace(struct viewer *viewer, const struct replacement *now, char *why, size_t size);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds out which objects of two readings of an atlas are each other, and takes over what was done to them. */
-#include "viewer/opening/carry.h"
+#include "viewer/opening/replace.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,10 +19,10 @@ struct identity {
     const char *name;
 };
 
-/* An atlas's objects, by number and sorted. */
+/* An atlas's objects, by number, and in the order of compare_identities(). */
 struct identities {
     struct identity *by_number; /* [count + 1] */
-    struct identity *sorted;    /* [count] */
+    struct identity *ordered;   /* [count] */
     size_t count;
 };
 
@@ -33,11 +33,11 @@ struct sources {
 };
 
 /* One atlas, before and now. */
-struct carrying {
+struct exchange {
     const struct view_atlas *from;
     struct view_atlas *to;
     struct identities before, now;
-    const bool *fresh; /* as of struct carried */
+    const bool *fresh; /* as of struct replacement */
     bool is_other;     /* there are areas now that were not there before */
 };
 
@@ -57,7 +57,7 @@ static uint32_t find_step(const conus_atlas *atlas, conus_hemispheres how)
     return how ? step : 0;
 }
 
-static int by_identity(const void *a, const void *b)
+static int compare_identities(const void *a, const void *b)
 {
     const struct identity *x = a;
     const struct identity *y = b;
@@ -74,8 +74,8 @@ static bool identities_find(struct identities *out, const conus_atlas *atlas, co
     uint32_t step = find_step(atlas, how);
     out->count = count;
     out->by_number = calloc(count + 1, sizeof *out->by_number);
-    out->sorted = calloc(count + 1, sizeof *out->sorted);
-    for (size_t number = 1; number <= count && out->by_number && out->sorted; number++) {
+    out->ordered = calloc(count + 1, sizeof *out->ordered);
+    for (size_t number = 1; number <= count && out->by_number && out->ordered; number++) {
         const conus_object *object = conus_atlas_object(atlas, number);
         bool is_made = step && object->kind == CONUS_KIND_AREA && object->label >= step;
         out->by_number[number] = (struct identity){.kind = object->kind,
@@ -85,18 +85,18 @@ static bool identities_find(struct identities *out, const conus_atlas *atlas, co
                                                    .part = is_made ? (enum part)(object->label / step) : WHOLE,
                                                    .number = (uint32_t)number,
                                                    .name = object->name};
-        out->sorted[number - 1] = out->by_number[number];
+        out->ordered[number - 1] = out->by_number[number];
     }
-    if (out->sorted) {
-        qsort(out->sorted, count, sizeof *out->sorted, by_identity);
+    if (out->ordered) {
+        qsort(out->ordered, count, sizeof *out->ordered, compare_identities);
     }
-    return out->by_number && out->sorted;
+    return out->by_number && out->ordered;
 }
 
 static void identities_finish(struct identities *identities)
 {
     free(identities->by_number);
-    free(identities->sorted);
+    free(identities->ordered);
 }
 
 /* The length of the name without the " left" or " right" of a half. */
@@ -120,14 +120,14 @@ static uint32_t find_part(const struct identities *in, const struct identity *of
     size_t high = in->count;
     while (low < high) {
         size_t middle = low + (high - low) / 2;
-        if (by_identity(&in->sorted[middle], &wanted) < 0) {
+        if (compare_identities(&in->ordered[middle], &wanted) < 0) {
             low = middle + 1;
         } else {
             high = middle;
         }
     }
     for (; low < in->count; low++) {
-        const struct identity *found = &in->sorted[low];
+        const struct identity *found = &in->ordered[low];
         if (found->kind != of->kind || found->label != of->label || found->part != part) {
             return 0;
         }
@@ -139,10 +139,10 @@ static uint32_t find_part(const struct identities *in, const struct identity *of
 }
 
 /* None of a pair that was none before: its areas say what becomes of it. */
-static struct sources find_sources(const struct carrying *carrying, uint32_t number)
+static struct sources find_sources(const struct exchange *exchange, uint32_t number)
 {
-    const struct identity *is = &carrying->now.by_number[number];
-    const struct identities *before = &carrying->before;
+    const struct identity *is = &exchange->now.by_number[number];
+    const struct identities *before = &exchange->before;
     uint32_t same = find_part(before, is, is->part);
     uint32_t whole = is->part == PAIR ? 0 : find_part(before, is, WHOLE);
     uint32_t left = is->part == WHOLE ? find_part(before, is, LEFT_HALF) : 0;
@@ -158,11 +158,11 @@ static bool are_alike(double a, double b)
     return a == b || (isnan(a) && isnan(b));
 }
 
-static void take_over(struct carrying *carrying, uint32_t number)
+static void take_over(struct exchange *exchange, uint32_t number)
 {
-    const struct view_atlas *from = carrying->from;
-    struct view_atlas *to = carrying->to;
-    struct sources sources = find_sources(carrying, number);
+    const struct view_atlas *from = exchange->from;
+    struct view_atlas *to = exchange->to;
+    struct sources sources = find_sources(exchange, number);
     const uint32_t *old = sources.numbers;
     if (sources.count) {
         uint32_t last = old[sources.count - 1];
@@ -172,15 +172,15 @@ static void take_over(struct carrying *carrying, uint32_t number)
         to->look.haze[number] = from->look.haze[old[0]];
     }
     for (size_t i = 0; i < sources.count; i++) { /* of an area that became two none is chosen */
-        bool is_half = carrying->now.by_number[number].part > carrying->before.by_number[old[i]].part;
+        bool is_half = exchange->now.by_number[number].part > exchange->before.by_number[old[i]].part;
         to->shown.chosen = from->shown.chosen == old[i] && !is_half ? number : to->shown.chosen;
     }
 }
 
 /* A new pair is hidden where all of its areas are, and has their opacity where they agree. */
-static void take_over_pair(struct carrying *carrying, uint32_t pair)
+static void take_over_pair(struct exchange *exchange, uint32_t pair)
 {
-    struct view_atlas *to = carrying->to;
+    struct view_atlas *to = exchange->to;
     bool all = true;
     uint32_t first = 0;
     bool agree = true;
@@ -196,10 +196,10 @@ static void take_over_pair(struct carrying *carrying, uint32_t pair)
 }
 
 /* A number may have gone with its file, or be another one in the order of them; and its range is of all files. */
-static void take_over_colour(const struct carrying *carrying)
+static void take_over_colour(const struct exchange *exchange)
 {
-    const struct view_atlas *from = carrying->from;
-    struct view_atlas *to = carrying->to;
+    const struct view_atlas *from = exchange->from;
+    struct view_atlas *to = exchange->to;
     const char *name = tract_colour_name(from->atlas, from->look.streamlines);
     size_t colour = name ? tract_colour_find(to->atlas, name) : TRACT_COLOUR_LIMIT;
     if (colour < TRACT_COLOUR_LIMIT) {
@@ -207,35 +207,35 @@ static void take_over_colour(const struct carrying *carrying)
     }
 }
 
-static void take_over_all(struct carrying *carrying)
+static void take_over_all(struct exchange *exchange)
 {
-    const struct view_atlas *from = carrying->from;
-    struct view_atlas *to = carrying->to;
+    const struct view_atlas *from = exchange->from;
+    struct view_atlas *to = exchange->to;
     if (view_atlas_shares_context(from, to)) {
         memcpy(to->look.grey, from->look.grey, sizeof to->look.grey);
     }
     memcpy(to->shown.search, from->shown.search, sizeof to->shown.search);
     to->look.opacity[0] = from->look.opacity[0];
-    take_over_colour(carrying);
+    take_over_colour(exchange);
     for (uint32_t number = 1; number <= to->object_count; number++) {
-        take_over(carrying, number);
+        take_over(exchange, number);
     }
     for (uint32_t number = 1; number <= to->object_count; number++) {
-        if (carrying->now.by_number[number].part == PAIR && !find_sources(carrying, number).count) {
-            take_over_pair(carrying, number);
+        if (exchange->now.by_number[number].part == PAIR && !find_sources(exchange, number).count) {
+            take_over_pair(exchange, number);
         }
     }
 }
 
-static conus_status change_atlas(const struct carrying *carrying)
+static conus_status change_atlas(const struct exchange *exchange)
 {
-    const struct view_atlas *to = carrying->to;
+    const struct view_atlas *to = exchange->to;
     conus_status status = CONUS_OK;
     for (uint32_t number = 1; number <= to->object_count && !status; number++) {
         const conus_volume_info *info = view_atlas_pathway(to, number);
-        struct sources sources = find_sources(carrying, number);
-        const conus_volume_info *was = sources.count ? view_atlas_pathway(carrying->from, sources.numbers[0]) : NULL;
-        bool is_asked = carrying->fresh && carrying->fresh[number];
+        struct sources sources = find_sources(exchange, number);
+        const conus_volume_info *was = sources.count ? view_atlas_pathway(exchange->from, sources.numbers[0]) : NULL;
+        bool is_asked = exchange->fresh && exchange->fresh[number];
         if (info && was && !is_asked && info->threshold != was->threshold) {
             status = conus_atlas_set_threshold(to->atlas, number, was->threshold);
         }
@@ -244,55 +244,55 @@ static conus_status change_atlas(const struct carrying *carrying)
 }
 
 /* A confirmed result keeps its name; an area that is gone has no number. */
-static void renumber_pins(struct viewer *viewer, const struct carrying *carrying, size_t atlas)
+static void renumber_pins(struct viewer *viewer, const struct exchange *exchange, size_t atlas)
 {
     for (size_t i = 0; i < viewer->pin_count; i++) {
         struct pin *pin = &viewer->pins[i];
         if (pin->atlas == atlas && pin->object) {
-            const struct identity *was = &carrying->before.by_number[pin->object];
-            pin->object = find_part(&carrying->now, was, was->part);
+            const struct identity *was = &exchange->before.by_number[pin->object];
+            pin->object = find_part(&exchange->now, was, was->part);
         }
     }
 }
 
-static conus_status carry(struct carrying *carrying, const struct carried *as)
+static conus_status exchange_prepare(struct exchange *exchange, const struct replacement *as)
 {
-    bool fine = identities_find(&carrying->before, carrying->from->atlas, as->before) &&
-                identities_find(&carrying->now, carrying->to->atlas, as->how);
+    bool fine = identities_find(&exchange->before, exchange->from->atlas, as->before) &&
+                identities_find(&exchange->now, exchange->to->atlas, as->how);
     if (!fine) {
         return CONUS_ERROR_MEMORY;
     }
-    for (uint32_t number = 1; number <= carrying->now.count; number++) {
-        const struct identity *is = &carrying->now.by_number[number];
+    for (uint32_t number = 1; number <= exchange->now.count; number++) {
+        const struct identity *is = &exchange->now.by_number[number];
         bool may_be_new = is->kind != CONUS_KIND_AREA || is->part == PAIR;
-        carrying->is_other = carrying->is_other || (!may_be_new && !find_sources(carrying, number).count);
+        exchange->is_other = exchange->is_other || (!may_be_new && !find_sources(exchange, number).count);
     }
-    if (carrying->is_other) {
+    if (exchange->is_other) {
         return CONUS_ERROR_DATA;
     }
-    take_over_all(carrying);
-    return change_atlas(carrying);
+    take_over_all(exchange);
+    return change_atlas(exchange);
 }
 
 /* Makes ready what takes the place of each atlas. */
-static conus_status prepare(struct carrying *all, struct view_atlas *next, const struct viewer *viewer,
-                            const struct carried *now)
+static conus_status prepare(struct exchange *all, struct view_atlas *next, const struct viewer *viewer,
+                            const struct replacement *now)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < viewer->atlas_count && !status; i++) {
         const struct view_atlas *from = &viewer->atlases[i];
         const struct view_source source = {now->atlases[i], from->path, from->name};
         status = view_atlas_init(&next[i], &source) ? CONUS_OK : CONUS_ERROR_MEMORY;
-        all[i] = (struct carrying){.from = from, .to = &next[i], .fresh = i ? NULL : now->fresh};
+        all[i] = (struct exchange){.from = from, .to = &next[i], .fresh = i ? NULL : now->fresh};
         if (!status && viewer->display.safe_colours) {
             conus_atlas_use_safe_colours(now->atlases[i]);
         }
-        status = status ? status : carry(&all[i], now);
+        status = status ? status : exchange_prepare(&all[i], now);
     }
     return status;
 }
 
-static void say_why(char *why, size_t size, const struct carrying *all, size_t count, conus_status status)
+static void say_why(char *why, size_t size, const struct exchange *all, size_t count, conus_status status)
 {
     bool is_other = false;
     for (size_t i = 0; all && i < count; i++) {
@@ -304,9 +304,9 @@ static void say_why(char *why, size_t size, const struct carrying *all, size_t c
                                             : conus_message());
 }
 
-bool carry_over(struct viewer *viewer, const struct carried *now, char *why, size_t size)
+bool viewer_replace(struct viewer *viewer, const struct replacement *now, char *why, size_t size)
 {
-    struct carrying *all = calloc(viewer->atlas_count, sizeof *all);
+    struct exchange *all = calloc(viewer->atlas_count, sizeof *all);
     struct view_atlas *next = calloc(viewer->atlas_count, sizeof *next);
     conus_status status = all && next ? prepare(all, next, viewer, now) : CONUS_ERROR_MEMORY;
     if (status) {

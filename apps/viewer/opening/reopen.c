@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Loads the same atlases with other options; what is there then takes the place of what was. */
-#include "viewer/opening/again.h"
+#include "viewer/opening/reopen.h"
 
 #include "options/messages.h"
 #include "options/output.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/question.h"
-#include "viewer/opening/carry.h"
+#include "viewer/opening/replace.h"
 #include "viewer/opening/view_words.h"
 #include "viewer/opening/waiting.h"
 #include "viewer/session/undo.h"
@@ -104,9 +104,9 @@ static bool is_same(char why[LOADER_WHY], const struct viewer *viewer, const str
 {
     const char *other = NULL;
     for (size_t i = 0; i < viewer->atlas_count && !other; i++) {
-        const struct view_atlas *on = &viewer->atlases[i];
-        other = on->watch ? watch_other(on->watch, loaded->items[i].atlas) : NULL;
-        other = other ? other : find_other_volume(on->atlas, loaded->items[i].atlas);
+        const struct view_atlas *view = &viewer->atlases[i];
+        other = view->watch ? file_watch_find_other(view->watch, loaded->items[i].atlas) : NULL;
+        other = other ? other : find_other_volume(view->atlas, loaded->items[i].atlas);
     }
     if (other) {
         snprintf(why, LOADER_WHY, "%.200s: not as when it was opened, so all stays as it is; open the atlas anew",
@@ -161,7 +161,7 @@ static bool *find_fresh(size_t object_count, const json_t *added, const json_t *
 static bool exchange(struct window *window, struct atlases *loaded, const json_t *added, conus_hemispheres how,
                      char why[LOADER_WHY])
 {
-    struct carried now = {.before = window->files.hemispheres, .how = how};
+    struct replacement now = {.before = window->files.hemispheres, .how = how};
     now.atlases = calloc(loaded->count, sizeof(conus_atlas *));
     now.fresh = find_fresh(conus_atlas_object_count(loaded->items[0].atlas), added,
                            json_object_get(window->files.opened, "options"));
@@ -170,7 +170,7 @@ static bool exchange(struct window *window, struct atlases *loaded, const json_t
     }
     forget_pictures(window);
     snprintf(why, LOADER_WHY, "not enough memory");
-    bool fine = now.atlases && now.fresh && carry_over(window->viewer, &now, why, LOADER_WHY);
+    bool fine = now.atlases && now.fresh && viewer_replace(window->viewer, &now, why, LOADER_WHY);
     for (size_t i = 0; i < loaded->count && fine; i++) {
         loaded->items[i].atlas = NULL;
     }
@@ -247,8 +247,8 @@ static bool load_and_show(struct window *window, const struct worded *worded, in
     return fine;
 }
 
-bool open_again(struct window *window, const json_t *words, int step, const struct view_settings *settings,
-                char why[LOADER_WHY])
+bool reopen(struct window *window, const json_t *words, int step, const struct view_settings *settings,
+            char why[LOADER_WHY])
 {
     struct worded worded;
     bool fine = worded_parse(&worded, words, settings, false) == EXIT_DONE;

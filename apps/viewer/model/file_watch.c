@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Looks whether the atlas's files have changed on disk. */
-#include "viewer/model/watch.h"
+#include "viewer/model/file_watch.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@ struct state {
     off_t size;
 };
 
-struct watch {
+struct file_watch {
     const conus_atlas *atlas;
     struct state *states; /* [count] of volumes and then of other files, as they were looked at last */
     struct state *first;  /* [count] and at first */
@@ -47,9 +47,9 @@ static bool is_same(const struct state *a, const struct state *b)
            a->changed.tv_nsec == b->changed.tv_nsec;
 }
 
-struct watch *watch_create(const conus_atlas *atlas)
+struct file_watch *file_watch_create(const conus_atlas *atlas)
 {
-    struct watch *watch = calloc(1, sizeof *watch);
+    struct file_watch *watch = calloc(1, sizeof *watch);
     if (!watch) {
         return NULL;
     }
@@ -58,7 +58,7 @@ struct watch *watch_create(const conus_atlas *atlas)
     watch->states = calloc(watch->count + 1, sizeof *watch->states);
     watch->first = calloc(watch->count + 1, sizeof *watch->first);
     if (!watch->states || !watch->first) {
-        watch_destroy(watch);
+        file_watch_destroy(watch);
         return NULL;
     }
     for (size_t i = 0; i < watch->count; i++) {
@@ -67,7 +67,7 @@ struct watch *watch_create(const conus_atlas *atlas)
     return watch;
 }
 
-void watch_destroy(struct watch *watch)
+void file_watch_destroy(struct file_watch *watch)
 {
     if (watch) {
         free(watch->states);
@@ -93,7 +93,7 @@ static bool has_file(const conus_atlas *atlas, const char *name)
     return false;
 }
 
-const char *watch_other(const struct watch *watch, const conus_atlas *now)
+const char *file_watch_find_other(const struct file_watch *watch, const conus_atlas *now)
 {
     for (size_t i = 0; i < watch->count; i++) {
         const char *path = path_of(watch->atlas, i);
@@ -105,7 +105,7 @@ const char *watch_other(const struct watch *watch, const conus_atlas *now)
     return NULL;
 }
 
-bool watch_look(struct watch *watch, char news[WATCH_NEWS])
+bool file_watch_check(struct file_watch *watch, char text[FILE_WATCH_TEXT])
 {
     size_t changes = 0;
     for (size_t i = 0; i < watch->count; i++) {
@@ -115,14 +115,14 @@ bool watch_look(struct watch *watch, char news[WATCH_NEWS])
             continue;
         }
         if (changes++ == 0) {
-            snprintf(news, WATCH_NEWS, "%.60s %s disk: what is shown was read before", last_name(path),
+            snprintf(text, FILE_WATCH_TEXT, "%.60s %s disk: what is shown was read before", last_name(path),
                      now.is_there ? "changed on" : "is gone from");
         }
         watch->states[i] = now;
     }
     if (changes > 1) {
-        size_t used = strlen(news);
-        snprintf(news + used, WATCH_NEWS - used, " (and %zu more files)", changes - 1);
+        size_t used = strlen(text);
+        snprintf(text + used, FILE_WATCH_TEXT - used, " (and %zu more files)", changes - 1);
     }
     return changes;
 }

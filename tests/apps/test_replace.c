@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What was done to areas, carried over to an atlas with other hemispheres; one side only. */
 #include "viewer/model/hemispheres.h"
-#include "viewer/opening/carry.h"
+#include "viewer/opening/replace.h"
 
 #include "builders/area_rows.h"
 #include "test.h"
@@ -37,8 +37,8 @@ static void change(struct viewer *viewer, conus_hemispheres before, conus_hemisp
 {
     conus_atlas *atlas = make(rows, how);
     char why[64];
-    const struct carried now = {&atlas, before, how, NULL};
-    assert_true(carry_over(viewer, &now, why, sizeof why));
+    const struct replacement now = {&atlas, before, how, NULL};
+    assert_true(viewer_replace(viewer, &now, why, sizeof why));
     assert_ptr_equal(viewer->atlases[0].atlas, atlas);
     assert_ptr_equal(viewer->names[0], viewer->atlases[0].name);
 }
@@ -190,8 +190,8 @@ static void another_table_is_refused(void **state)
     open_viewer(&viewer, CONUS_HEMISPHERES_AS_IS);
     const conus_atlas *before = viewer.drawn->atlas;
     char why[128];
-    const struct carried now = {&atlas, CONUS_HEMISPHERES_AS_IS, CONUS_HEMISPHERES_SPLIT, NULL};
-    assert_false(carry_over(&viewer, &now, why, sizeof why));
+    const struct replacement now = {&atlas, CONUS_HEMISPHERES_AS_IS, CONUS_HEMISPHERES_SPLIT, NULL};
+    assert_false(viewer_replace(&viewer, &now, why, sizeof why));
     assert_string_equal(why, "the areas have other names or labels than when the atlas was opened");
     assert_ptr_equal(viewer.drawn->atlas, before);
     conus_atlas_destroy(atlas);
@@ -269,7 +269,7 @@ static void words_say_how(void **state)
     json_decref(words);
 }
 
-TEST_GROUP(carry)
+TEST_GROUP(replace)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(halves_are_as_the_whole_was),
