@@ -25,12 +25,20 @@ static bool is_unit_frame(const double right[3], const double up[3])
            fabs(vec3_dot(right, up)) < slack;
 }
 
-static conus_status check_view(const conus_cut_view *view)
+static conus_status check_size(const conus_cut_view *view)
 {
-    bool default_frame = vec3_length(view->right) == 0 && vec3_length(view->up) == 0;
     if (view->width < 1 || view->height < 1 || view->width > SIDE_LIMIT || view->height > SIDE_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "cut of %u x %u pixels; allowed is 1 to %d", view->width, view->height,
                     SIDE_LIMIT);
+    }
+    return CONUS_OK;
+}
+
+static conus_status check_view(const conus_cut_view *view)
+{
+    bool default_frame = vec3_length(view->right) == 0 && vec3_length(view->up) == 0;
+    if (check_size(view)) {
+        return CONUS_ERROR_ARGUMENT;
     }
     if (!default_frame && !is_unit_frame(view->right, view->up)) {
         return fail(CONUS_ERROR_ARGUMENT, "cut: right and up are no perpendicular unit vectors");
@@ -72,17 +80,23 @@ static void place_cone(struct cut_cone *out, const struct cone *cone)
                              .far = has_range ? cone->range[1] : INFINITY};
 }
 
-static void set_view(struct cut_view *out, const conus_cut_view *view)
+/* The axes of the picture; those of an axial cut unless the caller chose some. */
+static void copy_axes(double right[3], double up[3], const conus_cut_view *view)
 {
     bool is_axial = vec3_length(view->right) == 0;
+    memcpy(right, is_axial ? (const double[]){1, 0, 0} : view->right, 3 * sizeof *right);
+    memcpy(up, is_axial ? (const double[]){0, 1, 0} : view->up, 3 * sizeof *up);
+}
+
+static void set_view(struct cut_view *out, const conus_cut_view *view)
+{
     *out = (struct cut_view){.place = {.width = view->width,
                                        .height = view->height,
                                        .mm_per_pixel = view->mm_per_pixel > 0 ? view->mm_per_pixel : 1},
                              .fill = view->fill,
                              .no_outlines = view->no_outlines};
     memcpy(out->place.centre, view->centre, sizeof out->place.centre);
-    memcpy(out->place.right, is_axial ? (const double[]){1, 0, 0} : view->right, sizeof out->place.right);
-    memcpy(out->place.up, is_axial ? (const double[]){0, 1, 0} : view->up, sizeof out->place.up);
+    copy_axes(out->place.right, out->place.up, view);
 }
 
 static conus_status draw(conus_cutter *cutter, const conus_cut_view *view)
@@ -158,12 +172,8 @@ conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atla
 
 static const uint64_t MAX_MEMORY = UINT64_C(8) << 30;
 
-static conus_status check_sheet(const conus_cut_view *view, const conus_view *sheet)
+static conus_status check_sheet(const conus_view *sheet)
 {
-    if (view->width < 1 || view->height < 1 || view->width > SIDE_LIMIT || view->height > SIDE_LIMIT) {
-        return fail(CONUS_ERROR_ARGUMENT, "cut of %u x %u pixels; allowed is 1 to %d", view->width, view->height,
-                    SIDE_LIMIT);
-    }
     if (sheet->legend > CONUS_LEGEND_NONE || sheet->background > CONUS_BACKGROUND_TRANSPARENT) {
         return fail(CONUS_ERROR_ARGUMENT, "legend %d, background %d; allowed are at most %d, %d", (int)sheet->legend,
                     (int)sheet->background, CONUS_LEGEND_NONE, CONUS_BACKGROUND_TRANSPARENT);
@@ -227,15 +237,6 @@ static void lay_out(conus_image *image, const struct picture *picture, const uin
     }
 }
 
-/* The axes, where the letters go by. */
-static void set_axes(struct picture *picture, const conus_cut_view *view)
-{
-    bool is_axial = vec3_length(view->right) == 0;
-    memcpy(picture->camera.world_from_camera, is_axial ? (const double[]){1, 0, 0} : view->right, 3 * sizeof(double));
-    memcpy(picture->camera.world_from_camera + 4, is_axial ? (const double[]){0, 1, 0} : view->up, 3 * sizeof(double));
-    picture->frame = (struct camera_frame){.width = picture->drawing[0], .height = picture->drawing[1]};
-}
-
 static conus_status make_image(conus_image **out, struct picture *picture, const conus_cut_view *view,
                                const uint8_t *rgba)
 {
@@ -247,7 +248,9 @@ static conus_status make_image(conus_image **out, struct picture *picture, const
         status = picture_add_volumes(image, picture->atlas, true);
     }
     if (!status && picture->font) {
-        set_axes(picture, view);
+        double *axes = picture->camera.world_from_camera;
+        copy_axes(axes, axes + 4, view); /* the letters at the edges depend on them */
+        picture->frame = (struct camera_frame){.width = picture->drawing[0], .height = picture->drawing[1]};
         status = picture_annotate_cut(image, picture, view->mm_per_pixel);
     }
     if (status) {
@@ -258,9 +261,9 @@ static conus_status make_image(conus_image **out, struct picture *picture, const
     return CONUS_OK;
 }
 
-/* To what a legend leaves of the width: the drawing's shorter side shows as much as that of the whole. What is no scale
- * stays none, for conus_cutter_draw() to refuse. */
-static void fit(conus_cut_view *view, const uint32_t drawing[2])
+/* Shrinks the view to the width beside the legend: the shorter side still shows as many mm. An invalid scale stays
+ * invalid; conus_cutter_draw() refuses it. */
+static void fit_beside_legend(conus_cut_view *view, const uint32_t drawing[2])
 {
     double whole = fmin(view->width, view->height);
     double mm_per_pixel = view->mm_per_pixel != 0 ? view->mm_per_pixel : 1;
@@ -275,11 +278,12 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
     conus_view on = *options_of(conus_view, sheet);
     struct picture picture = {.atlas = atlas};
     conus_cutter *cutter = NULL;
-    conus_status status = check_sheet(&what, &on);
+    conus_status status = check_size(&what);
+    status = status ? status : check_sheet(&on);
     status = status ? status : conus_cutter_create(&cutter, atlas);
     status = status ? status : set_up(&picture, &what, &on);
     if (!status) {
-        fit(&what, picture.drawing);
+        fit_beside_legend(&what, picture.drawing);
     }
     status = status ? status : conus_cutter_draw(cutter, &what);
     if (!status && picture.legend) {
