@@ -2,7 +2,6 @@
 /* Finds conus-mesh, starts it, sends the request and takes its frames. */
 #include "loaders/child/mesh_child.h"
 
-#include "base/clock.h"
 #include "base/files/file.h"
 #include "base/memory.h"
 
@@ -17,11 +16,20 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { PATH_SIZE = 4096, WORDS_SIZE = 512, REQUEST_DESCRIPTOR = 3, READ_SIZE = 1 << 20 };
 
 static const char program[] = "conus-mesh";
+
+/* Monotonic: setting the date does not move a deadline. */
+static double seconds_now(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
 
 static bool is_program(const char *path)
 {
@@ -220,7 +228,7 @@ static conus_status start_with(struct child *child, const char *path, int ends[E
     if (errno) {
         return fail_system("start");
     }
-    child->deadline = clock_seconds() + child->limits->wait;
+    child->deadline = seconds_now() + child->limits->wait;
     child->out = ends[OUT];
     child->err = ends[ERR];
     ends[OUT] = ends[ERR] = -1;
@@ -345,7 +353,7 @@ static conus_status fail_late(const struct child *child)
 static conus_status read_output(struct child *child)
 {
     struct pollfd ends[2] = {{.fd = child->out, .events = POLLIN}, {.fd = child->err, .events = POLLIN}};
-    double left = child->deadline - clock_seconds();
+    double left = child->deadline - seconds_now();
     int ready = left > 0 ? poll(ends, 2, (int)(1000 * left) + 1) : 0;
     if (ready == 0) {
         return fail_late(child);
@@ -392,7 +400,7 @@ static conus_status await_end(const struct child *child, int *how)
     pid_t ended = 0;
     while (ended == 0 || (ended < 0 && errno == EINTR)) {
         ended = waitpid(child->pid, how, WNOHANG);
-        if (ended == 0 && clock_seconds() > child->deadline) {
+        if (ended == 0 && seconds_now() > child->deadline) {
             return fail_late(child);
         }
         if (ended == 0) {

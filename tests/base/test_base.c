@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Text, numbers, arrays, files and 3-D maths of base/. */
 #include "base/buffer.h"
-#include "base/clock.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -520,16 +519,6 @@ static void binary_bytes_are_not_readable(void **state)
     assert_false(text_is_readable(text_from("")));
 }
 
-static void the_clock_never_goes_back(void **state)
-{
-    (void)state;
-    double before = clock_seconds();
-    const struct timespec pause = {.tv_nsec = 2000000};
-    nanosleep(&pause, NULL);
-    double passed = clock_seconds() - before;
-    assert_true(passed >= 0.002 && passed < 600);
-}
-
 TEST_GROUP(base)
 {
     const struct CMUnitTest tests[] = {
@@ -558,7 +547,6 @@ TEST_GROUP(base)
         cmocka_unit_test(numbers_are_sorted_and_kept_once),
         cmocka_unit_test(texts_are_compared_by_bytes),
         cmocka_unit_test(binary_bytes_are_not_readable),
-        cmocka_unit_test(the_clock_never_goes_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
