@@ -1,10 +1,30 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_selection_streamlines(): which streamlines come into a selection's region. */
+/* Lists of streamlines: those that come into a selection's region. */
 #include "atlas/bundles.h"
-#include "atlas/streamline_list.h"
 #include "base/memory.h"
 #include "selection/measure/tract_census.h"
 #include "selection/selection.h"
+
+struct conus_streamline_list {
+    const conus_atlas *atlas;
+    uint32_t *tractograms, *numbers; /**< [count], ascending. */
+    size_t count, capacities[2];
+    uint64_t points;
+};
+
+/* Appends streamline `number` of a tractogram; both are ascending. */
+static conus_status append(conus_streamline_list *list, uint32_t tractogram, uint32_t number)
+{
+    const uint64_t *first = list->atlas->tractograms[tractogram].first;
+    if (!memory_reserve(&list->tractograms, &list->capacities[0], list->count + 1, sizeof *list->tractograms) ||
+        !memory_reserve(&list->numbers, &list->capacities[1], list->count + 1, sizeof *list->numbers)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    list->tractograms[list->count] = tractogram;
+    list->numbers[list->count++] = number;
+    list->points += first[number + 1] - first[number];
+    return CONUS_OK;
+}
 
 static conus_status check_bundle(const conus_atlas *atlas, uint32_t object)
 {
@@ -58,7 +78,7 @@ static conus_status list_tractogram(conus_streamline_list *list, uint32_t which,
         tract_census_walk(tractogram, region, mark_inside, marks);
     }
     for (uint32_t k = 0; k < tractogram->streamline_count && !status; k++) {
-        status = marks[k] == LISTED ? streamline_list_add(list, which, k) : CONUS_OK;
+        status = marks[k] == LISTED ? append(list, which, k) : CONUS_OK;
     }
     memory_free(marks);
     return status;
@@ -66,9 +86,15 @@ static conus_status list_tractogram(conus_streamline_list *list, uint32_t which,
 
 conus_status conus_selection_streamlines(conus_streamline_list **out, const conus_selection *selection, uint32_t object)
 {
-    conus_streamline_list *list = NULL;
     conus_status status = check_bundle(selection->atlas, object);
-    status = status ? status : streamline_list_create(&list, selection->atlas);
+    if (status) {
+        return status;
+    }
+    conus_streamline_list *list = memory_zeroed(1, sizeof *list);
+    if (!list) {
+        return CONUS_ERROR_MEMORY;
+    }
+    list->atlas = selection->atlas;
     for (uint32_t which = 0; which < selection->atlas->tractogram_count && !status; which++) {
         status = list_tractogram(list, which, &selection->region, object);
     }
@@ -78,4 +104,41 @@ conus_status conus_selection_streamlines(conus_streamline_list **out, const conu
     }
     *out = list;
     return CONUS_OK;
+}
+
+conus_streamline_list_view conus_streamline_list_data(const conus_streamline_list *list)
+{
+    return list ? (conus_streamline_list_view){list->count, list->tractograms, list->numbers, list->points}
+                : (conus_streamline_list_view){0};
+}
+
+void conus_streamline_list_points(float *points, uint64_t *first, const conus_streamline_list *list)
+{
+    uint64_t done = 0;
+    for (size_t i = 0; i < list->count; i++) {
+        const struct tractogram *tractogram = &list->atlas->tractograms[list->tractograms[i]];
+        uint64_t end = tractogram->first[list->numbers[i] + 1];
+        if (first) {
+            first[i] = done;
+        }
+        for (uint64_t p = tractogram->first[list->numbers[i]]; p < end; p++, done++) {
+            double point[3];
+            tractogram_point(point, tractogram, p);
+            for (uint64_t a = 0; a < 3; a++) {
+                points[3 * done + a] = (float)point[a]; /* which they are: floats or halves */
+            }
+        }
+    }
+    if (first) {
+        first[list->count] = done;
+    }
+}
+
+void conus_streamline_list_destroy(conus_streamline_list *list)
+{
+    if (list) {
+        memory_free(list->tractograms);
+        memory_free(list->numbers);
+        memory_free(list);
+    }
 }
