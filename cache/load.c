@@ -4,7 +4,7 @@
 #include "base/options.h"
 #include "cache/atlas_cache.h"
 
-/* Whoever counts files hears of one. */
+/* Reports a cached atlas as one file. */
 static conus_status report(const char *path, const conus_load_options *options)
 {
     return !options->progress || options->progress(options->progress_user, path, 0, 1)

@@ -6,7 +6,6 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/conus.h"
-#include "loaders/maps/load_roi.h"
 #include "loaders/maps/load_scalar.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/volumes/volume_file.h"
@@ -63,37 +62,27 @@ static conus_status array_describe(struct volume_header *header, const conus_vox
     return status ? status : space_describe(&header->info, voxels->world_from_voxel, words);
 }
 
-/* The strides of voxels one after the other. */
-static void set_dense_strides(ptrdiff_t out[3], const conus_voxels *voxels, size_t voxel_size)
-{
-    out[0] = (ptrdiff_t)voxel_size;
-    out[1] = out[0] * (ptrdiff_t)voxels->dim[0];
-    out[2] = out[1] * (ptrdiff_t)voxels->dim[1];
-}
-
-static bool is_dense(const conus_voxels *voxels, const ptrdiff_t dense[3])
+/* Whether the voxels lie one after the other, i fastest. */
+static bool is_dense(const conus_voxels *voxels, size_t voxel_size)
 {
     bool equal = true;
+    size_t dense = voxel_size;
     for (int axis = 0; axis < 3; axis++) {
-        equal = equal && (voxels->dim[axis] == 1 || voxels->stride[axis] == dense[axis]);
+        equal = equal && (voxels->dim[axis] == 1 || voxels->stride[axis] == (ptrdiff_t)dense);
+        dense *= voxels->dim[axis];
     }
     return equal || (!voxels->stride[0] && !voxels->stride[1] && !voxels->stride[2]);
-}
-
-static void copy_row(uint8_t *out, const uint8_t *in, ptrdiff_t stride, size_t count, size_t voxel_size)
-{
-    for (size_t i = 0; i < count; i++, out += voxel_size, in += stride) {
-        memcpy(out, in, voxel_size);
-    }
 }
 
 static void copy_voxels(uint8_t *out, const conus_voxels *voxels, size_t voxel_size)
 {
     const uint8_t *data = voxels->data;
     for (size_t k = 0; k < voxels->dim[2]; k++) {
-        for (size_t j = 0; j < voxels->dim[1]; j++, out += voxels->dim[0] * voxel_size) {
-            const uint8_t *row = data + (ptrdiff_t)j * voxels->stride[1] + (ptrdiff_t)k * voxels->stride[2];
-            copy_row(out, row, voxels->stride[0], voxels->dim[0], voxel_size);
+        for (size_t j = 0; j < voxels->dim[1]; j++) {
+            const uint8_t *in = data + (ptrdiff_t)j * voxels->stride[1] + (ptrdiff_t)k * voxels->stride[2];
+            for (size_t i = 0; i < voxels->dim[0]; i++, out += voxel_size, in += voxels->stride[0]) {
+                memcpy(out, in, voxel_size);
+            }
         }
     }
 }
@@ -101,9 +90,7 @@ static void copy_voxels(uint8_t *out, const conus_voxels *voxels, size_t voxel_s
 static conus_status take_voxels(struct array_volume *array, const conus_voxels *voxels, size_t size)
 {
     size_t voxel_size = volume_datatype_size(array->file.datatype);
-    ptrdiff_t dense[3];
-    set_dense_strides(dense, voxels, voxel_size);
-    array->is_borrowed = is_dense(voxels, dense);
+    array->is_borrowed = is_dense(voxels, voxel_size);
     array->file.voxels.size = size;
     if (array->is_borrowed) {
         array->file.voxels.data = (uint8_t *)voxels->data; /* only read */

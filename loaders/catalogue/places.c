@@ -127,12 +127,7 @@ static conus_status note_place(conus_catalogue *catalogue, const struct place *p
     return CONUS_OK;
 }
 
-static conus_status look_in(conus_catalogue *catalogue, const struct place *place, const char *folder)
-{
-    return place->how.subjects ? freesurfer_look(catalogue, folder) : folder_look(catalogue, folder, &place->how);
-}
-
-/* In each of the folders. */
+/* Looks in each of the folders, which are separated by ':'. */
 static conus_status look_in_all(conus_catalogue *catalogue, const struct place *place, struct text folders,
                                 const char *rest)
 {
@@ -146,7 +141,9 @@ static conus_status look_in_all(conus_catalogue *catalogue, const struct place *
             const char *kept = path.data;
             status = buffer_status(&path);
             status = status ? (buffer_finish(&path), status) : note_place(catalogue, place, path.data);
-            status = status ? status : look_in(catalogue, place, kept);
+            status = status                ? status
+                     : place->how.subjects ? freesurfer_look(catalogue, kept)
+                                           : folder_look(catalogue, kept, &place->how);
         }
     }
     return status;

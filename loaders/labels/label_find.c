@@ -294,7 +294,7 @@ static size_t table_stem_length(const char *name)
     return ending ? strlen(name) - ending : 0;
 }
 
-/* Names that begin with a dot are of no one's making: macOS puts one beside every file of other file systems. */
+/* Not a name that begins with a dot: macOS puts such a file beside each file on foreign file systems. */
 static bool is_volume(const char *name)
 {
     return name[0] != '.' && volume_stem_length(name) < strlen(name);
@@ -353,7 +353,9 @@ static conus_status is_only_table(bool *out, const struct folder *folder, const 
     return status;
 }
 
-static conus_status judge(bool *taken, struct label_search *search, const struct label_table *table, const char *path)
+/* A label_judge of a table with a similar name: taken only if its numbers fit the voxels. */
+static conus_status judge_similar_table(bool *taken, struct label_search *search, const struct label_table *table,
+                                        const char *path)
 {
     struct label_fit fit;
     const char *name = path_base(path);
@@ -396,7 +398,7 @@ static conus_status judge(bool *taken, struct label_search *search, const struct
 static conus_status try_similar_table(struct label_search *search, const struct folder *folder, const char *name)
 {
     char *path = file_beside(folder->folder, name);
-    search->judge = judge;
+    search->judge = judge_similar_table;
     conus_status status = path ? label_search_file(search, path) : CONUS_ERROR_MEMORY;
     search->judge = NULL;
     memory_free(path);

@@ -259,17 +259,10 @@ static conus_status parse_plain(struct label_table *out, struct text text, struc
 }
 
 struct colour_layout {
-    size_t numbers; /* after the name: 3 or 4 */
-    bool two_names; /* MRtrix: abbreviation and name */
-    bool underscores;
+    size_t numbers;   /* after the name: 3 or 4 */
+    bool two_names;   /* MRtrix: abbreviation and name */
+    bool underscores; /* in names, where spaces are meant */
 };
-
-static void spaces_for_underscores(char *name)
-{
-    for (; name && *name; name++) {
-        *name = *name == '_' ? ' ' : *name;
-    }
-}
 
 static conus_status parse_colour_row(struct label *label, const struct row *row, const char *where, const void *data)
 {
@@ -293,8 +286,8 @@ static conus_status parse_colour_row(struct label *label, const struct row *row,
         status = label_set_text(&label->abbreviation, abbreviation);
     }
     status = status ? status : label_set_text(&label->name, name);
-    if (!status && layout->underscores) {
-        spaces_for_underscores(label->name);
+    for (char *c = label->name; !status && layout->underscores && c && *c; c++) {
+        *c = *c == '_' ? ' ' : *c;
     }
     return status;
 }

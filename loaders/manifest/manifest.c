@@ -100,15 +100,6 @@ static conus_status manifest_contexts_read(void *field, const json_t *value, con
     return out->contexts ? read_one(out->contexts, value, place) : CONUS_ERROR_MEMORY;
 }
 
-static void manifest_contexts_finish(struct manifest *manifest)
-{
-    for (size_t i = 0; i < manifest->context_count; i++) {
-        manifest_volume_finish(&manifest->contexts[i].source);
-        memory_free(manifest->contexts[i].transfer);
-    }
-    memory_free(manifest->contexts);
-}
-
 static conus_status read_streamlines(void *field, const json_t *value, const struct schema_place *place)
 {
     static const struct schema_field keys[] = {
@@ -129,15 +120,6 @@ static conus_status manifest_streamlines_read(void *field, const json_t *value, 
     struct manifest *out = field;
     return schema_list((void **)&out->streamlines, &out->streamlines_count, sizeof *out->streamlines, MANIFEST_MANY,
                        value, read_streamlines, place);
-}
-
-static void manifest_streamlines_finish(struct manifest *manifest)
-{
-    for (size_t i = 0; i < manifest->streamlines_count; i++) {
-        memory_free(manifest->streamlines[i].file);
-        memory_free(manifest->streamlines[i].name);
-    }
-    memory_free(manifest->streamlines);
 }
 
 static conus_status read_vectors(void *field, const json_t *value, const struct schema_place *place)
@@ -180,17 +162,6 @@ static conus_status manifest_transforms_read(void *field, const json_t *value, c
     out->transform_count = out->transforms ? 1 : 0;
     out->single_transform = true;
     return out->transforms ? read_transform(out->transforms, value, place) : CONUS_ERROR_MEMORY;
-}
-
-static void manifest_transforms_finish(struct manifest *manifest)
-{
-    for (size_t i = 0; i < manifest->transform_count; i++) {
-        memory_free(manifest->transforms[i].file);
-        memory_free(manifest->transforms[i].from);
-        memory_free(manifest->transforms[i].to);
-        memory_free(manifest->transforms[i].grid);
-    }
-    memory_free(manifest->transforms);
 }
 
 static conus_status read_version(void *field, const json_t *value, const struct schema_place *place)
@@ -667,21 +638,17 @@ static void pathway_finish(struct manifest_pathway *pathway)
     manifest_volume_finish(&pathway->source);
 }
 
-static void area_finish(struct manifest_area *area)
-{
-    memory_free(area->file);
-    memory_free(area->files);
-    memory_free(area->brainglobe);
-    label_finish(&area->label);
-    memory_free(area->vertex_labels);
-    memory_free(area->labels);
-    memory_free(area->orientation);
-}
-
 void manifest_finish(struct manifest *manifest)
 {
     for (size_t i = 0; i < manifest->area_count; i++) {
-        area_finish(&manifest->areas[i]);
+        struct manifest_area *area = &manifest->areas[i];
+        memory_free(area->file);
+        memory_free(area->files);
+        memory_free(area->brainglobe);
+        label_finish(&area->label);
+        memory_free(area->vertex_labels);
+        memory_free(area->labels);
+        memory_free(area->orientation);
     }
     for (size_t i = 0; i < manifest->tree_count; i++) {
         label_finish(&manifest->tree[i]);
@@ -701,9 +668,23 @@ void manifest_finish(struct manifest *manifest)
         memory_free(manifest->parcellations[i].labels);
     }
     memory_free(manifest->parcellations);
-    manifest_streamlines_finish(manifest);
-    manifest_contexts_finish(manifest);
-    manifest_transforms_finish(manifest);
+    for (size_t i = 0; i < manifest->streamlines_count; i++) {
+        memory_free(manifest->streamlines[i].file);
+        memory_free(manifest->streamlines[i].name);
+    }
+    memory_free(manifest->streamlines);
+    for (size_t i = 0; i < manifest->context_count; i++) {
+        manifest_volume_finish(&manifest->contexts[i].source);
+        memory_free(manifest->contexts[i].transfer);
+    }
+    memory_free(manifest->contexts);
+    for (size_t i = 0; i < manifest->transform_count; i++) {
+        memory_free(manifest->transforms[i].file);
+        memory_free(manifest->transforms[i].from);
+        memory_free(manifest->transforms[i].to);
+        memory_free(manifest->transforms[i].grid);
+    }
+    memory_free(manifest->transforms);
     *manifest = (struct manifest){0};
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_add_pathway(), and the volume of conus_atlas_set_context(): volumes whose values are numbers, not names.
- */
+/* Volumes whose values are numbers, not names: conus_atlas_add_pathway(), the volume of conus_atlas_set_context(), and
+ * conus_roi_load(). */
 #include "loaders/maps/load_scalar.h"
 
 #include "atlas/atlas.h"
@@ -424,5 +424,34 @@ conus_status context_set(conus_atlas *atlas, struct volume_file *file, const con
         memory_free(values);
         notes_cut(&atlas->notes, note_count);
     }
+    return status;
+}
+
+conus_status roi_of_volume(conus_roi **out, struct volume_file *file, double threshold, struct notes *notes)
+{
+    float *values = NULL;
+    file->info.role = CONUS_ROLE_SCALAR;
+    conus_status status = volume_file_values_or_nan(&values, file, notes);
+    file->info.threshold = threshold;
+    status = status ? status : roi_create(out, &file->info, values);
+    if (status) {
+        memory_free(values);
+    }
+    return status;
+}
+
+conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_options *options)
+{
+    struct volume_file file = {0};
+    if (!out || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_roi_load: a result and a path are needed");
+    }
+    options = options_of(conus_roi_options, options);
+    const struct note_sink sink = {options->log, options->log_user, path};
+    struct notes notes = {.sink = &sink};
+    conus_status status = volume_file_open_cached(&file, path, options->max_memory, options->cache, &notes);
+    status = status ? status : roi_of_volume(out, &file, options->threshold, &notes);
+    notes_finish(&notes);
+    volume_file_finish(&file);
     return status;
 }

@@ -80,8 +80,8 @@ struct findings {
     size_t like_labels; /* Volumes that do not look like an image, if all are whole numbers. */
 };
 
-/* Whether whole numbers look like labels. */
-static conus_status judge(bool *labels, const struct volume_file *file, const float *values)
+/* Whether the values, all of them whole numbers, look like labels. */
+static conus_status look_like_labels(bool *labels, const struct volume_file *file, const float *values)
 {
     const size_t *dim = file->info.dim;
     struct grey_result result = {0};
@@ -112,7 +112,7 @@ static conus_status add_findings(struct findings *findings, const struct volume_
     }
     findings->fractions = findings->fractions || fractions;
     bool ask = !fractions && info->minimum >= 0 && info->maximum > 1 && info->maximum <= 100;
-    conus_status status = ask ? judge(&labels, file, values) : CONUS_OK;
+    conus_status status = ask ? look_like_labels(&labels, file, values) : CONUS_OK;
     findings->like_labels += labels;
     return status;
 }

@@ -375,13 +375,6 @@ static conus_status load_any(conus_atlas **out, const char *path, struct load_pr
     return status;
 }
 
-static conus_status check_probability(double probability)
-{
-    return probability >= 0 && probability <= 1
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT, "--probability: is %g, allowed is above 0 to 1 (0 = default)", probability);
-}
-
 /* Notes on the atlas as a whole, while a log is there to hear them. */
 static conus_status check_whole(conus_atlas *atlas, const char *path, struct load_progress *progress)
 {
@@ -399,9 +392,12 @@ static conus_status check_whole(conus_atlas *atlas, const char *path, struct loa
 conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     conus_atlas *atlas = NULL;
+    if (!(options->probability >= 0 && options->probability <= 1)) {
+        return fail(CONUS_ERROR_ARGUMENT, "--probability: is %g, allowed is above 0 to 1 (0 = default)",
+                    options->probability);
+    }
     struct load_progress progress = load_progress_of(path, options);
-    conus_status status = check_probability(options->probability);
-    status = status ? status : load_any(&atlas, path, &progress);
+    conus_status status = load_any(&atlas, path, &progress);
     if (!status) {
         status = check_whole(atlas, path, &progress);
         conus_atlas_destroy(status ? atlas : NULL);

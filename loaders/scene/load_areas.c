@@ -173,17 +173,11 @@ static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan
     return status;
 }
 
-/* The reader reports a file that is not there. */
-static void keep_states(struct area_plan *plan)
-{
-    for (size_t i = 0; i < plan->count; i++) {
-        (void)file_state_find(&plan->areas[i].state, plan->areas[i].path);
-    }
-}
-
 static conus_status read_all(struct surfaces *surfaces, struct area_plan *plan)
 {
-    keep_states(plan);
+    for (size_t i = 0; i < plan->count; i++) { /* the reader reports a file that is not there */
+        (void)file_state_find(&plan->areas[i].state, plan->areas[i].path);
+    }
     conus_status status = read_foreign(surfaces, plan, true);
     status = status ? status : read_foreign(surfaces, plan, false);
     for (size_t i = 0; !status && i < plan->labelled_count; i++) {
@@ -277,13 +271,6 @@ static conus_status gathering_init(struct gathering *out, const struct area_plan
     return CONUS_OK;
 }
 
-static void gathering_finish(struct gathering *gathering)
-{
-    memory_free(gathering->areas);
-    memory_free(gathering->said);
-    memory_free(gathering->is_first);
-}
-
 /* Adds `note`, or if others say the same about other surfaces "N surfaces (a, b, ...): text". It is heard with the path
  * of the first surface. `said` has `left` from that one on. */
 static conus_status add_gathered(struct notes *to, const struct said *said, size_t left, conus_severity severity,
@@ -325,7 +312,9 @@ static conus_status gather_notes(struct notes *to, const struct area_plan *plan,
         }
     }
     memory_free(at);
-    gathering_finish(&gathering);
+    memory_free(gathering.areas);
+    memory_free(gathering.said);
+    memory_free(gathering.is_first);
     return status;
 }
 
@@ -349,8 +338,8 @@ static conus_status add_surfaces(struct area_plan *plan, struct surfaces *surfac
     return status;
 }
 
-/* Beside areas of voxels. */
-static conus_status note_place(conus_atlas *atlas)
+/* Warns if the surfaces are of another size than the areas of voxels. */
+static conus_status note_size(conus_atlas *atlas)
 {
     bool said;
     const struct fit_box surfaces = fit_box_of_areas(atlas, false, true);
@@ -443,7 +432,7 @@ conus_status area_plan_load(struct area_plan *plan, conus_atlas *atlas, enum mes
     conus_status gathered = gather_notes(&atlas->notes, plan, &notes, progress); /* also of what cannot be read */
     status = status ? status : gathered;
     status = status ? status : add_surfaces(plan, &surfaces, atlas);
-    status = status ? status : note_place(atlas);
+    status = status ? status : note_size(atlas);
     status = status ? status : grow_tree(plan, atlas);
     surfaces_finish(&surfaces);
     notes_finish(&notes);

@@ -325,12 +325,6 @@ static uint32_t largest_label(const conus_atlas *atlas)
     return largest;
 }
 
-static double area_threshold(const struct loading *loading, const struct manifest_pathway *entry)
-{
-    const double asked = loading->options->probability;
-    return asked > 0 ? asked : entry->threshold > 0 ? entry->threshold : 0.25; /* as of a pathway */
-}
-
 /* Adds a volume of the file for each label, whose number is that of the volume from 1. The areas' labels are these
  * numbers less `skipped` behind the labels that there are, for a single volume the next one. */
 static conus_status add_labelled(struct loading *loading, const struct manifest_pathway *entry,
@@ -339,7 +333,8 @@ static conus_status add_labelled(struct loading *loading, const struct manifest_
 {
     char words[TEXT_NUMBER_SIZE];
     const uint32_t before = largest_label(loading->atlas);
-    const double threshold = area_threshold(loading, entry);
+    const double asked = loading->options->probability;
+    const double threshold = asked > 0 ? asked : entry->threshold > 0 ? entry->threshold : 0.25; /* as of a pathway */
     struct probability_scale scale;
     conus_status status = probability_scale_of(&scale, file, entry->scale, notes);
     for (size_t i = 0; !status && i < labels->count; i++) {

@@ -42,8 +42,8 @@ static conus_status say_transform(struct manifest_draft *draft, const char *name
                               name, what, name);
 }
 
-/* Says of name, if it is a transform, that it is left out: nobody can see which way it leads, and of which image.
- * CONUS_ERROR_MEMORY. */
+/* Logs that the file `name` is left out if it is a transform: neither its direction nor its images are known.
+ * Errors: CONUS_ERROR_MEMORY. */
 static conus_status draft_transform_say(struct manifest_draft *draft, const char *name)
 {
     struct file_sums read = {0};
@@ -63,8 +63,8 @@ static conus_status draft_transform_say(struct manifest_draft *draft, const char
     return status;
 }
 
-/* Says the same of the volume name, if its header says that it is a deformation field or what belongs to one;
- * *is_field then. CONUS_ERROR_MEMORY. */
+/* Logs the same for the volume `name` if its header says that it is a deformation field or a part of one; *is_field
+ * then. Errors: CONUS_ERROR_MEMORY. */
 static conus_status draft_field_say(bool *is_field, struct manifest_draft *draft, const char *name)
 {
     bool usable = false;
@@ -81,7 +81,7 @@ static conus_status draft_field_say(bool *is_field, struct manifest_draft *draft
     return status;
 }
 
-/* Its images are no further volumes of the folder. */
+/* Marks the images of the atlas as used, so that they are not taken as volumes of their own. */
 static conus_status draft_fsl_mark(struct manifest_draft *draft, const struct fsl_atlas *atlas)
 {
     conus_status status = CONUS_OK;
@@ -94,7 +94,7 @@ static conus_status draft_fsl_mark(struct manifest_draft *draft, const struct fs
     return status;
 }
 
-/* Whether the volume name is one of those. */
+/* Whether the volume `name` is an image of an FSL atlas that was taken. */
 static bool draft_fsl_has(const struct manifest_draft *draft, const char *name)
 {
     size_t length = volume_stem_length(name);
@@ -123,9 +123,9 @@ static conus_status choose(const char **name, const struct manifest_draft *draft
                               parts->notes.lines[parts->notes.count - 1]);
 }
 
-/* Which file stands for the XML xml, of type Label: the XML itself; its volume, where that has other names by
- * itself, so that the manifest says what a query of the volume says; or NULL, where another XML has taken the volume. A
- * line of the log says why it is not the XML. *name is the caller's to memory_free(). */
+/* Chooses the file that the manifest names for `xml`, an atlas of type Label: the XML itself; its volume, where that
+ * has other names by itself, so that the manifest and a query of the volume give the same names; or NULL, where another
+ * XML has taken the volume. The log says why it is not the XML. *name is the caller's to memory_free(). */
 static conus_status draft_fsl_choose(char **name, const struct manifest_draft *draft, const char *xml)
 {
     struct parcellation parts = {0};
@@ -152,8 +152,7 @@ static bool has_name(const json_t *list, const char *name, size_t length)
     return has;
 }
 
-/* Appends the file name of the folder to "streamlines" if it is a tractogram that loads; of other files
- * draft_transform_say() tells. */
+/* Appends the file `name` to "streamlines" if it is a tractogram that loads; logs it if it is a transform. */
 static conus_status draft_streamlines_take(struct manifest_draft *draft, const char *name)
 {
     bool loads = false;
@@ -426,27 +425,17 @@ static conus_status take_series(struct manifest_draft *draft, const char *name, 
     return manifest_draft_log(draft, "%s: %zu pathways, %s", name, count, named ? NAMED : "to be named");
 }
 
-static conus_status take_pathway(struct manifest_draft *draft, const char *name, const char *words)
+/* Takes a single volume as a pathway, or as an area by probabilities; `words` say why. */
+static conus_status take_single(struct manifest_draft *draft, bool probable, const char *name, const char *words)
 {
     bool loads = false;
-    conus_status status =
-        manifest_draft_append_loading(&loads, draft, draft->pathways, "pathways",
-                                      json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name)));
-    return status  ? status
-           : loads ? manifest_draft_log(draft, "%s: pathway, %s", name, words)
-                   : manifest_draft_leave_out(draft, name);
-}
-
-/* A volume whose name says that it is one. */
-static conus_status take_probability(struct manifest_draft *draft, const char *name)
-{
-    bool loads = false;
-    conus_status status =
-        manifest_draft_append_loading(&loads, draft, draft->maps, "probabilities",
-                                      json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name)));
-    return status  ? status
-           : loads ? manifest_draft_log(draft, "%s: an area by probabilities, as its name says", name)
-                   : manifest_draft_leave_out(draft, name);
+    conus_status status = manifest_draft_append_loading(
+        &loads, draft, probable ? draft->maps : draft->pathways, probable ? "probabilities" : "pathways",
+        json_pack("{s:s,s:s#}", "file", name, "name", name, volume_stem_length(name)));
+    return status ? status
+           : loads
+               ? manifest_draft_log(draft, "%s: %s, %s", name, probable ? "an area by probabilities" : "pathway", words)
+               : manifest_draft_leave_out(draft, name);
 }
 
 static conus_status take_context(struct manifest_draft *draft, const char *name, const char *words)
@@ -464,10 +453,10 @@ static conus_status take_volume(struct manifest_draft *draft, const char *name, 
         return take_series(draft, name, guess->count);
     }
     if (named_maps_is_probseg(name)) {
-        return take_probability(draft, name);
+        return take_single(draft, true, name, "as its name says");
     }
     if (guess->use == VOLUME_PATHWAY) {
-        return take_pathway(draft, name, guess->words);
+        return take_single(draft, false, name, guess->words);
     }
     if (guess->use == VOLUME_CONTEXT) {
         return take_context(draft, name, guess->words);

@@ -257,25 +257,14 @@ static bool is_claimed(const struct claim *claims, size_t count, size_t voxel, c
     return false;
 }
 
-static conus_status count_lost(struct label_map *lost, uint32_t label)
-{
-    uint64_t *count = label_map_at(lost, label);
-    if (!count) {
-        return CONUS_ERROR_MEMORY;
-    }
-    ++*count;
-    return CONUS_OK;
-}
-
 /* Takes the voxels that the first `count` parts claim; `lost` counts them by label. */
 static conus_status take_claimed(struct label_map *lost, struct parcellation *part, struct claim *claims, size_t count)
 {
     const conus_volume_info *info = &part->file.info;
-    conus_status status = CONUS_OK;
     for (size_t q = 0; q < count; q++) {
         claims[q].same = space_same_grid(&claims[q].grid.info, info);
     }
-    for (size_t voxel = 0; !status && voxel < parcellation_voxels(part); voxel++) {
+    for (size_t voxel = 0; voxel < parcellation_voxels(part); voxel++) {
         const size_t at[3] = {voxel % info->dim[0], voxel / info->dim[0] % info->dim[1],
                               voxel / info->dim[0] / info->dim[1]};
         double centre[3] = {(double)at[0], (double)at[1], (double)at[2]};
@@ -283,12 +272,16 @@ static conus_status take_claimed(struct label_map *lost, struct parcellation *pa
         if (label) {
             mat4_point(centre, info->world_from_voxel, centre);
             if (is_claimed(claims, count, voxel, centre)) {
-                status = count_lost(lost, label);
+                uint64_t *taken = label_map_at(lost, label);
+                if (!taken) {
+                    return CONUS_ERROR_MEMORY;
+                }
+                ++*taken;
                 label_voxels_clear(&part->labels, voxel);
             }
         }
     }
-    return status;
+    return CONUS_OK;
 }
 
 /* The voxels that one part loses to others. */
@@ -298,12 +291,6 @@ struct loss {
     uint32_t *gone; /* labels of which nothing is left, sorted */
     size_t gone_count;
 };
-
-static void loss_finish(struct loss *loss)
-{
-    label_map_finish(&loss->voxels);
-    memory_free(loss->gone);
-}
 
 /* `before` has the voxels of each label. */
 static conus_status add_up(struct loss *loss, struct label_map *before)
@@ -358,7 +345,8 @@ static conus_status give_voxels(struct parcellations *all, struct claim *claims)
         status = take_claimed(&loss.voxels, &all->parts[p], claims, p);
         status = status ? status : add_up(&loss, &all->voxels[p]);
         status = status ? status : note_loss(&all->notes, &loss, &all->parts[p]);
-        loss_finish(&loss);
+        label_map_finish(&loss.voxels);
+        memory_free(loss.gone);
     }
     return status;
 }
