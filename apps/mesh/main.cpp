@@ -65,15 +65,6 @@ MappedFile::~MappedFile()
     }
 }
 
-static void answer(const char *path)
-{
-    const MappedFile file(path);
-    const SurfacesRequest request = parse_request(file.data(), file.size());
-    Stream stream;
-    make_surfaces(stream, request);
-    stream.end();
-}
-
 static const char help[] =
     "usage: conus-mesh REQUEST\n\nMakes meshes with VTK for conus; see loaders/child/mesh_protocol.h for the file "
     "REQUEST.\nThe command for people is conus mesh.\n";
@@ -102,7 +93,11 @@ int main(int argc, char **argv)
         return 2;
     }
     try {
-        answer(argv[1]);
+        const MappedFile file(argv[1]);
+        const SurfacesRequest request = parse_request(file.data(), file.size());
+        Stream stream;
+        make_surfaces(stream, request);
+        stream.end();
     } catch (const std::bad_alloc &) {
         std::fputs("not enough memory\n", stderr);
         return 3;

@@ -104,6 +104,12 @@ int output_check_file(const char *path)
     return EXIT_DATA;
 }
 
+const char *path_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash && slash[1] ? slash + 1 : path;
+}
+
 bool path_ends(const char *path, const char *ending)
 {
     size_t length = strlen(path);

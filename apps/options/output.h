@@ -37,6 +37,9 @@ bool output_is_no_file(const char *path);
 /** Finds the format by the ending of @p path: .txt is a table. False if the ending names none. */
 bool output_format(conus_format *out, const char *path);
 
+/** The part of @p path behind its last slash; all of it where nothing follows that slash. */
+const char *path_name(const char *path);
+
 /** Whether @p path ends in @p ending (".png"), in any case. */
 bool path_ends(const char *path, const char *ending);
 

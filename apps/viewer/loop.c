@@ -87,29 +87,24 @@ static void note_times(struct window *window, unsigned answer)
     }
 }
 
-static double least(double a, double b)
-{
-    return a < b ? a : b;
-}
-
 /* Seconds until something changes by itself. */
 static double rest(const struct window *window, const struct script *script)
 {
     double seconds = window_rest(window);
     if (script) {
-        seconds = least(seconds, patience_s);
+        seconds = fmin(seconds, patience_s);
     }
     if (window->inputs.station) {
-        seconds = least(seconds, watch_s);
+        seconds = fmin(seconds, watch_s);
     }
     if (ui_wants_keys()) {
-        seconds = least(seconds, blink_s);
+        seconds = fmin(seconds, blink_s);
     }
     if (window->viewer) {
-        seconds = least(seconds, inputs_rest(&window->inputs, window->viewer));
-        seconds = least(seconds, replay_rest(&window->inputs.replay, window->viewer, glfwGetTime()));
+        seconds = fmin(seconds, inputs_rest(&window->inputs, window->viewer));
+        seconds = fmin(seconds, replay_rest(&window->inputs.replay, window->viewer, glfwGetTime()));
     }
-    return least(seconds, longest_s);
+    return fmin(seconds, longest_s);
 }
 
 static void wait_for_events(struct window *window, double seconds)
@@ -169,8 +164,8 @@ static void draw_panels(struct window *window)
         panel_start(window);
         return;
     }
-    pane_borders(window); /* first, so that they lie in front */
-    if (!window->screen.alone) {
+    pane_borders(window);        /* first, so that they lie in front */
+    if (!window->screen.alone) { /* before the panes: the list shows an answer to the mouse there one frame later */
         panel_areas(window);
         panel_results(window);
     }

@@ -104,12 +104,6 @@ json_t *additions_without(const json_t *words, size_t index)
     return without;
 }
 
-static const char *name_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 size_t additions_index(const json_t *words, const char *path)
 {
     size_t count = json_array_size(words);
@@ -121,7 +115,7 @@ size_t additions_index(const json_t *words, const char *path)
         if (is && (strcmp(file, path) == 0 || paths_equal(file, path))) {
             return i;
         }
-        named = is && named == count && strcmp(name_of(file), path) == 0 ? i : named;
+        named = is && named == count && strcmp(path_name(file), path) == 0 ? i : named;
     }
     return named;
 }
@@ -296,7 +290,7 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
             fine = !json_array_append_new(found, now);
         } else {
             size_t used = strlen(missing);
-            snprintf(missing + used, ADDITIONS_MISSING - used, "%s%s", used ? ", " : "", name_of(path));
+            snprintf(missing + used, ADDITIONS_MISSING - used, "%s%s", used ? ", " : "", path_name(path));
             conus_plain_text(missing);
         }
     }
@@ -322,7 +316,7 @@ static int likeness(const json_t *then, const json_t *now)
     const char *keys[2] = {keys_of(then, &kinds[0]), keys_of(now, &kinds[1])};
     const char *sum = text_of(then, "sha256");
     bool same_file = (sum[0] && strcmp(sum, text_of(now, "sha256")) == 0) ||
-                     strcmp(name_of(text_of(then, "path")), name_of(text_of(now, "path"))) == 0;
+                     strcmp(path_name(text_of(then, "path")), path_name(text_of(now, "path"))) == 0;
     if (strcmp(text_of(then, "option"), text_of(now, "option")) == 0) {
         return 3;
     }
@@ -366,7 +360,7 @@ bool additions_differ(char name[ADDITIONS_MISSING], const json_t *then, const js
         const char *sum = text_of(json_array_get(then, i), "sha256");
         differ = entry && sum[0] && strcmp(sum, text_of(entry, "sha256")) != 0;
         if (differ) {
-            snprintf(name, ADDITIONS_MISSING, "%s", name_of(text_of(entry, "path")));
+            snprintf(name, ADDITIONS_MISSING, "%s", path_name(text_of(entry, "path")));
             conus_plain_text(name);
         }
     }

@@ -101,14 +101,9 @@ const char *result_heading(const struct viewer *viewer, size_t column)
     return of->kind == PLACE ? conus_space_axis(viewer->frame.space, (size_t)of->digits) : of->heading;
 }
 
-static const char *unit_of(const struct viewer *viewer, const struct column *of)
-{
-    return of->kind == PLACE ? conus_space_unit(viewer->frame.space) : of->unit;
-}
-
 const char *result_meaning(char out[RESULT_TIP], const struct viewer *viewer, size_t column)
 {
-    const char *unit = unit_of(viewer, &columns[column]);
+    const char *unit = columns[column].kind == PLACE ? conus_space_unit(viewer->frame.space) : columns[column].unit;
     snprintf(out, RESULT_TIP, "%s: %s%s%s", columns[column].key, columns[column].meaning, unit ? ", " : "",
              unit ? unit : "");
     return out;
@@ -152,18 +147,17 @@ static uint32_t bit(size_t column)
     return UINT32_C(1) << column;
 }
 
-/* Where nobody has chosen. With all layers the entry is there of what is occluded, too. */
-static uint32_t usual(const struct viewer *viewer)
+/* The columns that the user chose, or else the usual ones: with all layers the entry, which occluded areas have, too.
+ */
+static uint32_t chosen(const struct viewer *viewer)
 {
+    if (viewer->list.columns) {
+        return viewer->list.columns;
+    }
     const char *score = viewer->cone.options.score;
     bool has_score = score && strcmp(score, "share") != 0; /* which is there already */
     return bit(RESULT_NAME) | bit(RESULT_SHARE) | bit(has_layers(viewer) ? RESULT_ENTRY : RESULT_DISTANCE) |
            bit(RESULT_X) | bit(RESULT_Y) | bit(RESULT_Z) | (has_score ? bit(RESULT_SCORE) : 0);
-}
-
-static uint32_t chosen(const struct viewer *viewer)
-{
-    return viewer->list.columns ? viewer->list.columns : usual(viewer);
 }
 
 size_t result_shown(size_t out[RESULT_COLUMNS], const struct viewer *viewer)

@@ -2,6 +2,8 @@
 /* Looks whether the atlas's files have changed on disk. */
 #include "viewer/model/file_watch.h"
 
+#include "options/output.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,17 +78,11 @@ void file_watch_destroy(struct file_watch *watch)
     }
 }
 
-static const char *last_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* By its name: paths may be absolute now. */
 static bool has_file(const conus_atlas *atlas, const char *name)
 {
     for (size_t i = 0; i < count_files(atlas); i++) {
-        if (strcmp(last_name(path_of(atlas, i)), name) == 0) {
+        if (strcmp(path_name(path_of(atlas, i)), name) == 0) {
             return true;
         }
     }
@@ -98,8 +94,8 @@ const char *file_watch_find_other(const struct file_watch *watch, const conus_at
     for (size_t i = 0; i < watch->count; i++) {
         const char *path = path_of(watch->atlas, i);
         struct state is = look_at(path);
-        if (!is_same(&is, &watch->first[i]) && has_file(now, last_name(path))) {
-            return last_name(path);
+        if (!is_same(&is, &watch->first[i]) && has_file(now, path_name(path))) {
+            return path_name(path);
         }
     }
     return NULL;
@@ -115,7 +111,7 @@ bool file_watch_check(struct file_watch *watch, char text[FILE_WATCH_TEXT])
             continue;
         }
         if (changes++ == 0) {
-            snprintf(text, FILE_WATCH_TEXT, "%.60s %s disk: what is shown was read before", last_name(path),
+            snprintf(text, FILE_WATCH_TEXT, "%.60s %s disk: what is shown was read before", path_name(path),
                      now.is_there ? "changed on" : "is gone from");
         }
         watch->states[i] = now;

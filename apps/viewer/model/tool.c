@@ -9,6 +9,8 @@
 static const double start_radii = 1.6; /* from the brain's middle, where a tool starts */
 static const double least_angle = 0.1, most_angle = 179;
 
+static const char *const ordinals[TOOL_COUNT] = {"first", "second"};
+
 const char *const pointer_names[POINTER_COUNT] = {"mouse", "wand", "replay", "tracker", "spacemouse", "gamepad"};
 
 /* An atlas that cannot answer has no answer any more. */
@@ -22,8 +24,8 @@ static void ask(struct viewer *viewer, enum tool_number number)
         double angle = viewer_question(&options, viewer, number, i);
         conus_status status = view_atlas_select(view, number, &options, &tool->pose, angle);
         if (status) {
-            viewer_say(viewer, "%s%s%s", number == SECOND_TOOL ? "second tool" : view->name,
-                       number == SECOND_TOOL || view->name[0] ? ": " : "",
+            const char *whose = number == SECOND_TOOL ? "second tool" : view->name;
+            viewer_say(viewer, "%s%s%s", whose, whose[0] ? ": " : "",
                        status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
         }
     }
@@ -131,13 +133,14 @@ void tool_widen(struct viewer *viewer, enum tool_number number, double factor)
 
 void tool_confirm(struct viewer *viewer, enum tool_number number)
 {
+    static const char *const whose[TOOL_COUNT] = {"", "second tool's "};
     char title[VIEW_ATLAS_TITLE];
     if (number == SECOND_TOOL) {
         tool_update_second(viewer);
     }
     const conus_result *best = conus_selection_result(view_atlas_selection(viewer->drawn, number), 0);
     if (!best || !best->object) {
-        viewer_say(viewer, "nothing in the %scone to confirm", number == SECOND_TOOL ? "second tool's " : "");
+        viewer_say(viewer, "nothing in the %scone to confirm", whose[number]);
         return;
     }
     viewer_pin(viewer, (size_t)(viewer->drawn - viewer->atlases), best->object, NULL, best->share, best->distance,
@@ -164,7 +167,7 @@ void tool_choose_next(struct viewer *viewer, enum tool_number number)
     int next = ((int)viewer->tools[number].pointer + 1) % POINTER_COUNT;
     next += number == SECOND_TOOL && next == POINT_BY_REPLAY;
     tool_choose(viewer, number, (enum pointer)next);
-    viewer_say(viewer, "%s tool: moved by the %s", number == SECOND_TOOL ? "second" : "first", pointer_names[next]);
+    viewer_say(viewer, "%s tool: moved by the %s", ordinals[number], pointer_names[next]);
 }
 
 bool tool_second_is_taken(const struct viewer *viewer)

@@ -8,25 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Once, and not for every cut. */
-static void find_window(struct view_atlas *view)
-{
-    size_t context = view_atlas_context(view);
-    if (context == conus_atlas_volume_count(view->atlas) || conus_atlas_window(view->window, view->atlas, context)) {
-        view->window[0] = view->window[1] = 0;
-    }
-}
-
-/* Likewise: it takes names apart. */
-static void find_sides(struct view_atlas *view)
-{
-    view->sides = malloc(view->object_count + 1);
-    if (view->sides && conus_atlas_sides(view->sides, view->atlas)) {
-        free(view->sides);
-        view->sides = NULL;
-    }
-}
-
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
 {
     struct view_atlas view = {.atlas = source->atlas,
@@ -43,12 +24,19 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
         return false;
     }
     view.watch = file_watch_create(view.atlas);
-    find_sides(&view);
+    view.sides = malloc(view.object_count + 1);
+    if (view.sides && conus_atlas_sides(view.sides, view.atlas)) {
+        free(view.sides);
+        view.sides = NULL;
+    }
     view.kinds = calloc(view.object_count + 1, sizeof(const char *));
     for (size_t number = 0; view.kinds && number <= view.object_count; number++) {
         view.kinds[number] = conus_atlas_kind_word(view.atlas, number);
     }
-    find_window(&view);
+    size_t context = view_atlas_context(&view);
+    if (context == conus_atlas_volume_count(view.atlas) || conus_atlas_window(view.window, view.atlas, context)) {
+        view.window[0] = view.window[1] = 0;
+    }
     *out = view;
     return true;
 }

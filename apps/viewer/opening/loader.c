@@ -3,6 +3,7 @@
 #include "viewer/opening/loader.h"
 
 #include "options/messages.h"
+#include "options/output.h"
 #include "settings/atlas_input.h"
 
 #include <pthread.h>
@@ -13,7 +14,7 @@
 
 struct loader {
     pthread_t thread;
-    struct loading what;
+    struct loading request;
     struct atlases atlases;
     size_t before, total; /* files of the atlases before, and with those of the one at hand; the thread's own */
     size_t ahead;         /* atlases behind it, a file each, and one for the context; likewise */
@@ -28,9 +29,8 @@ struct loader {
 /* The window shows the file that is read. */
 static bool show(struct loader *loader, const char *path, size_t done, size_t total)
 {
-    const char *slash = strrchr(path, '/');
     pthread_mutex_lock(&loader->lock);
-    snprintf(loader->progress.file, sizeof loader->progress.file, "%s", slash && slash[1] ? slash + 1 : path);
+    snprintf(loader->progress.file, sizeof loader->progress.file, "%s", path_name(path));
     make_plain_line(loader->progress.file);
     loader->progress.part = done < total ? (double)done / (double)total : 1;
     pthread_mutex_unlock(&loader->lock);
@@ -99,7 +99,8 @@ static bool has_context(const conus_atlas *atlas)
 static int set_context(struct loader *loader, size_t index, const struct context_choice *choice)
 {
     bool goes_on = show(loader, choice->files.items[0], loader->total, loader->total + 1);
-    return goes_on ? context_choice_load(loader->atlases.items[index].atlas, choice, loader->what.settings) : EXIT_DATA;
+    return goes_on ? context_choice_load(loader->atlases.items[index].atlas, choice, loader->request.settings)
+                   : EXIT_DATA;
 }
 
 /* Any of the atlases may be drawn: each has the context, but for one that has its own. What no option asked for is no
@@ -107,7 +108,7 @@ static int set_context(struct loader *loader, size_t index, const struct context
 static int set_contexts(struct loader *loader)
 {
     const struct atlases *atlases = &loader->atlases;
-    const struct context_choice *given = loader->what.context;
+    const struct context_choice *given = loader->request.context;
     struct own_context own;
     own_context_find(&own, atlases->items[0].atlas);
     const struct context_choice *choice = given->files.count ? given : &own.choice;
@@ -122,15 +123,15 @@ static int set_contexts(struct loader *loader)
 
 static void load(struct loader *loader)
 {
-    const struct loading *what = &loader->what;
-    struct atlas_settings settings = *what->settings;
+    const struct loading *request = &loader->request;
+    struct atlas_settings settings = *request->settings;
     settings.progress = note;
     settings.progress_user = loader;
-    if (what->may_be && !what->may_be(what->path)) {
+    if (request->may_be && !request->may_be(request->path)) {
         return;
     }
-    loader->ahead = settings.more.count + 1 + (what->context->files.count > 0);
-    int code = atlases_load(&loader->atlases, what->path, &settings);
+    loader->ahead = settings.more.count + 1 + (request->context->files.count > 0);
+    int code = atlases_load(&loader->atlases, request->path, &settings);
     code = code ? code : set_contexts(loader);
     if (code || atomic_load(&loader->cancelled)) {
         snprintf(loader->why, sizeof loader->why, "%s", code && !loader->stopped ? error_line() : "");
@@ -141,26 +142,26 @@ static void load(struct loader *loader)
 static void *run(void *user)
 {
     struct loader *loader = user;
-    if (loader->what.look) {
-        (void)show(loader, loader->what.path, 0, 1);
-        loader->what.look(loader->what.user);
+    if (loader->request.task) {
+        (void)show(loader, loader->request.path, 0, 1);
+        loader->request.task(loader->request.user);
     } else {
         load(loader);
     }
     pthread_mutex_lock(&loader->lock);
     loader->done = true;
     pthread_mutex_unlock(&loader->lock);
-    loader->what.wake();
+    loader->request.wake();
     return NULL;
 }
 
-bool loader_start(struct loader **out, const struct loading *what)
+bool loader_start(struct loader **out, const struct loading *request)
 {
     struct loader *loader = calloc(1, sizeof *loader);
     if (!loader) {
         return false;
     }
-    loader->what = *what;
+    loader->request = *request;
     pthread_mutex_init(&loader->lock, NULL);
     if (pthread_create(&loader->thread, NULL, run, loader)) {
         pthread_mutex_destroy(&loader->lock);
@@ -173,7 +174,7 @@ bool loader_start(struct loader **out, const struct loading *what)
 
 const char *loader_path(const struct loader *loader)
 {
-    return loader->what.path;
+    return loader->request.path;
 }
 
 void loader_ask(struct loader *loader, struct loader_progress *out)
@@ -201,7 +202,7 @@ bool loader_finish(struct loader *loader, struct atlases *out, char why[LOADER_W
     pthread_join(loader->thread, NULL);
     *out = loader->atlases;
     memcpy(why, loader->why, LOADER_WHY);
-    bool fine = loader->what.look ? !atomic_load(&loader->cancelled) : out->count > 0;
+    bool fine = loader->request.task ? !atomic_load(&loader->cancelled) : out->count > 0;
     pthread_mutex_destroy(&loader->lock);
     free(loader);
     return fine;

@@ -17,7 +17,7 @@ struct loading {
     void (*wake)(void);                   /**< Called when it is done. */
     bool (*may_be)(const char *path);     /**< Asked first, on that thread: false = nothing is loaded, nor said why.
                                              NULL = it is. */
-    void (*look)(void *user);             /**< Called in place of loading, with user; NULL = it loads. */
+    void (*task)(void *user);             /**< Called in place of loading, with user; NULL = it loads. */
     void *user;
 };
 
@@ -27,8 +27,8 @@ struct loader_progress {
     double part;   /**< The part of the files that is read, 0 to 1; 0 while there is one. */
 };
 
-/** False without memory or threads. Strings of @p what must outlive the loader. */
-bool loader_start(struct loader **out, const struct loading *what);
+/** False without memory or threads. Strings of @p request must outlive the loader. */
+bool loader_start(struct loader **out, const struct loading *request);
 void loader_ask(struct loader *loader, struct loader_progress *out);
 bool loader_done(struct loader *loader);
 const char *loader_path(const struct loader *loader);

@@ -4,6 +4,7 @@
 #include "viewer/opening/open.h"
 
 #include "options/messages.h"
+#include "options/output.h"
 #include "settings/atlas_input.h"
 #include "settings/atlases.h"
 #include "settings/notes.h"
@@ -81,9 +82,9 @@ static bool is_atlas(struct window *window, const char *path, const struct view_
     struct atlas_settings alone = {
         .max_memory = settings->atlas.max_memory, .no_cache = settings->atlas.no_cache, .image_is_fine = true};
     const struct context_choice none = {.opacity = 0};
-    const struct loading what = {.path = path, .settings = &alone, .context = &none, .wake = glfwPostEmptyEvent};
+    const struct loading request = {.path = path, .settings = &alone, .context = &none, .wake = glfwPostEmptyEvent};
     struct atlases atlases = {0};
-    bool is = wait_load(window, &what, &atlases, why);
+    bool is = wait_load(window, &request, &atlases, why);
     atlases_finish(&atlases);
     return is;
 }
@@ -212,12 +213,11 @@ static bool find(char out[PATH_MAX], const struct session_file *file, const char
 /* In plain words, and what to do. */
 static void say_missing(char why[RESUME_WHY], const struct session_file *file, const char *session)
 {
-    const char *slash = strrchr(session, '/');
     const char *joint = file->folder[0] && file->atlas[0] != '/' ? "/" : "";
     snprintf(why, RESUME_WHY,
              "%.100s: its atlas is not found: %.150s%s%.150s. It was looked for there, beside the session, among what "
              "was opened before and what is installed. Open or drop it, and the session goes on.",
-             slash ? slash + 1 : session, joint[0] ? file->folder : "", joint, file->atlas);
+             path_name(session), joint[0] ? file->folder : "", joint, file->atlas);
 }
 
 /* Finds what the session `session` is of; `atlas`: a path that somebody named in place of it, or NULL. `given` are
@@ -447,13 +447,13 @@ static bool open_path(struct window *window, const char *text, const struct atla
     struct viewer *viewer = NULL;
     struct atlases atlases = {0};
     conus_frame frame = {0};
-    const struct loading what = {
+    const struct loading request = {
         .path = text, .settings = &settings.atlas, .context = &settings.context, .wake = glfwPostEmptyEvent};
     if (before) {
         settings.safe_colours = before->display.safe_colours;
         settings.full_screen = false;
     }
-    if (wait_load(window, &what, &atlases, why)) {
+    if (wait_load(window, &request, &atlases, why)) {
         for (size_t i = 0; i < atlases.count && settings.safe_colours; i++) {
             conus_atlas_use_safe_colours(atlases.items[i].atlas);
         }
@@ -504,8 +504,7 @@ static void say_added(struct window *window, const struct resume *resume, const 
         viewer_say(window->viewer, "the session is of another %s than this: numbers may differ", name);
     }
     if (resume->missing[0]) {
-        const char *slash = strrchr(session, '/');
-        snprintf(why, LOADER_WHY, "%.100s is opened without what is not found: %s", slash ? slash + 1 : session,
+        snprintf(why, LOADER_WHY, "%.100s is opened without what is not found: %s", path_name(session),
                  resume->missing);
         print_error_line("%s", why);
     }
@@ -639,12 +638,12 @@ static bool open_files(struct window *window, const struct wanted *wanted, const
 /* Not for sessions, whose options are in their file, nor for names, which the catalogue has to find. */
 struct loader *open_begin(const char *path, const struct view_settings *settings)
 {
-    const struct loading what = {.path = path,
-                                 .settings = &settings->atlas,
-                                 .context = &settings->context,
-                                 .wake = glfwPostEmptyEvent,
-                                 .may_be = files_may_be_atlas};
-    return path && conus_atlas_is_path(path) && !settings->session ? wait_begin(&what) : NULL;
+    const struct loading request = {.path = path,
+                                    .settings = &settings->atlas,
+                                    .context = &settings->context,
+                                    .wake = glfwPostEmptyEvent,
+                                    .may_be = files_may_be_atlas};
+    return path && conus_atlas_is_path(path) && !settings->session ? wait_begin(&request) : NULL;
 }
 
 bool open_wanted(struct window *window, const struct view_settings *settings, bool with_options, double begun,

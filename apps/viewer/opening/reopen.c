@@ -57,10 +57,9 @@ static void put_names(char *out, size_t size, const char *title, const json_t *w
         enum addition kind = addition_of(&value, json_string_value(json_array_get(words, i)));
         if (kind < ADDITION_COUNT && addition_path(path, kind, value) &&
             !news_has_word(others, json_array_get(words, i))) {
-            const char *slash = strrchr(path, '/');
             size_t used = strlen(out);
-            snprintf(out + used, size - used, "%s%s%s%s", used && joint == title ? "; " : "", joint,
-                     slash ? slash + 1 : path, kind == ADD_CONTEXT ? " as context" : "");
+            snprintf(out + used, size - used, "%s%s%s%s", used && joint == title ? "; " : "", joint, path_name(path),
+                     kind == ADD_CONTEXT ? " as context" : "");
             joint = ", ";
         }
     }
@@ -227,14 +226,14 @@ static bool show(struct window *window, struct atlases *loaded, const json_t *wo
 /* With the words as they are kept: files have absolute paths. */
 static bool load_and_show(struct window *window, const struct worded *worded, int step, char why[LOADER_WHY])
 {
-    const struct loading what = {.path = window->viewer->atlases->path,
-                                 .settings = &worded->settings.atlas,
-                                 .context = &worded->settings.context,
-                                 .wake = glfwPostEmptyEvent};
+    const struct loading request = {.path = window->viewer->atlases->path,
+                                    .settings = &worded->settings.atlas,
+                                    .context = &worded->settings.context,
+                                    .wake = glfwPostEmptyEvent};
     struct atlases loaded = {0};
     json_t *words = view_words(&worded->arguments, NULL);
     snprintf(why, LOADER_WHY, "%s", words ? "" : "not enough memory");
-    bool fine = words && wait_load(window, &what, &loaded, why);
+    bool fine = words && wait_load(window, &request, &loaded, why);
     if (fine) {
         fine = is_same(why, window->viewer, &loaded) && !is_doubtful(window, loaded.items[0].atlas, words, why) &&
                show(window, &loaded, words, step, why);

@@ -75,10 +75,10 @@ static void wait_for(struct loader *loader, struct window *window)
     }
 }
 
-struct loader *wait_begin(const struct loading *what)
+struct loader *wait_begin(const struct loading *request)
 {
     struct loader *loader = NULL;
-    return loader_start(&loader, what) ? loader : NULL;
+    return loader_start(&loader, request) ? loader : NULL;
 }
 
 void wait_leave(struct window *window)
@@ -94,20 +94,21 @@ void wait_leave(struct window *window)
 }
 
 /* Takes over what was begun, if it is that. */
-static bool start(struct loader **out, struct window *window, const struct loading *what)
+static bool start(struct loader **out, struct window *window, const struct loading *request)
 {
-    bool is_begun = window->files.begun && !what->look && strcmp(loader_path(window->files.begun), what->path) == 0;
+    bool is_begun =
+        window->files.begun && !request->task && strcmp(loader_path(window->files.begun), request->path) == 0;
     if (is_begun) {
         *out = window->files.begun;
         window->files.begun = NULL;
     }
-    return is_begun || loader_start(out, what);
+    return is_begun || loader_start(out, request);
 }
 
-bool wait_load(struct window *window, const struct loading *what, struct atlases *out, char why[LOADER_WHY])
+bool wait_load(struct window *window, const struct loading *request, struct atlases *out, char why[LOADER_WHY])
 {
     struct loader *loader = NULL;
-    if (!start(&loader, window, what)) {
+    if (!start(&loader, window, request)) {
         print_error_line("not enough memory");
         snprintf(why, LOADER_WHY, "not enough memory");
         return false;
@@ -127,6 +128,6 @@ bool wait_load(struct window *window, const struct loading *what, struct atlases
 bool wait_look(struct window *window, const char *path, void (*look)(void *user), void *user, char why[LOADER_WHY])
 {
     struct atlases none;
-    return wait_load(window, &(struct loading){.path = path, .look = look, .user = user, .wake = glfwPostEmptyEvent},
+    return wait_load(window, &(struct loading){.path = path, .task = look, .user = user, .wake = glfwPostEmptyEvent},
                      &none, why);
 }

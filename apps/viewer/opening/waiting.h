@@ -7,12 +7,12 @@
 #include "viewer/window/window.h"
 
 /** Begins to load what wait_load() of the same path then waits for, before there is a window; NULL = not begun. */
-struct loader *wait_begin(const struct loading *what);
+struct loader *wait_begin(const struct loading *request);
 /** Ends what was begun and not waited for. */
 void wait_leave(struct window *window);
 /** Loads, or goes on with what was begun, while the window says how far that is, unless it is quick. False: nobody
  * wants them any more, or @p why has the reason. */
-bool wait_load(struct window *window, const struct loading *what, struct atlases *out, char why[LOADER_WHY]);
+bool wait_load(struct window *window, const struct loading *request, struct atlases *out, char why[LOADER_WHY]);
 /** Likewise calls @p look with @p user on the other thread, which looks at the file @p path and others. */
 bool wait_look(struct window *window, const char *path, void (*look)(void *user), void *user, char why[LOADER_WHY]);
 

@@ -44,14 +44,6 @@ static void choose_side(struct window *window)
            "F9: the next");
 }
 
-/* Hemispheres and sides of the areas. */
-static void panel_sides(struct window *window)
-{
-    ui_text_coloured(theme_texts[THEME_HINT], "left and right");
-    choose_hemispheres(window);
-    choose_side(window);
-}
-
 enum { TIP_SIZE = 96 };
 
 static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
@@ -105,15 +97,6 @@ static void draw_buttons(struct viewer *viewer, uint32_t object)
     ui_tip("hides all others; I, too, and Ctrl+Z takes it back");
 }
 
-/* Once, when it was chosen. */
-static void scroll_to(struct window *window, uint32_t number)
-{
-    if (window->frame.listed != number) {
-        window->frame.listed = number;
-        ui_scroll_here();
-    }
-}
-
 static void draw_area(struct window *window, uint32_t number)
 {
     struct viewer *viewer = window->viewer;
@@ -129,7 +112,10 @@ static void draw_area(struct window *window, uint32_t number)
     ui_chip("colour", colour_of(viewer, number));
     ui_same_line();
     if (viewer->drawn->shown.chosen == number) {
-        scroll_to(window, number);
+        if (window->frame.listed != number) { /* it was chosen just now */
+            window->frame.listed = number;
+            ui_scroll_here();
+        }
         snprintf(name, sizeof name, "%s%s", title, shown == SHOWN_IN_PART ? " (in part)" : "");
         ui_tint(theme_texts[THEME_AMBER]);
         ui_text_cut(name, ui_room() - buttons_width(window));
@@ -207,11 +193,33 @@ static void choose_atlas(struct window *window)
     }
 }
 
+/* A line of buttons that press keys, for users who do not know the keys yet. */
+static void draw_key_buttons(struct window *window)
+{
+    static const struct {
+        const char *label, *key, *tip;
+    } buttons[] = {{"open", "ctrl+o", "an atlas or a session (Ctrl+O)"},
+                   {"save", "ctrl+s", "saves the session (Ctrl+S)"},
+                   {"undo", "ctrl+z", "takes back the last change (Ctrl+Z)"},
+                   {"redo", "ctrl+y", "does it again (Ctrl+Y)"},
+                   {" ? ", "?", "all keys, and what the mouse does (? or F1)"}};
+    for (size_t i = 0; i < sizeof buttons / sizeof buttons[0]; i++) {
+        if (i) {
+            ui_same_line();
+        }
+        if (ui_button(buttons[i].label)) {
+            window_press(window, buttons[i].key);
+        }
+        ui_tip(buttons[i].tip);
+    }
+    ui_separator();
+}
+
 void panel_areas(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     ui_panel("Areas", window->screen.left, 0);
-    panel_tools(window);
+    draw_key_buttons(window);
     choose_atlas(window);
     ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
     ui_width(window->screen.left.width - 20);
@@ -236,7 +244,9 @@ void panel_areas(struct window *window)
         window_press(window, "ctrl+l");
     }
     ui_tip("streamlines, pathways and context: add one, change it, take it out; Ctrl+L, too");
-    panel_sides(window);
+    ui_text_coloured(theme_texts[THEME_HINT], "left and right");
+    choose_hemispheres(window);
+    choose_side(window);
     ui_separator();
     ui_scroll("list", 0);
     if (viewer->drawn->shown.search[0]) {

@@ -124,19 +124,20 @@ static void type_level(struct viewer *viewer)
     }
 }
 
-static void choose_order(struct window *window)
+static void choose_property(struct window *window, enum property_id id, const char *label, const char *const *names,
+                            size_t count)
 {
-    static const char *const orders[] = {"the best first", "the nearest first"};
-    size_t order = window->viewer->cone.order;
-    if (ui_choose("list", &order, orders, 2)) {
-        property_set(window, PROPERTY_ORDER, (double)order);
+    size_t value = (size_t)property_value(window, id);
+    if (ui_choose(label, &value, names, count)) {
+        property_set(window, id, (double)value);
     }
-    panel_tip(PROPERTY_ORDER);
+    panel_tip(id);
 }
 
 /* Which hits count, and in which order: depths, level, list. */
 static void panel_question(struct window *window)
 {
+    static const char *const orders[] = {"the best first", "the nearest first"};
     struct viewer *viewer = window->viewer;
     unsigned deepest = question_deepest(viewer);
     choose_range(viewer);
@@ -144,7 +145,7 @@ static void panel_question(struct window *window)
         choose_depth(viewer, deepest);
         type_level(viewer);
     }
-    choose_order(window);
+    choose_property(window, PROPERTY_ORDER, "list", orders, 2);
 }
 
 enum { SCORE_LIMIT = 64 };
@@ -170,27 +171,6 @@ static bool choose_score(struct viewer *viewer)
     ui_tip("by what the hits are ranked, the best first: conus query --help says what each means");
     viewer->cone.options.score = names[chosen];
     return changed;
-}
-
-/* Where the mouse's cone begins. */
-static void choose_apex(struct window *window)
-{
-    static const char *const places[] = {"at the surface", "at your eye"};
-    size_t place = window->viewer->cone.apex_at_eye;
-    if (ui_choose("begins", &place, places, 2)) {
-        property_set(window, PROPERTY_APEX_AT_EYE, (double)place);
-    }
-    panel_tip(PROPERTY_APEX_AT_EYE);
-}
-
-static void choose_follow(struct window *window)
-{
-    static const char *const places[] = {"nothing", "the cone's tip", "the best contact"};
-    size_t place = (size_t)window->viewer->cone.follow;
-    if (ui_choose("cuts follow", &place, places, FOLLOW_COUNT)) {
-        property_set(window, PROPERTY_FOLLOW, (double)place);
-    }
-    panel_tip(PROPERTY_FOLLOW);
 }
 
 /* Whether there is a cone, and not one ray. */
@@ -295,6 +275,8 @@ static void show_pose(struct viewer *viewer)
 
 void panel_cone(struct window *window)
 {
+    static const char *const apexes[] = {"at the surface", "at your eye"};
+    static const char *const followed[FOLLOW_COUNT] = {"nothing", "the cone's tip", "the best contact"};
     struct viewer *viewer = window->viewer;
     size_t pointer = (size_t)viewer->tools[FIRST_TOOL].pointer;
     if (!ui_section("Cone", true)) {
@@ -311,10 +293,10 @@ void panel_cone(struct window *window)
     }
     panel_speed(window, window->viewer->tools[FIRST_TOOL].pointer);
     if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
-        choose_apex(window);
+        choose_property(window, PROPERTY_APEX_AT_EYE, "begins", apexes, 2);
     }
     show_pose(viewer);
-    choose_follow(window);
+    choose_property(window, PROPERTY_FOLLOW, "cuts follow", followed, FOLLOW_COUNT);
     if (!choose_ray(window)) {
         bool changed = choose_shape(viewer);
         changed = choose_score(viewer) || changed;

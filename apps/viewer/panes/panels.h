@@ -7,8 +7,6 @@
 
 void panel_start(struct window *window);  /**< In place of all others. */
 void panel_dialog(struct window *window); /**< Likewise. */
-/** Buttons of the keys that everybody needs, in one line. */
-void panel_tools(struct window *window);
 void panel_areas(struct window *window);
 /** The hits of a cone in an atlas, as a list so many lines high. */
 void panel_list(struct window *window, const struct view_atlas *view, const conus_selection *selection, float lines);
@@ -32,6 +30,10 @@ void panel_added(struct window *window);                          /**< Likewise:
 void panel_speed(struct window *window, enum pointer pointer);
 void panel_status(struct window *window);
 /** The tip of the widget before: what the property is, and which keys change it. */
-void panel_tip(enum property_id id);
+static inline void panel_tip(enum property_id id)
+{
+    char tip[KEYS_TIP];
+    ui_tip(keys_tip(tip, id));
+}
 
 #endif

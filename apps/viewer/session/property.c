@@ -190,11 +190,6 @@ static const char *name_of(const struct property *property, int value)
     return property->name_of ? property->name_of(index) : property->names[index];
 }
 
-static bool is_bool(const struct property *property)
-{
-    return property->type == PROPERTY_FLAG || property->type == PROPERTY_TRUTH;
-}
-
 static bool is_enum(const struct property *property)
 {
     return property->type == PROPERTY_NAME || property->type == PROPERTY_NAME_OR_NUMBER;
@@ -410,7 +405,7 @@ static bool read_word(double *out, const struct property *property, const char *
     if (is_enum(property)) {
         return find_name(out, property, word);
     }
-    if (is_bool(property)) {
+    if (property->type == PROPERTY_FLAG || property->type == PROPERTY_TRUTH) {
         *out = strcmp(word, "on") == 0;
         return *out > 0 || strcmp(word, "off") == 0;
     }

@@ -62,12 +62,6 @@ json_t *session_place(const struct view_atlas *view)
 /* Grey values are floats; the mouse can make a window of them that is wider than all of them. */
 static const double grey_limit = 1e30;
 
-static json_t *grey_of(const struct look *look)
-{
-    bool set = look->grey[0] != 0 || look->grey[1] != 0;
-    return set ? json_pack("[f, f]", look->grey[0], look->grey[1]) : json_null();
-}
-
 static json_t *opacities_of(const struct look *look)
 {
     json_t *list = json_array();
@@ -93,9 +87,10 @@ static json_t *haze_of(const struct view_atlas *view)
 json_t *session_look(const struct view_atlas *view)
 {
     const char *streamlines = tract_colour_name(view->atlas, view->look.streamlines);
-    json_t *look =
-        json_pack("{s: o, s: o, s: f, s: o}", "grey", grey_of(&view->look), "opacities", opacities_of(&view->look),
-                  "opacity_of_the_rest", view->look.opacity[0], "pathways", haze_of(view));
+    const double *window = view->look.grey;
+    json_t *grey = window[0] != 0 || window[1] != 0 ? json_pack("[f, f]", window[0], window[1]) : json_null();
+    json_t *look = json_pack("{s: o, s: o, s: f, s: o}", "grey", grey, "opacities", opacities_of(&view->look),
+                             "opacity_of_the_rest", view->look.opacity[0], "pathways", haze_of(view));
     if (look && streamlines) {
         json_object_set_new(look, "streamline_colour", json_string(streamlines));
     }

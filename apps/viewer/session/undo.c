@@ -15,18 +15,14 @@ static bool moves_by_itself(const struct tool *tool)
     return tool->pointer == POINT_BY_REPLAY || tool->pointer == POINT_BY_TRACKER || (is_driven && !tool->held);
 }
 
-static bool second_moves_by_itself(const struct tool *second)
-{
-    return second->pointer != POINT_BY_WAND && !second->held;
-}
-
 static bool is_left_out(const struct property *property, const struct window *window)
 {
+    const struct tool *second = &window->viewer->tools[SECOND_TOOL];
     switch (property->undo) {
     case UNDO_LEAVES:
         return true;
     case UNDO_LEAVES_MOVING:
-        return property->object ? second_moves_by_itself(&window->viewer->tools[SECOND_TOOL])
+        return property->object ? second->pointer != POINT_BY_WAND && !second->held
                                 : moves_by_itself(&window->viewer->tools[FIRST_TOOL]);
     case UNDO_LEAVES_REPLAY:
         return window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY;

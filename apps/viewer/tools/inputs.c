@@ -88,11 +88,6 @@ static void steer_within(conus_pose *pose, const double centre[3], double radius
     }
 }
 
-static double distance(const double a[3], const double b[3])
-{
-    return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
-}
-
 void inputs_steer(struct viewer *viewer, enum tool_number number, const double move[3], const double turn[3])
 {
     if (!viewer->tools[number].has_pose) {
@@ -100,7 +95,9 @@ void inputs_steer(struct viewer *viewer, enum tool_number number, const double m
         return;
     }
     conus_pose pose = viewer->tools[number].pose;
-    double before = distance(pose.world_from_device + 12, viewer->centre);
+    const double *at = pose.world_from_device + 12;
+    const double *centre = viewer->centre;
+    double before = hypot(hypot(at[0] - centre[0], at[1] - centre[1]), at[2] - centre[2]);
     steer_pose(&pose, move, turn);
     steer_within(&pose, viewer->centre, fmax(before, farthest_radii * viewer->radius));
     tool_aim(viewer, number, &pose);
@@ -287,13 +284,14 @@ static void find_trouble(struct notice *out, const struct source_news *heard, co
 void inputs_notice(struct notice *out, const struct inputs *inputs, const struct viewer *viewer,
                    enum tool_number number)
 {
+    static const char *const held[TOOL_COUNT] = {"held: Space lets it move again", "held: 4 lets it move again"};
     const struct tool *tool = &viewer->tools[number];
     *out = number == SECOND_TOOL ? notice_of_second(inputs, viewer) : notice_of_first(inputs, tool);
     if (!out->is_trouble) {
         find_trouble(out, &inputs->devices.heard[number], tool);
     }
     if (!out->text && tool->held && (number == SECOND_TOOL || tool->pointer >= POINT_BY_TRACKER)) {
-        out->text = number == SECOND_TOOL ? "held: 4 lets it move again" : "held: Space lets it move again";
+        out->text = held[number];
     }
 }
 

@@ -3,6 +3,7 @@
 #include "viewer/window/start.h"
 
 #include "options/messages.h"
+#include "options/output.h"
 #include "viewer/window/state_file.h"
 
 #include <stdint.h>
@@ -14,11 +15,6 @@
 #include <unistd.h>
 
 static const char gaps[] = "-_.+ :";
-
-static bool is_gap(char c)
-{
-    return c && strchr(gaps, c);
-}
 
 static bool has_word(const char *name, const char *word, size_t length)
 {
@@ -37,24 +33,16 @@ bool installed_fits(const conus_installed *atlas, const char *text)
         size_t length = strcspn(word, gaps);
         fits = has_word(atlas->name, word, length) || strncasecmp(atlas->source, word, length) == 0;
         word += length;
-        while (is_gap(*word)) {
-            word++;
-        }
+        word += strspn(word, gaps);
     }
     return fits;
-}
-
-static const char *name_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
 }
 
 /* Whether the files `a` and `b` are one atlas in two places: of one name and of as many bytes. */
 static bool installed_is_same_file(const char *a, const char *b)
 {
     struct stat infos[2];
-    return strcmp(a, b) == 0 || (strcmp(name_of(a), name_of(b)) == 0 && stat(a, &infos[0]) == 0 &&
+    return strcmp(a, b) == 0 || (strcmp(path_name(a), path_name(b)) == 0 && stat(a, &infos[0]) == 0 &&
                                  stat(b, &infos[1]) == 0 && infos[0].st_size == infos[1].st_size);
 }
 
@@ -175,8 +163,7 @@ const char *start_words(char words[PATH_MAX], const struct start *start, size_t 
 {
     snprintf(words, PATH_MAX, "%s", start_path(start, index));
     make_plain_line(words);
-    const char *slash = strrchr(words, '/');
-    return slash && slash[1] ? slash + 1 : words;
+    return path_name(words);
 }
 
 const char *start_words_typed(const struct start *start)

@@ -4,6 +4,7 @@
 #include "viewer/window/window.h"
 
 #include "options/messages.h"
+#include "options/output.h"
 #include "viewer/model/studies.h"
 
 #include <epoxy/gl.h>
@@ -774,8 +775,7 @@ static void find_session_path(char path[PATH_MAX], const struct window *window)
 {
     char here[PATH_MAX];
     const char *atlas = window->viewer->atlases->path;
-    const char *slash = strrchr(atlas, '/');
-    const char *name = slash && slash[1] ? slash + 1 : atlas;
+    const char *name = path_name(atlas);
     bool fits = getcwd(here, sizeof here) && access(here, W_OK) == 0;
     const char *home = getenv("HOME");
     int size = window->history.session_path ? snprintf(path, PATH_MAX, "%s", window->history.session_path)
@@ -848,12 +848,6 @@ void window_copy(struct window *window, enum copied what)
     free(text);
 }
 
-static const char *last_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash && slash[1] ? slash + 1 : path;
-}
-
 /* The best hit, or else what is chosen; 0 = neither. */
 static uint32_t find_object(const char **how, const struct viewer *viewer)
 {
@@ -872,9 +866,9 @@ void title_write(char out[TITLE_SIZE], const struct window *window)
     if (!viewer || window->start.on || window->dialog.on) {
         return;
     }
-    used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " - %.80s", last_name(viewer->atlases->path));
+    used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " - %.80s", path_name(viewer->atlases->path));
     if (window->history.session_path) {
-        used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " [%.80s]", last_name(window->history.session_path));
+        used += snprintf(out + used, (size_t)(TITLE_SIZE - used), " [%.80s]", path_name(window->history.session_path));
     }
     uint32_t object = find_object(&how, viewer);
     if (object) {
