@@ -32,6 +32,12 @@ char *memory_text(const char *text, size_t length);
 /** Frees; NULL is fine. */
 void memory_free(void *block);
 
+/** The bytes of memory that a caller allows: @p max_memory of its options, where 0 means the default, 8 GiB. */
+static inline uint64_t memory_limit(uint64_t max_memory)
+{
+    return max_memory ? max_memory : UINT64_C(8) << 30;
+}
+
 /** a * b into *product; false when it does not fit. */
 static inline bool memory_multiply(size_t a, size_t b, size_t *product)
 {

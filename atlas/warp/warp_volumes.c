@@ -8,7 +8,6 @@
 
 #include <stdio.h>
 
-static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
 enum { SAMPLES = 4096, NAMED = 4 };
 
 /* The voxels from which a volume is resampled: its own where it has never been. */
@@ -76,7 +75,7 @@ static uint32_t source_object(const struct volume_source *source, size_t voxel)
 
 static conus_status check_memory(const conus_atlas *atlas, const struct warp_way *way, const struct warp_plan *plan)
 {
-    uint64_t limit = plan->max_memory ? plan->max_memory : DEFAULT_MEMORY;
+    uint64_t limit = memory_limit(plan->max_memory);
     const size_t *dim = plan->grid->dim;
     double each = 0;
     for (size_t i = 0; i < atlas->volume_count; i++) {

@@ -10,8 +10,6 @@
 
 #include <string.h>
 
-static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
-
 void cifti_choice_finish(struct cifti_choice *choice)
 {
     cifti_finish(&choice->cifti);
@@ -204,7 +202,7 @@ conus_status cifti_file_open(struct cifti_file *out, const char *path, uint64_t 
     struct cifti_file file = {0};
     struct text map;
     struct notes own = {0};
-    uint64_t limit = max_memory ? max_memory : DEFAULT_MEMORY;
+    uint64_t limit = memory_limit(max_memory);
     conus_status status = map_choice_split(&file.path, &map, path);
     status = status ? status : read_file(&file, limit);
     if (!status) {

@@ -242,7 +242,6 @@ static conus_status gifti_data_decode(double **out, const struct gifti_storage *
     return CONUS_OK;
 }
 
-static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
 enum { ARRAY_LIMIT = 100000, TRANSFORM_LIMIT = 16 };
 
 struct parsing {
@@ -439,8 +438,7 @@ static conus_status read_storage(struct parsing *parsing, const struct xml_event
                     intent ? intent : "");
     }
     array->intent = (enum gifti_intent)gifti_value_of(intents, text_from(intent));
-    uint64_t max_memory =
-        parsing->options && parsing->options->max_memory ? parsing->options->max_memory : DEFAULT_MEMORY;
+    uint64_t max_memory = memory_limit(parsing->options ? parsing->options->max_memory : 0);
     int encoding = 0;
     int type = 0;
     int column_major = false;

@@ -97,7 +97,7 @@ static conus_status cifti_vertices_read(struct vertex_labels *out, const struct 
 {
     struct cifti_choice choice = {0};
     struct surface_about about = {0};
-    uint64_t limit = options->max_memory ? options->max_memory : UINT64_C(8) << 30;
+    uint64_t limit = memory_limit(options->max_memory);
     conus_status status = cifti_choice_read(&choice, bytes, map, limit, notes);
     if (!status && options->surface) {
         status = surface_about_read(&about, options->surface, limit);
@@ -108,13 +108,7 @@ static conus_status cifti_vertices_read(struct vertex_labels *out, const struct 
     return status;
 }
 
-static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
 static const struct mesh_file_options defaults;
-
-static uint64_t limit_of(const struct mesh_file_options *options)
-{
-    return options->max_memory ? options->max_memory : DEFAULT_MEMORY;
-}
 
 static bool is_gifti(const struct bytes *bytes)
 {
@@ -240,7 +234,7 @@ conus_status mesh_file_read(struct mesh *out, struct label *about, const char *p
         const struct mesh_foreign_options foreign = {options->space, options->max_memory};
         return mesh_foreign_read(out, &path, 1, &foreign, notes);
     }
-    conus_status status = gzip_read(&bytes, path, limit_of(options), options->read);
+    conus_status status = gzip_read(&bytes, path, memory_limit(options->max_memory), options->read);
     status = status ? status : read_own(out, about, &bytes, path, options, notes);
     bytes_finish(&bytes);
     return status;
@@ -338,7 +332,7 @@ static conus_status read_labels(struct vertex_labels *out, const char *path, str
     struct bytes bytes = {0};
     struct vertex_labels labels = {0};
     struct notes own = {0};
-    conus_status status = gzip_read(&bytes, path, limit_of(options), options->read);
+    conus_status status = gzip_read(&bytes, path, memory_limit(options->max_memory), options->read);
     if (status) {
         return status;
     }

@@ -12,7 +12,6 @@
 enum { SMOOTH_LIMIT = 1000, NAME_LIMIT = 200 };
 
 static const char unknown_space[] = "NIFTI_XFORM_UNKNOWN";
-static const uint64_t default_memory = UINT64_C(8) << 30;
 
 struct writing {
     const conus_atlas *atlas;
@@ -100,13 +99,13 @@ static conus_status write_own_meshes(struct writing *work)
 static conus_status write_surfaces(struct writing *work, struct notes *notes)
 {
     const conus_mesh_options *options = work->options;
-    const struct mesh_extract_options extract = {
-        .iterations = options->no_smoothing ? 0
-                      : options->smooth     ? options->smooth
-                                            : MESH_DEFAULT_SMOOTH,
-        .pass_band = options->pass_band > 0 ? options->pass_band : MESH_DEFAULT_PASS_BAND,
-        .reduction = options->decimate,
-        .max_memory = options->max_memory ? options->max_memory : default_memory};
+    const struct mesh_extract_options extract = {.iterations = options->no_smoothing ? 0
+                                                               : options->smooth     ? options->smooth
+                                                                                     : MESH_DEFAULT_SMOOTH,
+                                                 .pass_band = options->pass_band > 0 ? options->pass_band
+                                                                                     : MESH_DEFAULT_PASS_BAND,
+                                                 .reduction = options->decimate,
+                                                 .max_memory = memory_limit(options->max_memory)};
     return mesh_extract(work->atlas, &extract, write_mesh, work, notes);
 }
 

@@ -13,8 +13,6 @@
 
 #include <string.h>
 
-static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
-
 void surface_about_finish(struct surface_about *about)
 {
     memory_free(about->structure);
@@ -29,7 +27,7 @@ conus_status surface_about_read(struct surface_about *out, const char *path, uin
     struct bytes bytes = {0};
     struct gifti gifti = {0};
     struct notes notes = {0}; /* said again by whoever reads the surface */
-    conus_status status = gzip_read(&bytes, path, max_memory ? max_memory : DEFAULT_MEMORY, NULL);
+    conus_status status = gzip_read(&bytes, path, memory_limit(max_memory), NULL);
     *out = (struct surface_about){0};
     if (!status && text_equal(xml_root(text_from_bytes(bytes.data, bytes.size)), "GIFTI")) {
         status = gifti_parse(&gifti, bytes.data, bytes.size, &options, &notes);

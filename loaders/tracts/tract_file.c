@@ -7,8 +7,6 @@
 #include "loaders/file_kind.h"
 #include "loaders/tracts/tract_formats.h"
 
-static const uint64_t default_memory = UINT64_C(8) << 30;
-
 /* A format is a stream of bytes (`read`), or opens its file, or folder, itself (`open`). `head` has the first bytes,
  * unpacked; of a folder none. Messages of `read` are without the path, those of `open` with it. `has_lines`, unless it
  * is NULL, says of a file that begins so whether it is a tractogram at all. `states_mm`: points are world mm, always.
@@ -88,7 +86,7 @@ static conus_status check(struct tractogram *tractogram, struct notes *notes)
 static conus_status read_stream(struct tractogram *out, const struct tract_format *format, struct byte_stream *stream,
                                 uint64_t max_memory, struct notes *notes)
 {
-    conus_status status = format->read(out, stream, max_memory ? max_memory : default_memory, notes);
+    conus_status status = format->read(out, stream, memory_limit(max_memory), notes);
     return status ? status : byte_stream_sum(out->sha256, stream);
 }
 
@@ -97,7 +95,7 @@ static conus_status read_content(struct tractogram *out, const struct tract_form
                                  uint64_t max_memory, struct notes *notes)
 {
     if (format->open) {
-        return format->open(out, path, max_memory ? max_memory : default_memory, notes);
+        return format->open(out, path, memory_limit(max_memory), notes);
     }
     struct byte_stream stream = {0};
     conus_status status = byte_stream_open(&stream, path);

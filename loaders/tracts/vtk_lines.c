@@ -19,9 +19,8 @@ bool vtk_lines_is(const struct bytes *head, const char *path)
 
 bool vtk_lines_are_in(const char *path)
 {
-    static const uint64_t most = UINT64_C(8) << 30;
     struct bytes bytes = {0};
-    bool are = !gzip_read(&bytes, path, most, NULL) && format_is_lines(&bytes);
+    bool are = !gzip_read(&bytes, path, memory_limit(0), NULL) && format_is_lines(&bytes);
     bytes_finish(&bytes);
     return are;
 }

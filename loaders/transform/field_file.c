@@ -136,7 +136,6 @@ conus_status field_header_kind(enum field_kind *out, const struct field_header *
     return status;
 }
 
-static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
 enum { HEAD_READ = 1 << 16, LATTICE = 64 }; /* LATTICE: nodes along an axis that show what vectors are */
 
 #define NEAR 0.01 /* mm by which the field's grid and FSL's image may differ */
@@ -237,7 +236,7 @@ static conus_status read_vectors(struct deformation *out, struct volume_file *fi
         return fail(CONUS_ERROR_DATA, "%s: the matrix is singular", file->info.transform);
     }
     conus_status status = file->info.volume_count == 3 ? CONUS_OK : fail(CONUS_ERROR_IO, FILE_CHANGED);
-    uint64_t limit = max_memory ? max_memory : DEFAULT_MEMORY;
+    uint64_t limit = memory_limit(max_memory);
     if (!status && count_nodes(out) > limit / (3 * sizeof *out->vectors)) {
         status =
             fail(CONUS_ERROR_MEMORY, "dim: %zu vectors take %zu bytes each, allowed are %llu in all (--max-memory)",

@@ -122,7 +122,6 @@ static conus_status tiff_volume_header(struct volume_header *out, const struct t
     return status;
 }
 
-static const uint64_t DEFAULT_MEMORY = UINT64_C(8) << 30;
 static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF)";
 enum {
     HEAD_LIMIT = 1 << 26, /* of the header file of a pair */
@@ -314,7 +313,8 @@ static bool has_fixed_header(const uint8_t *data, size_t size)
     return nifti_has_magic(data, size) || mgh_is(data, size);
 }
 
-static conus_status open_files(struct opening *o, const char *path)
+/* Opens the files of the volume and reads its header. */
+static conus_status open_and_read_header(struct opening *o, const char *path)
 {
     bool image = false;
     size_t at = 0;
@@ -443,12 +443,6 @@ static conus_status set_label_sink(struct gzip_range *range, struct opening *o, 
     return label_reader_init(o->labels, &o->like, &(struct bytes){0});
 }
 
-/* Whether one volume of many is unpacked. */
-static bool is_worth_index(const struct opening *o, uint64_t total)
-{
-    return !o->all && o->header.info.volume_count > 1 && total > STORED_LARGE;
-}
-
 /* Moves the voxels out of what is stored, whose packed bytes are gone afterwards. */
 static conus_status take_voxels(struct volume_file *file, struct opening *o)
 {
@@ -459,7 +453,8 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
     struct gzip_range range = {.from = header->offset + (o->all ? 0 : header->info.volume * header->volume_size),
                                .count = header->volume_size * (o->all ? header->info.volume_count : 1),
                                .total = header->offset + header->info.volume_count * header->volume_size};
-    const char *sha256 = is_worth_index(o, range.total) ? file->info.sha256 : NULL;
+    bool is_worth_index = !o->all && header->info.volume_count > 1 && range.total > STORED_LARGE;
+    const char *sha256 = is_worth_index ? file->info.sha256 : NULL;
     conus_status status = set_label_sink(&range, o, file);
     status = status         ? status
              : scattered    ? tiff_unpack(out, &o->tiff)
@@ -521,16 +516,17 @@ static conus_status volume_take_all(struct volume_file *file, struct opening *o)
     return CONUS_OK;
 }
 
-static conus_status open_once(struct volume_file *file, const char *path, struct opening *o)
+/* Opens the files, chooses the volume and takes its voxels. */
+static conus_status open_attempt(struct volume_file *file, const char *path, struct opening *o)
 {
-    conus_status status = open_files(o, path);
+    conus_status status = open_and_read_header(o, path);
     if (!status && (status = choose_volume(o))) {
         fail_in(status, path);
     }
     return status ? status : volume_take_all(file, o);
 }
 
-/* Makes `o` as it was before open_once(), but for its index. */
+/* Makes `o` as it was before open_attempt(), but for its index. */
 static void forget_index(struct opening *o)
 {
     struct opening again = {
@@ -543,16 +539,17 @@ static void forget_index(struct opening *o)
     }
 }
 
-/* Opens what `o` asks for, and finishes it. An index that leads to an error is as if it were not there. */
-static conus_status open_wanted(struct volume_file *out, const char *path, struct opening *o, struct notes *notes)
+/* Opens the volume that `o` describes, and finishes `o`. If an index of packed voxels leads to an error, tries again
+ * without it. */
+static conus_status open_with_retry(struct volume_file *out, const char *path, struct opening *o, struct notes *notes)
 {
     struct volume_file file = {0};
-    conus_status status = open_once(&file, path, o);
+    conus_status status = open_attempt(&file, path, o);
     if (status && o->voxels.index) {
         volume_file_finish(&file);
         forget_index(o);
         o->use = STORED_KEEP;
-        status = open_once(&file, path, o);
+        status = open_attempt(&file, path, o);
     }
     conus_status moved = notes_move_in(notes, &o->notes, file.path ? file.path : path); /* also where it failed */
     status = status ? status : moved;
@@ -615,12 +612,13 @@ conus_status volume_file_header(conus_volume_info *out, const char *path)
     return status;
 }
 
-static conus_status open_selected(struct volume_file *out, const char *path, struct opening *opening,
-                                  struct notes *notes)
+/* Opens `path`, which may end in a selector such as ",volume=K". */
+static conus_status open_by_selector(struct volume_file *out, const char *path, struct opening *opening,
+                                     struct notes *notes)
 {
     conus_status status = volume_selector_parse(&opening->selector, path);
     opening->use = opening->selector.chosen ? opening->use : STORED_PLAIN;
-    return status ? status : open_wanted(out, opening->selector.path, opening, notes);
+    return status ? status : open_with_retry(out, opening->selector.path, opening, notes);
 }
 
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes)
@@ -631,9 +629,8 @@ conus_status volume_file_open(struct volume_file *out, const char *path, uint64_
 conus_status volume_file_open_cached(struct volume_file *out, const char *path, uint64_t max_memory, bool cache,
                                      struct notes *notes)
 {
-    struct opening opening = {.limit = max_memory ? max_memory : DEFAULT_MEMORY,
-                              .use = cache ? STORED_INDEX : STORED_PLAIN};
-    return open_selected(out, path, &opening, notes);
+    struct opening opening = {.limit = memory_limit(max_memory), .use = cache ? STORED_INDEX : STORED_PLAIN};
+    return open_by_selector(out, path, &opening, notes);
 }
 
 conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels, const char *path,
@@ -642,12 +639,12 @@ conus_status volume_file_open_labels(struct volume_file *out, struct label_voxel
 {
     struct label_reader reader = {0};
     struct volume_file file = {0};
-    struct opening opening = {.limit = options->max_memory ? options->max_memory : DEFAULT_MEMORY,
+    struct opening opening = {.limit = memory_limit(options->max_memory),
                               .file = opened,
                               .needed = needed,
                               .labels = &reader,
                               .use = options->cache ? STORED_INDEX : STORED_PLAIN};
-    conus_status status = open_selected(&file, path, &opening, notes);
+    conus_status status = open_by_selector(&file, path, &opening, notes);
     if (!status) {
         status = file.voxels.data ? volume_file_take_labels(labels, &file) : label_reader_end(labels, &reader, &file);
     }
@@ -663,11 +660,11 @@ conus_status volume_file_open_labels(struct volume_file *out, struct label_voxel
 conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
                                      struct notes *notes)
 {
-    struct opening opening = {.limit = options->max_memory ? options->max_memory : DEFAULT_MEMORY,
+    struct opening opening = {.limit = memory_limit(options->max_memory),
                               .selector.chosen = true,
                               .all = true,
                               .use = options->cache ? STORED_INDEX : STORED_PLAIN};
-    return open_wanted(out, path, &opening, notes);
+    return open_with_retry(out, path, &opening, notes);
 }
 
 /* Its notes were given when the file was opened first. */
@@ -678,7 +675,7 @@ static conus_status reopen_volume(struct volume_file *file, size_t volume)
     struct opening opening = {.limit = file->max_memory,
                               .selector = {.chosen = true, .volume = volume},
                               .use = file->cache ? STORED_INDEX : STORED_PLAIN};
-    conus_status status = open_wanted(&other, file->path, &opening, &notes);
+    conus_status status = open_with_retry(&other, file->path, &opening, &notes);
     notes_finish(&notes);
     if (!status) {
         volume_file_finish(file);

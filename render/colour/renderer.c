@@ -125,8 +125,6 @@ static conus_status smooth_edges(float *rgba, const struct target *target, const
     return status;
 }
 
-#define DEFAULT_MEMORY (UINT64_C(8) << 30)
-
 /* Turns values that are fractions of the context's window into grey values. */
 static conus_status make_absolute(struct transfer *transfer, const struct volume *context)
 {
@@ -169,7 +167,7 @@ conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atla
         return CONUS_ERROR_MEMORY;
     }
     renderer->atlas = atlas;
-    renderer->max_memory = options->max_memory ? options->max_memory : DEFAULT_MEMORY;
+    renderer->max_memory = memory_limit(options->max_memory);
     renderer->log = options->log;
     renderer->log_user = options->log_user;
     struct colour_fields fields = {0};

@@ -16,8 +16,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const uint64_t memory_limit = (uint64_t)8 << 30;
-
 /* Rays that are walked in step lie in such a part of the buffer. */
 enum { TILE_WIDTH = 4, TILE_HEIGHT = 2 };
 
@@ -516,7 +514,7 @@ static conus_status fill_engine(struct gl_engine *gl, const struct engine_option
     if (status) {
         return status;
     }
-    uint64_t memory_left = memory_limit;
+    uint64_t memory_left = memory_limit(0);
     status = upload_volumes(gl, &memory_left);
     status = !status && atlas_has_meshes(gl->atlas) ? upload_meshes(gl, &memory_left) : status;
     status = !status && atlas_has_bundles(gl->atlas) ? upload_bundles(gl, &memory_left) : status;

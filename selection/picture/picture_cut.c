@@ -170,8 +170,6 @@ conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atla
     return status;
 }
 
-static const uint64_t MAX_MEMORY = UINT64_C(8) << 30;
-
 static conus_status check_sheet(const conus_view *sheet)
 {
     if (sheet->legend > CONUS_LEGEND_NONE || sheet->background > CONUS_BACKGROUND_TRANSPARENT) {
@@ -202,7 +200,7 @@ static conus_status set_up(struct picture *picture, const conus_cut_view *view, 
         return CONUS_ERROR_MEMORY;
     }
     memset(picture->areas, PATHWAYS_AREA_OVER, count * sizeof *picture->areas);
-    return picture_prepare_sheet(picture, MAX_MEMORY, NULL, NULL);
+    return picture_prepare_sheet(picture, memory_limit(0), NULL, NULL);
 }
 
 /* Pixels that are not black count as covered, for the place of a legend. */

@@ -42,7 +42,6 @@ enum foreign_format foreign_format_of(const char *path, struct text head)
                                             : FOREIGN_NONE;
 }
 
-static const uint64_t default_memory = UINT64_C(8) << 30;
 static const struct mesh_foreign_options defaults;
 
 struct reading {
@@ -77,11 +76,6 @@ bool mesh_foreign_keeps_vertices(const char *path)
     bytes_finish(&stored);
     bytes_finish(&unpacked);
     return format != FOREIGN_NONE && format != FOREIGN_STL;
-}
-
-static uint64_t limit_of(const struct reading *work)
-{
-    return work->options->max_memory ? work->options->max_memory : default_memory;
 }
 
 static conus_status parse(struct foreign_mesh *out, struct obj_objects *objects, const char *path,
@@ -170,11 +164,11 @@ static conus_status foreign_read_file(struct mesh *out, struct reading *work, co
 {
     struct bytes bytes = {0};
     struct foreign_mesh foreign = {0};
-    conus_status status = gzip_read(&bytes, path, limit_of(work), NULL);
+    conus_status status = gzip_read(&bytes, path, memory_limit(work->options->max_memory), NULL);
     if (status) {
         return status;
     }
-    status = parse(&foreign, NULL, path, &bytes, limit_of(work));
+    status = parse(&foreign, NULL, path, &bytes, memory_limit(work->options->max_memory));
     status = status ? status : foreign_take_whole(out, &foreign, work, path);
     status = explain_failure(status, &bytes);
     foreign_mesh_finish(&foreign);
@@ -320,11 +314,11 @@ static conus_status read_objects(struct mesh_parts *parts, struct label_table *n
     struct bytes bytes = {0};
     struct foreign_mesh foreign = {0};
     struct obj_objects objects = {0};
-    conus_status status = gzip_read(&bytes, path, limit_of(work), NULL);
+    conus_status status = gzip_read(&bytes, path, memory_limit(work->options->max_memory), NULL);
     if (status) {
         return status;
     }
-    status = parse(&foreign, &objects, path, &bytes, limit_of(work));
+    status = parse(&foreign, &objects, path, &bytes, memory_limit(work->options->max_memory));
     if (!status && objects.count > 1) {
         note_space(work, path, foreign.space);
         status = cut_objects(parts, names, &foreign, &objects, work, path);
