@@ -67,7 +67,7 @@ static conus_status feed_input(struct byte_source *source)
     return status;
 }
 
-/* Behind the last member there may be zeros only. */
+/* Only zeros may follow the last member. */
 static conus_status check_padding(struct byte_source *source)
 {
     conus_status status = CONUS_OK;

@@ -37,14 +37,14 @@ enum { GZIP_SLAB = 1 << 18 };
 
 struct gzip_indexer;
 
-/** Which unpacked bytes to keep, and what was found behind them. */
+/** The unpacked bytes to keep, and what was found after them. */
 struct gzip_range {
-    uint64_t from;                /**< First byte to keep.                                                        */
-    size_t count;                 /**< Bytes to keep.                                                             */
-    uint64_t total;               /**< Bytes that the stream must hold at least; from + count or more.            */
-    bool zlib;                    /**< It is one stream of zlib (RFC 1950), not gzip.                             */
-    gzip_sink *sink;              /**< Where they go, slab by slab; NULL = they are kept.                         */
-    void *user;                   /**< Of the sink.                                                               */
+    uint64_t from;                /**< First byte to keep. */
+    size_t count;                 /**< Bytes to keep. */
+    uint64_t total;               /**< Bytes that the stream must hold at least; from + count or more. */
+    bool zlib;                    /**< It is one stream of zlib (RFC 1950), not gzip. */
+    gzip_sink *sink;              /**< Where they go, slab by slab; NULL = they are kept. */
+    void *user;                   /**< Passed to the sink. */
     struct gzip_indexer *indexer; /**< Gets all that is unpacked, and where; NULL = none (gzip_index.h). */
     uint64_t extra;               /**< Out: bytes after `total`.                                                  */
     size_t junk;                  /**< Out: bytes after the last gzip member, other than zeros at the very end.   */

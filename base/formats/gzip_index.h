@@ -29,13 +29,13 @@ struct gzip_point {
 
 /** An index as it is kept; borrowed. */
 struct gzip_index {
-    uint64_t unpacked;               /**< Bytes of the whole file, unpacked and                                       */
-    uint64_t packed;                 /**< ... packed,                                                                 */
-    uint64_t junk;                   /**< ... and as gzip_range.junk.                                                 */
-    uint64_t trailer;                /**< ... before the checksum of the only member; 0 = there are several, or zlib. */
-    uint64_t begin;                  /**< ... before the stream: 0 = the file is packed as a whole.           */
-    bool zlib;                       /**< The stream is zlib's (RFC 1950), not gzip.                                  */
-    char sha256[65];                 /**< Of the packed file, in hexadecimal.                                         */
+    uint64_t unpacked; /**< Bytes of the whole file, unpacked. */
+    uint64_t packed;   /**< Bytes of the whole file, packed. */
+    uint64_t junk;     /**< Bytes, as gzip_range.junk. */
+    uint64_t trailer;  /**< Bytes before the checksum of the only member; 0 = there are several, or zlib. */
+    uint64_t begin;    /**< Bytes before the stream; 0 = the whole file is packed. */
+    bool zlib;         /**< The stream is zlib's (RFC 1950), not gzip. */
+    char sha256[65];   /**< The packed file's, in hexadecimal. */
     const struct gzip_point *points; /**< [count], by `unpacked`; the first one is at 0.                */
     size_t count;
     const uint8_t *windows;
@@ -67,8 +67,8 @@ struct gzip_indexer {
     uint64_t begin;   /**< Where the stream begins in its file: the caller's to set, as zlib. */
     bool zlib;
     struct buffer points, windows;
-    uint32_t sum;         /**< Of the last span so far. */
-    size_t members;       /**< That have ended. */
+    uint32_t sum;         /**< CRC-32 of the last span so far. */
+    size_t members;       /**< Members that have ended. */
     uint64_t members_end; /**< Packed bytes of these. */
     struct libdeflate_compressor *compressor;
     bool failed; /**< There is no memory for an index: the unpacking goes on without it. */

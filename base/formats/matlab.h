@@ -25,15 +25,15 @@ enum matlab_class {
 struct matlab_array {
     enum matlab_class kind;
     bool is_complex;
-    uint8_t type;  /**< Of the values, as the file numbers it. */
-    uint8_t depth; /**< Of a variable 0. */
+    uint8_t type;  /**< Type of the values, by the file's code. */
+    uint8_t depth; /**< 0 for a variable. */
     bool swapped;
     size_t rows, columns;
     size_t count;      /**< rows * columns * ... */
-    struct text name;  /**< Of a variable. */
-    struct text bytes; /**< Values; of a structure the names of its fields. */
-    size_t fields;     /**< Of a structure. */
-    size_t parts; /**< Index in matlab.arrays of the first part: of a cell [count], of a structure [count][fields]. */
+    struct text name;  /**< Set for a variable. */
+    struct text bytes; /**< Values; for a structure the names of its fields. */
+    size_t fields;     /**< Fields of a structure. */
+    size_t parts; /**< Index in matlab.arrays of the first part: [count] of a cell, [count][fields] of a structure. */
 };
 
 struct matlab {

@@ -8,7 +8,7 @@
 #include "base/text.h"
 
 struct xml_event {
-    const char *name;        /**< Of the element.                                               */
+    const char *name;        /**< The element's name. */
     const char **attributes; /**< At its start: name, value, ..., NULL. NULL at its end.        */
     struct text text;        /**< The characters since the last tag, in UTF-8.                  */
     size_t line;             /**< From 1.                                                       */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * What lies in a zip archive (PKWARE's APPNOTE.TXT; ZIP64 too): files that are stored or packed by deflate. Nothing is
- * trusted. The central directory and the header before each file say the same, files do not overlap, no name is there
- * twice or leads out of a folder, and nothing is unpacked whose size the packed bytes cannot have or whose checksum is
- * another one. Encrypted archives, parts of one, and bytes behind one are refused. */
+ * trusted. The central directory and the header before each file must agree, files must not overlap, no name may occur
+ * twice or lead out of a folder, and a size that the packed bytes cannot have or a wrong checksum is an error.
+ * Encrypted archives, parts of an archive, and bytes after its end are refused. */
 #ifndef CONUS_BASE_FORMATS_ZIP_H
 #define CONUS_BASE_FORMATS_ZIP_H
 
@@ -13,7 +13,7 @@
 /** A file of the archive. */
 struct zip_entry {
     struct text name; /**< "dps/weight.float32", inside the archive's bytes: UTF-8, one line, parted by '/'. */
-    size_t at;        /**< Of its first byte, packed or not, in the archive.                                 */
+    size_t at;        /**< Offset of its first byte in the archive, packed or not. */
     size_t stored;    /**< Bytes there.                                                                      */
     uint64_t size;    /**< Bytes, unpacked.                                                                  */
     uint32_t checksum;
@@ -22,7 +22,7 @@ struct zip_entry {
 
 struct zip {
     const uint8_t *data;       /**< The archive, which outlives this. */
-    struct zip_entry *entries; /**< By name; without those of folders. Owned. */
+    struct zip_entry *entries; /**< Sorted by name, without folders. Owned. */
     size_t count;
 };
 

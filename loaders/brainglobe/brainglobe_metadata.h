@@ -10,7 +10,7 @@
 
 enum { BRAINGLOBE_ORIENTATION = 9 }; /**< Bytes of an orientation, cut off if it is longer than any can be. */
 
-/** By axis of the array; what the file does not say is empty or 0. */
+/** Values per axis of the array; empty or 0 where the file has none. */
 struct brainglobe_metadata {
     char orientation[BRAINGLOBE_ORIENTATION]; /**< "asr": where the axes start. */
     double resolution[3];                     /**< Micrometres a voxel.         */

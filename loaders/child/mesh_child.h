@@ -10,7 +10,7 @@
 
 struct mesh_child_limits {
     uint64_t memory;  /**< Address space in bytes, of conus-mesh and of one mesh here.             */
-    uint32_t seconds; /**< Of processor time, of all its threads.                                 */
+    uint32_t seconds; /**< Processor time of all its threads. */
     uint32_t wait;    /**< Seconds until it must have ended; a busy machine gives it a small part. */
 };
 

@@ -11,10 +11,10 @@ enum { MESH_DEFAULT_SMOOTH = 5 };
 #define MESH_DEFAULT_PASS_BAND 0.7
 
 struct mesh_extract_options {
-    uint32_t iterations; /**< Of windowed-sinc smoothing; 0 = none.                          */
-    double pass_band;    /**< Of it, above 0 to 2; less is smoother.                         */
-    double reduction;    /**< Part of the triangles that decimation removes, in [0, 1).      */
-    uint64_t max_memory; /**< Of conus-mesh and of one mesh, in bytes.                       */
+    uint32_t iterations; /**< Windowed-sinc smoothing; 0 = none. */
+    double pass_band;    /**< Pass band of the smoothing, above 0 to 2; less is smoother. */
+    double reduction;    /**< Fraction of the triangles that decimation removes, in [0, 1). */
+    uint64_t max_memory; /**< Bytes, for conus-mesh and for one mesh. */
 };
 
 /** Gets the surface of area @p number of the atlas, checked (mesh_check()), in world mm. */

@@ -12,8 +12,8 @@
  *
  * Stream: char[8] "CONUSMS1", then frames of 32 bytes and what follows each:
  *
- *     u32 kind (enum mesh_frame_kind), u32 id, u32 space (enum mesh_space), u32 text bytes, u64 vertices, u64
- * triangles, then the text, f32[3 vertices] positions, u32[3 triangles] vertex indices
+ *     u32 kind (enum mesh_frame_kind), u32 id, u32 space (enum mesh_space), u32 text bytes, u64 vertices,
+ *     u64 triangles, then the text, f32[3 vertices] positions, u32[3 triangles] vertex indices
  *
  * A mesh's id is its label, in the order of the request; areas without voxels have no frame. Its space is RAS. A
  * failure has only text: what is wrong. The last frame is MESH_FRAME_END, its id the number of frames before it. */

@@ -18,7 +18,7 @@ struct mesh_frame {
     const uint8_t *bytes;     /**< The whole frame. */
     const uint8_t *positions; /**< 12 bytes per vertex, unaligned. */
     const uint8_t *triangles; /**< 12 bytes per triangle, unaligned. */
-    size_t size;              /**< Of the whole frame, in bytes. */
+    size_t size;              /**< Bytes of the whole frame. */
 };
 
 /** Refuses what does not begin with a stream's magic bytes. */

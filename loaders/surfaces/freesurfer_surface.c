@@ -117,7 +117,7 @@ static conus_status read_geometry(struct geometry *out, struct text text)
     return CONUS_OK;
 }
 
-/* Behind the triangles: tags, of which two matter. */
+/* Reads the tags after the triangles. Two of them matter. */
 static conus_status read_footer(struct geometry *geometry, bool *real_ras, struct cursor cursor)
 {
     int32_t tag;

@@ -14,7 +14,7 @@ enum gifti_intent { GIFTI_OTHER, GIFTI_POINTSET, GIFTI_TRIANGLE, GIFTI_LABEL, GI
 
 /** A CoordinateSystemTransformMatrix. Spaces are NIfTI's xform codes. */
 struct gifti_transform {
-    int data_space;        /**< Of the numbers as they are stored.       */
+    int data_space;        /**< Space of the stored numbers. */
     int transformed_space; /**< To which the matrix leads.               */
     double matrix[16];     /**< Column-major, as in base/geometry/math3.h.        */
 };
@@ -50,7 +50,7 @@ struct gifti {
 };
 
 struct gifti_options {
-    const char *path;    /**< Of the file, to find external files beside it; NULL: they are refused. */
+    const char *path;    /**< Path of the file, to find external files beside it; NULL: they are refused. */
     bool external;       /**< Arrays may lie in files beside this one.                               */
     uint64_t max_memory; /**< For the numbers of one array; 0: 8 GiB.                                */
     bool outline;        /**< No Data are decoded: the values of all arrays are NULL.                */

@@ -115,7 +115,7 @@ static bool is_gifti(const struct bytes *bytes)
     return text_equal(xml_root(text_from_bytes(bytes->data, bytes->size)), "GIFTI");
 }
 
-/* By its first bytes. */
+/* Decides by the first bytes. */
 static bool begins_as_own(const char *path)
 {
     enum { HEAD = 4096 };

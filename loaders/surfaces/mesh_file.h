@@ -14,8 +14,8 @@ struct mesh_file_options {
     bool external;          /**< GIFTI arrays may lie in other files in the same folder. */
     uint64_t max_memory;    /**< For a file, and for the numbers of one array; 8 GiB.    */
     struct file_sums *read; /**< Gets the file that is read. */
-    const char *surface;    /**< Of labels: the surface whose vertices they label; NULL if not known. */
-    char hemisphere; /**< Of labels: its side, 'L' or 'R', where the surface does not say which structure it is. */
+    const char *surface;    /**< For labels: the surface whose vertices they label; NULL if not known. */
+    char hemisphere;        /**< For labels: 'L' or 'R', used if the surface does not name its structure. */
 };
 
 /** The name in the file name of @p path: "lh.pial" of "lh.pial.surf.gii.gz". The caller's to memory_free(); NULL
@@ -35,10 +35,10 @@ struct vertex_labels {
     size_t count;
     struct label_table table; /**< Sorted. */
     char hemisphere;          /**< 'L', 'R', 'B' where the file says so, else 0. */
-    bool is_list; /**< Of a file that lists vertices: those behind the last one listed are missing, and have label 0. */
+    bool is_list; /**< The file lists vertices. Those after the last one listed are missing and have label 0. */
 };
 
-/** Gives it @p count labels, those of all vertices of its surface, where it is a list that has no more. */
+/** Extends a list of at most @p count labels to @p count, the vertices of its surface. */
 conus_status vertex_labels_extend(struct vertex_labels *labels, size_t count);
 
 void vertex_labels_finish(struct vertex_labels *labels);

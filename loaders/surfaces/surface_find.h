@@ -12,7 +12,7 @@ struct surface_about {
     char *structure;      /**< AnatomicalStructurePrimary: "CortexLeft"; NULL if none; owned, like the others.   */
     char *layer;          /**< AnatomicalStructureSecondary: "MidThickness".                                     */
     char *geometric_type; /**< GeometricType: "Anatomical".                                                      */
-    size_t vertices;      /**< Of its first POINTSET; 0 where it has none, and is no surface.                    */
+    size_t vertices;      /**< Vertices of its first POINTSET; 0 = none, so it is no surface. */
 };
 
 void surface_about_finish(struct surface_about *about);
@@ -23,7 +23,7 @@ conus_status surface_about_read(struct surface_about *out, const char *path, uin
 struct surface_item {
     char *name; /**< In the folder. */
     struct surface_about about;
-    unsigned rank; /**< Of its kind, 0 is the best. */
+    unsigned rank; /**< Rank of its kind; 0 is the best. */
 };
 
 /** GIFTI surfaces, sorted by name: those called *.surf.gii, or else *.gii, each plain or packed (.gz). */

@@ -32,7 +32,7 @@ struct tiff_list {
  * chunks that are stored whole and may reach beyond it. */
 struct tiff_page {
     uint64_t width, length; /**< Pixels, 1 to 2^31 - 1. */
-    unsigned bits;          /**< Of a pixel: 8, 16, 32 or 64. */
+    unsigned bits;          /**< Bits of a pixel: 8, 16, 32 or 64. */
     enum tiff_format format;
     enum tiff_compression compression;
     bool differences; /**< Predictor 2: of each pixel from the one before it in the row. */
@@ -45,7 +45,7 @@ struct tiff_page {
 
 struct tiff {
     struct tiff_file file;
-    struct tiff_page *pages; /**< Of one size and type. */
+    struct tiff_page *pages; /**< All of one size and type. */
     size_t page_count, page_capacity;
     uint64_t depth;      /**< Pages in the stack: page_count, or what ImageJ says where it has one directory for all. */
     uint64_t page_bytes; /**< Unpacked. */

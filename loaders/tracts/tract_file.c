@@ -7,10 +7,9 @@
 #include "loaders/file_kind.h"
 #include "loaders/tracts/tract_formats.h"
 
-/* A format is a stream of bytes (`read`), or opens its file, or folder, itself (`open`). `head` has the first bytes,
- * unpacked; of a folder none. Messages of `read` are without the path, those of `open` with it. `has_lines`, unless it
- * is NULL, says of a file that begins so whether it is a tractogram at all. `states_mm`: points are world mm, always.
- */
+/* A format reads a stream of bytes (`read`), or opens its file or folder itself (`open`). `head` has the first bytes,
+ * unpacked; none for a folder. Messages of `read` lack the path, those of `open` have it. `has_lines`, unless NULL,
+ * checks further whether the file is a tractogram. `states_mm`: points are always world mm. */
 static const struct tract_format {
     bool (*is)(const struct bytes *head, const char *path);
     tract_reader *read;
@@ -33,7 +32,7 @@ static const struct tract_format *format_of(const struct bytes *head, const char
     return NULL;
 }
 
-/* The first bytes, unpacked; none of a folder, and of gzip that is damaged. */
+/* The first bytes, unpacked; none for a folder or damaged gzip. */
 static conus_status read_head(struct bytes *out, const char *path)
 {
     struct bytes stored = {0};
@@ -56,7 +55,7 @@ bool tract_file_is(const char *path)
     return format && (!format->has_lines || format->has_lines(path));
 }
 
-/* Two scalars of one name would be one to whoever asks for it. */
+/* Callers ask for scalars by name, so names must be unique. */
 static conus_status check_names(const struct tractogram *tractogram)
 {
     for (size_t i = 0; i < tractogram->scalar_count; i++) {

@@ -16,7 +16,7 @@ conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t 
  * .trx, of VTK's files those with lines and no polygons. False also where it cannot be read. */
 bool tract_file_is(const char *path);
 
-/** tract_file_read() of bytes in memory, of the formats that are a stream of bytes: for tests. Without path. */
+/** tract_file_read() for bytes in memory, for tests: the formats that are a stream of bytes. Sets no path. */
 conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_t size, uint64_t max_memory,
                               struct notes *notes);
 

@@ -80,7 +80,7 @@ static conus_status read_names(struct trk_names *out, const char *field, int16_t
     return count >= 0 ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s: found %d, allowed are 0 and more", field, count);
 }
 
-/* Which axis of the world a letter means, in any case, and which way; 3 if none. */
+/* The axis of the world that a letter of either case names, and its direction; 3 if none. */
 static int axis_of_letter(char letter, int *sign)
 {
     static const char letters[] = "LRPAIS";

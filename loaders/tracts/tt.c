@@ -114,7 +114,7 @@ static conus_status pass_over(struct tt *tt, const struct variable *variable)
     return status;
 }
 
-/* Row by row in the file. */
+/* The file has the matrix row by row. */
 static conus_status read_world(struct tt *tt, const struct variable *variable)
 {
     if (variable->count != 16 || variable->type > 10) {
@@ -172,7 +172,7 @@ static void add_point(struct tt *tt, const int64_t at[3])
     }
 }
 
-/* The points behind the first one, each a step of three bytes further. */
+/* The points after the first, each a step of three bytes from the one before. */
 static conus_status take_steps(struct tt *tt, int64_t at[3], size_t count)
 {
     conus_status status = CONUS_OK;

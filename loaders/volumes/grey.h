@@ -11,7 +11,7 @@
 /** Other evidence that the numbers are labels. */
 struct grey_claims {
     const struct label_table *table; /**< Sorted; NULL or empty: none.                             */
-    bool stated;                     /**< By the volume's name, or by an FSL atlas XML of its own. */
+    bool stated;                     /**< The volume's name, or its own FSL atlas XML, says so. */
 };
 
 struct grey_result {

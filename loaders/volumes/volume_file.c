@@ -286,7 +286,7 @@ static conus_status open_by_header(struct opening *o)
     return read_other_half(&o->voxels, o->pair_header.path, at, "img", o->limit, o->use);
 }
 
-/* By the voxels of an AFNI data set, whose header is `head`. */
+/* Opens an AFNI data set by its voxels; its header is `head`. */
 static conus_status open_by_brik(struct opening *o, const char *path, const char *head)
 {
     conus_status status = stored_open(&o->pair_header, head, o->limit, STORED_PLAIN, NULL);
@@ -354,7 +354,7 @@ static bool goes_in_slabs(const struct opening *o)
     return may && (o->voxels.plain || (is_packed && is_wide));
 }
 
-/* Which volume is wanted; all of them only where they are allowed together. */
+/* Checks the chosen volume, and keeps all volumes only if they fit into the limit together. */
 static conus_status choose_volume(struct opening *o)
 {
     struct volume_header *header = &o->header;
@@ -667,7 +667,7 @@ conus_status volume_file_open_series(struct volume_file *out, const char *path, 
     return open_with_retry(out, path, &opening, notes);
 }
 
-/* Its notes were given when the file was opened first. */
+/* Reads another volume. Drops the notes, which were given when the file was first opened. */
 static conus_status reopen_volume(struct volume_file *file, size_t volume)
 {
     struct volume_file other = {0};

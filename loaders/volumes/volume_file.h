@@ -19,7 +19,7 @@ struct volume_extension {
 
 struct volume_file {
     conus_volume_info info; /**< role, minimum, maximum and threshold not set; info.path is this->path.       */
-    char *path;             /**< Of the voxels, or of a header of text, without ",volume=K".                  */
+    char *path;             /**< File of the voxels, or a text header; without ",volume=K". */
     struct bytes head;      /**< Everything before the voxels, unpacked: header, extensions, gap.             */
     struct bytes voxels;    /**< The chosen volume's voxels, stored form, unpacked, i fastest.                */
     int datatype;           /**< NIfTI datatype code (DT_UINT8 = 2, ...), for MGH translated.                 */
@@ -29,11 +29,11 @@ struct volume_file {
     struct text embedded; /**< Between the last extension (or header) and the voxels, NULs at both ends left out. */
     int intent_code;      /**< NIfTI intent, 0 if none.                                                    */
     struct bytes series;  /**< The voxels of all volumes, in which `voxels` lies; empty where only those are kept. */
-    struct text_volume *text; /**< Of a format whose header is text: names, scales; else NULL, of which        */
-    const char *title;        /**< ... the chosen volume's name; NULL if it has none.                          */
+    struct text_volume *text; /**< Names and scales from a text header; else NULL. */
+    const char *title;        /**< The chosen volume's name in `text`; NULL if it has none. */
     uint64_t max_memory;
     bool cache;            /**< Whether volumes that are read later may use and make an index. */
-    struct file_sums read; /**< What its place follows from: metadata.json of a TIFF stack. */
+    struct file_sums read; /**< The files that give its place: metadata.json of a TIFF stack. */
 };
 
 /** Reads @p path (NIfTI-1/2 single file or either half of a pair, MGH, and the formats of volume_text.h; each plain or
@@ -50,11 +50,11 @@ conus_status volume_file_open_cached(struct volume_file *out, const char *path, 
 
 struct label_voxels;
 
-/** Likewise, by max_memory and cache of @p options, of @p path, which @p opened is where it is not NULL, where other
- * files than volumes would do as well, as @p needed says in words; gives its labels, whose places in @p labels take the
- * place of its voxels: @p out has none. Those of a NIfTI or MGH file that is not packed, and packed ones of more than 2
- * bytes, never lie in memory together if they are many. A volume with other values than labels is CONUS_ERROR_DATA, as
- * of volume_file_labels(). */
+/** Reads the labels of the volume @p path into @p labels; @p out gets the rest, without voxels. Uses max_memory and
+ * cache of @p options. @p opened, unless NULL, is @p path, open. @p needed says in words which files are allowed here,
+ * for messages. Large volumes are read slab by slab, so that their voxels are never in memory together, if the file is
+ * a plain NIfTI or MGH file, or packed with voxels of more than 2 bytes. A volume with values that are no labels is
+ * CONUS_ERROR_DATA, as in volume_file_labels(). */
 conus_status volume_file_open_labels(struct volume_file *out, struct label_voxels *labels, const char *path,
                                      const struct open_file *opened, const conus_load_options *options,
                                      const char *needed, struct notes *notes);
@@ -62,16 +62,16 @@ conus_status volume_file_open_labels(struct volume_file *out, struct label_voxel
 /** Reads only the header of @p path: dimensions, transform, datatype; out->path is NULL. */
 conus_status volume_file_header(conus_volume_info *out, const char *path);
 
-/** The same of @p start, the first 64 KiB of @p path, or all. */
+/** The same, from @p start: the first 64 KiB of @p path, or all of it. */
 conus_status volume_bytes_header(conus_volume_info *out, const char *path, const struct bytes *start);
 
-/** The same of the file, and gives in @p head, the caller's to finish, what stands before the voxels of a single file,
- * unpacked, as far as the file's first 64 KiB hold it: extensions and text. */
+/** The same, from the file. @p head, which the caller finishes, gets the unpacked bytes before the voxels of a single
+ * file (extensions and text), as far as the file's first 64 KiB hold them. */
 conus_status volume_file_peek(struct volume_header *out, struct bytes *head, const char *path);
 
-/** Reads @p path as above, but takes it whole for a name: volume 0, and the others for volume_file_select(). They are
- * unpacked together and kept, unless that takes more than max_memory of @p options: then each is read when selected,
- * with its cache by an index. */
+/** Reads volume 0 of @p path, which has no selector; volume_file_select() gives the others. All volumes are unpacked
+ * together and kept, unless that takes more than max_memory of @p options. Then each is read when it is selected, by an
+ * index if @p options has cache. */
 conus_status volume_file_open_series(struct volume_file *out, const char *path, const conus_load_options *options,
                                      struct notes *notes);
 

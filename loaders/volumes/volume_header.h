@@ -30,7 +30,7 @@ struct volume_header {
     bool pair;          /**< The voxels lie in another file.                                                  */
     bool footer;        /**< The format has bytes of its own after the voxels. */
     size_t header_size; /**< Bytes of the fixed part: 348, 540, 284.                                          */
-    uint64_t offset;    /**< Of the first volume, in the file of the voxels.                                  */
+    uint64_t offset;    /**< Bytes before the first volume in the file of the voxels. */
     size_t volume_size; /**< Bytes of one volume.                                                             */
     int intent_code;
     struct text_volume *text; /**< What a header of text says beyond that (volume_text.h), owned; else NULL. */

@@ -32,11 +32,11 @@ struct foreign_array {
 
 /** Zero but for max_memory is an empty one. */
 struct foreign_lines {
-    struct corners corners; /**< Of all lines, one behind the other; indices of vertices. */
-    size_t *ends;           /**< [count] Behind the last corner of each line; owned. */
+    struct corners corners; /**< Vertex indices of all lines, line after line. */
+    size_t *ends;           /**< [count] Index after the last corner of each line; owned. */
     size_t count, capacity;
     size_t before; /**< Cells that VTK numbers before lines: single vertices. */
-    size_t behind; /**< Those behind: polygons and strips. */
+    size_t behind; /**< Cells that VTK numbers after lines: polygons and strips. */
     struct foreign_array *arrays;
     size_t array_count, array_capacity;
     uint64_t max_memory; /**< Bytes that values of arrays may still take. */
@@ -50,8 +50,8 @@ struct foreign_mesh {
     size_t triangle_count, triangle_capacity;
     struct corners face;         /**< The face that is being read. */
     size_t face_count;           /**< Faces and strips so far, of whatever size. */
-    enum mesh_space space;       /**< That the file states. */
-    struct foreign_lines *lines; /**< Of a VTK file; NULL: nobody wants them. Not owned. */
+    enum mesh_space space;       /**< The space that the file states. */
+    struct foreign_lines *lines; /**< Lines of a VTK file, not owned; NULL: lines are skipped. */
 };
 
 void foreign_mesh_finish(struct foreign_mesh *mesh);

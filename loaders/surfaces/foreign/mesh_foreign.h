@@ -8,9 +8,8 @@
 #include "atlas/surface/mesh_split.h"
 
 struct mesh_foreign_options {
-    enum mesh_space
-        space; /**< Of the stored coordinates, against what the files say; MESH_SPACE_UNSTATED = as they say. */
-    uint64_t max_memory; /**< Of each file, packed and unpacked, and of an array in it, in bytes; 0 = 8 GiB. */
+    enum mesh_space space; /**< Overrides the space that the files state; MESH_SPACE_UNSTATED = as they state. */
+    uint64_t max_memory;   /**< Bytes, for each file, packed and unpacked, and each array in it; 0 = 8 GiB. */
 };
 
 /** Whether the name @p path ends like a file that mesh_foreign_read() reads. */

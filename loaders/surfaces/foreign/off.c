@@ -80,7 +80,7 @@ static conus_status read_vertex(struct foreign_mesh *out, const struct off *off,
     return status ? status : foreign_add_vertex(out, position);
 }
 
-/* Behind the corners there may be a colour. */
+/* A colour may follow the corners. */
 static conus_status read_face(struct foreign_mesh *out, struct words *words)
 {
     size_t count = 0;

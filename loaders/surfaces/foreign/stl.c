@@ -83,7 +83,7 @@ static conus_status read_corners(struct foreign_mesh *out, struct words *words)
     return status ? status : add_triangle(out);
 }
 
-/* Behind the word "facet". */
+/* Reads a facet after the word "facet". */
 static conus_status read_facet(struct foreign_mesh *out, struct words *words)
 {
     conus_status status = skip_normal(words);

@@ -413,7 +413,7 @@ static conus_status end_cell(struct foreign_mesh *mesh, enum cells cells)
                                    : CONUS_OK;
 }
 
-/* Corners of lines that nobody wants are passed over unseen. */
+/* Whether the corners of these cells are read. Corners of lines are skipped if the caller wants no lines. */
 static bool are_wanted(const struct foreign_mesh *mesh, enum cells cells)
 {
     return cells > CELLS_LINES || (cells == CELLS_LINES && mesh->lines);

@@ -9,7 +9,7 @@
 /** The rest of the file. */
 struct words {
     struct text rest;
-    size_t line;  /**< That of the next byte, from 1: lines end in LF, CRLF or CR. */
+    size_t line;  /**< Line of the next byte, from 1; lines end in LF, CRLF or CR. */
     char comment; /**< Begins a remark, to the end of the line; 0 = none does.     */
 };
 

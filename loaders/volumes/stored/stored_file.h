@@ -16,14 +16,14 @@
 /** The most that the indexes may have together, in bytes, unless $CONUS_CACHE is less. */
 #define KEPT_INDEX_LIMIT (UINT64_C(1) << 30)
 
-enum { STORED_LARGE = 1 << 24 }; /**< Bytes beyond which a file or a volume is not to be in memory twice. */
+enum { STORED_LARGE = 1 << 24 }; /**< Bytes; a larger file or volume is not held in memory twice. */
 
 /** An index that is there, and the file that it is of. */
 struct kept_index {
     struct cache_mapping mapping; /**< memory NULL = there is none */
     struct gzip_index index;
-    int descriptor;           /**< Of the packed file.  */
-    struct file_state before; /**< ... when it was opened. */
+    int descriptor;           /**< The open packed file. */
+    struct file_state before; /**< Its state when it was opened. */
 };
 
 /** Opens the packed file @p path with the index that was kept of it, as the voxels of @p header: the bytes of the file
@@ -35,7 +35,7 @@ void kept_index_finish(struct kept_index *kept);
 struct index_keeper {
     struct gzip_indexer indexer;
     struct cache_store store; /**< Without a path nothing is kept. */
-    struct file_trace trace;  /**< Of the packed file, since before it was read; empty if nothing is to be kept. */
+    struct file_trace trace;  /**< The packed file as it was before it was read; empty if nothing is to be kept. */
 };
 
 /** Before @p path is read, as for kept_index_open(). The indexer is the caller's to begin, once it is known how much
@@ -46,10 +46,10 @@ void index_keeper_finish(struct index_keeper *keeper);
 struct stored {
     char *path;
     struct bytes bytes;          /**< As they are stored; none where there is an index or a plain file. */
-    bool packed;                 /**< By gzip, as a whole. */
+    bool packed;                 /**< The whole file is gzip. */
     struct kept_index *index;    /**< Owned; NULL = none. */
     struct plain_file *plain;    /**< Owned: not packed, read slab by slab when it is wanted; NULL = it is in memory. */
-    struct index_keeper *keeper; /**< Owned: of an index to be made; NULL = none. */
+    struct index_keeper *keeper; /**< Owned: makes an index; NULL = none. */
 };
 
 /** Whether an index of a packed file is used and made. */
@@ -73,8 +73,8 @@ conus_status stored_open_slabs(struct stored *out, const char *path, const struc
                                enum stored_use use, plain_file_test *test);
 void stored_finish(struct stored *stored);
 
-/** The first @p limit bytes, or fewer: unpacked where the file is packed as a whole. Where an index is of a part of it,
- * none of that. */
+/** The first @p limit bytes, or fewer: unpacked where the whole file is packed. No bytes if there is an index of only a
+ * part of the file. */
 conus_status stored_head(struct bytes *out, const struct stored *stored, size_t limit);
 
 /** The SHA-256 of the file as an index has it, or as it came out when the range of a plain file was read, "" before.
@@ -85,8 +85,8 @@ bool stored_known_sum(char out[65], const struct stored *stored);
  * hexadecimal, the index that is to be made is made and kept; NULL = it would not be worth it. */
 conus_status stored_range(struct bytes *out, struct gzip_range *range, struct stored *stored, const char *sha256);
 
-/** The same out of a stream in a file, of gzip or range->zlib: @p size bytes from @p begin on, which are of no meaning
- * where there is an index. */
+/** The same, from a gzip or zlib (range->zlib) stream inside a file: @p size bytes from @p begin. An index, where there
+ * is one, has its own place of the stream. */
 conus_status stored_stream(struct bytes *out, struct gzip_range *range, struct stored *stored, size_t begin,
                            size_t size, const char *sha256);
 

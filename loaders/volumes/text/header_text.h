@@ -46,7 +46,7 @@ struct header_row {
     const char *missing; /**< What the message says where the key is missing; NULL: it may be. */
     const struct header_word *words;
     const char *allowed;  /**< "allowed are ...": of words. */
-    conus_status refused; /**< Of another word; 0 = CONUS_ERROR_DATA. */
+    conus_status refused; /**< The status for a word that is not in the table; 0 = CONUS_ERROR_DATA. */
     bool exact;           /**< Upper and lower case of words differ. */
     int64_t least;
     /** Called after the value is taken, also where the key is missing (value.data NULL); NULL = nothing to do. */

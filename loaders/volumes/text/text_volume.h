@@ -36,14 +36,14 @@ struct text_volume {
     struct text_type type;
     bool big_endian;
     int64_t dim[3];
-    int64_t count;               /**< Of volumes. Sizes are 1 or more, but not yet multiplied.                   */
+    int64_t count;               /**< Volumes. Sizes are 1 or more, but not yet multiplied. */
     bool interleaved;            /**< All volumes' values of a voxel lie together.                              */
     double world_from_voxel[16]; /**< To RAS mm; column-major.                                                  */
     char transform[64];          /**< Where that comes from.                                                    */
     int space_code;              /**< NIfTI's code of the space; 0 if unknown.                                  */
     enum text_encoding encoding;
     uint64_t header_size; /**< Bytes of the header in its file.                                                 */
-    char *file;           /**< Of the voxels, beside the header; NULL: behind it.                               */
+    char *file;           /**< File of the voxels, beside the header; NULL: they follow the header. */
     bool brik;            /**< ... in AFNI's .BRIK beside it, perhaps packed.                                   */
     uint64_t line_skip;   /**< Lines before the voxels, as stored.                                              */
     uint64_t byte_skip;   /**< Bytes before them, unpacked.                                                     */
