@@ -19,8 +19,8 @@ void probe_close(struct probe *probe)
     *probe = (struct probe){0};
 }
 
-/* XML and JSON are read unpacked only. Whatever JSON it is, or was before it was damaged, the parser of manifests says
- * what is wrong. */
+/* XML and JSON are read unpacked only. All that begins with '{' goes to the parser of manifests, which says what is
+ * wrong with it. */
 static enum format_reader find_reader(const struct probe *probe, const struct bytes *head)
 {
     if (probe->first == '{') {

@@ -105,12 +105,6 @@ enum turn { XMLS, OTHER_FILES, FOLDERS, TURNS };
 static conus_status look_in_folder(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule,
                                    size_t depth);
 
-/* Whether it is, as far as its name says. */
-static bool may_be_of_turn(enum turn turn, const char *name)
-{
-    return turn == FOLDERS || (turn == XMLS) == path_ends_in(name, ".xml");
-}
-
 /* No deeper than rule->depth. NOLINTNEXTLINE(misc-no-recursion) */
 static conus_status look_at_name(conus_catalogue *catalogue, const char *folder, const char *name,
                                  const struct folder_rule *rule, size_t depth, enum turn turn)
@@ -142,7 +136,8 @@ static conus_status look_in_folder(conus_catalogue *catalogue, const char *folde
     for (enum turn turn = XMLS; turn < TURNS; turn++) {
         for (size_t i = 0; !status && i < names.count; i++) {
             const char *name = names.names[i];
-            status = may_be_of_turn(turn, name) ? look_at_name(catalogue, folder, name, rule, depth, turn) : CONUS_OK;
+            bool now = turn == FOLDERS || (turn == XMLS) == path_ends_in(name, ".xml");
+            status = now ? look_at_name(catalogue, folder, name, rule, depth, turn) : CONUS_OK;
         }
     }
     names_finish(&names);

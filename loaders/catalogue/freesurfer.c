@@ -17,7 +17,7 @@ struct subject {
     const char *table; /* NULL = there is none */
 };
 
-/* Whether the file can be read at all; *id is which it is. */
+/* Whether `path` is a file that is not empty; *id identifies it. */
 static bool is_file(struct catalogue_id *id, const char *path)
 {
     struct stat info;

@@ -18,7 +18,7 @@ enum { INTENT_LABEL = 1002 };
 static const char *const tables[] = {".nii.txt", ".txt",     ".tsv", ".csv",     ".label",
                                      ".ctbl",    ".niml.lt", ".xml", ".nii.lut", ".lut"};
 
-/* In any case. Names that programs and papers give to labelled volumes; no image is called so. */
+/* Names that programs and papers give to labelled volumes and to no image, in upper or lower case. */
 static const char *const names[] = {
     "*atlas*",    "*parc*",     "*aseg*",        "*dseg*",      "*maxprob*", "*labels*",
     "*rois*",     "roi_mni*",   "schaefer2018*", "yeo2011_*",   "aal*",      "*basc_multiscale*",
@@ -40,7 +40,7 @@ static bool matches(const char *name, const char *const *patterns, size_t count)
     return false;
 }
 
-static bool is_called_so(const char *name)
+static bool has_label_name(const char *name)
 {
     return matches(name, names, sizeof names / sizeof names[0]) &&
            !matches(name, others, sizeof others / sizeof others[0]);
@@ -81,7 +81,7 @@ conus_status volume_marks_find(bool *labels, double spacing[3], const char *path
     if (!status && is_one_volume(&header.info)) {
         memcpy(spacing, header.info.spacing, sizeof header.info.spacing);
         *labels =
-            known || header.intent_code == INTENT_LABEL || has_table_inside(&head) || is_called_so(path_base(path));
+            known || header.intent_code == INTENT_LABEL || has_table_inside(&head) || has_label_name(path_base(path));
         status = *labels ? CONUS_OK : find_table(labels, path);
     }
     bytes_finish(&head);

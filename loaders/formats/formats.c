@@ -104,7 +104,7 @@ static bool is_no_text(const struct head *head)
     return !head->readable;
 }
 
-/* The first row decides of which all that it names is true. */
+/* The first row whose conditions all hold decides. */
 static const struct format {
     struct {
         const char *data;

@@ -176,12 +176,6 @@ static conus_status parse_structures(struct label_table *out, struct text text, 
     return status;
 }
 
-/* NiiVue's entries below 0 are no voxel's. */
-static bool is_below_zero(const json_t *value)
-{
-    return json_is_integer(value) && json_integer_value(value) < 0;
-}
-
 struct lists {
     const json_t *channels[3]; /* R, G, B */
     const json_t *numbers;     /* I, or NULL: entry i is label i */
@@ -233,7 +227,8 @@ static conus_status parse_lists(struct label_table *out, struct text text, struc
     for (size_t i = 0; !status && i < json_array_size(lists.names); i++) {
         char where[32];
         struct label label = {0};
-        if (is_below_zero(json_array_get(lists.numbers, i))) {
+        const json_t *number = json_array_get(lists.numbers, i);
+        if (json_is_integer(number) && json_integer_value(number) < 0) { /* NiiVue has entries that no voxel has */
             continue;
         }
         snprintf(where, sizeof where, "labels[%zu]", i);

@@ -97,19 +97,6 @@ static conus_status write_manifest(const char *folder)
     return status;
 }
 
-/* Writes the brain phantom (atlas/phantom/phantom_brain.h) into folder, which must be there: the surfaces
- * brain-NN-ABBREVIATION.surf.gii, brain-context.nii.gz, brain-pathway.nii.gz and, last, brain.atlas.json. */
-static conus_status phantom_brain_write(const char *folder)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < PHANTOM_BRAIN_AREAS; i++) {
-        status = write_surface(folder, i);
-    }
-    status = status ? status : write_brain_volume(folder, "brain-pathway.nii.gz", phantom_brain_pathway);
-    status = status ? status : write_brain_volume(folder, "brain-context.nii.gz", phantom_brain_context);
-    return status ? status : write_manifest(folder);
-}
-
 /* Ring i of radius i mm has straight lines where i is odd, helices of one turn where it is even, all from z = -HALF to
  * HALF mm in SEGMENTS steps. */
 enum { RINGS = 12, PER_RING = 12, SEGMENTS = 60, HALF = 30 };
@@ -200,26 +187,6 @@ static void append_manifest(struct buffer *out)
 {
     buffer_text(out, "{\n  \"conus_atlas\": 1,\n  \"comment\": \"synthetic: conus phantom bundle\",\n"
                      "  \"streamlines\": [{\"file\": \"bundle.tck\", \"name\": \"Bundle\"}]\n}\n");
-}
-
-/* Writes the bundle phantom into folder, which must be there: bundle.tck, the truth bundle.json and, last, the
- * manifest bundle.atlas.json. docs/formats.md has its shapes. */
-static conus_status phantom_bundle_write(const char *folder)
-{
-    static const struct {
-        const char *name;
-        void (*append)(struct buffer *out);
-    } files[] = {{"bundle.tck", append_tractogram},
-                 {"bundle.json", append_bundle_truth},
-                 {"bundle.atlas.json", append_manifest}};
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; i < sizeof files / sizeof files[0] && !status; i++) {
-        struct buffer content = {0};
-        files[i].append(&content);
-        status = file_write_in(folder, files[i].name, &content); /* which looks at the buffer's status */
-        buffer_finish(&content);
-    }
-    return status;
 }
 
 /* The columns of a BIDS _dseg.tsv. */
@@ -361,23 +328,35 @@ static conus_status write_drawing(const char *folder, const struct phantom_drawi
     return status;
 }
 
-/* A phantom that is no drawing. */
+/* Writes the brain phantom (atlas/phantom/phantom_brain.h): the surfaces brain-NN-ABBREVIATION.surf.gii,
+ * brain-context.nii.gz, brain-pathway.nii.gz and, last, brain.atlas.json. */
 static conus_status write_brain(const char *folder, const conus_phantom_options *options)
 {
-    if (options && (options->spacing[0] != 0 || options->spacing[1] != 0 || options->spacing[2] != 0)) {
+    if (options->spacing[0] != 0 || options->spacing[1] != 0 || options->spacing[2] != 0) {
         return fail(CONUS_ERROR_ARGUMENT, "brain: spacing: it has one grid, of 1 mm");
     }
-    if (options &&
-        (options->size || options->oblique != 0 || options->flip[0] || options->flip[1] || options->flip[2])) {
+    if (options->size || options->oblique != 0 || options->flip[0] || options->flip[1] || options->flip[2]) {
         return fail(CONUS_ERROR_ARGUMENT, "brain: size, oblique and flip: it has one grid, of 151 x 188 x 154 voxels");
     }
     conus_status status = file_make_folder(folder);
-    return status ? status : phantom_brain_write(folder);
+    for (size_t i = 0; !status && i < PHANTOM_BRAIN_AREAS; i++) {
+        status = write_surface(folder, i);
+    }
+    status = status ? status : write_brain_volume(folder, "brain-pathway.nii.gz", phantom_brain_pathway);
+    status = status ? status : write_brain_volume(folder, "brain-context.nii.gz", phantom_brain_context);
+    return status ? status : write_manifest(folder);
 }
 
-/* Nor is it. */
+/* Writes the bundle phantom: bundle.tck, the truth bundle.json and, last, the manifest bundle.atlas.json.
+ * docs/formats.md has its shapes. */
 static conus_status write_bundle(const char *folder, const conus_phantom_options *options)
 {
+    static const struct {
+        const char *name;
+        void (*append)(struct buffer *out);
+    } files[] = {{"bundle.tck", append_tractogram},
+                 {"bundle.json", append_bundle_truth},
+                 {"bundle.atlas.json", append_manifest}};
     bool has_grid = options->size || options->oblique != 0;
     for (int a = 0; a < 3; a++) {
         has_grid = has_grid || options->flip[a] || options->spacing[a] != 0;
@@ -386,7 +365,13 @@ static conus_status write_bundle(const char *folder, const conus_phantom_options
         return fail(CONUS_ERROR_ARGUMENT, "bundle: size, spacing, oblique and flip: it has no grid");
     }
     conus_status status = file_make_folder(folder);
-    return status ? status : phantom_bundle_write(folder);
+    for (size_t i = 0; i < sizeof files / sizeof files[0] && !status; i++) {
+        struct buffer content = {0};
+        files[i].append(&content);
+        status = file_write_in(folder, files[i].name, &content); /* checks the buffer's status */
+        buffer_finish(&content);
+    }
+    return status;
 }
 
 conus_status conus_phantom_write(const char *kind, const char *folder, const conus_phantom_options *options)

@@ -375,7 +375,7 @@ static conus_status load_any(conus_atlas **out, const char *path, struct load_pr
     return status;
 }
 
-/* Notes on the atlas as a whole, while a log is there to hear them. */
+/* Checks the whole atlas while the log still gets its notes. */
 static conus_status check_whole(conus_atlas *atlas, const char *path, struct load_progress *progress)
 {
     const double probability = progress->options->probability;

@@ -6,13 +6,13 @@
 #include "atlas/atlas.h"
 #include "loaders/manifest/manifest.h"
 
-/** Sets the file @p path as @p entry says, but for its transfer function. CONUS_ERROR_DATA also for what is of volumes
- * where it is a surface, the reverse, and a second volume. */
+/** Sets the file @p path as @p entry says, without its transfer function. CONUS_ERROR_DATA also for a key of volumes
+ * with a surface, a key of surfaces with a volume, and a second volume. */
 conus_status context_entry_set(conus_atlas *atlas, const struct manifest_context *entry, const char *path,
                                const conus_load_options *options);
 
-/** Notes the transfer function of an entry of the manifest @p path, which has one. CONUS_ERROR_IO where its file is not
- * there. */
+/** Sets the transfer function of @p atlas from an entry, which has one, of the manifest @p path. CONUS_ERROR_IO if its
+ * file is not there. */
 conus_status context_entry_transfer(conus_atlas *atlas, const struct manifest_context *context, const char *path);
 
 #endif

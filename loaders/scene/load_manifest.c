@@ -462,7 +462,7 @@ static bool of_one_file(const struct manifest_pathway *a, const struct manifest_
     return a->source.chosen && b->source.chosen && strcmp(a->source.file, b->source.file) == 0;
 }
 
-/* Those that move with the areas, or those that do not. */
+/* Adds the pathways that move with the areas, or those that do not. */
 static conus_status add_pathways(struct loading *loading, bool moves)
 {
     conus_status status = CONUS_OK;
@@ -523,7 +523,7 @@ static conus_status set_contexts(struct loading *loading, bool moves)
     return status;
 }
 
-/* The areas are there. */
+/* Adds what moves with the areas, which are there, and moves all of it. */
 static conus_status add_what_moves(struct loading *loading)
 {
     conus_status status = add_pathways(loading, true);

@@ -54,13 +54,6 @@ struct matches {
     struct label_table table;
 };
 
-static void matches_finish(struct matches *matches)
-{
-    names_finish(&matches->names);
-    memory_free(matches->folder);
-    label_table_finish(&matches->table);
-}
-
 /* Keeps the names that match; all of them or none must hold a number. */
 static conus_status sift_names(struct matches *matches, const char *pattern)
 {
@@ -93,7 +86,7 @@ static conus_status sift_names(struct matches *matches, const char *pattern)
     return status;
 }
 
-/* The end of a pattern that every name that matches ends in. */
+/* The literal end of the pattern, which every matching name has. */
 static const char *plain_ending(const char *pattern)
 {
     const char *ending = pattern + strlen(pattern);
@@ -160,7 +153,9 @@ static conus_status plan_pattern(struct area_plan *plan, size_t entry, const str
             status = area_plan_add(plan, entry, file.data, &label);
         }
     }
-    matches_finish(&matches);
+    names_finish(&matches.names);
+    memory_free(matches.folder);
+    label_table_finish(&matches.table);
     return status;
 }
 

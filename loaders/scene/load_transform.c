@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_transform(): an atlas goes to where a transform says. */
+/* conus_atlas_transform(): moves an atlas by an affine or a field. */
 #include "atlas/atlas.h"
 #include "atlas/fit/area_points.h"
 #include "atlas/placement.h"

@@ -7,10 +7,10 @@
 #include "loaders/manifest/manifest.h"
 
 /** Makes the manifest of the map that @p file has chosen: its voxels are the parcellation, each of its surfaces an
- * entry of areas, with the surface beside it that docs/formats.md chooses. What has no label in the map is left out. A
- * surface whose labels are those of voxels or of a surface before it has a label_offset. Names in the manifest are
- * relative to the file's folder. @p notes gets which surfaces were taken; what is to be said of the file itself must
- * have been said. Errors carry the path. */
+ * entry of areas, with the surface beside it that docs/formats.md chooses. Structures without a label in the map are
+ * left out. A surface that shares labels with the voxels or with a surface before it gets a label_offset. Names in the
+ * manifest are relative to the file's folder. @p notes gets which surfaces were taken; notes about the file itself are
+ * the caller's. Errors carry the path. */
 conus_status plan_cifti(struct manifest *out, const struct cifti_file *file, uint64_t max_memory, struct notes *notes);
 
 #endif

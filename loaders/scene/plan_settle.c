@@ -90,7 +90,7 @@ static conus_status hand_over_link(struct area_plan *plan, struct label *entry, 
     return CONUS_OK;
 }
 
-/* The table keeps what is no surface's. */
+/* Moves the entries of planned surfaces from the table to the plan; the table keeps the others. */
 static conus_status hand_over_entries(struct area_plan *plan, struct label_table *table)
 {
     size_t kept = 0;

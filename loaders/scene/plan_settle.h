@@ -7,9 +7,9 @@
 #include "loaders/scene/area_plan.h"
 #include "loaders/scene/parcellations.h"
 
-/** Settles who has a label that both the plan and the united parcellations have, as the manifest prefers; in the voxels
- * that remain, and in the plan, no label is there twice. A name that only the parcellation's table has is the
- * surface's. */
+/** Gives each label that both the plan and the united parcellations have to the surface or to the voxels, as the
+ * manifest prefers; after that no label is there twice. A surface without a name takes that of the parcellation's
+ * table. */
 conus_status area_plan_settle(struct area_plan *plan, struct parcellations *all, enum manifest_preference preference);
 
 #endif
