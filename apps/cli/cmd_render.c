@@ -205,8 +205,12 @@ static int render_rows_choose(struct drawn_rows *out, const conus_pose_list *lis
                               const char *pattern)
 {
     size_t count = conus_pose_list_count(list);
+    out->count = 0;
     out->items = calloc(count + 1, sizeof *out->items);
-    for (size_t i = 0; out->items && i < count; i++) {
+    if (!out->items) {
+        return print_no_memory();
+    }
+    for (size_t i = 0; i < count; i++) {
         const conus_pose_row *row = conus_pose_list_row(list, i);
         if (is_chosen(row, i + 1, choice)) {
             struct drawn_row *drawn = &out->items[out->count++];
@@ -217,7 +221,7 @@ static int render_rows_choose(struct drawn_rows *out, const conus_pose_list *lis
             }
         }
     }
-    int code = out->items ? check_count(out, list, choice, pattern) : print_no_memory();
+    int code = check_count(out, list, choice, pattern);
     return code ? code : check_clashes(out);
 }
 

@@ -54,7 +54,9 @@ static conus_status vtk_need_type(const struct vtk_type **out, struct vtk *vtk)
             return CONUS_OK;
         }
     }
-    return words_fail(&vtk->words, word, "a type of numbers");
+    conus_status status = words_fail(&vtk->words, word, "a type of numbers");
+    assert(status);
+    return status;
 }
 
 /* Binary numbers begin behind the line, those of text behind white space. */
@@ -457,10 +459,13 @@ static conus_status read_counted(struct vtk *vtk, size_t count, size_t size, enu
 static conus_status begin_array(const struct vtk_type **type, struct vtk *vtk, const char *name)
 {
     struct text word;
+    conus_status status = CONUS_OK;
     if (!words_next(&vtk->words, &word) || !text_equal_ignoring_case(word, name)) {
-        return words_fail(&vtk->words, word, name);
+        status = words_fail(&vtk->words, word, name);
+        assert(status);
+        return status;
     }
-    conus_status status = vtk_need_type(type, vtk);
+    status = vtk_need_type(type, vtk);
     if (!status && ((*type)->bits < 8 || (*type)->kind == VTK_REAL)) {
         status = fail(CONUS_ERROR_DATA, "%s: of type %s, a whole number is needed", name, (*type)->name);
     }
@@ -475,7 +480,6 @@ static conus_status read_offset_cells(struct vtk *vtk, size_t count, size_t size
     const struct vtk_type *corner_type = NULL;
     int64_t offset = 0;
     conus_status status = begin_array(&offset_type, vtk, "OFFSETS");
-    assert(status || offset_type);
     struct vtk offsets = *vtk;
     for (size_t i = 0; !status && i < count; i++) { /* to where the corners begin */
         int64_t next;
@@ -488,7 +492,6 @@ static conus_status read_offset_cells(struct vtk *vtk, size_t count, size_t size
         offset = status ? 0 : next;
     }
     status = status ? status : begin_array(&corner_type, vtk, "CONNECTIVITY");
-    assert(status || corner_type);
     offset = 0;
     for (size_t i = 0; !status && i < count; i++) {
         int64_t next;
