@@ -213,16 +213,6 @@ static int begin_file(struct batch_file *file, const char *fingerprint, const ch
     return EXIT_DONE;
 }
 
-/* Leaves both files as they were after the last block that both have. */
-static int cut_back(struct batch_file *file, long journal_length)
-{
-    if (ftruncate(file->log, journal_length) || ftruncate(file->rows, (off_t)file->size) ||
-        lseek(file->log, 0, SEEK_END) < 0 || lseek(file->rows, 0, SEEK_END) < 0) {
-        return print_system_error(file->path, "continue writing");
-    }
-    return EXIT_DONE;
-}
-
 static int resume_file(struct batch_file *file, const char *fingerprint, const char *header_row)
 {
     char line[LINE_SIZE];
@@ -254,7 +244,12 @@ static int resume_file(struct batch_file *file, const char *fingerprint, const c
         file->crc = 0;
         return begin_file(file, fingerprint, header_row);
     }
-    return cut_back(file, length);
+    /* Both files are as they were after the last block that both have. */
+    if (ftruncate(file->log, length) || ftruncate(file->rows, (off_t)file->size) || lseek(file->log, 0, SEEK_END) < 0 ||
+        lseek(file->rows, 0, SEEK_END) < 0) {
+        return print_system_error(file->path, "continue writing");
+    }
+    return EXIT_DONE;
 }
 
 static bool exists(const char *path)

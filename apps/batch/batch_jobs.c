@@ -146,21 +146,15 @@ static bool check_outputs(const struct batch_jobs *jobs, const char *path)
     return fine && !twice;
 }
 
-static bool check_text(const char *text, size_t size, const char *path)
-{
-    if (!size || memchr(text, '\0', size)) {
-        print_error_line("%s: %s", path, size ? "a zero byte: not a table of batches" : "cannot read: it is empty");
-        return false;
-    }
-    return true;
-}
-
 int batch_jobs_parse(struct batch_jobs *out, const char *path, char *text, size_t size)
 {
     struct batch_jobs jobs = {.text = text};
     size_t place[COLUMNS];
     size_t number = 0;
-    bool whole = check_text(text, size, path);
+    bool whole = size && !memchr(text, '\0', size);
+    if (!whole) {
+        print_error_line("%s: %s", path, size ? "a zero byte: not a table of batches" : "cannot read: it is empty");
+    }
     char *first = size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? text + 3 : text; /* behind a byte order mark */
     for (char *rest = first, *line; whole && (line = strsep(&rest, "\n"));) {
         number++;

@@ -282,28 +282,6 @@ static void put_around(FILE *out, const conus_atlas *atlas)
     }
 }
 
-/* Which file a name was. */
-static void put_installed(FILE *out, const conus_installed *installed)
-{
-    if (installed) {
-        fprintf(out, "Installed atlas\n  name         %s:%s\n  file         %s\n", installed->source, installed->name,
-                installed->path);
-        if (installed->labels) {
-            fprintf(out, "  labels       %s\n", installed->labels);
-        }
-        fputc('\n', out);
-    }
-}
-
-static void put_notes(FILE *out, const conus_atlas *atlas)
-{
-    size_t count = conus_atlas_note_count(atlas);
-    fputs(count ? "\nNotes\n" : "", out);
-    for (size_t i = 0; i < count; i++) {
-        fprintf(out, "  %s\n", conus_atlas_note(atlas, i));
-    }
-}
-
 /** One column of the list of areas. */
 struct column {
     const char *name;
@@ -448,16 +426,6 @@ static void put_tsv(FILE *out, const conus_atlas *atlas)
     }
 }
 
-/* Sets out the tab-separated lines in columns. */
-static void put_aligned(FILE *out, const char *tsv, size_t count)
-{
-    bool right[COLUMN_COUNT];
-    for (size_t c = 0; c < COLUMN_COUNT; c++) {
-        right[c] = columns[c].right;
-    }
-    aligned_put(out, tsv, count, right);
-}
-
 static size_t count_objects(const conus_atlas *atlas, bool (*which)(const conus_object *))
 {
     size_t count = 0;
@@ -485,15 +453,6 @@ static bool is_nameless(const conus_object *object)
 static bool is_empty(const conus_object *object)
 {
     return is_area(object) && object->voxels == 0 && object->triangles == 0;
-}
-
-/* One line, where there is a tree. */
-static void put_tree_size(FILE *out, const conus_atlas *atlas)
-{
-    size_t depth = info_tree_depth(atlas);
-    if (depth > 1) {
-        fprintf(out, "area tree of %zu depths; --format tree shows it\n", depth);
-    }
 }
 
 /* Where the Allen CCF lies in it, if it is one. */
@@ -530,14 +489,25 @@ static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed 
         return EXIT_DATA;
     }
     size_t areas = count_objects(atlas, is_area);
-    put_installed(out, installed);
+    if (installed) {
+        fprintf(out, "Installed atlas\n  name         %s:%s\n  file         %s\n", installed->source, installed->name,
+                installed->path);
+        if (installed->labels) {
+            fprintf(out, "  labels       %s\n", installed->labels);
+        }
+        fputc('\n', out);
+    }
     put_volumes(out, atlas);
     put_surfaces(out, atlas);
     info_tracts_put(out, atlas);
     put_around(out, atlas);
     put_ccf(out, atlas);
     info_place_put(out, atlas);
-    put_notes(out, atlas);
+    size_t notes = conus_atlas_note_count(atlas);
+    fputs(notes ? "\nNotes\n" : "", out);
+    for (size_t i = 0; i < notes; i++) {
+        fprintf(out, "  %s\n", conus_atlas_note(atlas, i));
+    }
     size_t bundles = count_objects(atlas, is_bundle);
     size_t pathways = conus_atlas_object_count(atlas) - areas - bundles;
     fprintf(out, "\n%zu area%s (%zu without a name, %zu without a shape), %zu pathway%s", areas, areas == 1 ? "" : "s",
@@ -546,20 +516,16 @@ static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed 
         fprintf(out, ", %zu bundle%s", bundles, bundles == 1 ? "" : "s");
     }
     fputc('\n', out);
-    put_tree_size(out, atlas);
-    put_aligned(out, tsv, column_count(atlas));
-    free(tsv);
-    return EXIT_DONE;
-}
-
-static int put_json(FILE *out, const conus_atlas *atlas, const conus_installed *installed)
-{
-    char *text = info_json(atlas, installed);
-    if (!text) {
-        return EXIT_DATA;
+    size_t depth = info_tree_depth(atlas);
+    if (depth > 1) {
+        fprintf(out, "area tree of %zu depths; --format tree shows it\n", depth);
     }
-    fputs(text, out);
-    free(text);
+    bool right[COLUMN_COUNT];
+    for (size_t c = 0; c < COLUMN_COUNT; c++) {
+        right[c] = columns[c].right;
+    }
+    aligned_put(out, tsv, column_count(atlas), right);
+    free(tsv);
     return EXIT_DONE;
 }
 
@@ -573,9 +539,14 @@ struct atlas_text {
 static bool put_atlas(FILE *out, const void *what)
 {
     const struct atlas_text *text = what;
+    char *json;
+    bool whole;
     switch (text->format) {
     case INFO_JSON:
-        return put_json(out, text->atlas, text->installed) == EXIT_DONE;
+        json = info_json(text->atlas, text->installed);
+        whole = json && fputs(json, out) >= 0;
+        free(json);
+        return whole;
     case INFO_TABLE:
         return put_table(out, text->atlas, text->installed) == EXIT_DONE;
     case INFO_TREE:

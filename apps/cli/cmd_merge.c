@@ -95,12 +95,6 @@ static const char *next_cell(const char *line, char separator)
     return *line ? line + 1 : line;
 }
 
-static bool is_error_cell(const char *cell, char separator)
-{
-    static const char kind[] = "error";
-    return strncmp(cell, kind, sizeof kind - 1) == 0 && cell[sizeof kind - 1] == separator;
-}
-
 /* How a file says that a pose has no answer. */
 struct form {
     bool (*is_error)(const struct form *form, const char *line);
@@ -113,7 +107,7 @@ static bool in_table(const struct form *form, const char *line)
     for (size_t i = 0; i < form->kind; i++) {
         line = next_cell(line, form->separator);
     }
-    return is_error_cell(line, form->separator);
+    return strncmp(line, "error", 5) == 0 && line[5] == form->separator;
 }
 
 static bool in_ndjson(const struct form *form, const char *line)

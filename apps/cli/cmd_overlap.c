@@ -42,11 +42,6 @@ struct overlap {
     struct request request;
 };
 
-static size_t region_count(const struct overlap *overlap)
-{
-    return overlap->request.arguments->more.count + 1;
-}
-
 static const char *region_path(const struct overlap *overlap, size_t index)
 {
     return index ? overlap->request.arguments->more.items[index - 1] : overlap->request.arguments->operands[1];
@@ -185,7 +180,7 @@ static int answer(struct overlap *overlap)
     struct provenance provenance = {0};
     int code = start(overlap);
     code = code ? code : request_check_outputs(request, NULL);
-    for (size_t i = 0; !code && i < region_count(overlap); i++) {
+    for (size_t i = 0; !code && i <= request->arguments->more.count; i++) {
         code = add_region(overlap, region_path(overlap, i));
     }
     if (code) {

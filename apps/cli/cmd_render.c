@@ -148,11 +148,6 @@ static int check_clashes(const struct drawn_rows *rows)
     return code;
 }
 
-static bool is_chosen(const conus_pose_row *row, size_t number, const struct row_choice *choice)
-{
-    return (!choice->number || choice->number == number) && (!choice->id || strcmp(choice->id, row->id) == 0);
-}
-
 static const char *name_at(const void *list, size_t index)
 {
     const conus_pose_row *row = conus_pose_list_row(list, index);
@@ -171,23 +166,18 @@ static const char *name_behind(const conus_pose_list *list, const char *id)
     return found;
 }
 
-static int refuse_choice(const struct drawn_rows *rows, const conus_pose_list *list, const struct row_choice *choice)
-{
-    size_t count = conus_pose_list_count(list);
-    if (choice->number) {
-        return print_usage_error("--row %" PRIu32 ": %s has %zu poses", choice->number, rows->file, count);
-    }
-    const char *close = name_behind(list, choice->id);
-    close = close ? close : closest_name(choice->id, name_at, list);
-    return print_usage_error("--query-id: %s has no pose \"%s\"%s%s%s", rows->file, choice->id,
-                             close ? ", did you mean \"" : "", close ? close : "", close ? "\"?" : "");
-}
-
 static int check_count(const struct drawn_rows *rows, const conus_pose_list *list, const struct row_choice *choice,
                        const char *pattern)
 {
-    if (!rows->count && (choice->number || choice->id)) {
-        return refuse_choice(rows, list, choice);
+    if (!rows->count && choice->number) {
+        return print_usage_error("--row %" PRIu32 ": %s has %zu poses", choice->number, rows->file,
+                                 conus_pose_list_count(list));
+    }
+    if (!rows->count && choice->id) {
+        const char *close = name_behind(list, choice->id);
+        close = close ? close : closest_name(choice->id, name_at, list);
+        return print_usage_error("--query-id: %s has no pose \"%s\"%s%s%s", rows->file, choice->id,
+                                 close ? ", did you mean \"" : "", close ? close : "", close ? "\"?" : "");
     }
     if (rows->count == 1 || render_pattern_varies(pattern)) {
         return EXIT_DONE;
@@ -212,7 +202,7 @@ static int render_rows_choose(struct drawn_rows *out, const conus_pose_list *lis
     }
     for (size_t i = 0; i < count; i++) {
         const conus_pose_row *row = conus_pose_list_row(list, i);
-        if (is_chosen(row, i + 1, choice)) {
+        if ((!choice->number || choice->number == i + 1) && (!choice->id || strcmp(choice->id, row->id) == 0)) {
             struct drawn_row *drawn = &out->items[out->count++];
             drawn->row = row;
             drawn->path = row->error ? NULL : format_path(pattern, i + 1, row->id);
@@ -634,13 +624,6 @@ static bool check_context(const struct render_settings *settings)
     return true;
 }
 
-static bool check_picture(const struct render_settings *settings, const struct arguments *arguments)
-{
-    return check_cone(settings, arguments) && check_frustum(arguments) && check_rows(settings, arguments) &&
-           figure_check(&settings->figure) && translucent_check(&settings->translucent) && check_context(settings) &&
-           settings_check_space(arguments, &settings->aim.space);
-}
-
 static int load_poses(conus_pose_list **out, const struct picture *picture, const char *path)
 {
     const struct render_settings *settings = picture->settings;
@@ -675,13 +658,6 @@ static int load_camera(struct picture *picture)
     }
     conus_pose_list_destroy(list);
     return code;
-}
-
-static int find_frame(struct picture *picture)
-{
-    struct named_atlas atlas = {.atlas = picture->atlas};
-    return settings_frame(&picture->frame, &(struct atlases){&atlas, 1}, &picture->settings->aim.space,
-                          picture->settings->common.quiet);
 }
 
 static int find_camera(struct picture *picture)
@@ -792,14 +768,6 @@ static conus_status make_renderer(struct picture *picture)
     return status;
 }
 
-static int prepare(struct picture *picture)
-{
-    bool cone = picture->poses || option_given(picture->arguments, "origin");
-    conus_status status = cone ? make_selector(picture) : CONUS_OK;
-    status = status ? status : make_renderer(picture);
-    return status ? print_status(status) : EXIT_DONE;
-}
-
 static conus_status draw_picture(const struct picture *picture, const conus_selection *selection, const char *path)
 {
     const struct render_settings *settings = picture->settings;
@@ -857,13 +825,6 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
     return code;
 }
 
-static void say_aims(const struct picture *picture)
-{
-    const struct aimed aimed = {conus_aims_found(picture->aims), picture->selector, picture->atlas, NULL,
-                                &picture->frame};
-    aim_notes_say(&aimed, 1, picture->rows.count > 1 ? picture->rows.file : NULL, &picture->settings->common);
-}
-
 static int draw_rows(struct picture *picture)
 {
     const struct drawn_rows *rows = &picture->rows;
@@ -899,34 +860,40 @@ static int draw_origin(struct picture *picture)
     return code;
 }
 
-static int draw_all(struct picture *picture)
-{
-    if (picture->selector) {
-        return picture->poses ? draw_rows(picture) : draw_origin(picture);
-    }
-    conus_status status = draw_picture(picture, NULL, picture->settings->output);
-    return status ? print_status(status) : EXIT_DONE;
-}
-
 static int run_render(const void *given, const struct arguments *arguments)
 {
     const struct render_settings *settings = given;
-    if (!check_picture(settings, arguments)) {
+    if (!check_cone(settings, arguments) || !check_frustum(arguments) || !check_rows(settings, arguments) ||
+        !figure_check(&settings->figure) || !translucent_check(&settings->translucent) || !check_context(settings) ||
+        !settings_check_space(arguments, &settings->aim.space)) {
         return EXIT_USAGE;
     }
     struct picture picture = {.settings = settings, .arguments = arguments};
     bool late = settings_space_needs_atlas(&settings->aim.space);
     int code = late ? load_atlas(&picture) : EXIT_DONE;
-    code = code ? code : find_frame(&picture);
+    struct named_atlas named = {.atlas = picture.atlas};
+    code = code ? code
+                : settings_frame(&picture.frame, &(struct atlases){&named, 1}, &settings->aim.space,
+                                 settings->common.quiet);
     code = code ? code : find_camera(&picture);
     code = code ? code : find_rows(&picture);
     code = code || late ? code : load_atlas(&picture);
     code = code ? code : check_outputs(&picture);
     code = code || !picture.poses ? code : match_poses(&picture, picture.poses, settings->aim.pose);
-    code = code ? code : prepare(&picture);
-    code = code ? code : draw_all(&picture);
+    if (!code) {
+        bool cone = picture.poses || option_given(arguments, "origin");
+        conus_status status = cone ? make_selector(&picture) : CONUS_OK;
+        status = status ? status : make_renderer(&picture);
+        status = status || cone ? status : draw_picture(&picture, NULL, settings->output);
+        code = status ? print_status(status) : EXIT_DONE;
+    }
     if (!code && picture.selector) {
-        say_aims(&picture);
+        code = picture.poses ? draw_rows(&picture) : draw_origin(&picture);
+    }
+    if (!code && picture.selector) {
+        const struct aimed aimed = {conus_aims_found(picture.aims), picture.selector, picture.atlas, NULL,
+                                    &picture.frame};
+        aim_notes_say(&aimed, 1, picture.rows.count > 1 ? picture.rows.file : NULL, &settings->common);
     }
     if (!code) {
         settings_say_notes(picture.atlas, &settings->common);

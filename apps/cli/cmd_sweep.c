@@ -73,12 +73,6 @@ struct sweep {
     bool jitter_of_rows; /* the errors are those of the file's columns */
 };
 
-static void sweep_finish(struct sweep *sweep)
-{
-    request_finish(&sweep->request);
-    free(sweep->angles);
-}
-
 /* The numbers in `text`, separated by `separator`; -1 where there is something else or more than `limit`. */
 static int read_numbers(double *out, int limit, const char *text, char separator)
 {
@@ -209,14 +203,6 @@ static bool check_kind(const struct sweep *sweep, const struct arguments *argume
     return sweep->rows != CONUS_ROWS_ADMISSIONS || check_admission(arguments);
 }
 
-static bool check_sweep(struct sweep *sweep, const struct arguments *arguments)
-{
-    const struct sweep_settings *settings = sweep->settings;
-    return request_check(&settings->request, arguments, false) && settings_check_aim(arguments, true) &&
-           check_kind(sweep, arguments) && (!settings->angles || read_angles(sweep)) &&
-           (!settings->jitter || read_jitter(sweep));
-}
-
 static conus_status add_shares(struct sweep *sweep, const struct answerer *answerer, const conus_pose_row *row)
 {
     conus_status status = CONUS_OK;
@@ -278,14 +264,6 @@ static double widest_angle(const struct sweep *sweep, double angle)
     return widest;
 }
 
-static conus_status add_answer(struct sweep *sweep, const struct answerer *answerer, const conus_pose_row *row,
-                               double angle)
-{
-    return sweep->rows == CONUS_ROWS_SHARES    ? add_shares(sweep, answerer, row)
-           : sweep->rows == CONUS_ROWS_CHANCES ? add_chances(sweep, answerer, row, angle)
-                                               : add_admissions(answerer, row, angle);
-}
-
 static conus_status add_answers(struct sweep *sweep, const conus_pose_row *row)
 {
     struct request *request = &sweep->request;
@@ -293,7 +271,10 @@ static conus_status add_answers(struct sweep *sweep, const conus_pose_row *row)
     conus_status status = CONUS_OK;
     request_count_pose(request, row->line, &row->pose, widest_angle(sweep, angle));
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
-        status = add_answer(sweep, &request->answerers[i], row, angle);
+        const struct answerer *answerer = &request->answerers[i];
+        status = sweep->rows == CONUS_ROWS_SHARES    ? add_shares(sweep, answerer, row)
+                 : sweep->rows == CONUS_ROWS_CHANCES ? add_chances(sweep, answerer, row, angle)
+                                                     : add_admissions(answerer, row, angle);
     }
     return status;
 }
@@ -390,11 +371,14 @@ static int run_sweep(const void *given, const struct arguments *arguments)
                                   : settings->jitter ? CONUS_ROWS_CHANCES
                                                      : CONUS_ROWS_ADMISSIONS};
     int code = EXIT_USAGE;
-    if (check_sweep(&sweep, arguments)) {
+    if (request_check(&settings->request, arguments, false) && settings_check_aim(arguments, true) &&
+        check_kind(&sweep, arguments) && (!settings->angles || read_angles(&sweep)) &&
+        (!settings->jitter || read_jitter(&sweep))) {
         code = request_init(&sweep.request, &settings->request, arguments);
         code = code ? code : answer_sweep(&sweep);
     }
-    sweep_finish(&sweep);
+    request_finish(&sweep.request);
+    free(sweep.angles);
     return code;
 }
 

@@ -180,11 +180,6 @@ static bool check_source(const struct station_settings *settings, const struct a
     return settings_check_station(settings, arguments);
 }
 
-static bool check_track(const struct track_settings *settings, const struct arguments *arguments)
-{
-    return check_source(&settings->station, arguments) && request_check(&settings->request, arguments, true);
-}
-
 /* Writes what was answered since the last time. A whole JSON text waits for the end. */
 static int write_steps(struct track *track)
 {
@@ -405,7 +400,7 @@ static bool hold_steps(struct track *track)
 static int run_track(const void *given, const struct arguments *arguments)
 {
     const struct track_settings *settings = given;
-    if (!check_track(settings, arguments)) {
+    if (!check_source(&settings->station, arguments) || !request_check(&settings->request, arguments, true)) {
         return EXIT_USAGE;
     }
     struct track track = {.settings = settings};

@@ -60,17 +60,6 @@ static const struct option_group groups[] = {
     {0},
 };
 
-static int write_verdict(const struct verdict *verdict, const struct verify_settings *settings)
-{
-    char *text = settings->format ? verdict_json(verdict) : verdict_text(verdict);
-    if (!text) {
-        return print_no_memory();
-    }
-    int code = output_write(NULL, text, strlen(text));
-    free(text);
-    return code;
-}
-
 /* A result that could not be compared is an error, but not in JSON. */
 static int run_verify(const void *given, const struct arguments *arguments)
 {
@@ -84,7 +73,9 @@ static int run_verify(const void *given, const struct arguments *arguments)
     if (!code && verdict.kind == VERDICT_NONE && !settings->format) {
         verdict_print_error(&verdict);
     } else if (!code) {
-        code = write_verdict(&verdict, settings);
+        char *text = settings->format ? verdict_json(&verdict) : verdict_text(&verdict);
+        code = text ? output_write(NULL, text, strlen(text)) : print_no_memory();
+        free(text);
     }
     code = code ? code : codes[verdict.kind];
     verdict_finish(&verdict);

@@ -124,15 +124,6 @@ static int share_atlases(struct run *run)
     return code;
 }
 
-/* After the batch has ended. */
-static void finish_shared(struct run *run, const struct batch_settings *settings)
-{
-    for (size_t i = 0; run->shared && i < 1 + settings->atlas.more.count; i++) {
-        node_atlas_finish(&run->shared[i]);
-    }
-    free(run->shared);
-}
-
 static size_t shared_size(const struct run *run)
 {
     size_t size = 0;
@@ -316,7 +307,10 @@ static int answer_batch(const struct cluster *cluster, const struct batch_settin
     code = code || !run.batch.file.errors ? code : EXIT_DIFFERENT;
     free(run.text);
     batch_run_finish(&run.batch);
-    finish_shared(&run, settings);
+    for (size_t i = 0; run.shared && i < 1 + settings->atlas.more.count; i++) { /* after the batch, which uses them */
+        node_atlas_finish(&run.shared[i]);
+    }
+    free(run.shared);
     return code;
 }
 
@@ -412,16 +406,11 @@ static const struct command batch = {
 
 enum { CONTINUE = -1 };
 
-/* The program has one command, which answers --help and --version. */
-static bool is_question(const char *word)
-{
-    return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0 || strcmp(word, "--version") == 0;
-}
-
 static int read_command(struct arguments *arguments, struct batch_settings *settings, int count, char **words)
 {
-    bool named = count > 1 && strcmp(words[1], batch.name) == 0;
-    if (!named && !(count > 1 && is_question(words[1]))) {
+    const char *word = count > 1 ? words[1] : "";
+    bool named = strcmp(word, batch.name) == 0;
+    if (!named && strcmp(word, "--help") != 0 && strcmp(word, "-h") != 0 && strcmp(word, "--version") != 0) {
         *arguments = (struct arguments){.command = &batch};
         return print_usage_error("the only command is conus-mpi batch; conus-mpi --help explains it");
     }

@@ -87,14 +87,6 @@ static bool refuse_range(const struct option *option, const char *text)
     return false;
 }
 
-static bool read_number(const struct option *option, double *field, const char *text)
-{
-    if (!number_parse(text, field)) {
-        return refuse_value(option, text, "a number");
-    }
-    return !outside(option, *field) || refuse_range(option, text);
-}
-
 static bool read_count(const struct option *option, uint32_t *field, const char *text)
 {
     uint64_t number;
@@ -143,23 +135,6 @@ static bool read_numbers(const struct option *option, double *field, size_t coun
         }
     }
     return true;
-}
-
-static bool read_range(const struct option *option, double field[2], const char *text)
-{
-    if (!read_numbers(option, field, 2, text, "two numbers LOW,HIGH without spaces")) {
-        return false;
-    }
-    return field[0] < field[1] || refuse_value(option, text, "two numbers, the lower one first");
-}
-
-static bool read_edges(const struct option *option, double field[4], const char *text)
-{
-    if (!read_numbers(option, field, 4, text, "four numbers LEFT,RIGHT,LOWER,UPPER without spaces")) {
-        return false;
-    }
-    return (field[0] < field[1] && field[2] < field[3]) ||
-           refuse_value(option, text, "left before right and lower before upper");
 }
 
 static bool read_size(const struct option *option, uint32_t field[2], const char *text)
@@ -263,20 +238,25 @@ static bool read_item(const struct option *option, struct option_list *field, co
 
 bool option_read(const struct option *option, void *field, const char *text)
 {
+    double *numbers = field; /* of the types that are numbers */
     switch (option->type) {
     case OPTION_FLAG:
         *(bool *)field = true;
         return true;
     case OPTION_NUMBER:
-        return read_number(option, field, text);
+        return number_parse(text, numbers) ? !outside(option, *numbers) || refuse_range(option, text)
+                                           : refuse_value(option, text, "a number");
     case OPTION_COUNT:
         return read_count(option, field, text);
     case OPTION_VECTOR:
         return read_numbers(option, field, 3, text, "three numbers X,Y,Z without spaces");
     case OPTION_RANGE:
-        return read_range(option, field, text);
+        return read_numbers(option, field, 2, text, "two numbers LOW,HIGH without spaces") &&
+               (numbers[0] < numbers[1] || refuse_value(option, text, "two numbers, the lower one first"));
     case OPTION_EDGES:
-        return read_edges(option, field, text);
+        return read_numbers(option, field, 4, text, "four numbers LEFT,RIGHT,LOWER,UPPER without spaces") &&
+               ((numbers[0] < numbers[1] && numbers[2] < numbers[3]) ||
+                refuse_value(option, text, "left before right and lower before upper"));
     case OPTION_SIZE:
         return read_size(option, field, text);
     case OPTION_BYTES:

@@ -65,23 +65,6 @@ static void bash_put_command_names(FILE *out, const struct program *program)
     }
 }
 
-static void bash_put_option_names(FILE *out, const struct command *command)
-{
-    const struct option *option;
-    for (size_t i = 0; (option = completion_option(command, i)); i++) {
-        fprintf(out, "%s--%s", i ? " " : "", option->name);
-    }
-}
-
-/* Writes the pattern that matches the option. */
-static void bash_put_pattern(FILE *out, const struct option *option)
-{
-    if (option->letter) {
-        fprintf(out, "-%c | ", option->letter);
-    }
-    fprintf(out, "--%s", option->name);
-}
-
 static void bash_put_value_cases(FILE *out, const struct command *command)
 {
     static const char *const words[] = {[COMPLETION_FILE] = "value=file",
@@ -96,8 +79,10 @@ static void bash_put_value_cases(FILE *out, const struct command *command)
             continue;
         }
         fputs("        ", out);
-        bash_put_pattern(out, option);
-        fprintf(out, ") %s", value == COMPLETION_CHOICES ? "value=word words='" : words[value]);
+        if (option->letter) {
+            fprintf(out, "-%c | ", option->letter);
+        }
+        fprintf(out, "--%s) %s", option->name, value == COMPLETION_CHOICES ? "value=word words='" : words[value]);
         for (size_t n = 0; value == COMPLETION_CHOICES && (choice = option_choice(option, n)); n++) {
             fprintf(out, "%s%s", n ? " " : "", choice);
         }
@@ -107,8 +92,11 @@ static void bash_put_value_cases(FILE *out, const struct command *command)
 
 static void bash_put_command(FILE *out, const struct command *command)
 {
+    const struct option *option;
     fputs("        options='", out);
-    bash_put_option_names(out, command);
+    for (size_t i = 0; (option = completion_option(command, i)); i++) {
+        fprintf(out, "%s--%s", i ? " " : "", option->name);
+    }
     fprintf(out, "'%s\n        case $before in\n", completion_takes_atlas(command) ? " atlas=yes" : "");
     bash_put_value_cases(out, command);
     fputs("        esac\n", out);

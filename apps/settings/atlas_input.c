@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One --pathway, or several with bands of one file. End it with pathway_option_finish(). */
+/* One --pathway, or several with bands of one file. */
 struct pathway_option {
     char *text;        /* The text that the others point into. */
     const char *given; /* As it was given: borrowed. */
@@ -34,17 +34,6 @@ static bool read_threshold(struct pathway_option *pathway, const char *value)
         print_error_line("--pathway: threshold=%s is not a number above 0", value);
         return false;
     }
-    return true;
-}
-
-static bool read_volume(struct pathway_option *pathway, char *key, const char *value)
-{
-    uint64_t index;
-    if (!count_parse(value, UINT32_MAX, &index)) {
-        print_error_line("--pathway: volume=%s is not a whole number from 0", value);
-        return false;
-    }
-    pathway->volume = key;
     return true;
 }
 
@@ -100,7 +89,10 @@ static bool read_key(struct pathway_option *pathway, char *key)
         return *value || (print_error_line("--pathway: name= is empty"), false);
     }
     if (strncmp(key, "volume=", 7) == 0 && !pathway->volume) {
-        return read_volume(pathway, key, value);
+        uint64_t index;
+        pathway->volume = key;
+        return count_parse(value, UINT32_MAX, &index) ||
+               (print_error_line("--pathway: volume=%s is not a whole number from 0", value), false);
     }
     if (strncmp(key, "band=", 5) == 0) {
         return read_band(pathway, value);
@@ -109,16 +101,6 @@ static bool read_key(struct pathway_option *pathway, char *key)
                      "band=LOW:HIGH:NAME",
                      key);
     return false;
-}
-
-static bool check_keys(const struct pathway_option *pathway)
-{
-    const char *other = pathway->threshold > 0 ? "threshold" : pathway->name ? "name" : NULL;
-    if (pathway->band_count && other) {
-        print_error_line("--pathway: band= and %s= exclude each other: a band has its own", other);
-        return false;
-    }
-    return true;
 }
 
 /* Keys were read from the last to the first. */
@@ -159,26 +141,15 @@ static bool pathway_option_parse(struct pathway_option *out, const char *text)
     out->path = out->text + size;
     snprintf(out->path, size, "%s%s%s", keys, out->volume ? "," : "", out->volume ? out->volume : "");
     turn_bands(out);
-    return check_keys(out);
-}
-
-/* Adds the bands of `more`, whose text must outlive `option`, if both have bands of one file. Returns 1 if so, 0 if
- * not, and -1 without memory, which is printed. */
-static int pathway_option_join(struct pathway_option *option, const struct pathway_option *more)
-{
-    if (!option->band_count || !more->band_count || strcmp(option->path, more->path) != 0) {
-        return 0;
+    const char *other = out->threshold > 0 ? "threshold" : out->name ? "name" : NULL;
+    if (out->band_count && other) {
+        print_error_line("--pathway: band= and %s= exclude each other: a band has its own", other);
+        return false;
     }
-    return add_bands(option, more->bands, more->band_count) ? 1 : -1;
+    return true;
 }
 
-static void pathway_option_finish(struct pathway_option *option)
-{
-    free(option->bands);
-    free(option->text);
-}
-
-/* One --streamlines. End it with streamlines_option_finish(). */
+/* One --streamlines. */
 struct streamlines_option {
     char *path;    /* Its text, which is cut where the file's name ends. */
     char *name;    /* NULL if not given. */
@@ -193,11 +164,6 @@ static bool read_radius(struct streamlines_option *out, const char *value)
         return false;
     }
     return true;
-}
-
-static bool streamlines_is_key(const char *text)
-{
-    return strchr(text, '=') || strcmp(text, "moves") == 0;
 }
 
 /* Reads "key=value" or "moves", the text after a comma. */
@@ -227,7 +193,7 @@ static bool streamlines_option_parse(struct streamlines_option *out, const char 
         print_error_line("--streamlines: not enough memory");
         return false;
     }
-    for (char *comma; (comma = strrchr(out->path, ',')) && streamlines_is_key(comma + 1);) {
+    for (char *comma; (comma = strrchr(out->path, ',')) && (strchr(comma, '=') || strcmp(comma, ",moves") == 0);) {
         *comma = '\0';
         if (!streamlines_read_key(out, comma + 1)) {
             return false;
@@ -237,11 +203,6 @@ static bool streamlines_option_parse(struct streamlines_option *out, const char 
         print_error_line("--streamlines: \"%s\" names no file", text);
     }
     return *out->path && !key_left_in_file("--streamlines", out->path, keys);
-}
-
-static void streamlines_option_finish(struct streamlines_option *option)
-{
-    free(option->path);
 }
 
 /* The parts of "FILE[,from=IMAGE,to=IMAGE][,inverse][,relative|absolute][,grid=IMAGE]", which is cut at its commas. */
@@ -275,15 +236,6 @@ static bool transform_take_key(struct transform_option *out, const char *key)
     return false;
 }
 
-/* Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
-static void transform_parse(struct transform_option *out, char *text)
-{
-    *out = (struct transform_option){.path = text};
-    for (char *comma; (comma = strrchr(text, ',')) && transform_take_key(out, comma + 1);) {
-        *comma = '\0';
-    }
-}
-
 static bool is_empty(const char *text)
 {
     return text && !*text;
@@ -296,7 +248,11 @@ static int transform_apply(conus_atlas *atlas, const char *given, uint64_t max_m
     if (!text) {
         return print_no_memory();
     }
-    transform_parse(&option, text);
+    option = (struct transform_option){.path = text};
+    /* Keys are cut off the end as long as there are some, since a file's name may have commas as well. */
+    for (char *comma; (comma = strrchr(text, ',')) && transform_take_key(&option, comma + 1);) {
+        *comma = '\0';
+    }
     option.options.max_memory = max_memory;
     bool empty = is_empty(option.path) || is_empty(option.options.from) || is_empty(option.options.to) ||
                  is_empty(option.options.grid);
@@ -363,15 +319,16 @@ static size_t parse_pathways(struct pathway_option *pathways, const struct optio
 {
     size_t count = 0;
     for (size_t i = 0; i < texts->count; i++) {
-        int joined = 0;
+        bool joined = false;
         if (!pathway_option_parse(&pathways[i], texts->items[i])) {
             return SIZE_MAX;
         }
         for (size_t k = 0; k < i && !joined; k++) {
-            joined = pathway_option_join(&pathways[k], &pathways[i]);
-        }
-        if (joined < 0) {
-            return SIZE_MAX;
+            struct pathway_option *first = &pathways[k];
+            joined = first->band_count && pathways[i].band_count && strcmp(first->path, pathways[i].path) == 0;
+            if (joined && !add_bands(first, pathways[i].bands, pathways[i].band_count)) {
+                return SIZE_MAX;
+            }
         }
         pathways[i].given = joined ? NULL : pathways[i].given;
         pathways[i].band_count = joined ? 0 : pathways[i].band_count;
@@ -393,14 +350,6 @@ static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathway
     return code;
 }
 
-static int add_tractogram(conus_atlas *atlas, const struct streamlines_option *option, uint64_t max_memory)
-{
-    const conus_streamlines_options options = {
-        .radius = option->radius, .name = option->name, .max_memory = max_memory};
-    conus_status status = conus_atlas_add_streamlines(atlas, option->path, &options);
-    return status ? print_status(status) : EXIT_DONE;
-}
-
 /* Those that move, or those that do not. */
 static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *options, bool moves,
                            struct progress *progress)
@@ -409,8 +358,13 @@ static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *
     int code = EXIT_DONE;
     for (size_t i = 0; !code && i < settings->streamlines.count; i++) {
         if (options[i].moves == moves) {
-            bool goes_on = begin_file(progress, options[i].path);
-            code = goes_on ? add_tractogram(atlas, &options[i], settings->max_memory) : EXIT_DATA;
+            const conus_streamlines_options own = {
+                .radius = options[i].radius, .name = options[i].name, .max_memory = settings->max_memory};
+            if (!begin_file(progress, options[i].path)) {
+                return EXIT_DATA;
+            }
+            conus_status status = conus_atlas_add_streamlines(atlas, options[i].path, &own);
+            code = status ? print_status(status) : EXIT_DONE;
         }
     }
     return code;
@@ -422,18 +376,6 @@ struct additions {
     struct streamlines_option *streamlines; /* the same */
     size_t files;
 };
-
-static void additions_finish(struct additions *additions, const struct atlas_settings *settings)
-{
-    for (size_t i = 0; additions->pathways && i < settings->pathways.count; i++) {
-        pathway_option_finish(&additions->pathways[i]);
-    }
-    for (size_t i = 0; additions->streamlines && i < settings->streamlines.count; i++) {
-        streamlines_option_finish(&additions->streamlines[i]);
-    }
-    free(additions->pathways);
-    free(additions->streamlines);
-}
 
 static bool parse_streamlines(struct streamlines_option *out, const char *text, const struct atlas_settings *settings)
 {
@@ -447,7 +389,7 @@ static bool parse_streamlines(struct streamlines_option *out, const char *text, 
     return true;
 }
 
-/* Gives the exit code; `out` is the caller's to additions_finish() in any case. */
+/* Gives the exit code; `out` is the caller's to free in any case. */
 static int additions_parse(struct additions *out, const struct atlas_settings *settings)
 {
     size_t count = settings->streamlines.count;
@@ -492,17 +434,6 @@ static int show_objects(conus_atlas *atlas, const struct atlas_settings *setting
         print_error_line("not enough memory");
     }
     return failed ? EXIT_DATA : status ? print_status(status) : EXIT_DONE;
-}
-
-/* Where there are several atlases, an error says which of them has no such hemispheres. */
-static int set_hemispheres(conus_atlas *atlas, const char *path, const struct atlas_settings *settings)
-{
-    conus_status status = conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
-    if (status && settings->more.count) {
-        print_error_line("%s: %s", path, conus_message());
-        return exit_code_of(status);
-    }
-    return status ? print_status(status) : EXIT_DONE;
 }
 
 bool atlas_input_is_image(const char *why)
@@ -565,7 +496,13 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
     if (status) {
         return status == CONUS_ERROR_CANCELLED ? EXIT_DATA : say_no_atlas(status, settings);
     }
-    int code = set_hemispheres(atlas, name->path, settings);
+    status = conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
+    int code = status ? exit_code_of(status) : EXIT_DONE;
+    if (status && settings->more.count) { /* which of several atlases has no such hemispheres */
+        print_error_line("%s: %s", name->path, conus_message());
+    } else if (status) {
+        print_status(status);
+    }
     code = code ? code : add_streamlines(atlas, additions->streamlines, true, &progress);
     code = code ? code : transform_options_apply(atlas, &settings->transforms, settings->max_memory);
     code = code ? code : add_pathways(atlas, additions->pathways, &progress);
@@ -587,7 +524,15 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
     code = code ? code : atlas_name_find(&name, path);
     code = code ? code : load_named(out, &name, &additions, (struct progress){settings, 0, additions.files, 0});
     atlas_name_finish(&name);
-    additions_finish(&additions, settings);
+    for (size_t i = 0; additions.pathways && i < settings->pathways.count; i++) {
+        free(additions.pathways[i].bands);
+        free(additions.pathways[i].text);
+    }
+    for (size_t i = 0; additions.streamlines && i < settings->streamlines.count; i++) {
+        free(additions.streamlines[i].path);
+    }
+    free(additions.pathways);
+    free(additions.streamlines);
     return code;
 }
 

@@ -81,14 +81,6 @@ static bool is_moved(const conus_atlas *atlas)
     return moved;
 }
 
-static void say_moved(const conus_frame *frame)
-{
-    print_error_line(
-        "note: --space %s: the atlas was moved, and the CCF with it: a position is the same voxel as before, "
-        "and only mm and angles are of the new place (docs/spaces.md)",
-        conus_space_name(frame->space));
-}
-
 int settings_frame(conus_frame *out, const struct atlases *atlases, const struct space_settings *settings, bool quiet)
 {
     const double *b = settings->bregma;
@@ -115,7 +107,10 @@ int settings_frame(conus_frame *out, const struct atlases *atlases, const struct
     if (!quiet && settings_space_needs_atlas(settings)) {
         say_sides(&first);
         if (is_moved(atlases->items[0].atlas)) {
-            say_moved(&first);
+            print_error_line(
+                "note: --space %s: the atlas was moved, and the CCF with it: a position is the same voxel as "
+                "before, and only mm and angles are of the new place (docs/spaces.md)",
+                conus_space_name(first.space));
         }
     }
     *out = first;

@@ -43,11 +43,6 @@ static struct layout measure_columns(const char *tsv, size_t columns)
     return layout;
 }
 
-static void put_cell(FILE *out, const char *cell, int before, int behind)
-{
-    fprintf(out, "  %*s%.*s%*s", before, "", (int)strcspn(cell, "\t\n"), cell, behind, "");
-}
-
 void aligned_put(FILE *out, const char *tsv, size_t columns, const bool right[])
 {
     struct layout layout = measure_columns(tsv, columns);
@@ -56,7 +51,8 @@ void aligned_put(FILE *out, const char *tsv, size_t columns, const bool right[])
         size_t c = cells++ % columns;
         if (layout.shown[c]) {
             int blank = layout.width[c] - text_width(cell);
-            put_cell(out, cell, right[c] ? blank : 0, right[c] || c == layout.last ? 0 : blank);
+            fprintf(out, "  %*s%.*s%*s", right[c] ? blank : 0, "", (int)strcspn(cell, "\t\n"), cell,
+                    right[c] || c == layout.last ? 0 : blank, "");
         }
         fputs(c + 1 == columns ? "\n" : "", out);
     }

@@ -19,19 +19,6 @@ static const char method_bibtex[] = "@inproceedings{rick2010conic,\n"
                                     "  doi = {10.1109/VR.2010.5444783}\n"
                                     "}\n";
 
-static void put_own_references(FILE *out, const struct cited_atlas *atlas)
-{
-    for (size_t i = 0; i < atlas->references.count; i++) {
-        fprintf(out, "%s%s", i ? "; " : "", atlas->references.items[i]);
-    }
-}
-
-/* Without a reference there is at least what tells which file it was. */
-static void put_file(FILE *out, const struct cited_atlas *atlas)
-{
-    fprintf(out, "file %s%s%s", atlas->file, atlas->sha256 ? ", SHA-256 " : "", atlas->sha256 ? atlas->sha256 : "");
-}
-
 void citation_list(FILE *out, const struct citation *citation)
 {
     if (citation_has_rays(citation)) {
@@ -41,16 +28,17 @@ void citation_list(FILE *out, const struct citation *citation)
     for (size_t i = 0; i < citation->atlas_count; i++) {
         const struct cited_atlas *atlas = &citation->atlases[i];
         fprintf(out, "%s: ", atlas->name);
-        if (atlas->references.count) {
-            put_own_references(out, atlas);
-        } else {
+        for (size_t k = 0; k < atlas->references.count; k++) {
+            fprintf(out, "%s%s", k ? "; " : "", atlas->references.items[k]);
+        }
+        if (!atlas->references.count) {
             fputs(atlas->is_here ? "its files carry no reference; cite it as its authors ask"
                                  : "its files are not here as they were, to look for a reference",
                   out);
         }
-        fputs(" (", out);
-        put_file(out, atlas);
-        fputs(")\n", out);
+        /* Without a reference, this at least tells which file it was. */
+        fprintf(out, " (file %s%s%s)\n", atlas->file, atlas->sha256 ? ", SHA-256 " : "",
+                atlas->sha256 ? atlas->sha256 : "");
     }
 }
 

@@ -405,17 +405,6 @@ static void put_use(struct writing *out, const struct option_use *use)
     free(read);
 }
 
-/* Writes the words of one row of a table of --jobs. */
-static void put_job(struct writing *out)
-{
-    const struct record *record = out->replay->record;
-    const char *poses = json_string_value(json_object_get(json_object_get(record->root, "Batch"), "pose_file"));
-    char *read = poses ? stage_word(out->stage, poses) : NULL;
-    put_path(out, "poses", read);
-    put_output(out, option_find(out->replay->command, "output"), out->replay->result);
-    free(read);
-}
-
 /* Behind "--": a path may begin with a dash. */
 static void put_operands(struct writing *out)
 {
@@ -451,8 +440,13 @@ static void put_words(struct writing *out)
                  (long long)replay->record->shard[1]);
         put_option(out, "shard", shard);
     }
-    if (!arguments->operand_count) {
-        put_job(out);
+    if (!arguments->operand_count) { /* one row of a table of --jobs */
+        const json_t *batch = json_object_get(replay->record->root, "Batch");
+        const char *poses = json_string_value(json_object_get(batch, "pose_file"));
+        char *read = poses ? stage_word(out->stage, poses) : NULL;
+        put_path(out, "poses", read);
+        put_output(out, option_find(replay->command, "output"), replay->result);
+        free(read);
     } else if (!out->has_output) {
         put_output(out, option_find(replay->command, "output"), NULL);
     }

@@ -141,16 +141,11 @@ static const char *rows_of(const char *text, size_t size, size_t *rows_size)
     return rows ? rows : text;
 }
 
-static uint32_t crc_of(const char *text, size_t size)
-{
-    return (uint32_t)crc32_z(0, (const Bytef *)text, size);
-}
-
 static bool is_recorded(const struct recorded_file *output, const char *rows, size_t size)
 {
     char sum[SHA256_TEXT];
     if (output->crc32 >= 0) {
-        return (uint64_t)output->bytes == size && output->crc32 == crc_of(rows, size);
+        return (uint64_t)output->bytes == size && output->crc32 == (uint32_t)crc32_z(0, (const Bytef *)rows, size);
     }
     provenance_hash(sum, rows, size);
     return output->sha256 && strcmp(output->sha256, sum) == 0;
@@ -208,16 +203,6 @@ static void say_file(struct verdict *verdict, const struct recorded_file *file, 
     }
 }
 
-static const char *output_path(const struct checking *checking)
-{
-    const struct record *record = &checking->verdict->record;
-    const struct recorded_file *output = checking->output;
-    for (size_t i = 0; i < record->output_count && !(output && output->path); i++) {
-        output = &record->outputs[i];
-    }
-    return output ? output->path : NULL;
-}
-
 /* Whether all files are there, changed or not. */
 static int find_files(struct checking *checking, const char *written, bool *there)
 {
@@ -232,7 +217,10 @@ static int find_files(struct checking *checking, const char *written, bool *ther
     if (places.is_cut) {
         say(&verdict->notes, "--search stopped after %d files and folders", SEARCH_ENTRIES);
     }
-    places.base = base_folder(written ? written : output_path(checking), verdict->result);
+    for (size_t i = 0; i < record->output_count && !written; i++) {
+        written = record->outputs[i].path;
+    }
+    places.base = base_folder(written, verdict->result);
     verdict->found = calloc(record->input_count + 1, sizeof *verdict->found);
     for (size_t i = 0; i < record->input_count && !code; i++) {
         bool done = verdict->found && file_find(&verdict->found[i], &record->inputs[i], &places);
@@ -427,7 +415,8 @@ static int answer(struct checking *checking, struct replay *replay)
     struct verdict *verdict = checking->verdict;
     bool there = false;
     int code = find_files(checking,
-                          checking->output && checking->output->path ? NULL : option_text(&replay->arguments, "output"),
+                          checking->output && checking->output->path ? checking->output->path
+                                                                     : option_text(&replay->arguments, "output"),
                           &there);
     if (code || !there) {
         return code;
