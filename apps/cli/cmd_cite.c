@@ -119,7 +119,6 @@ static int make_atlases(struct citing *citing, size_t count)
     return citing->citation.atlas_count ? EXIT_DONE : print_no_memory();
 }
 
-/* The first file with this path, else with one in this folder. */
 static const struct recorded_file *find_input(const struct record *record, const char *path)
 {
     for (size_t i = 0; i < record->input_count; i++) {

@@ -145,14 +145,7 @@ static int write_tables(struct comparison *diff)
     if (diff->out) {
         compare_tables(diff);
     }
-    int code = EXIT_DATA;
-    if (!diff->out || fclose(diff->out)) {
-        print_error_line("not enough memory");
-    } else {
-        conus_plain_text(text);
-        code = output_write(NULL, text, strlen(text));
-    }
-    free(text);
+    int code = output_end(diff->out, &text);
     bool differ = diff->columns + diff->changed + diff->removed + diff->added > 0;
     return code ? code : differ ? EXIT_DIFFERENT : EXIT_DONE;
 }
@@ -192,28 +185,17 @@ static int diff_tables(const char *a, const char *b, const struct diff_settings 
     return code;
 }
 
-static bool is_picture(const char *path)
-{
-    return path_ends(path, ".exr") || path_ends(path, ".png");
-}
-
-static bool has_channel(const conus_image *image, const char *name)
-{
-    const char *channel;
-    for (size_t i = 0; (channel = conus_image_channel(image, i)); i++) {
-        if (strcmp(channel, name) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static size_t put_channels(FILE *out, const conus_image *of, const conus_image *in, const char *where)
 {
     size_t count = 0;
     const char *channel;
     for (size_t i = 0; (channel = conus_image_channel(of, i)); i++) {
-        if (!has_channel(in, channel)) {
+        const char *fellow;
+        size_t k = 0;
+        while ((fellow = conus_image_channel(in, k)) && strcmp(fellow, channel) != 0) {
+            k++;
+        }
+        if (!fellow) {
             fprintf(out, "channel %s is only in %s\n", channel, where);
             count++;
         }
@@ -257,18 +239,9 @@ static int write_pictures(const conus_image *a, const conus_image *b, double tol
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    int code = out ? put_pictures(out, a, b, tolerance) : EXIT_DATA;
-    if (!out || fclose(out)) {
-        print_error_line("not enough memory");
-        code = EXIT_DATA;
-    }
-    if (code == EXIT_DONE || code == EXIT_DIFFERENT) {
-        conus_plain_text(text);
-        int written = output_write(NULL, text, strlen(text));
-        code = written ? written : code;
-    }
-    free(text);
-    return code;
+    int code = out ? put_pictures(out, a, b, tolerance) : EXIT_DONE;
+    int written = output_end(out, &text);
+    return written ? written : code;
 }
 
 static int diff_pictures(const char *a, const char *b, double tolerance)
@@ -288,11 +261,11 @@ static int run_diff(const void *given, const struct arguments *arguments)
     const struct diff_settings *settings = given;
     const char *a = arguments->operands[0];
     const char *b = arguments->operands[1];
-    if (is_picture(a) != is_picture(b)) {
-        return print_usage_error("%s is a picture and %s is not: two of a kind are needed", is_picture(a) ? a : b,
-                                 is_picture(a) ? b : a);
+    if (path_is_picture(a) != path_is_picture(b)) {
+        return print_usage_error("%s is a picture and %s is not: two of a kind are needed", path_is_picture(a) ? a : b,
+                                 path_is_picture(a) ? b : a);
     }
-    return is_picture(a) ? diff_pictures(a, b, settings->tolerance) : diff_tables(a, b, settings);
+    return path_is_picture(a) ? diff_pictures(a, b, settings->tolerance) : diff_tables(a, b, settings);
 }
 
 const struct command cmd_diff = {

@@ -227,15 +227,6 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
     return ends_check(&settings->ends, arguments);
 }
 
-static bool check_settings(const struct query_settings *settings, const struct arguments *arguments)
-{
-    if (option_given(arguments, "point")) {
-        return settings_check_space(arguments, &settings->request.aim.space) && check_outputs(settings, arguments);
-    }
-    return request_check(&settings->request, arguments, false) && settings_check_aim(arguments, true) &&
-           check_outputs(settings, arguments);
-}
-
 /** A query under way. */
 struct query {
     const struct query_settings *settings;
@@ -250,18 +241,6 @@ struct query {
     bool has_points, has_cones; /* that were asked about, */
     bool has_shanks;            /* whose axes are the answer */
 };
-
-static void query_finish(struct query *query)
-{
-    conus_image_destroy(query->image);
-    conus_grid_destroy(query->mask.grid);
-    free(query->mask.sidecar);
-    conus_streamline_list_destroy(query->streamlines);
-    rows_file_finish(&query->segments);
-    ends_finish(&query->ends);
-    conus_selection_destroy(query->selection);
-    request_finish(&query->request);
-}
 
 static bool is_of_probe(conus_format format)
 {
@@ -676,18 +655,24 @@ static int start_outputs(struct query *query)
 static int run_query(const void *given, const struct arguments *arguments)
 {
     const struct query_settings *settings = given;
-    if (!check_settings(settings, arguments)) {
+    bool fits = option_given(arguments, "point")
+                    ? settings_check_space(arguments, &settings->request.aim.space)
+                    : request_check(&settings->request, arguments, false) && settings_check_aim(arguments, true);
+    if (!fits || !check_outputs(settings, arguments)) {
         return EXIT_USAGE;
     }
     struct query query = {.settings = settings};
     int code = request_init(&query.request, &settings->request, arguments);
-    if (!code) {
-        code = start_outputs(&query);
-    }
-    if (!code) {
-        code = answer_query(&query);
-    }
-    query_finish(&query);
+    code = code ? code : start_outputs(&query);
+    code = code ? code : answer_query(&query);
+    conus_image_destroy(query.image);
+    conus_grid_destroy(query.mask.grid);
+    free(query.mask.sidecar);
+    conus_streamline_list_destroy(query.streamlines);
+    rows_file_finish(&query.segments);
+    ends_finish(&query.ends);
+    conus_selection_destroy(query.selection);
+    request_finish(&query.request);
     return code;
 }
 

@@ -323,16 +323,6 @@ static int answer_all(struct sweep *sweep)
     return status ? print_status(status) : code;
 }
 
-static conus_status start_sweep(struct sweep *sweep)
-{
-    struct request *request = &sweep->request;
-    const conus_selector_options engine = settings_engine(&request->settings->engine, &request->settings->common);
-    conus_report_options report = request_report_options(request);
-    report.rows = sweep->rows;
-    conus_status status = request_start(request, &engine);
-    return status ? status : request_reports(request, &report);
-}
-
 static int load_poses(void *user)
 {
     return request_load_poses(user);
@@ -347,7 +337,11 @@ static int answer_sweep(struct sweep *sweep)
     if (code) {
         return code;
     }
-    conus_status status = start_sweep(sweep);
+    const conus_selector_options engine = settings_engine(&request->settings->engine, &request->settings->common);
+    conus_report_options report = request_report_options(request);
+    report.rows = sweep->rows;
+    conus_status status = request_start(request, &engine);
+    status = status ? status : request_reports(request, &report);
     code = status ? print_status(status) : answer_all(sweep);
     if (code) {
         return code;

@@ -43,16 +43,6 @@ static int agree(int code)
     return agreed;
 }
 
-/* To be called now and then; whether to continue. */
-static bool tend(struct run *run)
-{
-    bool continues = ordered_file_tend(&run->file);
-    if (run->cluster->rank == 0) {
-        progress_update(&run->batch.progress, run->batch.file.poses, run->batch.file.errors);
-    }
-    return continues;
-}
-
 static bool collect(void *user, const conus_batch_block *block)
 {
     struct run *run = user;
@@ -74,10 +64,14 @@ static bool collect(void *user, const conus_batch_block *block)
     run->part.poses += block->poses;
     run->part.errors += block->errors;
     batch_run_keep_error(&run->batch, block);
-    return tend(run);
+    bool continues = ordered_file_tend(&run->file);
+    if (run->cluster->rank == 0) {
+        progress_update(&run->batch.progress, run->batch.file.poses, run->batch.file.errors);
+    }
+    return continues;
 }
 
-/* Answers `poses` poses from `pass` poses further on. */
+/* Skips `pass` poses, then answers `poses` of them. */
 static int answer_part(struct run *run, uint64_t pass, uint64_t poses)
 {
     int code = batch_run_skip(&run->batch, pass);
@@ -317,7 +311,7 @@ static int answer_batch(const struct cluster *cluster, const struct batch_settin
 /* The words by which rank 0 announces a batch to the others. */
 enum { ATLAS, POSES, OUTPUT, SHARD, ROWS, WORD_COUNT };
 
-/* Without an atlas there is nothing more to answer. */
+/* Words without an atlas end the ranks' work. */
 static void announce(const char *const words[WORD_COUNT])
 {
     for (int i = 0; i < WORD_COUNT; i++) {

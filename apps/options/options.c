@@ -59,17 +59,6 @@ static struct found find_name(const struct command *command, void *settings, con
     return found;
 }
 
-static struct found find_letter(const struct command *command, void *settings, char letter)
-{
-    struct found found;
-    for (size_t i = 0; (found = found_at(command, settings, i)).option; i++) {
-        if (found.option->letter == letter) {
-            break;
-        }
-    }
-    return found;
-}
-
 bool option_given(const struct arguments *arguments, const char *name)
 {
     struct found found = find_name(arguments->command, NULL, name, strlen(name));
@@ -223,7 +212,11 @@ static int take_long(struct cursor *cursor, const char *word)
 
 static int take_short(struct cursor *cursor, const char *word)
 {
-    struct found found = find_letter(cursor->arguments->command, cursor->settings, word[1]);
+    const struct command *command = cursor->arguments->command;
+    struct found found;
+    for (size_t i = 0; (found = found_at(command, cursor->settings, i)).option && found.option->letter != word[1];) {
+        i++;
+    }
     if (!found.option) {
         return print_unknown_option(cursor->arguments, word, word + 1);
     }

@@ -61,22 +61,33 @@ int output_write_table(const char *path, const char *text, size_t size)
                                   : output_write(path, text, size);
 }
 
+/* Ends a memory stream and frees its text, which goes to stdout if it is whole. */
+static int end_stream(FILE *stream, char **text, bool whole, bool is_table)
+{
+    int code = EXIT_DATA;
+    if (stream && fclose(stream) == 0 && whole) {
+        conus_plain_text(*text);
+        size_t size = strlen(*text);
+        code = is_table ? write_fitted(*text, size, "--format tsv has all") : output_write(NULL, *text, size);
+    } else {
+        print_error_line("not enough memory");
+    }
+    free(*text);
+    return code;
+}
+
 int output_put(bool put(FILE *out, const void *what), const void *what)
 {
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     bool whole = out && put(out, what);
-    whole = out && fclose(out) == 0 && whole;
-    int code = EXIT_DATA;
-    if (whole) {
-        conus_plain_text(text);
-        code = write_fitted(text, strlen(text), "--format tsv has all");
-    } else {
-        print_error_line("not enough memory");
-    }
-    free(text);
-    return code;
+    return end_stream(out, &text, whole, true);
+}
+
+int output_end(FILE *stream, char **text)
+{
+    return end_stream(stream, text, true, false);
 }
 
 int output_finish(int code)
@@ -115,6 +126,11 @@ bool path_ends(const char *path, const char *ending)
     size_t length = strlen(path);
     size_t tail = strlen(ending);
     return length > tail && strcasecmp(path + length - tail, ending) == 0;
+}
+
+bool path_is_picture(const char *path)
+{
+    return path_ends(path, ".exr") || path_ends(path, ".png");
 }
 
 bool output_is_no_file(const char *path)

@@ -23,6 +23,10 @@ int output_write_table(const char *path, const char *text, size_t size);
  * failure. Returns the exit code likewise. */
 int output_put(bool put(FILE *out, const void *what), const void *what);
 
+/** Ends a stream of open_memstream(), NULL without memory, makes its text plain, writes it to stdout and frees it.
+ * Returns the exit code likewise. */
+int output_end(FILE *stream, char **text);
+
 /** Flushes stdout: a full disk or a closed pipe is an error, not silence. Gives @p code if all is well
  * or something was wrong before. */
 int output_finish(int code);
@@ -42,6 +46,9 @@ const char *path_name(const char *path);
 
 /** Whether @p path ends in @p ending (".png"), in any case. */
 bool path_ends(const char *path, const char *ending);
+
+/** Whether @p path ends in .exr or .png. */
+bool path_is_picture(const char *path);
 
 /** Where a path leads. Equal ones are one regular file, be it there already or not yet. */
 struct path_place {

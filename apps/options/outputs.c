@@ -67,7 +67,7 @@ static bool is_there(const char *path)
            stat(path, &info) == 0 && S_ISREG(info.st_mode);
 }
 
-/* Else the message would be of a temporary file, or of the sidecar, which is written first. */
+/* Without this check, the message would name a temporary file or the sidecar, which is written first. */
 static int check_folder(const char *path)
 {
     const char *slash = strrchr(path, '/');

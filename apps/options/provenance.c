@@ -126,7 +126,7 @@ static bool is_file(const char *path, size_t *size)
     return is;
 }
 
-/* Whatever has a path and its SHA-256. */
+/* Adds "bytes" to every object with a path and its SHA-256. */
 static bool add_sizes(json_t *value)
 {
     const char *key;

@@ -350,7 +350,7 @@ static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathway
     return code;
 }
 
-/* Those that move, or those that do not. */
+/* Adds the tractograms that --atlas-transform moves, or those that it does not. */
 static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *options, bool moves,
                            struct progress *progress)
 {

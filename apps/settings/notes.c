@@ -214,7 +214,7 @@ static void add_apart(struct lines *out, const conus_astray *found, const char *
     }
 }
 
-/* Behind "; ", or "". */
+/* Writes what the cone would hit in the other space or unit, after "; "; "" if nothing. */
 static const char *put_reading(char out[256], const conus_reading *reading, const conus_atlas *atlas)
 {
     out[0] = '\0';

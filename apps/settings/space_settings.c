@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The options --space and --bregma, and what they mean for atlases. */
-#include "settings/space_settings.h"
-
 #include "options/messages.h"
 #include "settings/atlases.h"
+#include "settings/settings.h"
 
 #include <math.h>
 

@@ -25,17 +25,18 @@ extern const struct option second_options_table[]; /**< station_settings, too: a
 /** Whether the options go together, and name addresses; prints an error if not. */
 bool settings_check_station(const struct station_settings *settings, const struct arguments *arguments);
 
-/** The same for those of the screen, of a command that has them. */
+/** The same for a command with the screen's options, */
 bool settings_check_screen(const struct station_settings *settings, const struct arguments *arguments);
 
-/** The same for a command that has those of a second tool, too. */
+/** and for one with the options of a second tool as well. */
 bool settings_check_stations(const struct station_settings *settings, const struct arguments *arguments);
 
 /** Starts a station where --listen or --connect was given, else leaves *out NULL. Returns the exit code and prints an
  * error unless it is 0. */
 int settings_start_station(struct station **out, const struct station_settings *settings);
 
-/** The same of --second-listen or --second-connect: the second tool's own station, else the first one hears of it. */
+/** The same for --second-listen or --second-connect: the second tool's own station; without them both tools share the
+ * first one. */
 int settings_start_second(struct station **out, const struct station_settings *settings);
 
 /** "waiting for a connection on port 18944", "Pointer is lost", ... */

@@ -125,20 +125,14 @@ conus_connectivity_options ends_options_of(const struct ends_settings *settings,
     return (conus_connectivity_options){.radius = !is_given ? 0 : settings->radius > 0 ? settings->radius : -1};
 }
 
-static bool has_bundle(const conus_atlas *atlas)
-{
-    bool found = false;
-    for (size_t number = 1; number <= conus_atlas_object_count(atlas) && !found; number++) {
-        found = conus_atlas_object(atlas, (uint32_t)number)->kind == CONUS_KIND_BUNDLE;
-    }
-    return found;
-}
-
 bool ends_check_atlases(const struct atlases *atlases)
 {
     for (size_t i = 0; i < atlases->count; i++) {
-        if (has_bundle(atlases->items[i].atlas)) {
-            return true;
+        const conus_object *object;
+        for (uint32_t number = 1; (object = conus_atlas_object(atlases->items[i].atlas, number)); number++) {
+            if (object->kind == CONUS_KIND_BUNDLE) {
+                return true;
+            }
         }
     }
     print_error_line("there are no streamlines, --streamlines FILE adds some");

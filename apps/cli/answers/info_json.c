@@ -25,7 +25,7 @@ void info_drop_rounding(double *numbers, size_t count, double scale)
     }
 }
 
-/* Without the sign of what is shown as 0.0. */
+/* Values that "%.1f" shows as 0.0 lose their sign. */
 static double tenths(double value)
 {
     return fabs(value) < 0.05 ? 0 : value;

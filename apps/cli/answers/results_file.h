@@ -30,10 +30,9 @@ const char *results_cell(const struct results *results, size_t row, size_t colum
 /** Index of the column @p name; false if there is none. */
 bool results_column(const struct results *results, const char *name, size_t *column);
 
-/** Row of @p results with the same key (query, kind, index, the atlas of several, i, j, k of a list of voxels, the
- * order of segments, bundle_index and the areas of connections) as @p row of @p other; false if there is none. A row
- * that names its atlas is none that does not.
- */
+/** Finds the row of @p results with the key of @p row of @p other; false if there is none. The key is the query, kind
+ * and index, and where a table has them the atlas, the voxel (i, j, k), a segment's order, bundle_index and the areas
+ * of a connection. A row that names its atlas never matches one that does not. */
 bool results_find(const struct results *results, const struct results *other, size_t row, size_t *found);
 
 #endif

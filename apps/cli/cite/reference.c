@@ -29,19 +29,7 @@ static void add_text(struct references *out, const json_t *value)
     }
 }
 
-/* A text, or a list of them. */
-static void add_texts(struct references *out, const json_t *value)
-{
-    size_t index;
-    const json_t *text;
-    add_text(out, value);
-    json_array_foreach(value, index, text)
-    {
-        add_text(out, text);
-    }
-}
-
-/* The object in a file; NULL where it is none that is small. */
+/* The JSON in a small file; NULL if there is none. */
 static json_t *load(const char *path)
 {
     struct stat info;
@@ -63,7 +51,14 @@ static void read_keys(struct references *out, char *path, const char *needed, co
     bool fits = root && (!needed || json_object_get(root, needed));
     size_t before = out->count;
     for (; fits && *keys; keys++) {
-        add_texts(out, json_object_get(root, *keys));
+        const json_t *value = json_object_get(root, *keys); /* a text, or a list of them */
+        size_t index;
+        const json_t *text;
+        add_text(out, value);
+        json_array_foreach(value, index, text)
+        {
+            add_text(out, text);
+        }
     }
     json_decref(root);
     if (out->count > before && !out->source) {

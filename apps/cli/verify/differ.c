@@ -138,7 +138,7 @@ static size_t count_of(struct piece line, char wanted)
     return count;
 }
 
-/* Else they are no headers of one table. */
+/* Whether both lines can be headers of one table. */
 static bool have_as_many_cells(struct piece a, struct piece b)
 {
     return count_of(a, '\t') == count_of(b, '\t') && count_of(a, ',') == count_of(b, ',');
@@ -350,7 +350,7 @@ static void compare(struct comparing *out, const char *name, json_t *a, json_t *
     }
 }
 
-/* In the sidecar of a merged batch, the command that joined it comes behind the one that is asked again. */
+/* The sidecar of a merged batch has two commands: the one that is answered again, then the one that merged. */
 static void compare_programs(struct comparing *out, const json_t *recorded, const json_t *again)
 {
     static const char merge[] = "conus merge ";

@@ -16,9 +16,8 @@ struct command_line {
     size_t count;
 };
 
-/** Cuts @p text into words, as arguments_text() writes them: bare, or in single quotes. Nothing else that a shell knows
- * is taken. Returns NULL, or why it is none of ours, a text that lasts; then @p out is empty. @p out is the caller's to
- * command_line_finish(). */
+/** Cuts @p text into words as arguments_text() writes them: bare, or in single quotes. All other shell syntax is
+ * refused. Returns NULL, or the reason as a static text; @p out is empty then. Free it by command_line_finish(). */
 const char *command_line_parse(struct command_line *out, const char *text);
 void command_line_finish(struct command_line *line);
 

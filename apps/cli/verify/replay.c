@@ -327,7 +327,7 @@ static void put_option(struct writing *out, const char *name, const char *value)
     put(out, asprintf(&word, "--%s%s%s", name, value ? "=" : "", value ? value : "") < 0 ? NULL : word);
 }
 
-/* Without a path the command line is not whole. */
+/* The command line is not whole if the path is NULL. */
 static void put_path(struct writing *out, const char *name, const char *path)
 {
     out->whole = out->whole && path;
@@ -405,7 +405,7 @@ static void put_use(struct writing *out, const struct option_use *use)
     free(read);
 }
 
-/* Behind "--": a path may begin with a dash. */
+/* Writes the operands after "--", since a path may begin with a dash. */
 static void put_operands(struct writing *out)
 {
     const struct arguments *arguments = &out->replay->arguments;

@@ -234,11 +234,6 @@ static int find_files(struct checking *checking, const char *written, bool *ther
     return code;
 }
 
-static bool is_picture(const char *path)
-{
-    return path_ends(path, ".exr") || path_ends(path, ".png");
-}
-
 /* Pictures have attributes that say when and where they were made: pixels count. */
 static bool same_pixels(struct verdict *verdict, const char *again)
 {
@@ -281,7 +276,7 @@ static int compare_texts(struct checking *checking, const char *again, size_t ag
     if (verdict->same) {
         return EXIT_DONE;
     }
-    if (is_picture(path)) {
+    if (path_is_picture(path)) {
         verdict->same = same_pixels(verdict, path);
         return EXIT_DONE;
     }
