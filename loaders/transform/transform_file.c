@@ -420,11 +420,11 @@ static conus_status fail_kind(const char *path, const struct bytes *file)
                : file_kind_fail(path, file, transform_needed);
 }
 
-static conus_status parse_kind(double out[16], const struct bytes *file, const char *path, const char *from,
-                               const char *to)
+static conus_status parse_kind(double out[16], enum kind kind, const struct bytes *file, const char *path,
+                               const char *from, const char *to)
 {
     struct text text = text_from_bytes(file->data, file->size);
-    switch (transform_kind_of(file, text)) {
+    switch (kind) {
     case KIND_MATRIX:
         return transform_read_matrix(out, text, path, from, to);
     case KIND_ITK:
@@ -453,7 +453,7 @@ conus_status transform_parse(double out[16], const struct bytes *file, const cha
     if (from && kind != KIND_MATRIX && kind != KIND_NONE) {
         return fail(CONUS_ERROR_ARGUMENT, "from and to are of FSL's matrices, and this is none");
     }
-    conus_status status = parse_kind(m, file, path, from, to);
+    conus_status status = parse_kind(m, kind, file, path, from, to);
     if (!status && !mat4_invert_affine(inverse, m)) {
         status = fail(CONUS_ERROR_DATA, "the matrix is singular, an invertible one is needed");
     }

@@ -301,21 +301,6 @@ static conus_status judge_values(struct grey_result *out, const struct scan *sca
     return status;
 }
 
-static conus_status judge_scan(struct grey_result *out, struct scan *scan, const struct grey_claims *claims)
-{
-    struct tally tally = {0};
-    struct grey_result result = {.equal = 1, .telling = true};
-    conus_status status = find_plateaus(scan, scan->labels->count);
-    if (status) {
-        return status;
-    }
-    visit_neighbours(scan, count_pairs, &tally);
-    result.equal = tally.pairs ? (double)tally.equal / (double)tally.pairs : 1;
-    status = result.equal < most_equal ? judge_values(&result, scan, &tally, claims) : CONUS_OK;
-    *out = status ? *out : result;
-    return status;
-}
-
 conus_status grey_judge(struct grey_result *out, const struct label_voxels *labels, const size_t dim[3],
                         const struct grey_claims *claims)
 {
@@ -323,8 +308,18 @@ conus_status grey_judge(struct grey_result *out, const struct label_voxels *labe
     struct scan scan = {.labels = labels, .dim = dim, .step = labels->count > small ? dim[2] / planes + 1 : 1};
     scan.block = memory_raw(2 * block, sizeof *scan.block);
     scan.beside = scan.block ? scan.block + block : NULL;
-    conus_status status = scan.block ? judge_scan(out, &scan, claims) : CONUS_ERROR_MEMORY;
+    struct tally tally = {0};
+    struct grey_result result = {.equal = 1, .telling = true};
+    conus_status status = scan.block ? find_plateaus(&scan, labels->count) : CONUS_ERROR_MEMORY;
+    if (!status) {
+        visit_neighbours(&scan, count_pairs, &tally);
+        result.equal = tally.pairs ? (double)tally.equal / (double)tally.pairs : 1;
+        status = result.equal < most_equal ? judge_values(&result, &scan, &tally, claims) : CONUS_OK;
+    }
     memory_free(scan.block);
+    if (!status) {
+        *out = result;
+    }
     return status;
 }
 

@@ -87,16 +87,6 @@ static conus_status take_vertex(struct obj *obj)
     return foreign_add_vertex(obj->mesh, position);
 }
 
-static conus_status read_vertices(struct obj *obj)
-{
-    struct text word;
-    conus_status status = CONUS_OK;
-    while (!status && next_statement(obj, &word)) {
-        status = text_equal(word, "v") ? take_vertex(obj) : CONUS_OK;
-    }
-    return status;
-}
-
 /* "3", "3/1", "3//2" or "3/1/2": the vertex, and texture and normal, which are not read. */
 static bool read_corner(int64_t *out, struct text word)
 {
@@ -242,6 +232,7 @@ void obj_objects_finish(struct obj_objects *objects)
 conus_status obj_parse(struct foreign_mesh *out, struct obj_objects *objects, const uint8_t *data, size_t size)
 {
     struct obj obj = {.words = words_of(data, size), .mesh = out};
+    struct text word;
     conus_status status = CONUS_OK;
     /* MNI's objects have the same ending; they begin with a letter for their kind */
     if (size > 1 && data[0] && strchr("PLMmFXxQqTtBb", data[0]) && data[1] == ' ') {
@@ -249,7 +240,9 @@ conus_status obj_parse(struct foreign_mesh *out, struct obj_objects *objects, co
     } else if (size && memchr(data, '\0', size)) {
         status = fail(CONUS_ERROR_DATA, "content: binary data, an OBJ file is text");
     }
-    status = status ? status : read_vertices(&obj);
+    while (!status && next_statement(&obj, &word)) {
+        status = text_equal(word, "v") ? take_vertex(&obj) : CONUS_OK;
+    }
     obj.words = words_of(data, size);
     obj.line = (struct text){0};
     status = status ? status : read_faces(&obj);

@@ -415,20 +415,15 @@ static conus_status end_cell(struct foreign_mesh *mesh, enum cells cells)
                                    : CONUS_OK;
 }
 
-/* Whether the corners of these cells are read. Corners of lines are skipped if the caller wants no lines. */
-static bool are_wanted(const struct foreign_mesh *mesh, enum cells cells)
-{
-    return cells > CELLS_LINES || (cells == CELLS_LINES && mesh->lines);
-}
-
 static conus_status take_corners(struct vtk *vtk, int64_t count, const struct vtk_type *type, enum cells cells,
                                  const char *what)
 {
     conus_status status = CONUS_OK;
+    bool are_wanted = cells > CELLS_LINES || (cells == CELLS_LINES && vtk->mesh->lines); /* by the caller */
     for (int64_t k = 0; !status && k < count; k++) {
         int64_t index;
         status = vtk_next_whole(&index, vtk, type, what);
-        if (!status && are_wanted(vtk->mesh, cells)) {
+        if (!status && are_wanted) {
             status = foreign_add_corner(vtk->mesh, index);
         }
     }
