@@ -233,6 +233,7 @@ static conus_status take_array(struct vtk *vtk)
     }
     bool strings = !status && words_take(&vtk->words, "string");
     status = status || strings ? status : vtk_need_type(&type, vtk);
+    assert(status || strings || type);
     status = status ? status : vtk_end_line(vtk);
     return status ? status : strings ? skip_strings(vtk, count) : vtk_take_numbers(vtk, name, type, parts, tuples);
 }
