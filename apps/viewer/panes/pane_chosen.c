@@ -45,7 +45,7 @@ static void draw_shadow(struct shadow *shadow, uint8_t *rgba, const uint8_t *mas
 static void cast(struct window *window, uint32_t width, uint32_t height)
 {
     struct shadow *shadow = &window->pictures.shadow;
-    uint8_t *mask = calloc(width, height);
+    uint8_t *mask = calloc((size_t)width * height + 1, 1);
     uint8_t *rgba = malloc((size_t)4 * width * height);
     shadow->top.is_there = false;
     shadow->width = width;
