@@ -199,14 +199,7 @@ static conus_status read_matrix(conus_pose *out, const struct reading *reading, 
         memcpy(m + 4 * i, axes + 3 * i, 3 * sizeof *m);
     }
     memcpy(m + 12, position, 3 * sizeof *m);
-    if (reading->lps) {
-        pose_flip_matrix(m);
-    }
-    status = conus_pose_from_matrix(out, m);
-    if (!status) {
-        pose_turn(out, reading->options->axis);
-    }
-    return status;
+    return pose_of_matrix(out, m, reading->lps, reading->options->axis);
 }
 
 static bool has_matrix(const struct reading *reading, const struct text *fields)

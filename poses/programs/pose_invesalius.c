@@ -91,15 +91,12 @@ static conus_status read_pose(conus_pose_row *row, const struct reading *reading
         return status ? status : pose_of_point(&row->pose, position);
     }
     status = pose_columns_point(angles, &reading->columns, fields, ALPHA_WORLD, 1);
-    if (!status) {
-        turn_by(m, angles);
-        memcpy(m + 12, position, sizeof position);
-        status = conus_pose_from_matrix(&row->pose, m);
+    if (status) {
+        return status;
     }
-    if (!status) {
-        pose_turn(&row->pose, reading->options->axis);
-    }
-    return status;
+    turn_by(m, angles);
+    memcpy(m + 12, position, sizeof position);
+    return pose_of_matrix(&row->pose, m, false, reading->options->axis);
 }
 
 /* Points on the head, for registration. Old files know them by their labels. */

@@ -149,15 +149,8 @@ static conus_status read_pose(conus_pose_row *row, const struct reading *reading
     if (is_identity(marker->m)) {
         return fail(CONUS_ERROR_DATA, "the matrix is the identity, as of a coil that was not tracked");
     }
-    if (reading->lps) {
-        pose_flip_matrix(marker->m);
-    }
-    conus_status status = conus_pose_from_matrix(&row->pose, marker->m);
-    if (!status) {
-        conus_axis axis = reading->options->axis;
-        pose_turn(&row->pose, axis ? axis : CONUS_AXIS_PLUS_X);
-    }
-    return status;
+    conus_axis axis = reading->options->axis;
+    return pose_of_matrix(&row->pose, marker->m, reading->lps, axis ? axis : CONUS_AXIS_PLUS_X);
 }
 
 static conus_status on_end(void *user, const struct xml_event *event)

@@ -117,14 +117,7 @@ static conus_status pose_by_matrix(conus_pose *out, const struct reading *readin
     for (int i = 0; i < 3; i++) {
         m[12 + i] *= reading->scale;
     }
-    if (reading->lps) {
-        pose_flip_matrix(m);
-    }
-    status = conus_pose_from_matrix(out, m);
-    if (!status) {
-        pose_turn(out, reading->options->axis);
-    }
-    return status;
+    return pose_of_matrix(out, m, reading->lps, reading->options->axis);
 }
 
 /* Along the normal or against it: towards the target, or as the caller says. */

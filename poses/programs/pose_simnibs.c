@@ -21,10 +21,7 @@ static conus_status add_matrix(const struct reading *reading, const double m[NUM
 {
     conus_pose_row row = pose_row_at(line);
     conus_axis axis = reading->options->axis;
-    conus_status bad = conus_pose_from_matrix(&row.pose, m);
-    if (!bad) {
-        pose_turn(&row.pose, axis ? axis : CONUS_AXIS_PLUS_Z);
-    }
+    conus_status bad = pose_of_matrix(&row.pose, m, false, axis ? axis : CONUS_AXIS_PLUS_Z);
     return pose_list_add(reading->list, &row, id, bad ? conus_message() : NULL);
 }
 

@@ -81,6 +81,20 @@ void pose_turn(conus_pose *pose, conus_axis axis)
     }
 }
 
+conus_status pose_of_matrix(conus_pose *out, const double m[16], bool lps, conus_axis axis)
+{
+    double ras[16];
+    memcpy(ras, m, sizeof ras);
+    if (lps) {
+        pose_flip_matrix(ras);
+    }
+    conus_status status = conus_pose_from_matrix(out, ras);
+    if (!status) {
+        pose_turn(out, axis);
+    }
+    return status;
+}
+
 const char *pose_axis_name(conus_axis axis)
 {
     static const char *const names[] = {"", "+x", "-x", "+y", "-y", "+z", "-z"};

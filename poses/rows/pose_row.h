@@ -38,6 +38,9 @@ void pose_flip_matrix(double m[16]);
  * for +z and quarter turns about y for +-x, so that +y stays up, and with +z up for +-y. */
 void pose_turn(conus_pose *pose, conus_axis axis);
 
+/** A device's matrix, in LPS if @p lps, that points along its @p axis. */
+conus_status pose_of_matrix(conus_pose *out, const double m[16], bool lps, conus_axis axis);
+
 /** Seconds since 1970-01-01 on the clock that wrote "2019-03-22" and "14:08:40.658"; NaN if that is not what they are.
  */
 double pose_clock(struct text date, struct text time);
