@@ -36,13 +36,10 @@ static conus_status move_volume(struct volume *out, const struct volume *volume,
 
 static conus_status move_mesh(struct mesh *out, const struct mesh *mesh, const double world_from_atlas[16])
 {
-    conus_status status = mesh_init(out, mesh->vertex_count, mesh->triangle_count);
+    conus_status status = mesh_copy(out, mesh);
     if (status) {
         return status;
     }
-    memcpy(out->positions, mesh->positions, 3 * mesh->vertex_count * sizeof *mesh->positions);
-    memcpy(out->triangles, mesh->triangles, 3 * mesh->triangle_count * sizeof *mesh->triangles);
-    out->shape = mesh->shape;
     mesh_transform(out, world_from_atlas);
     status = mesh_check_numbers(out);
     return status ? status : mesh_measure(&out->shape, out);

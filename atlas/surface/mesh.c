@@ -35,6 +35,17 @@ conus_status mesh_init(struct mesh *out, size_t vertex_count, size_t triangle_co
     return CONUS_OK;
 }
 
+conus_status mesh_copy(struct mesh *out, const struct mesh *mesh)
+{
+    conus_status status = mesh_init(out, mesh->vertex_count, mesh->triangle_count);
+    if (!status) {
+        memcpy(out->positions, mesh->positions, 3 * mesh->vertex_count * sizeof *mesh->positions);
+        memcpy(out->triangles, mesh->triangles, 3 * mesh->triangle_count * sizeof *mesh->triangles);
+        out->shape = mesh->shape;
+    }
+    return status;
+}
+
 /* Twice the area times the unit normal. */
 static void normal_of(double out[3], const struct mesh *mesh, size_t triangle)
 {

@@ -41,6 +41,9 @@ void mesh_finish(struct mesh *mesh);
 /** A mesh of zeroed arrays for so many vertices and triangles. */
 conus_status mesh_init(struct mesh *out, size_t vertex_count, size_t triangle_count);
 
+/** A copy of the vertices, triangles and shape. */
+conus_status mesh_copy(struct mesh *out, const struct mesh *mesh);
+
 /** Refuses meshes that no engine may get: no triangle, a coordinate that is not within 1e9 mm of 0, an index out of
  * range. Leaves out triangles without area and counts them in @p notes; notes a mesh that is not closed. */
 conus_status mesh_check(struct mesh *mesh, struct notes *notes);

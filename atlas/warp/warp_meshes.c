@@ -78,13 +78,10 @@ static conus_status move_mesh(struct warped_meshes *out, size_t index, const con
 {
     const struct mesh *old = &atlas->meshes[index];
     struct mesh *mesh = &out->items[index];
-    conus_status status = mesh_init(mesh, old->vertex_count, old->triangle_count);
+    conus_status status = mesh_copy(mesh, old);
     if (status) {
         return status;
     }
-    memcpy(mesh->positions, old->positions, 3 * old->vertex_count * sizeof *mesh->positions);
-    memcpy(mesh->triangles, old->triangles, 3 * old->triangle_count * sizeof *mesh->triangles);
-    mesh->shape = old->shape;
     move_vertices(out, mesh, field);
     size_t cut = 0;
     status = cut_mesh(&cut, mesh);
