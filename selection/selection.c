@@ -13,13 +13,6 @@
 enum { PIXELS_AT_ONCE = 1 << 18 };
 static const double JUST_BEFORE = 1e-6; /* mm */
 
-static conus_status mark_cone(conus_selection *selection, const struct aperture *aperture)
-{
-    size_t pixels = (size_t)aperture->resolution * aperture->resolution;
-    selection->in_cone = memory_copy(aperture->in_cone, pixels, sizeof *selection->in_cone);
-    return selection->in_cone ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
 void selection_set_kinds(conus_selection *selection)
 {
     struct statistics *statistics = &selection->statistics;
@@ -213,9 +206,14 @@ conus_status selection_regroup(conus_selection *selection, const struct level *l
 /* All that is known before the trace. */
 static conus_status make_ready(conus_selection *selection, conus_selector *selector)
 {
+    size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
     conus_status status = evidence_init(&selection->evidence, selection->cone.resolution);
     status = status ? status : aperture_prepare(&selector->aperture, &selection->cone);
-    return status ? status : mark_cone(selection, &selector->aperture);
+    if (status) {
+        return status;
+    }
+    selection->in_cone = memory_copy(selector->aperture.in_cone, pixels, sizeof *selection->in_cone);
+    return selection->in_cone ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 conus_status selection_begin(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)

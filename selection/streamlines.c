@@ -45,15 +45,6 @@ static conus_status check_bundle(const conus_atlas *atlas, uint32_t object)
 
 enum { SHOWN = 1, INSIDE = 2, LISTED = SHOWN | INSIDE };
 
-/* Marks the streamlines of what is asked for. */
-static void mark_bundle(uint8_t *marks, const struct tractogram *tractogram, const struct tract_group *group)
-{
-    size_t count = tract_group_count(group, tractogram);
-    for (size_t i = 0; i < count; i++) {
-        marks[tract_group_member(group, i)] |= SHOWN;
-    }
-}
-
 static void mark_inside(void *user, const struct tract_run *run, const struct tract_part *part)
 {
     uint8_t *marks = user;
@@ -71,7 +62,11 @@ static conus_status list_tractogram(conus_streamline_list *list, uint32_t which,
     for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count && !status; number++) {
         bool wanted = object ? number == object : !atlas->places[number - 1].is_hidden;
         if (wanted && atlas_bundle_tractogram(atlas, number) == tractogram) {
-            mark_bundle(marks, tractogram, atlas_bundle_group(atlas, number));
+            const struct tract_group *group = atlas_bundle_group(atlas, number);
+            size_t count = tract_group_count(group, tractogram);
+            for (size_t i = 0; i < count; i++) {
+                marks[tract_group_member(group, i)] |= SHOWN;
+            }
         }
     }
     if (!status) {

@@ -133,15 +133,9 @@ static void name_shaft(struct contact *contact, struct text group, size_t row)
     }
 }
 
-static conus_status reserve_contact(struct reading *reading)
-{
-    bool fits = memory_reserve(&reading->contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts);
-    return fits ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
 static conus_status read_contact(struct reading *reading, struct text line, size_t number)
 {
-    if (reserve_contact(reading)) {
+    if (!memory_reserve(&reading->contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts)) {
         return CONUS_ERROR_MEMORY;
     }
     struct text fields[COLUMNS];

@@ -80,21 +80,16 @@ static conus_status read_position(double out[3], const struct markup *markup, co
     return CONUS_OK;
 }
 
-static conus_status point_pose(conus_pose_row *row, const struct markup *markup, const json_t *point)
-{
-    double position[3];
-    row->is_point = true;
-    conus_status status = read_position(position, markup, point);
-    return status ? status : pose_of_point(&row->pose, position);
-}
-
 static conus_status read_points(const struct markup *markup, const json_t *points)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < json_array_size(points); i++) {
         const json_t *point = json_array_get(points, i);
         conus_pose_row row = pose_row_at(markup->number);
-        conus_status bad = point_pose(&row, markup, point);
+        double position[3];
+        row.is_point = true;
+        conus_status bad = read_position(position, markup, point);
+        bad = bad ? bad : pose_of_point(&row.pose, position);
         status = add_row(markup, &row, text_of(json_object_get(point, "label")), bad);
     }
     return status;

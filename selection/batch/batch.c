@@ -75,11 +75,9 @@ static conus_status add_atlas(conus_batch *batch, conus_selector *selector, cons
     const conus_batch_options *options = &batch->options;
     struct batch_atlas atlas = {.workers = memory_zeroed(options->threads, sizeof *atlas.workers),
                                 .reports = memory_zeroed(options->threads, sizeof(conus_report *))};
-    void *atlases = batch->atlases;
-    bool fits = memory_reserve(&atlases, &batch->atlas_capacity, batch->atlas_count + 1, sizeof *batch->atlases);
+    bool fits = memory_reserve(&batch->atlases, &batch->atlas_capacity, batch->atlas_count + 1, sizeof *batch->atlases);
     bool has_axes = report->rows == CONUS_ROWS_SEGMENTS || report_is_of_probe(report->format);
     conus_status status = fits && atlas.workers && atlas.reports ? CONUS_OK : CONUS_ERROR_MEMORY;
-    batch->atlases = atlases;
     status = status || !has_axes ? status : selector_prepare_axis(selector);
     for (uint32_t i = 0; i < options->threads && !status; i++) {
         status = batch_worker_init(&atlas.workers[i], selector, options->block, options->angle);

@@ -80,17 +80,17 @@ static conus_status add_members(struct connecting *connecting, uint32_t bundle, 
 {
     const conus_atlas *atlas = connecting->selector->atlas;
     const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, bundle);
-    void *all = connecting->all;
-    bool fits =
-        memory_reserve(&all, &connecting->capacity, connecting->count + members->count, sizeof *connecting->all);
-    connecting->all = all;
-    for (size_t i = 0; fits && i < members->count; i++) {
+    if (!memory_reserve(&connecting->all, &connecting->capacity, connecting->count + members->count,
+                        sizeof *connecting->all)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < members->count; i++) {
         struct ended *ended = &connecting->all[connecting->count++];
         *ended = end_streamline(connecting, tractogram, members->numbers ? members->numbers[i] : (uint32_t)i);
         ended->bundle = bundle;
         ended->tractogram = (size_t)(tractogram - atlas->tractograms);
     }
-    return fits ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return CONUS_OK;
 }
 
 static conus_status gather_bundle(struct connecting *connecting, uint32_t bundle)

@@ -81,22 +81,12 @@ const struct memory *history_find(const struct history *history, uint32_t object
 
 static conus_status add_memory(struct history *history, uint32_t object)
 {
-    void *memories = history->memories;
-    if (!memory_reserve(&memories, &history->capacity, history->count + 1, sizeof *history->memories)) {
+    if (!memory_reserve(&history->memories, &history->capacity, history->count + 1, sizeof *history->memories)) {
         return CONUS_ERROR_MEMORY;
     }
-    history->memories = memories;
     history->memories[history->count++] = (struct memory){.object = object, .last_choice = -INFINITY};
     history->slots[object] = (uint32_t)history->count;
     return CONUS_OK;
-}
-
-static conus_status reserve_change(struct memory *memory)
-{
-    void *changes = memory->changes;
-    bool fits = memory_reserve(&changes, &memory->change_capacity, memory->change_count + 1, sizeof *memory->changes);
-    memory->changes = changes;
-    return fits ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 conus_status history_reserve(struct history *history, const struct history_sample *samples, size_t count)
@@ -106,7 +96,10 @@ conus_status history_reserve(struct history *history, const struct history_sampl
         status = memory_of(history, samples[i].object) ? CONUS_OK : add_memory(history, samples[i].object);
     }
     for (size_t i = 0; !status && i < history->count; i++) {
-        status = reserve_change(&history->memories[i]);
+        struct memory *memory = &history->memories[i];
+        bool fits = memory_reserve(&memory->changes, &memory->change_capacity, memory->change_count + 1,
+                                   sizeof *memory->changes);
+        status = fits ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     return status;
 }

@@ -91,14 +91,6 @@ static struct tallied *touch(struct tally *tally, uint32_t object)
     return tallied;
 }
 
-static void clear(struct tally *tally)
-{
-    for (size_t i = 0; i < tally->touched_count; i++) {
-        tally->objects[tally->touched[i]].touched = false;
-    }
-    tally->touched_count = 0;
-}
-
 static uint32_t group_of(const struct gathering *gathering, uint32_t object)
 {
     return gathering->group ? gathering->group[object] : object;
@@ -456,6 +448,9 @@ conus_status statistics_gather(struct statistics *out, const struct gathering *g
         }
         *out = (struct statistics){results, count};
     }
-    clear(tally);
+    for (size_t i = 0; i < count; i++) {
+        tally->objects[tally->touched[i]].touched = false;
+    }
+    tally->touched_count = 0;
     return results ? CONUS_OK : CONUS_ERROR_MEMORY;
 }

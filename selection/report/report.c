@@ -191,9 +191,8 @@ void conus_report_destroy(conus_report *report)
 /* The id of the new query is copied first, so that nothing has changed where there is no memory. */
 static conus_status append_query(conus_report *report, const char *id, const struct report_query *query)
 {
-    void *queries = report->queries;
-    bool fits = memory_reserve(&queries, &report->query_capacity, report->query_count + 1, sizeof *report->queries);
-    report->queries = queries;
+    bool fits =
+        memory_reserve(&report->queries, &report->query_capacity, report->query_count + 1, sizeof *report->queries);
     char *copy = fits ? text_to_utf8(text_from(id)) : NULL;
     if (!copy) {
         return CONUS_ERROR_MEMORY;
@@ -215,10 +214,7 @@ static bool is_wanted(const conus_report *report, const struct report_row *row)
 
 static conus_status append_rows(struct report_row **out, conus_report *report, size_t count)
 {
-    void *rows = report->rows;
-    bool fits = memory_reserve(&rows, &report->row_capacity, report->row_count + count, sizeof *report->rows);
-    report->rows = rows;
-    if (!fits) {
+    if (!memory_reserve(&report->rows, &report->row_capacity, report->row_count + count, sizeof *report->rows)) {
         return CONUS_ERROR_MEMORY;
     }
     *out = report->rows + report->row_count;

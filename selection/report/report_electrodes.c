@@ -67,13 +67,12 @@ static bool next_line(struct text *rest, struct text *line)
 
 static conus_status add_line(conus_report *report, struct text line)
 {
-    void *lines = report->electrode_lines;
-    bool fits = memory_reserve(&lines, &report->electrode_line_capacity, report->electrode_line_count + 1, sizeof line);
-    report->electrode_lines = lines;
-    if (fits) {
-        report->electrode_lines[report->electrode_line_count++] = line;
+    if (!memory_reserve(&report->electrode_lines, &report->electrode_line_capacity, report->electrode_line_count + 1,
+                        sizeof line)) {
+        return CONUS_ERROR_MEMORY;
     }
-    return fits ? CONUS_OK : CONUS_ERROR_MEMORY;
+    report->electrode_lines[report->electrode_line_count++] = line;
+    return CONUS_OK;
 }
 
 conus_status report_read_electrodes(conus_report *report)

@@ -40,14 +40,6 @@ struct conus_tracker {
     bool held; /* the trigger, at the last step */
 };
 
-static conus_status check_range(const char *name, double value, double high, bool open)
-{
-    bool fits = value > 0 && (open ? value < high : value <= high);
-    return fits ? CONUS_OK
-                : fail(CONUS_ERROR_ARGUMENT, "%s: %g, allowed is more than 0 and %s %g", name, value,
-                       open ? "less than" : "at most", high);
-}
-
 static double value_or(double value, double standard)
 {
     return value != 0 ? value : standard;
@@ -77,15 +69,19 @@ static conus_status check_options(const conus_tracker_options *options)
                   {"snappiness", options->snappiness, 1, false}, {"rate", options->rate, LIMIT, false},
                   {"growth", options->growth, LIMIT, false},     {"decay", options->decay, LIMIT, false},
                   {"exponent", options->exponent, 1, false}};
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < sizeof ranges / sizeof ranges[0]; i++) {
-        status = check_range(ranges[i].name, ranges[i].value, ranges[i].high, ranges[i].open);
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        double value = ranges[i].value;
+        double high = ranges[i].high;
+        if (!(value > 0 && (ranges[i].open ? value < high : value <= high))) {
+            return fail(CONUS_ERROR_ARGUMENT, "%s: %g, allowed is more than 0 and %s %g", ranges[i].name, value,
+                        ranges[i].open ? "less than" : "at most", high);
+        }
     }
-    if (!status && !(options->delay >= 0 && options->delay <= options->window)) {
-        status = fail(CONUS_ERROR_ARGUMENT, "delay: %g s, allowed is at most the window, %g s", options->delay,
-                      options->window);
+    if (!(options->delay >= 0 && options->delay <= options->window)) {
+        return fail(CONUS_ERROR_ARGUMENT, "delay: %g s, allowed is at most the window, %g s", options->delay,
+                    options->window);
     }
-    return status;
+    return CONUS_OK;
 }
 
 conus_status conus_tracker_create(conus_tracker **out, conus_selector *selector, const conus_tracker_options *options)
@@ -154,14 +150,9 @@ static size_t take_samples(conus_tracker *tracker, const conus_selection *select
 static conus_status reserve(conus_tracker *tracker, conus_selection *selection, size_t *sample_count)
 {
     struct statistics *statistics = &selection->statistics;
-    void *samples = tracker->samples;
-    void *choices = tracker->choices;
-    bool done = memory_reserve(&samples, &tracker->sample_capacity, statistics->count, sizeof *tracker->samples);
-    tracker->samples = samples;
-    done = done &&
-           memory_reserve(&choices, &tracker->choice_capacity, tracker->choice_count + 1, sizeof *tracker->choices);
-    tracker->choices = choices;
-    if (!done) {
+    if (!memory_reserve(&tracker->samples, &tracker->sample_capacity, statistics->count, sizeof *tracker->samples) ||
+        !memory_reserve(&tracker->choices, &tracker->choice_capacity, tracker->choice_count + 1,
+                        sizeof *tracker->choices)) {
         return CONUS_ERROR_MEMORY;
     }
     *sample_count = take_samples(tracker, selection);

@@ -44,13 +44,6 @@ void distance_map_finish(struct distance_map *map)
     *map = (struct distance_map){0};
 }
 
-static void scratch_finish(struct scratch *scratch)
-{
-    memory_free(scratch->nothing);
-    memory_free(scratch->distance);
-    memory_free(scratch->beside);
-}
-
 static conus_status scratch_init(struct scratch *scratch, const struct distance_map *map)
 {
     size_t count = 1;
@@ -438,7 +431,9 @@ static conus_status fill_codes(struct distance_map *map, const struct volume *vo
         write_codes(map, &scratch, planes);
     }
     memory_free(planes);
-    scratch_finish(&scratch);
+    memory_free(scratch.nothing);
+    memory_free(scratch.distance);
+    memory_free(scratch.beside);
     return status;
 }
 

@@ -17,14 +17,6 @@ struct degree {
     uint32_t object, neighbours;
 };
 
-static void note_pair(const struct neighbours *neighbours, uint32_t a, uint32_t b)
-{
-    if (a != b && a && b && a < OBJECTS_COLOURED && b < OBJECTS_COLOURED) {
-        neighbours->of[a][b / 64] |= UINT64_C(1) << b % 64;
-        neighbours->of[b][a / 64] |= UINT64_C(1) << a % 64;
-    }
-}
-
 /* The voxels of two rows, or of one and itself a voxel on: `count` pairs. */
 static void note_rows(const struct neighbours *neighbours, const struct volume *volume, size_t row, size_t other,
                       size_t count)
@@ -32,8 +24,9 @@ static void note_rows(const struct neighbours *neighbours, const struct volume *
     for (size_t i = 0; i < count; i++) {
         uint32_t a = volume_object(volume, row + i);
         uint32_t b = volume_object(volume, other + i);
-        if (a != b) {
-            note_pair(neighbours, a, b);
+        if (a != b && a && b && a < OBJECTS_COLOURED && b < OBJECTS_COLOURED) {
+            neighbours->of[a][b / 64] |= UINT64_C(1) << b % 64;
+            neighbours->of[b][a / 64] |= UINT64_C(1) << a % 64;
         }
     }
 }
