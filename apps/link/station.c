@@ -268,7 +268,7 @@ static struct peer *find_free(struct station *station)
     return NULL;
 }
 
-/* Where all places are taken, the one that is silent longest goes, unless it was heard of late. */
+/* Frees the place of the peer that has been silent longest; NULL where all have sent something lately. */
 static struct peer *replace_silent(struct station *station)
 {
     struct peer *silent = &station->peers[0];
@@ -333,7 +333,7 @@ static bool is_stopped(struct station *station)
     return stop;
 }
 
-/* Whoever has sent something is heard before a newcomer asks for a place. */
+/* Reads from connected peers before it accepts a new one, which may take the place of a silent peer. */
 static void serve(struct station *station)
 {
     struct pollfd polled[PEERS + 2] = {{.fd = station->wake, .events = POLLIN},

@@ -48,7 +48,7 @@ static void hear_devices(struct window *window)
     }
 }
 
-/* Whoever is connected hears what is selected, by whatever moves the cone, in the first atlas. */
+/* Sends the selection in the first atlas to all that are connected. */
 static void send_answer(struct window *window)
 {
     const struct viewer *viewer = window->viewer;

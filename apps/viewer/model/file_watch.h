@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The files of an atlas, while it is shown: what is in memory stays, but who looks at it shall know that the
- * file is another one now. */
+/** @file Watches the files of an atlas that is shown, so that the user is told when one changes on disk. The atlas in
+ * memory stays as it was read. */
 #ifndef CONUS_VIEWER_MODEL_FILE_WATCH_H
 #define CONUS_VIEWER_MODEL_FILE_WATCH_H
 

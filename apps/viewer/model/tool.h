@@ -41,10 +41,10 @@ struct tool {
     bool is_asked;        /**< Its answers are to the pose and angle that are now. */
 };
 
-/** To be called after options, score or the first tool's angle changed, or whether it has a pose: without one there is
- * no answer. */
+/** Asks again for the first tool. To be called after options, score, its angle, or whether it has a pose changed:
+ * without a pose there is no answer. */
 void tool_reselect(struct viewer *viewer);
-/** The first tool has no pose any more, and no answer; the mouse is free to give it another one. */
+/** Takes the first tool's pose and answer away; the mouse may give it another pose. */
 void tool_clear(struct viewer *viewer);
 
 /** To be called when its pose or angle was changed. */

@@ -321,7 +321,8 @@ int open_poses(struct window *window, const struct view_settings *settings, cons
     return EXIT_DONE;
 }
 
-/* In which space positions are typed and shown; and the poses that need it. False with an error line. */
+/* Finds the space in which positions are typed and shown, and loads the poses, which need it. False with an error line.
+ */
 static bool find_frame(conus_frame *frame, struct window *window, const struct atlases *atlases,
                        const struct view_settings *settings)
 {
@@ -364,7 +365,7 @@ static json_t *describe(const struct viewer *viewer, const struct atlas_name *na
     return words ? opened_describe(viewer->atlases->atlas, name->path, words) : NULL;
 }
 
-/* Those were for another atlas, which may be of another brain, with other names. */
+/* Drops the options that were for another atlas, whose brain and names may differ. */
 static void leave_options(struct view_settings *settings)
 {
     settings->atlas =
@@ -510,7 +511,7 @@ static void say_added(struct window *window, const struct resume *resume, const 
     }
 }
 
-/* For another thread: finding the atlas reads what is beside the session. */
+/* Runs on another thread: to find the atlas it reads the files beside the session. */
 struct preparation {
     struct resume *out;
     const char *session, *atlas;

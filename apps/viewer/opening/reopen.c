@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Loads the same atlases with other options; what is there then takes the place of what was. */
+/* Loads the same atlases with other options and shows them in place of the old ones. */
 #include "viewer/opening/reopen.h"
 
 #include "options/messages.h"
@@ -141,7 +141,7 @@ static void forget_pictures(struct window *window)
     }
 }
 
-/* Which objects are of files whose word is another one than before: what it says of them counts. */
+/* Flags the objects of files whose option differs from before: for these the new option holds. */
 static bool *find_fresh(size_t object_count, const json_t *added, const json_t *before)
 {
     bool *fresh = calloc(object_count + 1, sizeof *fresh);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Opens the atlases that are open again with other wishes: other hemispheres, files added or taken out. */
+/** @file Opens the atlases that are open again with other options: other hemispheres, files added or taken out. */
 #ifndef CONUS_VIEWER_OPENING_REOPEN_H
 #define CONUS_VIEWER_OPENING_REOPEN_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds out which objects of two readings of an atlas are each other, and takes over what was done to them. */
+/* Matches the objects of an atlas that was opened twice, and copies the user's changes from the first to the second. */
 #include "viewer/opening/replace.h"
 
 #include <math.h>

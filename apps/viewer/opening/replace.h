@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The user's changes of objects, carried over to the same atlases opened with other wishes. Areas are known
- * again by their labels and names: an area by its own, a half or a pair by that of the area that it was made of.
+/** @file Replaces the viewer's atlases by the same ones, opened with other options, and keeps the user's changes of
+ * their objects. Areas are matched by label and name: a half or a pair by those of the area that it was made of.
  * Pathways and bundles are known by their names. */
 #ifndef CONUS_VIEWER_OPENING_REPLACE_H
 #define CONUS_VIEWER_OPENING_REPLACE_H

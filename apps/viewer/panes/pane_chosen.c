@@ -30,6 +30,11 @@ static void find_cells(struct shadow *shadow, struct viewer *viewer)
     free(wanted);
 }
 
+static bool shows_same(const struct shadow *shadow, const struct eye *eye, uint32_t width, uint32_t height)
+{
+    return shadow->width == width && shadow->height == height && eye_is_same(&shadow->eye, eye);
+}
+
 /* The shadow's colour, with its outline; of a bundle only that, since its streamlines may have colours of their own. */
 static void draw_shadow(struct shadow *shadow, uint8_t *rgba, const uint8_t *mask, const uint8_t rgb[3])
 {
@@ -93,7 +98,7 @@ void pane_chosen(struct window *window)
     if (!shadow->cells.count) {
         return;
     }
-    if (shadow->width != width || shadow->height != height || !eye_is_same(&shadow->eye, &window->pictures.eye)) {
+    if (!shows_same(shadow, &window->pictures.eye, width, height)) {
         cast(window, width, height);
     }
     if (shadow->top.is_there) {

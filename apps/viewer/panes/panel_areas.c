@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* That of the line above, where there is room. */
+/* The next widget gets the panel's width, or what is left of the line. */
 static void use_width(const struct window *window)
 {
     ui_width(fminf(window->screen.left.width - 20, ui_room()));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file How one atlas is drawn: what a user changes of it. Pictures differ by it, answers never. */
+/** @file The look of an atlas: the user's settings of how it is drawn. They change pictures, never answers. */
 #ifndef CONUS_VIEWER_PICTURES_LOOK_H
 #define CONUS_VIEWER_PICTURES_LOOK_H
 
