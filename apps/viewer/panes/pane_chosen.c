@@ -51,7 +51,7 @@ static void cast(struct window *window, uint32_t width, uint32_t height)
 {
     struct shadow *shadow = &window->pictures.shadow;
     uint8_t *mask = calloc((size_t)width * height + 1, 1);
-    uint8_t *rgba = malloc((size_t)4 * width * height);
+    uint8_t *rgba = malloc((size_t)4 * width * height + 1);
     shadow->top.is_there = false;
     shadow->width = width;
     shadow->height = height;
