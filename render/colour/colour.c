@@ -21,7 +21,7 @@ enum {
 
 enum { MESH_POINTS = 100000, SLAB_VOXELS = 1 << 17 };
 
-/* The box of `size` voxels from `first` on. */
+/* Places the box of `size` voxels from `first` on. */
 static void place_volume(struct colour_volume *out, const struct volume *volume, const size_t first[3],
                          const size_t size[3])
 {
@@ -108,23 +108,16 @@ static conus_status colour_upload_texels(const struct colour_volume *volume, str
     return gl_check("texels of a volume");
 }
 
-/* The object numbers of a box, each of so many bytes. */
-struct numbers {
-    const struct volume *volume;
-    const struct colour_volume *box;
-    size_t bytes;
-};
-
-static void copy_numbers(void *out, const struct numbers *numbers, size_t at, size_t count)
+/* Copies the object numbers of `count` voxels from `at` on, each as so many bytes. */
+static void copy_numbers(void *out, const struct volume *volume, size_t bytes, size_t at, size_t count)
 {
-    const struct volume *volume = numbers->volume;
-    if (numbers->bytes == 1) {
+    if (bytes == 1) {
         for (size_t i = 0; i < count; i++) {
             ((uint8_t *)out)[i] = (uint8_t)volume->objects16[at + i];
         }
     } else {
         const void *from = volume->objects16 ? (const void *)(volume->objects16 + at) : volume->objects32 + at;
-        memcpy(out, from, count * numbers->bytes);
+        memcpy(out, from, count * bytes);
     }
 }
 
@@ -135,7 +128,6 @@ static conus_status upload_numbers(GLuint *out, const struct colour_volume *box,
     static const enum volume_texture_kind kinds[] = {
         [1] = VOLUME_TEXTURE_UINT8, [2] = VOLUME_TEXTURE_UINT16, [4] = VOLUME_TEXTURE_UINT32};
     const size_t bytes = !volume->objects16 ? 4 : last > UINT8_MAX ? 2 : 1;
-    const struct numbers numbers = {volume, box, bytes};
     const size_t *dim = box->size;
     size_t step = SLAB_VOXELS / (dim[0] * dim[1]) + 1;
     uint8_t *some = memory_raw(step * dim[0] * dim[1], bytes);
@@ -144,9 +136,9 @@ static conus_status upload_numbers(GLuint *out, const struct colour_volume *box,
         size_t count = dim[2] - first < step ? dim[2] - first : step;
         uint8_t *row = some;
         for (size_t k = first; k < first + count; k++) {
-            for (size_t j = 0; j < box->size[1]; j++, row += box->size[0] * numbers.bytes) {
+            for (size_t j = 0; j < box->size[1]; j++, row += box->size[0] * bytes) {
                 size_t at = box->first[0] + box->dim[0] * (box->first[1] + j + box->dim[1] * (box->first[2] + k));
-                copy_numbers(row, &numbers, at, box->size[0]);
+                copy_numbers(row, volume, bytes, at, box->size[0]);
             }
         }
         volume_texture_fill(*out, kinds[bytes], dim, first, count, some);
@@ -176,7 +168,7 @@ static conus_status begin_field(struct colour_pass *pass, struct colour_volume *
     return status;
 }
 
-/* `task` is that of the volume, in which `last` is the highest number. */
+/* The same for the areas of the volume of `task`, and their numbers, of which `last` is the highest. */
 static conus_status begin_areas(struct colour_pass *pass, struct field_task *task, size_t last, uint64_t *memory_left)
 {
     bool visible[COLOUR_TABLE_ENTRIES];
@@ -297,16 +289,6 @@ static conus_status add_bundle_content(struct colour_pass *pass, const conus_atl
     return CONUS_OK;
 }
 
-static conus_status colour_upload_meshes(struct colour_pass *pass, const conus_atlas *atlas, uint64_t *memory_left)
-{
-    if (!atlas->mesh_count && !atlas->context_surface_count && !atlas->tractogram_count) {
-        return CONUS_OK;
-    }
-    conus_status status = mesh_layer_create(&pass->meshes, atlas, memory_left);
-    status = status ? status : add_mesh_content(pass, atlas);
-    return status ? status : add_bundle_content(pass, atlas);
-}
-
 /* Finds which entries of the transfer table are visible. */
 static void find_visible(bool visible[COLOUR_TABLE_ENTRIES], float table[COLOUR_TABLE_ENTRIES * 4],
                          const struct transfer *transfer)
@@ -317,32 +299,27 @@ static void find_visible(bool visible[COLOUR_TABLE_ENTRIES], float table[COLOUR_
     }
 }
 
-/* The density up to which the context is invisible, -1 if the lowest density is visible. */
-static int find_unseen(const struct transfer *transfer)
-{
-    float table[COLOUR_TABLE_ENTRIES * 4];
-    bool visible[COLOUR_TABLE_ENTRIES];
-    int entry = 0;
-    find_visible(visible, table, transfer);
-    while (entry < COLOUR_TABLE_ENTRIES && !visible[entry]) {
-        entry++;
-    }
-    return entry ? (entry - 1) / TABLE_PER_LEVEL : -1;
-}
-
 /* The field that colour_upload_context() needs; `volume` may be NULL. CONUS_ERROR_MEMORY. */
 static conus_status colour_context_task(struct field_task *out, const struct volume *volume,
                                         const struct transfer *transfer)
 {
     struct field_task task = {.volume = volume, .is_values = true};
-    conus_status status = volume ? transfer_span(&task.scale.low, &task.scale.high, transfer, volume) : CONUS_OK;
-    if (!status && volume) {
-        task.scale.unseen = find_unseen(transfer);
+    if (volume) {
+        conus_status status = transfer_span(&task.scale.low, &task.scale.high, transfer, volume);
+        if (status) {
+            return status;
+        }
+        float table[COLOUR_TABLE_ENTRIES * 4];
+        bool visible[COLOUR_TABLE_ENTRIES];
+        int entry = 0;
+        find_visible(visible, table, transfer);
+        while (entry < COLOUR_TABLE_ENTRIES && !visible[entry]) {
+            entry++;
+        }
+        task.scale.unseen = entry ? (entry - 1) / TABLE_PER_LEVEL : -1;
     }
-    if (!status) {
-        *out = task;
-    }
-    return status;
+    *out = task;
+    return CONUS_OK;
 }
 
 static conus_status colour_upload_context(struct colour_pass *pass, struct field_task *task,
@@ -367,19 +344,6 @@ static conus_status colour_upload_context(struct colour_pass *pass, struct field
 /* Bone: pale, since the areas inside have the colours. */
 static const double around_srgb[3] = {0.86, 0.83, 0.78};
 
-static void fill_colours(struct colour_pass *pass, const conus_atlas *atlas)
-{
-    for (size_t number = 1; number <= atlas->object_count + atlas->context_surface_count; number++) {
-        for (size_t c = 0; c < 3; c++) {
-            double srgb = number <= atlas->object_count ? atlas->objects[number - 1].rgb[c] / 255.0 : around_srgb[c];
-            pass->colours[4 * number + c] = (float)linear_from_srgb(srgb);
-        }
-    }
-    for (size_t i = 0; i < atlas->context_surface_count; i++) {
-        pass->around[i] = (float)atlas->context_surfaces[i].opacity;
-    }
-}
-
 /* Creates the buffers and the tables by object number. */
 static conus_status colour_upload_palette(struct colour_pass *pass, const conus_atlas *atlas)
 {
@@ -394,7 +358,15 @@ static conus_status colour_upload_palette(struct colour_pass *pass, const conus_
     if (!pass->colours || !pass->shown || !pass->opacity || !pass->around || !pass->drawn) {
         return CONUS_ERROR_MEMORY;
     }
-    fill_colours(pass, atlas);
+    for (size_t number = 1; number < count; number++) {
+        for (size_t c = 0; c < 3; c++) {
+            double srgb = number <= atlas->object_count ? atlas->objects[number - 1].rgb[c] / 255.0 : around_srgb[c];
+            pass->colours[4 * number + c] = (float)linear_from_srgb(srgb);
+        }
+    }
+    for (size_t i = 0; i < pass->around_count; i++) {
+        pass->around[i] = (float)atlas->context_surfaces[i].opacity;
+    }
     glCreateBuffers(1, &pass->palette);
     glNamedBufferData(pass->palette, (GLsizeiptr)(count * 4 * sizeof *pass->colours), NULL, GL_DYNAMIC_DRAW);
     glCreateBuffers(1, &pass->opacities);
@@ -458,8 +430,10 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
     }
     status = status ? status : colour_upload_texels(&pass.areas, &fields->objects);
     status = status ? status : colour_upload_texels(&pass.context, &fields->context);
-    if (!status) {
-        status = colour_upload_meshes(&pass, atlas, &max_memory);
+    if (!status && (atlas->mesh_count || atlas->context_surface_count || atlas->tractogram_count)) {
+        status = mesh_layer_create(&pass.meshes, atlas, &max_memory);
+        status = status ? status : add_mesh_content(&pass, atlas);
+        status = status ? status : add_bundle_content(&pass, atlas);
     }
     if (!status && !pass.content_count && pass.has_areas) {
         status = colour_add_corners(&pass, &pass.areas);
@@ -568,18 +542,6 @@ conus_status colour_pass_paint_streamlines(struct colour_pass *pass, const conus
     return status;
 }
 
-/* Chooses the areas of voxels among `areas`; false where the picture has the same ones already. */
-static bool choose_areas(uint8_t *out, const struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *areas)
-{
-    bool other = false;
-    for (uint32_t number = 1; number <= atlas->area_count; number++) {
-        bool in_voxels = atlas_object_volume(atlas, number);
-        out[number] = in_voxels && areas ? areas[number] : PATHWAYS_AREA_LEFT_OUT;
-        other = other || out[number] != pass->drawn[number];
-    }
-    return other;
-}
-
 conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *atlas, const uint8_t *areas,
                                  uint64_t max_memory)
 {
@@ -588,8 +550,17 @@ conus_status colour_pass_include(struct colour_pass *pass, const conus_atlas *at
     }
     uint8_t *before = pass->drawn;
     uint8_t *drawn = memory_zeroed(atlas->object_count + 1, sizeof *drawn);
-    conus_status status = drawn ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status && choose_areas(drawn, pass, atlas, areas)) {
+    if (!drawn) {
+        return CONUS_ERROR_MEMORY;
+    }
+    bool differs = false;
+    for (uint32_t number = 1; number <= atlas->area_count; number++) {
+        bool in_voxels = atlas_object_volume(atlas, number);
+        drawn[number] = in_voxels && areas ? areas[number] : PATHWAYS_AREA_LEFT_OUT;
+        differs = differs || drawn[number] != before[number];
+    }
+    conus_status status = CONUS_OK;
+    if (differs) {
         pass->drawn = drawn;
         status = colour_pass_update(pass, atlas, max_memory);
         pass->drawn = status ? before : drawn;
@@ -644,27 +615,6 @@ void colour_pass_finish(struct colour_pass *pass)
     *pass = (struct colour_pass){0};
 }
 
-static void bind_pass(const struct colour_pass *pass, bool layers)
-{
-    const GLuint textures[] = {pass->context.field,
-                               pass->context.empty,
-                               pass->transfer,
-                               pass->areas.field,
-                               pass->areas.empty,
-                               pass->objects,
-                               pass->meshes ? mesh_layer_surface(pass->meshes) : 0,
-                               pass->meshes ? mesh_layer_object(pass->meshes) : 0,
-                               pass->haze.field,
-                               pass->meshes ? mesh_layer_peel_surface(pass->meshes) : 0,
-                               pass->meshes ? mesh_layer_peel_object(pass->meshes) : 0};
-    glBindTextures(0, sizeof textures / sizeof *textures, textures);
-    glBindBufferBase(GL_UNIFORM_BUFFER, 0, pass->view);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, pass->palette);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, pass->opacities);
-    glBindVertexArray(pass->vertices);
-    glUseProgram(layers ? pass->layer_program : pass->program);
-}
-
 /* Opacities by object number: those that the view asks for, and of the surfaces around them the context's. */
 static const float *find_opacities(const struct colour_pass *pass, const struct colour_view *view)
 {
@@ -691,11 +641,28 @@ void colour_pass_prepare(const struct colour_pass *pass, const struct colour_vie
     }
     glNamedBufferSubData(pass->view, 0, sizeof block, &block);
     glNamedBufferSubData(pass->palette, 0, (GLsizeiptr)(count * 4 * sizeof *pass->shown), pass->shown);
-    if (has_layers(pass, view)) {
+    const bool layers = has_layers(pass, view);
+    if (layers) {
         const float *opacity = find_opacities(pass, view);
         glNamedBufferSubData(pass->opacities, 0, (GLsizeiptr)(count * sizeof *opacity), opacity);
     }
-    bind_pass(pass, has_layers(pass, view));
+    const GLuint textures[] = {pass->context.field,
+                               pass->context.empty,
+                               pass->transfer,
+                               pass->areas.field,
+                               pass->areas.empty,
+                               pass->objects,
+                               pass->meshes ? mesh_layer_surface(pass->meshes) : 0,
+                               pass->meshes ? mesh_layer_object(pass->meshes) : 0,
+                               pass->haze.field,
+                               pass->meshes ? mesh_layer_peel_surface(pass->meshes) : 0,
+                               pass->meshes ? mesh_layer_peel_object(pass->meshes) : 0};
+    glBindTextures(0, sizeof textures / sizeof *textures, textures);
+    glBindBufferBase(GL_UNIFORM_BUFFER, 0, pass->view);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, pass->palette);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, pass->opacities);
+    glBindVertexArray(pass->vertices);
+    glUseProgram(layers ? pass->layer_program : pass->program);
 }
 
 conus_status colour_pass_begin(const struct colour_pass *pass, const struct colour_view *view)

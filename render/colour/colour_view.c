@@ -57,36 +57,6 @@ static void set_volume(float from_camera[16], float bricks[4], const struct colo
     bricks[3] = 1;
 }
 
-static void set_cone(struct colour_view_block *block, const struct colour_view *view,
-                     const double camera_from_world[16])
-{
-    const double *m = view->world_from_cone;
-    double apex[3], axis[3];
-    const double forward[3] = {-m[8], -m[9], -m[10]};
-    mat4_point(apex, camera_from_world, m + 12);
-    mat4_direction(axis, camera_from_world, forward);
-    set4(block->apex, apex, view->cone_slope);
-    set4(block->axis, axis, view->cone_length);
-    set4(block->cone_shape, (double[]){view->cone_radius, view->cone_start, 0}, 1);
-    set4(block->cone_colour, (double[]){1.0, 0.42, 0.02}, 0.09);
-}
-
-static void set_markers(struct colour_view_block *block, const struct colour_view *view,
-                        const double camera_from_world[16])
-{
-    size_t count = view->marker_count < COLOUR_MARKER_LIMIT ? view->marker_count : COLOUR_MARKER_LIMIT;
-    block->counts[0] = (int32_t)count;
-    for (size_t i = 0; i < count; i++) {
-        const struct colour_marker *marker = &view->markers[i];
-        double centre[3];
-        mat4_point(centre, camera_from_world, marker->centre);
-        set4(block->markers[i], centre, marker->radius);
-        for (int c = 0; c < 3; c++) {
-            block->marker_colours[i][c] = (float)linear_from_srgb(marker->rgb[c] / 255.0);
-        }
-    }
-}
-
 void colour_view_pack(struct colour_view_block *block, const struct colour_pass *pass, const struct colour_view *view)
 {
     const struct camera *camera = view->camera;
@@ -113,9 +83,27 @@ void colour_view_pack(struct colour_view_block *block, const struct colour_pass 
         set_volume(block->haze_from_camera, block->haze_shape, &pass->haze, camera);
     }
     if (view->world_from_cone) {
-        set_cone(block, view, camera_from_world);
+        const double *m = view->world_from_cone;
+        const double forward[3] = {-m[8], -m[9], -m[10]};
+        double apex[3], axis[3];
+        mat4_point(apex, camera_from_world, m + 12);
+        mat4_direction(axis, camera_from_world, forward);
+        set4(block->apex, apex, view->cone_slope);
+        set4(block->axis, axis, view->cone_length);
+        set4(block->cone_shape, (double[]){view->cone_radius, view->cone_start, 0}, 1);
+        set4(block->cone_colour, (double[]){1.0, 0.42, 0.02}, 0.09);
     }
-    set_markers(block, view, camera_from_world);
+    size_t count = view->marker_count < COLOUR_MARKER_LIMIT ? view->marker_count : COLOUR_MARKER_LIMIT;
+    for (size_t i = 0; i < count; i++) {
+        const struct colour_marker *marker = &view->markers[i];
+        double centre[3];
+        mat4_point(centre, camera_from_world, marker->centre);
+        set4(block->markers[i], centre, marker->radius);
+        for (int c = 0; c < 3; c++) {
+            block->marker_colours[i][c] = (float)linear_from_srgb(marker->rgb[c] / 255.0);
+        }
+    }
+    block->counts[0] = (int32_t)count;
     block->counts[1] = pass->meshes ? 1 : 0;
     block->counts[2] = pass->meshes ? (int32_t)mesh_layer_peel_count(pass->meshes) : 0;
 }

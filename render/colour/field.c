@@ -132,37 +132,13 @@ static void find_box(struct box *out, uint8_t *columns, const uint8_t *bytes, co
     }
 }
 
-/* Widens the box by `margin` voxels on each side, to begin with a brick; one brick where there is nothing. */
-static void widen_box(struct field *field, const struct box *box, const size_t dim[3], size_t margin)
-{
-    for (size_t a = 0; a < 3; a++) {
-        bool none = !box->end[a];
-        size_t first = none || box->first[a] < margin ? 0 : box->first[a] - margin;
-        size_t end = none ? BRICKS_EDGE : box->end[a] + margin;
-        field->first[a] = first - first % BRICKS_EDGE;
-        field->dim[a] = (end < dim[a] ? end : dim[a]) - field->first[a];
-        field->brick_dim[a] = (field->dim[a] + BRICKS_EDGE - 1) / BRICKS_EDGE;
-    }
-}
-
-/* Moves the rows of the field's box to the front of `bytes`, which holds the whole volume. */
-static void keep_box(uint8_t *bytes, const struct field *field, const size_t dim[3])
-{
-    const size_t *first = field->first;
-    for (size_t k = 0; k < field->dim[2]; k++) {
-        for (size_t j = 0; j < field->dim[1]; j++) {
-            memmove(bytes + field->dim[0] * (j + field->dim[1] * k),
-                    bytes + first[0] + dim[0] * (first[1] + j + dim[1] * (first[2] + k)), field->dim[0]);
-        }
-    }
-}
-
-/* Begins a field of the box of voxels above `unseen`, whose bytes are moved to the front; of the whole volume if
- * `unseen` is -1. */
+/* Begins a field of the box of voxels above `unseen` and a margin around it, whose bytes are moved to the front; of the
+ * whole volume if `unseen` is -1. */
 static conus_status start_field(struct field *field, uint8_t *bytes, const struct volume *volume, int unseen,
                                 size_t margin)
 {
     const size_t *dim = volume->info.dim;
+    const size_t *first = field->first;
     struct box box = {.end = {dim[0], dim[1], dim[2]}};
     uint8_t *columns = memory_zeroed(dim[0], 1);
     if (!columns) {
@@ -172,8 +148,20 @@ static conus_status start_field(struct field *field, uint8_t *bytes, const struc
         find_box(&box, columns, bytes, dim, (uint8_t)unseen);
     }
     memory_free(columns);
-    widen_box(field, &box, dim, margin);
-    keep_box(bytes, field, dim);
+    for (size_t a = 0; a < 3; a++) { /* begins with a brick; one brick where there is nothing */
+        bool none = !box.end[a];
+        size_t low = none || box.first[a] < margin ? 0 : box.first[a] - margin;
+        size_t end = none ? BRICKS_EDGE : box.end[a] + margin;
+        field->first[a] = low - low % BRICKS_EDGE;
+        field->dim[a] = (end < dim[a] ? end : dim[a]) - field->first[a];
+        field->brick_dim[a] = (field->dim[a] + BRICKS_EDGE - 1) / BRICKS_EDGE;
+    }
+    for (size_t k = 0; k < field->dim[2]; k++) {
+        for (size_t j = 0; j < field->dim[1]; j++) {
+            memmove(bytes + field->dim[0] * (j + field->dim[1] * k),
+                    bytes + first[0] + dim[0] * (first[1] + j + dim[1] * (first[2] + k)), field->dim[0]);
+        }
+    }
     memcpy(field->voxel_from_world, volume->voxel_from_world, sizeof field->voxel_from_world);
     field->low = memory_raw(brick_count(field), 1);
     field->high = memory_raw(brick_count(field), 1);
@@ -407,13 +395,6 @@ static conus_status find_ranges(struct field *field)
     return CONUS_OK;
 }
 
-static inline uint8_t level_of(double part)
-{
-    part = part > 0 ? part : 0; /* quicker than fmax() */
-    part = part < 1 ? part : 1;
-    return (uint8_t)rounded(part * (FIELD_LEVELS - 1));
-}
-
 conus_status field_of_values(struct field *out, const struct volume *volume, const struct field_scale *scale)
 {
     struct field field = {.density = memory_raw(volume->voxel_count, 1)};
@@ -421,7 +402,10 @@ conus_status field_of_values(struct field *out, const struct volume *volume, con
     if (!status) {
         const double span = scale->high - scale->low;
         for (size_t v = 0; v < volume->voxel_count; v++) {
-            field.density[v] = level_of(((double)volume->values[v] - scale->low) / span);
+            double part = ((double)volume->values[v] - scale->low) / span;
+            part = part > 0 ? part : 0; /* quicker than fmax() */
+            part = part < 1 ? part : 1;
+            field.density[v] = (uint8_t)rounded(part * (FIELD_LEVELS - 1));
         }
         status = start_field(&field, field.density, volume, scale->unseen, VALUES_MARGIN);
     }
@@ -695,18 +679,6 @@ conus_status field_task_wait(const struct field **out, struct field_task *task)
     return task->status;
 }
 
-/* Releases the slab before `number`, which may then be overwritten, and waits for slab `number`. */
-static void wait_for_slab(struct field_task *task, size_t number)
-{
-    pthread_mutex_lock(&task->lock);
-    task->released = number;
-    pthread_cond_signal(&task->changed);
-    while (task->ready <= number) {
-        pthread_cond_wait(&task->changed, &task->lock);
-    }
-    pthread_mutex_unlock(&task->lock);
-}
-
 bool field_task_next(struct field_slab *out, struct field_task *task)
 {
     struct field_slab slab;
@@ -715,7 +687,13 @@ bool field_task_next(struct field_slab *out, struct field_task *task)
         return false;
     }
     if (task->has_thread) {
-        wait_for_slab(task, task->taken);
+        pthread_mutex_lock(&task->lock);
+        task->released = task->taken; /* the slab before may be overwritten */
+        pthread_cond_signal(&task->changed);
+        while (task->ready <= task->taken) {
+            pthread_cond_wait(&task->changed, &task->lock);
+        }
+        pthread_mutex_unlock(&task->lock);
     } else {
         field_texels(place, &task->field, slab.first, slab.count);
     }

@@ -117,8 +117,7 @@ static bool find_joint(struct joint *out, const conus_atlas *atlas, const struct
     return count <= LARGER * most;
 }
 
-/* The finest volume of labels whose grid holds them all without being far larger than each; else the coarsest.
- */
+/* The finest volume of labels whose grid holds them all without being far larger than each; else the coarsest. */
 static const struct volume *find_finest(const conus_atlas *atlas)
 {
     const struct volume *best = NULL;
@@ -149,14 +148,6 @@ static uint32_t area_at(const conus_atlas *atlas, const struct choice *choice, c
     return area;
 }
 
-/* The object of the cell that holds the world point. */
-static uint32_t object_at(const conus_atlas *atlas, const struct choice *choice, bool areas, const double world[3])
-{
-    uint32_t area = areas ? area_at(atlas, choice, world) : 0;
-    uint32_t scalar = area && !is_under(choice, area) ? 0 : scalar_at(atlas, choice, world);
-    return area && scalar <= atlas->area_count ? area : scalar;
-}
-
 conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const uint8_t *drawn,
                            const struct haze_choice *hazy)
 {
@@ -177,7 +168,9 @@ conus_status pathways_join(struct volume *out, const conus_atlas *atlas, const u
         const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
         double p[3] = {(double)at[0], (double)at[1], (double)at[2]};
         mat4_point(p, grid.info.world_from_voxel, p);
-        joint.objects32[v] = object_at(atlas, &choice, areas, p);
+        uint32_t area = areas ? area_at(atlas, &choice, p) : 0;
+        uint32_t scalar = area && !is_under(&choice, area) ? 0 : scalar_at(atlas, &choice, p);
+        joint.objects32[v] = area && scalar <= atlas->area_count ? area : scalar;
     }
     *out = joint;
     return CONUS_OK;

@@ -272,38 +272,29 @@ const char *conus_renderer_device(const conus_renderer *renderer)
     return renderer ? gl_context_renderer(renderer->context) : "";
 }
 
-static conus_status draw_picture(float *rgba, const struct colour_pass *pass, const struct colour_view *view,
-                                 bool smooth)
+conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view, bool smooth)
 {
     static const struct target_attachment colour = {"colour", TARGET_FLOAT4};
+    struct colour_pass *pass = &renderer->colour;
     struct target target = {0};
-    conus_status status = target_init(&target, view->width, view->height, &colour, 1);
-    if (!status) {
-        status = colour_pass_begin(pass, view);
+    struct gl_current previous;
+    conus_status status = gl_context_use(renderer->context, &previous);
+    if (status) {
+        return status;
     }
+    status = colour_pass_need(pass, view, smooth);
+    status = status ? status : target_init(&target, view->width, view->height, &colour, 1);
+    status = status ? status : colour_pass_begin(pass, view);
     if (!status) {
         target_bind(&target);
         target_clear(&target);
         status = colour_pass_draw(pass, view);
     }
-    if (!status) {
-        status = target_read(&target, "colour", rgba);
-    }
+    status = status ? status : target_read(&target, "colour", rgba);
     if (!status && smooth) {
         status = smooth_edges(rgba, &target, pass, view);
     }
     target_finish(&target);
-    return status;
-}
-
-conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct colour_view *view, bool smooth)
-{
-    struct gl_current previous;
-    conus_status status = gl_context_use(renderer->context, &previous);
-    if (!status) {
-        status = colour_pass_need(&renderer->colour, view, smooth);
-        status = status ? status : draw_picture(rgba, &renderer->colour, view, smooth);
-        gl_current_restore(&previous);
-    }
+    gl_current_restore(&previous);
     return status;
 }

@@ -22,21 +22,6 @@ static double size_of(const conus_atlas *atlas, uint32_t number)
     return fabs(atlas_object_mesh(atlas, number)->shape.volume_mm3);
 }
 
-static void list_surfaces(struct cut *cut)
-{
-    const conus_atlas *atlas = cut->atlas;
-    for (uint32_t number = 1; number <= atlas->object_count; number++) {
-        if (!atlas_object_mesh(atlas, number)) {
-            continue;
-        }
-        size_t at = cut->surface_count++;
-        for (; at > 0 && size_of(atlas, cut->surfaces[at - 1]) < size_of(atlas, number); at--) {
-            cut->surfaces[at] = cut->surfaces[at - 1];
-        }
-        cut->surfaces[at] = number;
-    }
-}
-
 conus_status cut_init(struct cut *out, const conus_atlas *atlas)
 {
     struct cut cut = {.atlas = atlas, .surfaces = memory_zeroed(atlas->object_count + 1, sizeof *cut.surfaces)};
@@ -45,7 +30,16 @@ conus_status cut_init(struct cut *out, const conus_atlas *atlas)
         cut_finish(&cut);
         return status;
     }
-    list_surfaces(&cut);
+    for (uint32_t number = 1; number <= atlas->object_count; number++) {
+        if (!atlas_object_mesh(atlas, number)) {
+            continue;
+        }
+        size_t at = cut.surface_count++;
+        for (; at > 0 && size_of(atlas, cut.surfaces[at - 1]) < size_of(atlas, number); at--) {
+            cut.surfaces[at] = cut.surfaces[at - 1];
+        }
+        cut.surfaces[at] = number;
+    }
     *out = cut;
     return CONUS_OK;
 }
@@ -115,23 +109,17 @@ static void find_again(struct cut *cut, const struct cut_view *view)
     cut->has_grey = cut->has_objects = true;
 }
 
-/* An area's outline: its own pixels that have a different neighbour beside, above or below. */
-static bool is_outline(const struct cut *cut, uint32_t column, uint32_t row)
-{
-    uint32_t width = cut->of.width;
-    const uint32_t *at = cut->objects + (size_t)width * row + column;
-    return (column > 0 && at[-1] != *at) || (column + 1 < width && at[1] != *at) || (row > 0 && *(at - width) != *at) ||
-           (row + 1 < cut->of.height && at[width] != *at);
-}
-
+/* 1 on an area's outline: its own pixels that have a different neighbour beside, above or below. */
 static double opacity_at(const struct cut *cut, const struct cut_view *view, const struct opacities *opacities,
                          uint32_t column, uint32_t row)
 {
-    if (!view->no_outlines && is_outline(cut, column, row)) {
+    uint32_t width = cut->of.width;
+    const uint32_t *at = cut->objects + (size_t)width * row + column;
+    if (!view->no_outlines && ((column > 0 && at[-1] != *at) || (column + 1 < width && at[1] != *at) ||
+                               (row > 0 && *(at - width) != *at) || (row + 1 < cut->of.height && at[width] != *at))) {
         return 1;
     }
-    uint32_t object = cut->objects[(size_t)cut->of.width * row + column];
-    return opacities->of[view->emphasis ? view->emphasis[object] : EMPHASIS_FULL][(column + row) % HATCH < HATCH / 3];
+    return opacities->of[view->emphasis ? view->emphasis[*at] : EMPHASIS_FULL][(column + row) % HATCH < HATCH / 3];
 }
 
 static void draw_row(const struct cut *cut, const struct cut_view *view, const struct opacities *opacities,

@@ -94,26 +94,21 @@ void cut_find_grey(struct cut *cut, const struct cut_view *view)
     }
 }
 
-/* Whether an area of probabilities yields at the world point to `object`, of the same kind and more probable there. */
-static bool is_beaten(const conus_atlas *atlas, const struct volume *volume, size_t voxel, uint32_t object,
-                      const double p[3])
-{
-    double world[3];
-    if (!object || object > atlas->area_count || !atlas_object_is_scalar(atlas, object)) {
-        return false;
-    }
-    mat4_point(world, volume->info.world_from_voxel, p);
-    return atlas_probability(atlas, object, world) >= volume->values[voxel];
-}
-
 /* Whether the object found so far at the pixel lies above the voxel: of labels the first one, of probabilities the most
  * probable one. Else later volumes lie over earlier ones. */
 static bool is_covered(const conus_atlas *atlas, const struct volume *volume, size_t voxel, uint32_t object,
                        const double p[3])
 {
-    return volume->info.role == CONUS_ROLE_PARCELLATION  ? object != 0
-           : volume->info.role == CONUS_ROLE_PROBABILITY ? is_beaten(atlas, volume, voxel, object, p)
-                                                         : false;
+    if (volume->info.role == CONUS_ROLE_PARCELLATION) {
+        return object != 0;
+    }
+    if (volume->info.role != CONUS_ROLE_PROBABILITY || !object || object > atlas->area_count ||
+        !atlas_object_is_scalar(atlas, object)) {
+        return false;
+    }
+    double world[3];
+    mat4_point(world, volume->info.world_from_voxel, p);
+    return atlas_probability(atlas, object, world) >= volume->values[voxel];
 }
 
 static void find_in_volume(struct cut *cut, const struct cut_view *view, const struct volume *volume)
@@ -141,8 +136,6 @@ static void find_in_volume(struct cut *cut, const struct cut_view *view, const s
     }
 }
 
-/* Surfaces: the lines in which the plane cuts their triangles. */
-
 /* The plane in pixels right of and below the picture's top left corner, and mm before it. */
 struct pane {
     double origin[3];
@@ -164,30 +157,10 @@ static void draw_line(uint32_t *contours, const struct pane *pane, const double 
     }
 }
 
-/* The point where the edge from `a` to `b` passes the plane, at `s` of its length. */
-static void pass(double out[2], const struct pane *pane, const double a[3], const double b[3], double s)
-{
-    double at[3];
-    double apart[3];
-    vec3_sub(apart, b, a);
-    vec3_add_scaled(at, a, s, apart);
-    out[0] = vec3_dot(at, pane->right) + 0.5 * pane->width;
-    out[1] = vec3_dot(at, pane->down) + 0.5 * pane->height;
-}
-
 /* Where `turns` are not 0. */
 struct turned {
     size_t low[2], high[2]; /* column, row */
 };
-
-static void note_turn(struct turned *turned, size_t column, size_t row)
-{
-    const size_t at[2] = {column, row};
-    for (int a = 0; a < 2; a++) {
-        turned->low[a] = at[a] < turned->low[a] ? at[a] : turned->low[a];
-        turned->high[a] = at[a] > turned->high[a] ? at[a] : turned->high[a];
-    }
-}
 
 /* Where the line passes the middle of a row, the winding changes by one for everything to the right. */
 static void turn_rows(struct turned *turned, struct cut *cut, const struct pane *pane, const double from[2],
@@ -198,12 +171,17 @@ static void turn_rows(struct turned *turned, struct cut *cut, const struct pane 
     for (long row = (long)top; row <= (long)bottom; row++) {
         double y = (double)row + 0.5;
         int turn = (from[1] <= y) - (to[1] <= y);
-        if (turn) {
-            double x = from[0] + (to[0] - from[0]) * ((y - from[1]) / (to[1] - from[1]));
-            double column = fmax(ceil(x - 0.5), 0);
-            if (column < pane->width) {
-                cut->turns[(size_t)pane->width * (size_t)row + (size_t)column] += turn;
-                note_turn(turned, (size_t)column, (size_t)row);
+        if (!turn) {
+            continue;
+        }
+        double x = from[0] + (to[0] - from[0]) * ((y - from[1]) / (to[1] - from[1]));
+        double column = fmax(ceil(x - 0.5), 0);
+        if (column < pane->width) {
+            cut->turns[(size_t)pane->width * (size_t)row + (size_t)column] += turn;
+            const size_t at[2] = {(size_t)column, (size_t)row};
+            for (int a = 0; a < 2; a++) {
+                turned->low[a] = at[a] < turned->low[a] ? at[a] : turned->low[a];
+                turned->high[a] = at[a] > turned->high[a] ? at[a] : turned->high[a];
             }
         }
     }
@@ -237,7 +215,12 @@ static bool cut_triangle(double ends[2][2], const struct pane *pane, const struc
         int a = is_first(position[k], position[next]) ? k : next;
         int b = a == k ? next : k;
         if ((depth[a] < 0) != (depth[b] < 0)) {
-            pass(ends[depth[next] < 0], pane, corner[a], corner[b], depth[a] / (depth[a] - depth[b]));
+            double *end = ends[depth[next] < 0];
+            double at[3], apart[3];
+            vec3_sub(apart, corner[b], corner[a]);
+            vec3_add_scaled(at, corner[a], depth[a] / (depth[a] - depth[b]), apart);
+            end[0] = vec3_dot(at, pane->right) + 0.5 * pane->width;
+            end[1] = vec3_dot(at, pane->down) + 0.5 * pane->height;
         }
     }
     return true;
@@ -271,34 +254,24 @@ static void fill_rows(struct cut *cut, const struct turned *turned, uint32_t obj
     }
 }
 
+/* Draws the lines in which the plane cuts the triangles, and fills a closed surface. Surfaces around the areas have no
+ * inside here. */
 static void find_surface(struct cut *cut, const struct pane *pane, const struct mesh *mesh, uint32_t object)
 {
     struct turned turned = {{SIZE_MAX, SIZE_MAX}, {0, 0}};
+    if (!is_near(pane, &mesh->shape)) {
+        return;
+    }
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         double ends[2][2] = {{0}};
         if (cut_triangle(ends, pane, mesh, mesh->triangles + 3 * t)) {
             draw_line(cut->contours, pane, ends[0], ends[1], object);
-            if (mesh->shape.closed) {
+            if (mesh->shape.closed && object != CUT_AROUND) {
                 turn_rows(&turned, cut, pane, ends[0], ends[1]);
             }
         }
     }
     fill_rows(cut, &turned, object);
-}
-
-/* Only lines of the surfaces around the areas: they have no inside here. */
-static void find_around(struct cut *cut, const struct pane *pane)
-{
-    const conus_atlas *atlas = cut->atlas;
-    for (size_t i = 0; i < atlas->context_surface_count; i++) {
-        const struct mesh *mesh = &atlas->context_surfaces[i].mesh;
-        for (size_t t = 0; is_near(pane, &mesh->shape) && t < mesh->triangle_count; t++) {
-            double ends[2][2] = {{0}};
-            if (cut_triangle(ends, pane, mesh, mesh->triangles + 3 * t)) {
-                draw_line(cut->contours, pane, ends[0], ends[1], CUT_AROUND);
-            }
-        }
-    }
 }
 
 static void find_surfaces(struct cut *cut, const struct cut_view *view)
@@ -309,13 +282,11 @@ static void find_surfaces(struct cut *cut, const struct cut_view *view)
     vec3_scale(pane.down, view->place.up, -1 / view->place.mm_per_pixel);
     vec3_cross(pane.forward, view->place.right, view->place.up);
     memset(cut->contours, 0, (size_t)pane.width * pane.height * sizeof *cut->contours);
-    find_around(cut, &pane);
+    for (size_t i = 0; i < cut->atlas->context_surface_count; i++) {
+        find_surface(cut, &pane, &cut->atlas->context_surfaces[i].mesh, CUT_AROUND);
+    }
     for (size_t i = 0; i < cut->surface_count; i++) {
-        uint32_t number = cut->surfaces[i];
-        const struct mesh *mesh = atlas_object_mesh(cut->atlas, number);
-        if (is_near(&pane, &mesh->shape)) {
-            find_surface(cut, &pane, mesh, number);
-        }
+        find_surface(cut, &pane, atlas_object_mesh(cut->atlas, cut->surfaces[i]), cut->surfaces[i]);
     }
 }
 

@@ -25,8 +25,7 @@ void camera_from_pose(struct camera *out, const conus_pose *pose, double field_o
 void camera_from_frustum(struct camera *out, const conus_pose *pose, const double frustum[4]);
 
 /** A camera that looks along @p forward (any length but 0), superior up (anterior up where it looks along z), from the
- * smallest distance at which all @p points, [count][3] in the
- * world, lie in the frame's free part. */
+ * smallest distance at which all @p points, [count][3] in the world, lie in the frame's free part. */
 void camera_frame_points(struct camera *out, const double *points, size_t count, const double forward[3],
                          double field_of_view, const struct camera_frame *frame);
 

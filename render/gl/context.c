@@ -112,19 +112,6 @@ static void GLAPIENTRY receive_message(GLenum source, GLenum type, GLuint id, GL
     context->log(context->log_user, &note);
 }
 
-/* Reads the renderer's name and sends its messages to the log. The new context must be current. */
-static void describe(struct gl_context *context)
-{
-    const char *renderer = (const char *)glGetString(GL_RENDERER);
-    snprintf(context->renderer, sizeof context->renderer, "%s", renderer ? renderer : "unnamed renderer");
-    if (context->log) {
-        glEnable(GL_DEBUG_OUTPUT);
-        glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
-        glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DEBUG_SEVERITY_NOTIFICATION, 0, NULL, GL_FALSE);
-        glDebugMessageCallback(receive_message, context);
-    }
-}
-
 static const char *egl_reason(char out[64], const char *what)
 {
     snprintf(out, 64, "%s (EGL error 0x%04x)", what, (unsigned)eglGetError());
@@ -163,8 +150,9 @@ static bool open_display(struct gl_context *context, EGLDisplay display, const c
     return true;
 }
 
-/* Checks the context's version. Mesa may promise a version that its override then takes back. */
-static bool is_usable(struct gl_context *context, const char *name, struct attempts *attempts)
+/* Checks the context's version: Mesa may promise a version that its override then takes back. Reads the renderer's name
+ * and sends its messages to the log. */
+static bool set_up(struct gl_context *context, const char *name, struct attempts *attempts)
 {
     struct gl_current previous = {0};
     char reason[64];
@@ -174,10 +162,17 @@ static bool is_usable(struct gl_context *context, const char *name, struct attem
     }
     int version = epoxy_gl_version();
     if (version >= 45) {
-        describe(context);
+        const char *renderer = (const char *)glGetString(GL_RENDERER);
+        snprintf(context->renderer, sizeof context->renderer, "%s", renderer ? renderer : "unnamed renderer");
     } else {
         snprintf(reason, sizeof reason, "only OpenGL %d.%d", version / 10, version % 10);
         note_attempt(attempts, name, reason);
+    }
+    if (version >= 45 && context->log) {
+        glEnable(GL_DEBUG_OUTPUT);
+        glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
+        glDebugMessageControl(GL_DONT_CARE, GL_DONT_CARE, GL_DEBUG_SEVERITY_NOTIFICATION, 0, NULL, GL_FALSE);
+        glDebugMessageCallback(receive_message, context);
     }
     gl_current_restore(&previous);
     return version >= 45;
@@ -188,7 +183,7 @@ static bool try_display(struct gl_context *context, EGLDisplay display, const ch
     if (!open_display(context, display, name, attempts)) {
         return false;
     }
-    if (is_usable(context, name, attempts)) {
+    if (set_up(context, name, attempts)) {
         return true;
     }
     eglDestroyContext(context->display, context->context);

@@ -94,20 +94,6 @@ static conus_status compile(GLuint *out, GLenum stage, const struct program_sour
     return status;
 }
 
-static conus_status link_program(GLuint program, const char *file)
-{
-    glLinkProgram(program);
-    GLint done = 0;
-    glGetProgramiv(program, GL_LINK_STATUS, &done);
-    if (done) {
-        return CONUS_OK;
-    }
-    char log[4096] = "";
-    glGetProgramInfoLog(program, sizeof log, NULL, log);
-    struct text line = worst_line(log);
-    return fail(CONUS_ERROR_GL, "shader %s does not link: %.*s", file, (int)line.size, line.data ? line.data : "");
-}
-
 conus_status program_create(GLuint *out, const struct program_source *source)
 {
     const struct {
@@ -130,7 +116,18 @@ conus_status program_create(GLuint *out, const struct program_source *source)
             }
         }
     }
-    status = status ? status : link_program(program, last);
+    if (!status) {
+        GLint done = 0;
+        glLinkProgram(program);
+        glGetProgramiv(program, GL_LINK_STATUS, &done);
+        if (!done) {
+            char log[4096] = "";
+            glGetProgramInfoLog(program, sizeof log, NULL, log);
+            struct text line = worst_line(log);
+            status =
+                fail(CONUS_ERROR_GL, "shader %s does not link: %.*s", last, (int)line.size, line.data ? line.data : "");
+        }
+    }
     if (status) {
         glDeleteProgram(program);
         return status;

@@ -37,22 +37,7 @@ static conus_status reserve_records(struct shader_list *list, uint32_t capacity)
     return gl_check("list");
 }
 
-/* Waits for the drawing and reads how many records were appended, and the records. */
-static conus_status read_list(struct shader_list *list, uint32_t *count)
-{
-    uint32_t appended = 0;
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    glFinish();
-    glGetNamedBufferSubData(list->buffer, 0, sizeof appended, &appended);
-    conus_status status = gl_check("drawing into a list");
-    if (!status && appended && appended <= list->capacity) {
-        glGetNamedBufferSubData(list->buffer, HEADER_SIZE, (GLsizeiptr)(appended * list->record_size), list->records);
-        status = gl_check("reading a list");
-    }
-    *count = status ? 0 : appended;
-    return status;
-}
-
+/* Draws, waits for it, and reads how many records were appended, and the records. */
 static conus_status draw_range(struct shader_list *list, const struct shader_list_job *job, uint32_t first,
                                uint32_t end, uint32_t *count)
 {
@@ -64,7 +49,20 @@ static conus_status draw_range(struct shader_list *list, const struct shader_lis
     glNamedBufferSubData(list->buffer, 0, sizeof header, header);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, job->binding, list->buffer);
     status = job->draw(job->user, first, end);
-    return status ? status : read_list(list, count);
+    if (status) {
+        return status;
+    }
+    uint32_t appended = 0;
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glFinish();
+    glGetNamedBufferSubData(list->buffer, 0, sizeof appended, &appended);
+    status = gl_check("drawing into a list");
+    if (!status && appended && appended <= list->capacity) {
+        glGetNamedBufferSubData(list->buffer, HEADER_SIZE, (GLsizeiptr)(appended * list->record_size), list->records);
+        status = gl_check("reading a list");
+    }
+    *count = status ? 0 : appended;
+    return status;
 }
 
 /* `count` records did not fit: raises the capacity, or lowers the number of pixels at the limit. */

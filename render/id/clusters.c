@@ -120,17 +120,6 @@ static uint32_t new_vertex(struct clusters *clusters, const struct mesh *mesh, u
     return (uint32_t)number;
 }
 
-/* The corner that becomes the last: one whose vertex has not been drawn yet, if there is one. */
-static size_t choose_last(const uint32_t *corner, const uint32_t *vertex_of)
-{
-    for (size_t k = 0; k < 3; k++) {
-        if (vertex_of[corner[k]] == NO_VERTEX) {
-            return k;
-        }
-    }
-    return 2;
-}
-
 /* Lays out a mesh from triangle number `first` on. Vertices in excess of one per triangle go behind them all. */
 static void lay_out(struct clusters *clusters, const struct mesh *mesh, const struct scratch *scratch, size_t first)
 {
@@ -140,7 +129,10 @@ static void lay_out(struct clusters *clusters, const struct mesh *mesh, const st
     for (size_t i = 0; i < mesh->triangle_count; i++) {
         uint32_t triangle = scratch->middles[i].triangle;
         const uint32_t *corner = &mesh->triangles[3 * (size_t)triangle];
-        size_t last = choose_last(corner, scratch->vertex_of);
+        size_t last = 0; /* the corner that becomes the last: one whose vertex is not drawn yet, if there is one */
+        while (last < 2 && scratch->vertex_of[corner[last]] != NO_VERTEX) {
+            last++;
+        }
         clusters->triangle[first + i] = triangle;
         for (size_t k = 0; k < 3; k++) { /* still the mesh's vertices; turned, not mirrored */
             clusters->corners[3 * (first + i) + k] = corner[(last + 1 + k) % 3];
@@ -177,46 +169,38 @@ static void add_clusters(struct clusters *clusters, size_t mesh, uint32_t object
     clusters->first_cluster[mesh + 1] = next;
 }
 
-struct sizes {
-    size_t meshes, clusters, triangles, vertices;
-    size_t most_triangles, most_vertices; /* of one mesh */
-};
-
-static struct sizes add_up(const struct mesh *const *meshes, size_t count)
+static conus_status reserve(struct clusters *clusters, struct scratch *scratch, const struct mesh *const *meshes,
+                            size_t count)
 {
-    struct sizes sizes = {0};
+    size_t mesh_count = 0, cluster_count = 0, triangles = 0, vertices = 0;
+    size_t most_triangles = 0, most_vertices = 0; /* of one mesh */
     for (size_t i = 0; i < count; i++) {
         const struct mesh *mesh = meshes[i];
         if (mesh) {
-            sizes.meshes++;
-            sizes.clusters += (mesh->triangle_count + CLUSTER_TRIANGLES - 1) / CLUSTER_TRIANGLES;
-            sizes.triangles += mesh->triangle_count;
-            sizes.vertices += mesh->triangle_count + mesh->vertex_count; /* at most */
-            sizes.most_triangles =
-                mesh->triangle_count > sizes.most_triangles ? mesh->triangle_count : sizes.most_triangles;
-            sizes.most_vertices = mesh->vertex_count > sizes.most_vertices ? mesh->vertex_count : sizes.most_vertices;
+            mesh_count++;
+            cluster_count += (mesh->triangle_count + CLUSTER_TRIANGLES - 1) / CLUSTER_TRIANGLES;
+            triangles += mesh->triangle_count;
+            vertices += mesh->triangle_count + mesh->vertex_count; /* at most */
+            most_triangles = mesh->triangle_count > most_triangles ? mesh->triangle_count : most_triangles;
+            most_vertices = mesh->vertex_count > most_vertices ? mesh->vertex_count : most_vertices;
         }
     }
-    return sizes;
-}
-
-static conus_status reserve(struct clusters *clusters, struct scratch *scratch, const struct sizes *sizes)
-{
-    if (sizes->vertices > INT32_MAX) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "%zu triangles: the gl engine takes up to 1e9", sizes->triangles);
+    if (vertices > INT32_MAX) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "%zu triangles: the gl engine takes up to 1e9", triangles);
     }
+    clusters->vertex_count = triangles; /* the last corners; more come with lay_out() */
     bool done = true;
     for (int k = 0; k < 4; k++) {
-        clusters->ball[k] = memory_raw(sizes->meshes, sizeof *clusters->ball[k]);
+        clusters->ball[k] = memory_raw(mesh_count, sizeof *clusters->ball[k]);
         done = done && clusters->ball[k];
     }
-    clusters->first_cluster = memory_zeroed(sizes->meshes + 1, sizeof *clusters->first_cluster);
-    clusters->cluster = memory_raw(sizes->clusters, sizeof *clusters->cluster);
-    clusters->triangle = memory_raw(sizes->triangles, sizeof *clusters->triangle);
-    clusters->positions = memory_raw(sizes->vertices, 3 * sizeof *clusters->positions);
-    clusters->corners = memory_raw(sizes->triangles, 3 * sizeof *clusters->corners);
-    scratch->middles = memory_raw(sizes->most_triangles, sizeof *scratch->middles);
-    scratch->vertex_of = memory_raw(sizes->most_vertices, sizeof *scratch->vertex_of);
+    clusters->first_cluster = memory_zeroed(mesh_count + 1, sizeof *clusters->first_cluster);
+    clusters->cluster = memory_raw(cluster_count, sizeof *clusters->cluster);
+    clusters->triangle = memory_raw(triangles, sizeof *clusters->triangle);
+    clusters->positions = memory_raw(vertices, 3 * sizeof *clusters->positions);
+    clusters->corners = memory_raw(triangles, 3 * sizeof *clusters->corners);
+    scratch->middles = memory_raw(most_triangles, sizeof *scratch->middles);
+    scratch->vertex_of = memory_raw(most_vertices, sizeof *scratch->vertex_of);
     return done && clusters->first_cluster && clusters->cluster && clusters->triangle && clusters->positions &&
                    clusters->corners && scratch->middles && scratch->vertex_of
                ? CONUS_OK
@@ -227,9 +211,7 @@ conus_status clusters_init(struct clusters *out, const struct mesh *const *meshe
 {
     struct clusters clusters = {0};
     struct scratch scratch = {0};
-    struct sizes sizes = add_up(meshes, count);
-    conus_status status = reserve(&clusters, &scratch, &sizes);
-    clusters.vertex_count = sizes.triangles;
+    conus_status status = reserve(&clusters, &scratch, meshes, count);
     for (size_t i = 0; i < count && !status; i++) {
         if (meshes[i]) {
             for (size_t t = 0; t < meshes[i]->triangle_count; t++) {

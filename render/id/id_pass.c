@@ -46,8 +46,13 @@ struct id_pass {
     struct id_hit *hits;
 };
 
-static conus_status create_program(struct id_program *out, conus_sampling sampling, enum id_kind kind)
+/* Creates a program unless it is there. */
+static conus_status need_program(struct id_pass *pass, enum id_kind kind)
 {
+    const conus_sampling sampling = pass->sampling;
+    if (pass->programs[kind].program) {
+        return CONUS_OK;
+    }
     const struct program_define defines[] = {
         {"SLICES", sampling == CONUS_SAMPLING_SLICES},
         {"MERGE", kind == LATER},
@@ -66,17 +71,11 @@ static conus_status create_program(struct id_program *out, conus_sampling sampli
     conus_status status = program_create(&program, &source);
     if (!status) {
         bool skips = sampling == CONUS_SAMPLING_EXACT;
-        *out = (struct id_program){program, program_uniform(program, "range"),
-                                   skips ? program_uniform(program, "first_cell") : -1,
-                                   skips ? program_uniform(program, "last_cell") : -1};
+        pass->programs[kind] = (struct id_program){program, program_uniform(program, "range"),
+                                                   skips ? program_uniform(program, "first_cell") : -1,
+                                                   skips ? program_uniform(program, "last_cell") : -1};
     }
     return status;
-}
-
-static conus_status need_program(struct id_pass *pass, enum id_kind kind)
-{
-    struct id_program *program = &pass->programs[kind];
-    return program->program ? CONUS_OK : create_program(program, pass->sampling, kind);
 }
 
 conus_status id_pass_create(struct id_pass **out, conus_sampling sampling, const uint32_t *identifiers,
@@ -139,15 +138,21 @@ void id_pass_destroy(struct id_pass *pass)
     memory_free(pass);
 }
 
-static conus_status upload_volume(struct id_volume *out, const struct volume *volume,
-                                  const struct id_distances *distances, conus_sampling sampling, uint64_t *memory_left)
+conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_distances *distances,
+                                uint64_t *memory_left)
 {
+    struct id_volume *volumes = memory_resize(pass->volumes, pass->volume_count + 1, sizeof *volumes);
+    if (!volumes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    pass->volumes = volumes;
     struct id_volume made = {0};
     const size_t *dim = volume->info.dim;
     enum volume_texture_kind kind = volume->objects16 ? VOLUME_TEXTURE_UINT16 : VOLUME_TEXTURE_UINT32;
     const void *objects = volume->objects16 ? (const void *)volume->objects16 : volume->objects32;
-    conus_status status = volume_texture_create(&made.objects, kind, dim, objects, memory_left);
-    if (!status && sampling == CONUS_SAMPLING_EXACT) {
+    conus_status status = pass->volume_count == 1 ? need_program(pass, LATER) : CONUS_OK;
+    status = status ? status : volume_texture_create(&made.objects, kind, dim, objects, memory_left);
+    if (!status && pass->sampling == CONUS_SAMPLING_EXACT) {
         status = volume_texture_create(&made.distances, VOLUME_TEXTURE_UINT8, dim, distances->codes, memory_left);
         memcpy(made.first, distances->first, sizeof made.first);
         memcpy(made.last, distances->last, sizeof made.last);
@@ -157,27 +162,8 @@ static conus_status upload_volume(struct id_volume *out, const struct volume *vo
         return status;
     }
     memcpy(made.dim, dim, sizeof made.dim);
-    *out = made;
+    volumes[pass->volume_count++] = made;
     return CONUS_OK;
-}
-
-conus_status id_pass_add_volume(struct id_pass *pass, const struct volume *volume, const struct id_distances *distances,
-                                uint64_t *memory_left)
-{
-    struct id_volume *volumes = memory_resize(pass->volumes, pass->volume_count + 1, sizeof *volumes);
-    if (!volumes) {
-        return CONUS_ERROR_MEMORY;
-    }
-    pass->volumes = volumes;
-    conus_status status = CONUS_OK;
-    if (pass->volume_count == 1) {
-        status = need_program(pass, LATER);
-    }
-    if (!status) {
-        status = upload_volume(&volumes[pass->volume_count], volume, distances, pass->sampling, memory_left);
-    }
-    pass->volume_count += !status;
-    return status;
 }
 
 static conus_status reserve_rays(struct id_pass *pass, uint32_t rays)

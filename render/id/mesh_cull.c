@@ -97,16 +97,6 @@ static void push_waiting(struct mesh_cull *cull, struct waiting item)
     cull->heap[at] = item;
 }
 
-static struct waiting pop_nearest(struct mesh_cull *cull)
-{
-    struct waiting top = cull->heap[0];
-    cull->heap[0] = cull->heap[--cull->count];
-    if (cull->count) {
-        sink(cull->heap, cull->count, 0);
-    }
-    return top;
-}
-
 /* Unlike fmax() and fmin() no calls: NaN does not occur. */
 static inline double larger(double a, double b)
 {
@@ -302,7 +292,9 @@ size_t mesh_cull_batch(const uint32_t **out, struct mesh_cull *cull, size_t tria
     size_t given = 0;
     size_t count = 0;
     while (cull->count && given < triangles) {
-        struct waiting next = pop_nearest(cull);
+        struct waiting next = cull->heap[0];
+        cull->heap[0] = cull->heap[--cull->count];
+        sink(cull->heap, cull->count, 0);
         if (next.nearest > cull->farthest) {
             cull->count = 0;
         } else if (next.is_mesh) {

@@ -34,7 +34,6 @@ struct slot {
     const uint32_t *batch; /* clusters, borrowed from cull; count 0 = all of the last batch is settled */
     size_t count;
     uint32_t attempts; /* draws of it that had too little capacity */
-    uint32_t most;     /* the most triangles that one pixel noted */
 };
 
 /* Uniforms that a program lacks are -1, which GL ignores. */
@@ -121,23 +120,6 @@ static conus_status create_all(struct mesh_pass *pass)
     return CONUS_OK;
 }
 
-static conus_status check_size(const struct clusters *clusters, uint64_t *memory_left)
-{
-    GLint limit = 0;
-    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
-    uint64_t size = (clusters->vertex_count + clusters->triangle_count) * UINT64_C(12);
-    if (clusters->vertex_count > (size_t)limit) {
-        return fail(CONUS_ERROR_GL, "meshes of %zu triangles: this driver allows some %d", clusters->triangle_count,
-                    limit);
-    }
-    if (size > *memory_left) {
-        return fail(CONUS_ERROR_MEMORY, "meshes of %zu triangles: %llu bytes, allowed are %llu more",
-                    clusters->triangle_count, (unsigned long long)size, (unsigned long long)*memory_left);
-    }
-    *memory_left -= size;
-    return CONUS_OK;
-}
-
 /* A buffer, and the texture through which shaders see it. */
 static void upload_buffer(GLuint *buffer, GLuint *texture, GLenum format, const void *data, size_t size)
 {
@@ -151,10 +133,18 @@ static void upload_buffer(GLuint *buffer, GLuint *texture, GLenum format, const 
 static conus_status upload_triangles(struct mesh_pass *pass, uint64_t *memory_left)
 {
     struct clusters *clusters = &pass->clusters;
-    conus_status status = check_size(clusters, memory_left);
-    if (status) {
-        return status;
+    GLint limit = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &limit);
+    uint64_t size = (clusters->vertex_count + clusters->triangle_count) * UINT64_C(12);
+    if (clusters->vertex_count > (size_t)limit) {
+        return fail(CONUS_ERROR_GL, "meshes of %zu triangles: this driver allows some %d", clusters->triangle_count,
+                    limit);
     }
+    if (size > *memory_left) {
+        return fail(CONUS_ERROR_MEMORY, "meshes of %zu triangles: %llu bytes, allowed are %llu more",
+                    clusters->triangle_count, (unsigned long long)size, (unsigned long long)*memory_left);
+    }
+    *memory_left -= size;
     upload_buffer(&pass->position_buffer, &pass->positions, GL_RGB32F, clusters->positions,
                   clusters->vertex_count * 3 * sizeof *clusters->positions);
     upload_buffer(&pass->corner_buffer, &pass->corners, GL_RGB32UI, clusters->corners,
@@ -322,20 +312,6 @@ static void weigh(const struct mesh_pass *pass, const struct mesh_pixels *pixels
     }
 }
 
-/* Settles the triangles that the driver noted in a slot's pixels, and finds the most that one pixel had. */
-static void settle(const struct mesh_pass *pass, struct slot *slot, size_t place)
-{
-    slot->most = 0;
-    for (size_t i = 0; i < pixel_count(pass); i++) {
-        const uint32_t *pixel = pixel_at(pass, place, i);
-        uint32_t count = pixel[1];
-        slot->most = count > slot->most ? count : slot->most;
-        for (uint32_t k = 0; k < count && k < pass->capacity; k++) {
-            weigh(pass, &slot->query->pixels, i, pixel[2 + k]);
-        }
-    }
-}
-
 static void use_program(const struct mesh_program *program, const struct mesh_view *view)
 {
     const double *m = view->world_from_device;
@@ -442,32 +418,29 @@ static conus_status draw_batches(struct mesh_pass *pass, const struct slot *slot
     return gl_check("mesh ID pass");
 }
 
-/* Draws a batch again if a pixel had more triangles than its capacity. The hits known by then leave most of them out;
- * if that is not enough, the capacity grows. */
+/* Settles the triangles that the driver noted in the slots' pixels. A batch is drawn again if a pixel had more
+ * triangles than its capacity. The hits known by then leave most of them out; if that is not enough, the capacity
+ * grows. */
 static conus_status settle_batches(struct mesh_pass *pass, struct slot *slots, size_t count)
 {
     uint32_t wanted = 0;
     for (size_t i = 0; i < count; i++) {
-        settle(pass, &slots[i], i);
-        if (slots[i].most <= pass->capacity) {
+        uint32_t most = 0; /* that one pixel noted */
+        for (size_t n = 0; n < pixel_count(pass); n++) {
+            const uint32_t *pixel = pixel_at(pass, i, n);
+            uint32_t noted = pixel[1];
+            most = noted > most ? noted : most;
+            for (uint32_t k = 0; k < noted && k < pass->capacity; k++) {
+                weigh(pass, &slots[i].query->pixels, n, pixel[2 + k]);
+            }
+        }
+        if (most <= pass->capacity) {
             slots[i].count = 0;
-        } else if (++slots[i].attempts > 1 && slots[i].most > wanted) {
-            wanted = slots[i].most;
+        } else if (++slots[i].attempts > 1 && most > wanted) {
+            wanted = most;
         }
     }
     return wanted ? set_capacity(pass, wanted) : CONUS_OK;
-}
-
-/* One batch of each of the first `count` slots. */
-static conus_status take_round(struct mesh_pass *pass, size_t count)
-{
-    conus_status status = CONUS_OK;
-    for (size_t first = 0, together; first < count && !status; first += together) {
-        together = count - first < pass->pixel_slots ? count - first : pass->pixel_slots;
-        status = draw_batches(pass, &pass->slots[first], together);
-        status = status ? status : settle_batches(pass, &pass->slots[first], together);
-    }
-    return status;
 }
 
 conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
@@ -484,7 +457,11 @@ conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *q
         pass->slots[i].count = 0;
     }
     while (!status && (slots = feed_all(pass, slots, &queue)) > 0) {
-        status = take_round(pass, slots);
+        for (size_t first = 0, together; first < slots && !status; first += together) {
+            together = slots - first < pass->pixel_slots ? slots - first : pass->pixel_slots;
+            status = draw_batches(pass, &pass->slots[first], together);
+            status = status ? status : settle_batches(pass, &pass->slots[first], together);
+        }
     }
     return status;
 }
@@ -523,15 +500,6 @@ static conus_status take_hits(void *user, const void *records, uint32_t count)
     return status;
 }
 
-static uint32_t count_triangles(const struct piercing *piercing)
-{
-    uint32_t count = 0;
-    for (size_t i = 0; i < piercing->count; i++) {
-        count += piercing->pass->clusters.cluster[piercing->batch[i]].count;
-    }
-    return count;
-}
-
 conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *view, mesh_pass_take take, void *user)
 {
     struct piercing piercing = {.pass = pass, .view = view, .count = 1, .take = take, .user = user};
@@ -544,13 +512,17 @@ conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *vi
     mesh_cull_begin(cull, view);
     mesh_cull_hide(cull, NULL);
     while (piercing.count && !status) {
+        uint32_t per_pixel = 0;
         piercing.count = mesh_cull_batch(&piercing.batch, cull, triangles);
+        for (size_t i = 0; i < piercing.count; i++) {
+            per_pixel += pass->clusters.cluster[piercing.batch[i]].count;
+        }
         const struct shader_list_job job = {.binding = HIT_BUFFER,
                                             .draw = draw_hits,
                                             .take = take_hits,
                                             .user = &piercing,
                                             .pixels = pixels,
-                                            .per_pixel = count_triangles(&piercing)};
+                                            .per_pixel = per_pixel};
         status = shader_list_collect(&pass->hits, &job);
     }
     return status;

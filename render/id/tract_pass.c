@@ -15,18 +15,6 @@ struct box {
     double low[3], high[3];
 };
 
-/* The box round the points of a leaf, as the node above it has it. */
-static struct box box_of_leaf(const struct tract_tree *tree, size_t number)
-{
-    const struct tract_node *node = &tree->nodes[number / TRACT_WIDTH]; /* those above leaves come first */
-    struct box box;
-    for (int a = 0; a < 3; a++) {
-        box.low[a] = (double)node->low[a][number % TRACT_WIDTH];
-        box.high[a] = (double)node->high[a][number % TRACT_WIDTH];
-    }
-    return box;
-}
-
 /* The ball round a box that is grown on all sides; returns its radius. */
 static double ball_round(double centre[3], const struct box *box, double grown)
 {
@@ -52,16 +40,6 @@ static bool shows_any(const struct tract_source *source, const struct tract_leaf
     return any;
 }
 
-/* The size of groups: about as many leaves in a group as there are groups. */
-static size_t group_size(size_t leaves)
-{
-    size_t size = 1;
-    while (size * size < leaves) {
-        size *= 2;
-    }
-    return size;
-}
-
 /* How far capsules reach beyond the boxes of their points, with a margin far above rounding. */
 static double growth_of(const struct tractogram *tractogram)
 {
@@ -83,8 +61,11 @@ static void add_group(struct clusters *to, const struct tract_source *source, si
     for (size_t number = first; number < end; number++) {
         if (shows_any(source, &tree->leaves[number])) {
             struct cluster *cluster = &to->cluster[count++];
-            struct box box = box_of_leaf(tree, number);
+            const struct tract_node *node = &tree->nodes[number / TRACT_WIDTH]; /* those above leaves come first */
+            struct box box;
             for (int a = 0; a < 3; a++) {
+                box.low[a] = (double)node->low[a][number % TRACT_WIDTH];
+                box.high[a] = (double)node->high[a][number % TRACT_WIDTH];
                 all.low[a] = fmin(all.low[a], box.low[a]);
                 all.high[a] = fmax(all.high[a], box.high[a]);
             }
@@ -105,7 +86,10 @@ conus_status tract_clusters_init(struct clusters *out, const struct tract_source
 {
     struct clusters clusters = {0};
     size_t leaves = tract_leaf_count(source->tractogram->tree.run_count);
-    size_t size = group_size(leaves);
+    size_t size = 1; /* of groups: about as many leaves in a group as there are groups */
+    while (size * size < leaves) {
+        size *= 2;
+    }
     size_t groups = (leaves + size - 1) / size;
     bool is_whole = true;
     for (int k = 0; k < 4; k++) {
@@ -281,19 +265,6 @@ static conus_status upload_leaves(struct scene *scene, const struct tract_source
     return gl_check("streamlines");
 }
 
-/* Makes slots for @p wanted queries, or as many as are allowed. */
-static conus_status make_slots(struct scene *scene, size_t wanted, size_t scenes)
-{
-    size_t fitting = SLOT_MEMORY / scenes / mesh_cull_size(&scene->clusters);
-    size_t limit = fitting < 1 ? 1 : fitting < SLOT_LIMIT ? fitting : SLOT_LIMIT;
-    conus_status status = CONUS_OK;
-    while (scene->slot_count < wanted && scene->slot_count < limit && !status) {
-        status = mesh_cull_create(&scene->slots[scene->slot_count].cull, &scene->clusters);
-        scene->slot_count += !status;
-    }
-    return status;
-}
-
 bool tract_pass_fits(const struct tract_source *sources, size_t count, uint64_t memory_left)
 {
     GLint texels = 0;
@@ -366,15 +337,6 @@ void tract_pass_destroy(struct tract_pass *pass)
     memory_free((void *)pass->draw_offsets);
     memory_free(pass->draw_bases);
     memory_free(pass);
-}
-
-static conus_status resize(struct tract_pass *pass, uint32_t resolution)
-{
-    if (pass->target.width == resolution) {
-        return CONUS_OK;
-    }
-    target_finish(&pass->target);
-    return target_init(&pass->target, resolution, resolution, NULL, 0);
 }
 
 /* Reserves that many pixels of all slots together. */
@@ -483,13 +445,21 @@ static void feed_all(struct search *search)
     }
 }
 
+/* Makes slots for the queries, or as many as are allowed, and the memory for their pixels. */
 static conus_status begin_slots(struct search *search)
 {
     struct tract_pass *pass = search->pass;
     struct scene *scene = &pass->scenes[search->source];
     size_t count = (size_t)(search->end - search->next);
     size_t most = SLOT_PIXELS / search->pixels > 1 ? SLOT_PIXELS / search->pixels : 1;
-    conus_status status = make_slots(scene, count < most ? count : most, pass->scene_count);
+    size_t wanted = count < most ? count : most;
+    size_t fitting = SLOT_MEMORY / pass->scene_count / mesh_cull_size(&scene->clusters);
+    size_t limit = fitting < 1 ? 1 : fitting < SLOT_LIMIT ? fitting : SLOT_LIMIT;
+    conus_status status = CONUS_OK;
+    while (scene->slot_count < wanted && scene->slot_count < limit && !status) {
+        status = mesh_cull_create(&scene->slots[scene->slot_count].cull, &scene->clusters);
+        scene->slot_count += !status;
+    }
     search->slots = count < scene->slot_count ? count : scene->slot_count;
     search->slots = search->slots < most ? search->slots : most;
     for (size_t i = 0; i < search->slots; i++) { /* left over from a query that failed */
@@ -519,12 +489,22 @@ static conus_status reserve_draws(struct tract_pass *pass, size_t count)
     return CONUS_OK;
 }
 
-static void set_view(const struct search *search, const struct slot *slot)
+static conus_status draw_slot(const struct search *search, const struct slot *slot)
 {
-    const struct tract_pass *pass = search->pass;
+    struct tract_pass *pass = search->pass;
+    const struct clusters *clusters = &pass->scenes[search->source].clusters;
     const struct mesh_view *view = &slot->query->view;
     const double *m = view->world_from_device;
     bool parallel = view->radius > 0;
+    conus_status status = reserve_draws(pass, slot->count);
+    if (status) {
+        return status;
+    }
+    for (size_t i = 0; i < slot->count; i++) {
+        const struct cluster *leaf = &clusters->cluster[slot->batch[i]];
+        pass->draw_counts[i] = (GLsizei)(leaf->count * BOX_INDICES);
+        pass->draw_bases[i] = (GLint)(leaf->first * TRACT_LEAF * BOX_CORNERS);
+    }
     double rows[9];
     for (int a = 0; a < 3; a++) {
         rows[a] = m[a];
@@ -539,24 +519,9 @@ static void set_view(const struct search *search, const struct slot *slot)
     glUniform1i(pass->resolution, (GLint)view->resolution);
     glUniform1i(pass->first_pixel, (GLint)(slot->place * search->pixels));
     glUniform1i(pass->has_bound, slot->query->distances != NULL);
-}
-
-static conus_status draw_slot(const struct search *search, const struct slot *slot)
-{
-    struct tract_pass *pass = search->pass;
-    const struct clusters *clusters = &pass->scenes[search->source].clusters;
-    conus_status status = reserve_draws(pass, slot->count);
-    for (size_t i = 0; i < slot->count && !status; i++) {
-        const struct cluster *leaf = &clusters->cluster[slot->batch[i]];
-        pass->draw_counts[i] = (GLsizei)(leaf->count * BOX_INDICES);
-        pass->draw_bases[i] = (GLint)(leaf->first * TRACT_LEAF * BOX_CORNERS);
-    }
-    if (!status) {
-        set_view(search, slot);
-        glMultiDrawElementsBaseVertex(GL_TRIANGLES, pass->draw_counts, GL_UNSIGNED_SHORT, pass->draw_offsets,
-                                      (GLsizei)slot->count, pass->draw_bases);
-    }
-    return status;
+    glMultiDrawElementsBaseVertex(GL_TRIANGLES, pass->draw_counts, GL_UNSIGNED_SHORT, pass->draw_offsets,
+                                  (GLsizei)slot->count, pass->draw_bases);
+    return CONUS_OK;
 }
 
 static conus_status draw_round(void *user, uint32_t first, uint32_t end)
@@ -600,22 +565,20 @@ static conus_status take_hits(void *user, const void *records, uint32_t count)
     return status;
 }
 
-static uint32_t most_runs(const struct search *search)
-{
-    const struct scene *scene = &search->pass->scenes[search->source];
-    size_t most = 0;
-    for (size_t i = 0; i < search->slots; i++) {
-        most = scene->slots[i].count > most ? scene->slots[i].count : most;
-    }
-    return (uint32_t)(most * TRACT_LEAF);
-}
-
 conus_status tract_pass_render(struct tract_pass *pass, const struct tract_query *queries, size_t count,
                                tract_pass_take take, void *user)
 {
-    conus_status status = count ? resize(pass, queries->view.resolution) : CONUS_OK;
-    for (size_t source = 0; source < pass->scene_count && count && !status; source++) {
-        size_t resolution = queries->view.resolution;
+    if (!count) {
+        return CONUS_OK;
+    }
+    const size_t resolution = queries->view.resolution;
+    conus_status status = CONUS_OK;
+    if (pass->target.width != resolution) {
+        target_finish(&pass->target);
+        status = target_init(&pass->target, queries->view.resolution, queries->view.resolution, NULL, 0);
+    }
+    for (size_t source = 0; source < pass->scene_count && !status; source++) {
+        const struct scene *scene = &pass->scenes[source];
         struct search search = {.pass = pass,
                                 .source = source,
                                 .queries = queries,
@@ -626,12 +589,16 @@ conus_status tract_pass_render(struct tract_pass *pass, const struct tract_query
                                 .user = user};
         status = begin_slots(&search);
         while (!status && (feed_all(&search), search.slots)) {
+            size_t most = 0; /* leaves of one slot */
+            for (size_t i = 0; i < search.slots; i++) {
+                most = scene->slots[i].count > most ? scene->slots[i].count : most;
+            }
             const struct shader_list_job job = {.binding = HIT_BUFFER,
                                                 .draw = draw_round,
                                                 .take = take_hits,
                                                 .user = &search,
                                                 .pixels = (uint32_t)search.all_pixels,
-                                                .per_pixel = most_runs(&search)};
+                                                .per_pixel = (uint32_t)(most * TRACT_LEAF)};
             status = shader_list_collect(&search.pass->hits, &job);
         }
     }

@@ -210,26 +210,20 @@ static bool is_straight(const struct tractogram *tractogram, uint64_t from, uint
     return fine;
 }
 
-/* The next point that is drawn after `at` of a streamline with the last point `last`. */
-static uint64_t next_point(const struct tractogram *tractogram, uint64_t at, uint64_t last)
-{
-    uint64_t next = at + 1;
-    while (next < last && is_straight(tractogram, at, next + 1)) {
-        next++;
-    }
-    return next;
-}
-
 /* Appends the drawn points of streamline `k` to layer->kept. */
 static conus_status keep_streamline(struct tube_layer *layer, size_t *capacity, const struct tractogram *tractogram,
                                     size_t k)
 {
     uint64_t end = tractogram->first[k + 1];
-    for (uint64_t at = tractogram->first[k]; at < end; at = next_point(tractogram, at, end - 1)) {
+    for (uint64_t at = tractogram->first[k], next; at < end; at = next) {
         if (!memory_reserve(&layer->kept, capacity, layer->point_count + 1, sizeof *layer->kept)) {
             return CONUS_ERROR_MEMORY;
         }
         layer->kept[layer->point_count++] = at;
+        next = at + 1;
+        while (next < end - 1 && is_straight(tractogram, at, next + 1)) {
+            next++;
+        }
     }
     return CONUS_OK;
 }
@@ -378,15 +372,6 @@ size_t tube_layer_step(const struct tube_layer *layer)
 }
 
 /* No tube begins at a streamline's last point; a streamline of one point is a ball. */
-static uint32_t paint_point(const struct tube_colouring *colouring, const struct tractogram *tractogram, uint32_t k,
-                            uint64_t at, uint32_t object)
-{
-    uint64_t first = tractogram->first[k];
-    uint64_t last = tractogram->first[k + 1] - 1;
-    uint32_t ball = first == last ? TUBE_BALL : 0;
-    return !object || (at == last && !ball) ? 0 : ball | tube_colour(colouring, tractogram, k, at, object);
-}
-
 static conus_status paint_tractogram(uint32_t *paints, const struct tube_layer *layer, size_t index,
                                      const struct tube_colouring *colouring, const bool *is_pale)
 {
@@ -398,8 +383,12 @@ static conus_status paint_tractogram(uint32_t *paints, const struct tube_layer *
     }
     bundles_find_objects(objects, layer->atlas, tractogram);
     for (size_t n = (size_t)range->first; n < (size_t)range->first + (size_t)range->count; n++) {
-        uint32_t k = tractogram_streamline_of(tractogram, layer->kept[n]);
-        uint32_t paint = paint_point(colouring, tractogram, k, layer->kept[n], objects[k]);
+        uint64_t at = layer->kept[n];
+        uint32_t k = tractogram_streamline_of(tractogram, at);
+        uint64_t last = tractogram->first[k + 1] - 1;
+        uint32_t ball = tractogram->first[k] == last ? TUBE_BALL : 0;
+        bool is_drawn = objects[k] && (at != last || ball);
+        uint32_t paint = is_drawn ? ball | tube_colour(colouring, tractogram, k, at, objects[k]) : 0;
         paints[n] = paint && is_pale && is_pale[k] ? paint | TUBE_PALE : paint;
     }
     memory_free(objects);

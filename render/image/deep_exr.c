@@ -67,24 +67,19 @@ static exr_result_t row_init(struct row *out, const struct deep_image *image)
     return EXR_ERR_SUCCESS;
 }
 
-/* Even bytes, then odd ones, each as its difference to the one before. */
-static void filter(uint8_t *out, const uint8_t *in, size_t size)
-{
-    size_t half = (size + 1) / 2;
-    for (size_t i = 0; i < size; i++) {
-        out[i % 2 ? half + i / 2 : i / 2] = in[i];
-    }
-    for (size_t i = size; i-- > 1;) {
-        out[i] = (uint8_t)(out[i] - out[i - 1] + 128);
-    }
-}
-
-/* ZIPS of `size` bytes of row->plain, or the bytes themselves if that is no shorter. */
+/* ZIPS of `size` bytes of row->plain: even bytes, then odd ones, each as its difference to the one before, deflated. Or
+ * the bytes themselves if that is no shorter. */
 static exr_result_t deflate_row(struct packed *out, const struct row *row, size_t size)
 {
     uLongf packed = compressBound(size);
-    filter(row->filtered, row->plain, size);
-    if (size > 0 && compress2(out->data, &packed, row->filtered, size, ZIP_LEVEL) != Z_OK) {
+    uint8_t *filtered = row->filtered;
+    for (size_t i = 0; i < size; i++) {
+        filtered[i % 2 ? (size + 1) / 2 + i / 2 : i / 2] = row->plain[i];
+    }
+    for (size_t i = size; i-- > 1;) {
+        filtered[i] = (uint8_t)(filtered[i] - filtered[i - 1] + 128);
+    }
+    if (size > 0 && compress2(out->data, &packed, filtered, size, ZIP_LEVEL) != Z_OK) {
         return EXR_ERR_OUT_OF_MEMORY;
     }
     bool shorter = size > 0 && packed < size;
@@ -125,16 +120,6 @@ static int by_name(const void *a, const void *b)
     return strcmp(((const struct image_channel *)a)->name, ((const struct image_channel *)b)->name);
 }
 
-static uint32_t most_samples(const struct deep_image *image)
-{
-    size_t pixels = (size_t)image->header->width * image->header->height;
-    uint32_t most = 0;
-    for (size_t i = 0; i < pixels; i++) {
-        most = image->counts[i] > most ? image->counts[i] : most;
-    }
-    return most;
-}
-
 /* Declared first: left alone, exr_attr_set_user() of 3.1.5 crashes where there is no memory for the attribute.
  * OpenEXR's C++ library 3.1.5 reads an `idmanifest` four bytes too far and so beheads the name of what comes next: here
  * a comment, else the count of chunks. */
@@ -153,13 +138,18 @@ static exr_result_t write_manifest(exr_context_t file, const struct bytes *names
 
 static exr_result_t write_header(exr_context_t file, const struct deep_image *image)
 {
+    size_t pixels = (size_t)image->header->width * image->header->height;
+    uint32_t most = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        most = image->counts[i] > most ? image->counts[i] : most;
+    }
     int part;
     exr_result_t code = exr_add_part(file, "conus", EXR_STORAGE_DEEP_SCANLINE, &part);
     code = code ? code
                 : exr_initialize_required_attr_simple(file, part, (int32_t)image->header->width,
                                                       (int32_t)image->header->height, EXR_COMPRESSION_ZIPS);
     code = code ? code : exr_set_version(file, part, DEEP_VERSION);
-    code = code ? code : exr_attr_set_int(file, part, "maxSamplesPerPixel", (int32_t)most_samples(image));
+    code = code ? code : exr_attr_set_int(file, part, "maxSamplesPerPixel", (int32_t)most);
     for (size_t i = 0; !code && i < image->channel_count; i++) {
         const struct image_channel *channel = &image->channels[i];
         code = exr_add_channel(file, 0, channel->name, channel->type == IMAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT,

@@ -54,15 +54,6 @@ static void put_varint(struct buffer *out, uint64_t value)
     } while (value);
 }
 
-static size_t varint_size(uint64_t value)
-{
-    size_t size = 1;
-    for (; value > 127; value >>= 7) {
-        size++;
-    }
-    return size;
-}
-
 static int by_text(const void *a, const void *b)
 {
     return strcmp(((const struct use *)a)->text, ((const struct use *)b)->text);
@@ -132,15 +123,6 @@ static conus_status dictionary_init(struct dictionary *out, const struct id_mani
     return CONUS_OK;
 }
 
-static size_t shared_bytes(const char *a, const char *b)
-{
-    size_t shared = 0;
-    while (shared < SHARED_LIMIT && a[shared] && a[shared] == b[shared]) {
-        shared++;
-    }
-    return shared;
-}
-
 /* Words in alphabetical order, lengths first. */
 static void put_words(struct buffer *out, const struct dictionary *dictionary)
 {
@@ -149,7 +131,10 @@ static void put_words(struct buffer *out, const struct dictionary *dictionary)
     put_u32(out, (uint32_t)dictionary->count);
     for (size_t i = 0; i < dictionary->count; i++) {
         const char *text = dictionary->words[i].text;
-        size_t shared = before ? shared_bytes(before, text) : 0;
+        size_t shared = 0;
+        while (before && shared < SHARED_LIMIT && before[shared] && before[shared] == text[shared]) {
+            shared++;
+        }
         bool two = before && strlen(before) > LONG_TEXT;
         const uint8_t count[] = {(uint8_t)(shared >> 8), (uint8_t)shared};
         size_t head = before ? 1 + two : 0;
@@ -222,11 +207,15 @@ static void put_strings(struct buffer *out, const char *const *texts, size_t cou
     }
 }
 
+/* The shorter way to store the differences between ids. */
 static uint8_t storage_of(const struct id_manifest_group *group)
 {
     size_t size = 0;
     for (size_t i = 0; i < group->count; i++) {
-        size += varint_size(group->ids[i] - (i ? group->ids[i - 1] : 0));
+        size++;
+        for (uint32_t difference = group->ids[i] - (i ? group->ids[i - 1] : 0); difference > 127; difference >>= 7) {
+            size++;
+        }
     }
     return size < 4 * group->count ? STORE_VARINT : STORE_U32;
 }

@@ -210,18 +210,6 @@ struct pair {
     double sum_of_squares;
 };
 
-static conus_status check_sizes(const conus_image *a, const conus_image *b, double tolerance)
-{
-    if (!(tolerance >= 0)) {
-        return fail(CONUS_ERROR_ARGUMENT, "tolerance: %g, allowed is 0 or more", tolerance);
-    }
-    if (a->width != b->width || a->height != b->height) {
-        return fail(CONUS_ERROR_ARGUMENT, "images of %u x %u and %u x %u pixels cannot be compared", a->width,
-                    a->height, b->width, b->height);
-    }
-    return CONUS_OK;
-}
-
 static const char *type_name(enum image_type type)
 {
     return type == IMAGE_UINT ? "uint32" : "float";
@@ -263,10 +251,18 @@ static double difference_at(const struct pair *pair, size_t pixel)
 conus_status conus_image_compare(conus_image_difference *out, const conus_image *a, const conus_image *b,
                                  double tolerance)
 {
-    conus_status status = check_sizes(a, b, tolerance);
-    struct pair *pairs = status ? NULL : memory_zeroed(a->channel_count, sizeof *pairs);
-    status = status ? status : pairs ? CONUS_OK : CONUS_ERROR_MEMORY;
-    status = status ? status : pair_channels(pairs, a, b, "second");
+    if (!(tolerance >= 0)) {
+        return fail(CONUS_ERROR_ARGUMENT, "tolerance: %g, allowed is 0 or more", tolerance);
+    }
+    if (a->width != b->width || a->height != b->height) {
+        return fail(CONUS_ERROR_ARGUMENT, "images of %u x %u and %u x %u pixels cannot be compared", a->width,
+                    a->height, b->width, b->height);
+    }
+    struct pair *pairs = memory_zeroed(a->channel_count, sizeof *pairs);
+    if (!pairs) {
+        return CONUS_ERROR_MEMORY;
+    }
+    conus_status status = pair_channels(pairs, a, b, "second");
     status = status ? status : pair_channels(NULL, b, a, "first");
     if (!status) {
         conus_image_difference difference = {.pixels = (uint64_t)a->width * a->height};

@@ -5,30 +5,25 @@
 #include <string.h>
 #include <strings.h>
 
-static conus_status parse_image(conus_image **out, const struct bytes *bytes)
-{
-    static const uint8_t exr[] = {0x76, 0x2f, 0x31, 0x01};
-    static const uint8_t png[] = {0x89, 'P', 'N', 'G'};
-    if (bytes->size >= sizeof exr && memcmp(bytes->data, exr, sizeof exr) == 0) {
-        return image_parse_exr(out, bytes->data, bytes->size);
-    }
-    if (bytes->size >= sizeof png && memcmp(bytes->data, png, sizeof png) == 0) {
-        return image_parse_png(out, bytes->data, bytes->size);
-    }
-    return fail(CONUS_ERROR_DATA, "%zu bytes that are neither OpenEXR nor PNG", bytes->size);
-}
-
 conus_status conus_image_load(conus_image **out, const char *path)
 {
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_image_load: %s is NULL", out ? "path" : "out");
     }
+    static const uint8_t exr[] = {0x76, 0x2f, 0x31, 0x01};
+    static const uint8_t png[] = {0x89, 'P', 'N', 'G'};
     struct bytes bytes;
     conus_status status = file_read(&bytes, path, IMAGE_MAX_BYTES);
     if (status) {
         return status;
     }
-    status = parse_image(out, &bytes);
+    if (bytes.size >= sizeof exr && memcmp(bytes.data, exr, sizeof exr) == 0) {
+        status = image_parse_exr(out, bytes.data, bytes.size);
+    } else if (bytes.size >= sizeof png && memcmp(bytes.data, png, sizeof png) == 0) {
+        status = image_parse_png(out, bytes.data, bytes.size);
+    } else {
+        status = fail(CONUS_ERROR_DATA, "%zu bytes that are neither OpenEXR nor PNG", bytes.size);
+    }
     bytes_finish(&bytes);
     return status ? fail_in(status, path) : CONUS_OK;
 }

@@ -221,25 +221,16 @@ static conus_status convert_picture(struct job *job)
     return CONUS_OK;
 }
 
-static conus_status read_png(struct job *job)
-{
-    if (!job->info || !read_head(job)) {
-        return fail_png(job);
-    }
-    conus_status status = allocate_rows(job);
-    if (status) {
-        return status;
-    }
-    return read_picture(job) ? convert_picture(job) : fail_png(job);
-}
-
 conus_status image_parse_png(conus_image **out, const uint8_t *data, size_t size)
 {
     struct job job = {.data = data, .size = size};
     job.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &job, jump, ignore, &job, allocate, release);
     job.info = job.png ? png_create_info_struct(job.png) : NULL;
     job.no_memory = !job.info;
-    conus_status status = read_png(&job);
+    conus_status status = job.info && read_head(&job) ? allocate_rows(&job) : fail_png(&job);
+    if (!status) {
+        status = read_picture(&job) ? convert_picture(&job) : fail_png(&job);
+    }
     png_destroy_read_struct(&job.png, &job.info, NULL);
     memory_free(job.rows);
     memory_free(job.row_pointers);
