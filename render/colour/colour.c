@@ -474,7 +474,7 @@ GLuint colour_pass_tile_program(const struct colour_pass *pass, const struct col
     return has_layers(pass, view) ? pass->layer_tile_program : pass->tile_program;
 }
 
-/* 0 stands for no texture. */
+/* GL ignores the number 0. */
 static void delete_textures(const struct colour_pass *pass)
 {
     const GLuint textures[] = {pass->transfer,      pass->objects,       pass->areas.field, pass->areas.empty,
@@ -646,17 +646,19 @@ void colour_pass_prepare(const struct colour_pass *pass, const struct colour_vie
         const float *opacity = find_opacities(pass, view);
         glNamedBufferSubData(pass->opacities, 0, (GLsizeiptr)(count * sizeof *opacity), opacity);
     }
+    const struct mesh_layer *meshes = pass->meshes;
+    const struct mesh_layer_peels peels = meshes ? mesh_layer_peels(meshes) : (struct mesh_layer_peels){0};
     const GLuint textures[] = {pass->context.field,
                                pass->context.empty,
                                pass->transfer,
                                pass->areas.field,
                                pass->areas.empty,
                                pass->objects,
-                               pass->meshes ? mesh_layer_surface(pass->meshes) : 0,
-                               pass->meshes ? mesh_layer_object(pass->meshes) : 0,
+                               meshes ? mesh_layer_surface(meshes) : 0,
+                               meshes ? mesh_layer_object(meshes) : 0,
                                pass->haze.field,
-                               pass->meshes ? mesh_layer_peel_surface(pass->meshes) : 0,
-                               pass->meshes ? mesh_layer_peel_object(pass->meshes) : 0};
+                               peels.surface,
+                               peels.object};
     glBindTextures(0, sizeof textures / sizeof *textures, textures);
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, pass->view);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, pass->palette);

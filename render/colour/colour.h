@@ -102,7 +102,7 @@ conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view
 /** The program for tiles of @p view. */
 GLuint colour_pass_tile_program(const struct colour_pass *pass, const struct colour_view *view);
 
-/** Updates which objects are hidden. */
+/** Updates the hidden objects. */
 conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atlas, uint64_t max_memory);
 
 /** For an atlas with pathways: from now on draws beside them the areas that @p areas [object_count + 1] of enum
@@ -131,10 +131,10 @@ void colour_pass_prepare(const struct colour_pass *pass, const struct colour_vie
 
 enum colour_program {
     COLOUR_RAYS = 0,   /**< Over one triangle on the screen: what pictures use.                          */
-    COLOUR_RAYS_PLAIN, /**< The same, areas being no more than single samples show: for comparison with ... */
+    COLOUR_RAYS_PLAIN, /**< The same, with areas as single samples show them: to compare with COLOUR_SLICES. */
     COLOUR_LAYERS,     /**< Over one triangle where something is translucent.                                */
-    COLOUR_SLICES /**< ... polygons on the planes, blended by the framebuffer: the paper's way. The vertex shader hands
-                      on the plane's number as `layout(location = 0) flat out float`.                    */
+    COLOUR_SLICES      /**< Polygons on the planes, blended by the framebuffer: the paper's way. The vertex shader hands
+                           on the plane's number as `layout(location = 0) flat out float`.                    */
 };
 
 conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind);

@@ -219,14 +219,6 @@ static void subtract_along_row(int16_t *out, const uint8_t *row, size_t first, s
     }
 }
 
-/* Zeros from `count` voxels up to a multiple of AT_ONCE. */
-static void leave_flat(struct changes *changes, size_t count)
-{
-    for (size_t a = 0; a < 3 && count % AT_ONCE; a++) {
-        memset(changes->twice[a] + count, 0, (AT_ONCE - count % AT_ONCE) * sizeof *changes->twice[a]);
-    }
-}
-
 static void subtract_rows(int16_t *out, const struct pair *rows, size_t first, size_t count)
 {
     subtract(out, rows->above + first, rows->below + first, count, rows->apart == 1 ? 2 : 1);
@@ -314,7 +306,9 @@ void field_texels(uint8_t *out, const struct field *field, size_t first, size_t 
             for (size_t i = 0; i < dim[0]; i += STRETCH) {
                 struct changes changes;
                 size_t n = dim[0] - i < STRETCH ? dim[0] - i : STRETCH;
-                leave_flat(&changes, n);
+                if (n % AT_ONCE) {
+                    memset(&changes, 0, sizeof changes); /* behind the row's last voxel it is flat */
+                }
                 subtract_along_row(changes.twice[0], slopes + at, i, n, dim[0]);
                 subtract_rows(changes.twice[1], &y, i, n);
                 subtract_rows(changes.twice[2], &z, i, n);

@@ -81,7 +81,7 @@ struct field_task {
     bool has_thread;
     pthread_t thread;
     pthread_mutex_t lock;   /**< If there is a thread: guards the members below. */
-    pthread_cond_t changed; /**< Some of it did. */
+    pthread_cond_t changed; /**< Signalled with each change of one. */
     bool is_made, stop;
     conus_status status;
     struct field field;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The renderer's inside: a context of its own and the passes of one atlas. */
+/** @file The renderer's struct: a context of its own and the passes of one atlas. */
 #ifndef CONUS_RENDER_COLOUR_RENDERER_H
 #define CONUS_RENDER_COLOUR_RENDERER_H
 

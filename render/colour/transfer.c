@@ -134,32 +134,25 @@ static conus_status parse_point(struct transfer *transfer, struct text line, siz
     return status ? status : append(transfer, &point);
 }
 
-static conus_status parse_lines(struct transfer *transfer, struct text rest)
-{
-    struct text line;
-    for (size_t number = 1; text_line(&rest, &line); number++) {
-        const char *comment = line.size ? memchr(line.data, '#', line.size) : NULL;
-        line.size = comment ? (size_t)(comment - line.data) : line.size;
-        line = text_trim(line);
-        if (!line.size) {
-            continue;
-        }
-        if (text_equal(line, "relative") && !transfer->count) {
-            transfer->relative = true;
-            continue;
-        }
-        conus_status status = parse_point(transfer, line, number);
-        if (status) {
-            return status;
-        }
-    }
-    return transfer->count ? CONUS_OK : fail(CONUS_ERROR_DATA, "no points; lines of \"value r g b a\" are expected");
-}
-
 conus_status transfer_parse(struct transfer *out, const uint8_t *data, size_t size)
 {
     struct transfer transfer = {0};
-    conus_status status = parse_lines(&transfer, (struct text){(const char *)data, size});
+    struct text rest = {(const char *)data, size};
+    struct text line;
+    conus_status status = CONUS_OK;
+    for (size_t number = 1; !status && text_line(&rest, &line); number++) {
+        const char *comment = line.size ? memchr(line.data, '#', line.size) : NULL;
+        line.size = comment ? (size_t)(comment - line.data) : line.size;
+        line = text_trim(line);
+        if (text_equal(line, "relative") && !transfer.count) {
+            transfer.relative = true;
+        } else if (line.size) {
+            status = parse_point(&transfer, line, number);
+        }
+    }
+    if (!status && !transfer.count) {
+        status = fail(CONUS_ERROR_DATA, "no points; lines of \"value r g b a\" are expected");
+    }
     if (status) {
         transfer_finish(&transfer);
         return status;

@@ -55,7 +55,7 @@ struct cut {
     uint32_t **streamlines; /**< [tractogram_count] The object of each streamline (bundles_find_objects()). */
     double window[2];       /**< Grey values shown as black and white.                                              */
     struct cut_place of;    /**< Where grey values and objects were found last. */
-    bool has_grey, has_objects; /**< They hold.                                                                   */
+    bool has_grey, has_objects; /**< `grey` and `objects` are those of `of`. */
 };
 
 /** Ready to draw @p atlas, which must not change from then on. */
@@ -67,29 +67,5 @@ conus_status cut_draw(struct cut *cut, const struct cut_view *view);
 
 /** Draws the cone over @p rgba, a picture at @p place. */
 void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cut_cone *cone);
-
-/** Finds the grey values that @p view asks for. */
-void cut_find_grey(struct cut *cut, const struct cut_view *view);
-/** Finds objects and contours. */
-void cut_find_objects(struct cut *cut, const struct cut_view *view);
-
-/** Fills in cut->streamlines. CONUS_ERROR_MEMORY, with some of them to be ended. */
-conus_status cut_list_streamlines(struct cut *cut);
-/** Finds where streamlines pass the plane, after the other objects. */
-void cut_find_streamlines(struct cut *cut, const struct cut_view *view);
-
-/** How a pixel steps through an index space: `start` of the top left pixel's centre, and per pixel. */
-struct cut_walk {
-    double start[3], right[3], down[3];
-};
-
-void cut_walk_init(struct cut_walk *out, const struct cut_place *place, const double index_from_world[16]);
-
-static inline void cut_blend(uint8_t *pixel, const uint8_t rgb[3], double opacity)
-{
-    for (int c = 0; c < 3; c++) {
-        pixel[c] = (uint8_t)(pixel[c] + (rgb[c] - pixel[c]) * opacity + 0.5);
-    }
-}
 
 #endif

@@ -17,7 +17,7 @@ static const double CHIP = 0.78;
 static const double CHIP_GAP = 0.5;
 static const double COLUMN_GAP = 1.0;
 static const double SHORTEST_NAME = 5;
-static const double BELOW_BASELINE = 0.45; /* what of a line lies below its baseline */
+static const double BELOW_BASELINE = 0.45; /* the part of a line below its baseline */
 
 static const double WIDEST = 0.42;
 
@@ -243,27 +243,6 @@ static conus_status write_row(const struct layout *layout, double left, double b
     return status ? status : write_details(layout, baseline, row->detail, colour);
 }
 
-static conus_status write_rows(const struct layout *layout, double y)
-{
-    double em = layout->em;
-    double left = layout->panel.left + PADDING * em;
-    bool is_short = layout->shown < layout->legend->count;
-    conus_status status = CONUS_OK;
-    for (size_t line = 0; !status && line < layout->shown + is_short; line++) {
-        y += LINE * em;
-        double baseline = rint(y - BELOW_BASELINE * em);
-        if (is_short && line == layout->head) {
-            char text[64];
-            snprintf(text, sizeof text, "\xe2\x80\xa6 and %zu more", layout->legend->count - layout->shown);
-            const double at[2] = {left + (CHIP + CHIP_GAP) * layout->em, baseline};
-            status = font_draw(layout->font, layout->image, at, layout->em, layout->dim, text);
-        } else {
-            status = write_row(layout, left, baseline, shown_row(layout, line - (is_short && line > layout->head)));
-        }
-    }
-    return status;
-}
-
 conus_status legend_draw(conus_image *image, struct font *font, const struct legend *legend)
 {
     const struct image_rgba planes = image_rgba(image);
@@ -283,7 +262,22 @@ conus_status legend_draw(conus_image *image, struct font *font, const struct leg
         draw_box(image, &layout.panel, 0.45 * layout.em, PANEL);
         draw_frame(image, &layout.panel, 0.45 * layout.em, fmax(1, 0.06 * layout.em), RIM);
     }
-    double y = layout.panel.top + PADDING * layout.em;
+    const double em = layout.em;
+    const double left = layout.panel.left + PADDING * em;
+    const bool is_short = layout.shown < legend->count;
+    double y = layout.panel.top + PADDING * em;
     conus_status status = write_head(&layout, &y);
-    return status ? status : write_rows(&layout, y);
+    for (size_t line = 0; !status && line < layout.shown + is_short; line++) {
+        y += LINE * em;
+        double baseline = rint(y - BELOW_BASELINE * em);
+        if (is_short && line == layout.head) {
+            char text[64];
+            snprintf(text, sizeof text, "\xe2\x80\xa6 and %zu more", legend->count - layout.shown);
+            const double at[2] = {left + (CHIP + CHIP_GAP) * em, baseline};
+            status = font_draw(font, image, at, em, layout.dim, text);
+        } else {
+            status = write_row(&layout, left, baseline, shown_row(&layout, line - (is_short && line > layout.head)));
+        }
+    }
+    return status;
 }

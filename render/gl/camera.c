@@ -113,7 +113,7 @@ void camera_cone_forward(double out[3], const double axis[3])
     vec3_add_scaled(left, unit, lean, side);
     vec3_add_scaled(right, unit, -lean, side);
     bool is_left = canonical(left) > canonical(right) + 1e-6 ||
-                   (canonical(left) > canonical(right) - 1e-6 && left[1] < right[1]); /* as a tie, from the front */
+                   (canonical(left) > canonical(right) - 1e-6 && left[1] < right[1]); /* a tie: from the front */
     vec3_add_scaled(out, is_left ? left : right, -0.3, superior);
 }
 

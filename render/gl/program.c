@@ -33,15 +33,6 @@ static struct text worst_line(const char *log)
     return first;
 }
 
-/* Compilers begin a line with "0:20017(5): " or "0(20017) : ": string and line. The words after that, or NULL. */
-static const char *find_place(const char *log_line, unsigned long *line)
-{
-    const char *at = log_line + strspn(log_line, "0123456789");
-    char *end = NULL;
-    *line = *at == ':' || *at == '(' ? strtoul(at + 1, &end, 10) : 0;
-    return *line / PART_LINES <= PART_MORE && end ? strchr(end, ':') : NULL;
-}
-
 static conus_status fail_to_compile(const struct program_source *source, const struct program_shader *shader,
                                     const char *log)
 {
@@ -52,8 +43,11 @@ static conus_status fail_to_compile(const struct program_source *source, const s
     char copy[512];
     struct text worst = worst_line(log);
     snprintf(copy, sizeof copy, "%.*s", (int)worst.size, worst.data ? worst.data : "");
-    unsigned long line = 0;
-    const char *words = find_place(copy, &line);
+    /* Compilers begin a line with "0:20017(5): " or "0(20017) : ": string and line. Words follow the next colon. */
+    const char *at = copy + strspn(copy, "0123456789");
+    char *end = NULL;
+    unsigned long line = *at == ':' || *at == '(' ? strtoul(at + 1, &end, 10) : 0;
+    const char *words = line / PART_LINES <= PART_MORE && end ? strchr(end, ':') : NULL;
     if (!words) {
         return fail(CONUS_ERROR_GL, "shader %s: %s", shader->file, copy);
     }

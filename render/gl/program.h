@@ -24,8 +24,8 @@ struct program_shader {
 };
 
 struct program_source {
-    struct program_shader vertex, fragment; /**< A compute program has neither text ...        */
-    struct program_shader compute;          /**< ... and this one; other programs have it zeroed. */
+    struct program_shader vertex, fragment; /**< Zeroed in a compute program. */
+    struct program_shader compute;          /**< Zeroed in any other program. */
     struct program_shader more;             /**< A second file behind the fragment shader's; may be zeroed. */
     const struct program_define *defines;
     size_t define_count;

@@ -20,25 +20,6 @@ static const struct format formats[] = {
     [VOLUME_TEXTURE_HALF4] = {GL_RGBA16F, GL_RGBA, GL_FLOAT, GL_LINEAR, 8},
 };
 
-static conus_status check_size(const size_t dim[3], size_t texel, uint64_t memory_left, size_t *bytes)
-{
-    GLint limit = 0;
-    glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &limit);
-    for (int axis = 0; axis < 3; axis++) {
-        if (dim[axis] > (size_t)limit) {
-            return fail(CONUS_ERROR_GL, "volume of %zu x %zu x %zu voxels: this OpenGL driver allows %d along an edge",
-                        dim[0], dim[1], dim[2], limit);
-        }
-    }
-    *bytes = dim[0] * dim[1] * dim[2] * texel; /* fits: GL's limit is below 2^16 */
-    if (*bytes > memory_left) {
-        return fail(CONUS_ERROR_MEMORY,
-                    "texture of %zu x %zu x %zu voxels needs %zu bytes: %llu are left of the allowed memory", dim[0],
-                    dim[1], dim[2], *bytes, (unsigned long long)memory_left);
-    }
-    return CONUS_OK;
-}
-
 void volume_texture_fill(GLuint texture, enum volume_texture_kind kind, const size_t dim[3], size_t first, size_t count,
                          const void *voxels)
 {
@@ -52,10 +33,19 @@ conus_status volume_texture_create(GLuint *out, enum volume_texture_kind kind, c
                                    uint64_t *memory_left)
 {
     const struct format *format = &formats[kind];
-    size_t bytes = 0;
-    conus_status status = check_size(dim, format->size, *memory_left, &bytes);
-    if (status) {
-        return status;
+    GLint limit = 0;
+    glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &limit);
+    for (int axis = 0; axis < 3; axis++) {
+        if (dim[axis] > (size_t)limit) {
+            return fail(CONUS_ERROR_GL, "volume of %zu x %zu x %zu voxels: this OpenGL driver allows %d along an edge",
+                        dim[0], dim[1], dim[2], limit);
+        }
+    }
+    const size_t bytes = dim[0] * dim[1] * dim[2] * format->size; /* fits: GL's limit is below 2^16 */
+    if (bytes > *memory_left) {
+        return fail(CONUS_ERROR_MEMORY,
+                    "texture of %zu x %zu x %zu voxels needs %zu bytes: %llu are left of the allowed memory", dim[0],
+                    dim[1], dim[2], bytes, (unsigned long long)*memory_left);
     }
     GLuint texture = 0;
     GLsizei width = (GLsizei)dim[0], height = (GLsizei)dim[1], depth = (GLsizei)dim[2];
@@ -69,7 +59,7 @@ conus_status volume_texture_create(GLuint *out, enum volume_texture_kind kind, c
     glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE);
-    status = gl_check("volume texture");
+    conus_status status = gl_check("volume texture");
     if (status) {
         glDeleteTextures(1, &texture);
         return status;

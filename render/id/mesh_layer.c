@@ -37,9 +37,9 @@ struct mesh_layer {
     GLsizei drawn_count;
     bool *shown; /* [part_count] Parts that are not hidden. */
     struct target target;
-    struct target peeled;             /* one layer, */
-    GLuint peel_surface, peel_object; /* and all of them */
-    size_t peel_capacity, peel_count;
+    struct target peeled; /* one layer of translucent meshes */
+    struct mesh_layer_peels peels;
+    size_t peel_capacity;
     struct tube_layer *tubes; /* NULL if there are none. */
 };
 
@@ -225,7 +225,7 @@ void mesh_layer_destroy(struct mesh_layer *layer)
 {
     if (layer) {
         const GLuint buffers[] = {layer->vertex_buffer, layer->index_buffer};
-        const GLuint textures[] = {layer->peel_surface, layer->peel_object};
+        const GLuint textures[] = {layer->peels.surface, layer->peels.object};
         target_finish(&layer->target);
         target_finish(&layer->peeled);
         glDeleteTextures(2, textures);
@@ -337,35 +337,21 @@ static GLuint array_texture(GLenum format, const struct target *like, size_t cou
     return texture;
 }
 
-/* Makes textures for @p count layers. */
+/* Makes textures for `count` layers. */
 static conus_status resize_peels(struct mesh_layer *layer, const struct mesh_layer_view *view, size_t count)
 {
     const struct target *peeled = &layer->peeled;
     bool same = peeled->width == view->width && peeled->height == view->height && layer->peel_capacity >= count;
     conus_status status = resize(&layer->peeled, view->width, view->height);
     if (!status && !same) {
-        const GLuint textures[] = {layer->peel_surface, layer->peel_object};
+        const GLuint textures[] = {layer->peels.surface, layer->peels.object};
         glDeleteTextures(2, textures);
-        layer->peel_surface = array_texture(GL_RGBA32F, peeled, count);
-        layer->peel_object = array_texture(GL_R32UI, peeled, count);
+        layer->peels.surface = array_texture(GL_RGBA32F, peeled, count);
+        layer->peels.object = array_texture(GL_R32UI, peeled, count);
         layer->peel_capacity = count;
         status = gl_check("layers of meshes");
     }
     return status;
-}
-
-/* Keeps the layer that was drawn, as number @p n. */
-static void keep_peel(const struct mesh_layer *layer, GLint n)
-{
-    const struct target *from = &layer->peeled;
-    const struct {
-        const char *name;
-        GLuint to;
-    } copies[] = {{"surface", layer->peel_surface}, {"object", layer->peel_object}};
-    for (int i = 0; i < 2; i++) {
-        glCopyImageSubData(target_texture(from, copies[i].name), GL_TEXTURE_2D, 0, 0, 0, 0, copies[i].to,
-                           GL_TEXTURE_2D_ARRAY, 0, 0, 0, n, (GLsizei)from->width, (GLsizei)from->height, 1);
-    }
 }
 
 static conus_status draw_peels(struct mesh_layer *layer, const struct mesh_layer_view *view)
@@ -376,7 +362,7 @@ static conus_status draw_peels(struct mesh_layer *layer, const struct mesh_layer
     GLuint query = 0;
     glCreateQueries(GL_ANY_SAMPLES_PASSED, 1, &query);
     for (size_t n = 0; n < most && any && !status; n++) {
-        glBindTextureUnit(0, layer->peel_object);
+        glBindTextureUnit(0, layer->peels.object);
         use_program(&layer->peel, view);
         glUniform1i(layer->taken, (GLint)n);
         glBeginQuery(GL_ANY_SAMPLES_PASSED, query);
@@ -384,8 +370,14 @@ static conus_status draw_peels(struct mesh_layer *layer, const struct mesh_layer
         glEndQuery(GL_ANY_SAMPLES_PASSED);
         glGetQueryObjectuiv(query, GL_QUERY_RESULT, &any);
         if (any) {
-            keep_peel(layer, (GLint)n);
-            layer->peel_count = n + 1;
+            const struct target *from = &layer->peeled;
+            const GLuint drawn[] = {target_texture(from, "surface"), target_texture(from, "object")};
+            const GLuint kept[] = {layer->peels.surface, layer->peels.object};
+            for (int i = 0; i < 2; i++) {
+                glCopyImageSubData(drawn[i], GL_TEXTURE_2D, 0, 0, 0, 0, kept[i], GL_TEXTURE_2D_ARRAY, 0, 0, 0, (GLint)n,
+                                   (GLsizei)from->width, (GLsizei)from->height, 1);
+            }
+            layer->peels.count = n + 1;
         }
         status = status ? status : gl_check("layers of meshes");
     }
@@ -403,24 +395,14 @@ conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_v
     use_program(&layer->solid, view);
     status = draw_parts(layer, &layer->target, view);
     status = status ? status : gl_check("meshes");
-    layer->peel_count = 0;
+    layer->peels.count = 0;
     list_parts(layer, view->opacity, true);
     return status || !layer->drawn_count ? status : draw_peels(layer, view);
 }
 
-size_t mesh_layer_peel_count(const struct mesh_layer *layer)
+struct mesh_layer_peels mesh_layer_peels(const struct mesh_layer *layer)
 {
-    return layer->peel_count;
-}
-
-GLuint mesh_layer_peel_surface(const struct mesh_layer *layer)
-{
-    return layer->peel_surface;
-}
-
-GLuint mesh_layer_peel_object(const struct mesh_layer *layer)
-{
-    return layer->peel_object;
+    return layer->peels;
 }
 
 GLuint mesh_layer_surface(const struct mesh_layer *layer)

@@ -20,7 +20,7 @@ conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas
 /** NULL is fine. */
 void mesh_layer_destroy(struct mesh_layer *layer);
 
-/** Updates which meshes and bundles are hidden, and colours the streamlines: see tube_layer_update(). */
+/** Updates the hidden meshes and bundles, and colours the streamlines: see tube_layer_update(). */
 conus_status mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atlas,
                                const struct tube_colouring *colouring, const bool *const *is_pale);
 
@@ -36,12 +36,12 @@ struct mesh_layer_view {
 /** Draws into textures of its own; its framebuffer stays bound. CONUS_ERROR_CANCELLED if the listener ends it. */
 conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_view *view);
 
-/** How many layers of translucent meshes the last picture has: for each pixel the nearest surface of each object,
- * nearer ones first, up to MESH_LAYER_PEELS of them. */
-size_t mesh_layer_peel_count(const struct mesh_layer *layer);
-/** Array textures of the peeled layers, like the two below; 0 where there never was one. */
-GLuint mesh_layer_peel_surface(const struct mesh_layer *layer);
-GLuint mesh_layer_peel_object(const struct mesh_layer *layer);
+/** Layers of translucent meshes: for each pixel the nearest surface of each object, nearer ones first. */
+struct mesh_layer_peels {
+    GLuint surface, object; /**< Array textures, like the two below; 0 where there never was a layer. */
+    size_t count;           /**< Layers of the last picture, up to MESH_LAYER_PEELS. */
+};
+struct mesh_layer_peels mesh_layer_peels(const struct mesh_layer *layer);
 
 /** Opaque surfaces, RGBA32F: the normal on the side that is seen, in world axes, and the depth along the view axis in
  * mm; 0 = nothing.

@@ -285,16 +285,6 @@ static conus_status resize(struct mesh_pass *pass, uint32_t resolution)
     return target_init(&pass->target, resolution, resolution, NULL, 0);
 }
 
-/* Raises the capacity of every pixel to at least `count` triangles. */
-static conus_status set_capacity(struct mesh_pass *pass, uint32_t count)
-{
-    uint32_t capacity = (count + 2 + CAPACITY_STEP - 1) / CAPACITY_STEP * CAPACITY_STEP - 2;
-    size_t slots = pass->pixel_slots;
-    conus_status status = create_first(pass, capacity);
-    pass->pixel_slots = 0; /* those are too small */
-    return status ? status : make_pixels(pass, slots);
-}
-
 /* Eq. 9: nearest first; of equally near ones the lower object, then the lower triangle. */
 static void weigh(const struct mesh_pass *pass, const struct mesh_pixels *pixels, size_t pixel, uint32_t drawn)
 {
@@ -440,7 +430,13 @@ static conus_status settle_batches(struct mesh_pass *pass, struct slot *slots, s
             wanted = most;
         }
     }
-    return wanted ? set_capacity(pass, wanted) : CONUS_OK;
+    if (!wanted) {
+        return CONUS_OK;
+    }
+    size_t places = pass->pixel_slots;
+    conus_status status = create_first(pass, (wanted + 2 + CAPACITY_STEP - 1) / CAPACITY_STEP * CAPACITY_STEP - 2);
+    pass->pixel_slots = 0; /* those are too small */
+    return status ? status : make_pixels(pass, places);
 }
 
 conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)

@@ -31,15 +31,6 @@ static bool is_shown(const struct tract_source *source, uint64_t point)
     return !source->shown || source->shown[tractogram_streamline_of(source->tractogram, point)];
 }
 
-static bool shows_any(const struct tract_source *source, const struct tract_leaf *leaf)
-{
-    bool any = !source->shown;
-    for (size_t lane = 0; lane < leaf->count && !any; lane++) {
-        any = is_shown(source, leaf->point[lane]);
-    }
-    return any;
-}
-
 /* How far capsules reach beyond the boxes of their points, with a margin far above rounding. */
 static double growth_of(const struct tractogram *tractogram)
 {
@@ -59,7 +50,12 @@ static void add_group(struct clusters *to, const struct tract_source *source, si
     size_t count = to->first_cluster[group];
     struct box all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (size_t number = first; number < end; number++) {
-        if (shows_any(source, &tree->leaves[number])) {
+        const struct tract_leaf *leaf = &tree->leaves[number];
+        bool shows = !source->shown;
+        for (size_t lane = 0; lane < leaf->count && !shows; lane++) {
+            shows = is_shown(source, leaf->point[lane]);
+        }
+        if (shows) {
             struct cluster *cluster = &to->cluster[count++];
             const struct tract_node *node = &tree->nodes[number / TRACT_WIDTH]; /* those above leaves come first */
             struct box box;
@@ -71,7 +67,7 @@ static void add_group(struct clusters *to, const struct tract_source *source, si
             }
             cluster->radius = ball_round(cluster->centre, &box, grown);
             cluster->first = (uint32_t)number;
-            cluster->count = tree->leaves[number].count;
+            cluster->count = leaf->count;
         }
     }
     double centre[3] = {0, 0, 0};

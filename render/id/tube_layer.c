@@ -178,7 +178,7 @@ struct tube_layer {
     GLint eye, camera_from_world, world_from_camera, shift, size, radius;
     struct range *ranges; /* [range_count] of the atlas's tractograms */
     size_t range_count;
-    size_t step;
+    size_t step;    /* every step-th streamline is drawn */
     uint64_t *kept; /* [point_count] Points that are drawn, of one tractogram after the other. */
     size_t point_count;
 };
@@ -229,20 +229,7 @@ static conus_status keep_streamline(struct tube_layer *layer, size_t *capacity, 
 }
 
 /* Keeps points of every step-th streamline, each turn of every TURNS-th of these: however many come first, they are of
- * streamlines from everywhere in the file. CONUS_ERROR_MEMORY. */
-static conus_status keep_tractogram(struct tube_layer *layer, size_t *capacity, const struct tractogram *tractogram)
-{
-    conus_status status = CONUS_OK;
-    for (size_t turn = 0; turn < TURNS; turn++) {
-        size_t k = turn * SECTION % TURNS * layer->step;
-        for (; k < tractogram->streamline_count && !status; k += TURNS * layer->step) {
-            status = keep_streamline(layer, capacity, tractogram, k);
-        }
-    }
-    return status;
-}
-
-/* A draft has the same fraction of each tractogram. */
+ * streamlines from everywhere in the file. A draft has the same fraction of each tractogram. CONUS_ERROR_MEMORY. */
 static conus_status keep_points(struct tube_layer *layer)
 {
     size_t capacity = 0;
@@ -250,7 +237,12 @@ static conus_status keep_points(struct tube_layer *layer)
     for (size_t i = 0; i < layer->range_count && !status; i++) {
         const struct tractogram *tractogram = &layer->atlas->tractograms[i];
         size_t before = layer->point_count;
-        status = keep_tractogram(layer, &capacity, tractogram);
+        for (size_t turn = 0; turn < TURNS; turn++) {
+            size_t k = turn * SECTION % TURNS * layer->step;
+            for (; k < tractogram->streamline_count && !status; k += TURNS * layer->step) {
+                status = keep_streamline(layer, &capacity, tractogram, k);
+            }
+        }
         layer->ranges[i] = (struct range){.first = (GLint)before,
                                           .count = (GLsizei)(layer->point_count - before),
                                           .radius = (float)tractogram->radius};
@@ -366,11 +358,6 @@ void tube_layer_destroy(struct tube_layer *layer)
     }
 }
 
-size_t tube_layer_step(const struct tube_layer *layer)
-{
-    return layer->step;
-}
-
 /* No tube begins at a streamline's last point; a streamline of one point is a ball. */
 static conus_status paint_tractogram(uint32_t *paints, const struct tube_layer *layer, size_t index,
                                      const struct tube_colouring *colouring, const bool *is_pale)
@@ -426,23 +413,9 @@ static void invert_rows(float out[9], const double rows[9])
     }
 }
 
-/* In pieces if a listener wants to hear of them. */
-static conus_status draw_range(const struct range *range, const struct tube_layer_view *view)
-{
-    static const GLuint strip = 4;
-    GLsizei count = view->draft ? range->draft : range->count;
-    GLsizei most = view->listener.progress ? PIECE : count;
-    conus_status status = CONUS_OK;
-    for (GLsizei done = 0; done < count && !status; done += most) {
-        GLsizei piece = count - done < most ? count - done : most;
-        glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, strip, piece, (GLuint)(range->first + done));
-        status = gl_tell(&view->listener, (size_t)done + (size_t)piece, (size_t)count);
-    }
-    return status;
-}
-
 conus_status tube_layer_draw(const struct tube_layer *layer, const struct tube_layer_view *view)
 {
+    static const GLuint strip = 4;
     conus_status status = CONUS_OK;
     float inverse[9];
     invert_rows(inverse, view->camera_from_world);
@@ -455,7 +428,14 @@ conus_status tube_layer_draw(const struct tube_layer *layer, const struct tube_l
     glBindVertexArray(layer->vertices);
     for (size_t i = 0; i < layer->range_count && !status; i++) {
         glUniform1f(layer->radius, layer->ranges[i].radius);
-        status = draw_range(&layer->ranges[i], view);
+        const struct range *range = &layer->ranges[i];
+        GLsizei count = view->draft ? range->draft : range->count;
+        GLsizei most = view->listener.progress ? PIECE : count;
+        for (GLsizei done = 0; done < count && !status; done += most) {
+            GLsizei piece = count - done < most ? count - done : most;
+            glDrawArraysInstancedBaseInstance(GL_TRIANGLE_STRIP, 0, strip, piece, (GLuint)(range->first + done));
+            status = gl_tell(&view->listener, (size_t)done + (size_t)piece, (size_t)count);
+        }
     }
     return status;
 }

@@ -53,13 +53,10 @@ conus_status tube_layer_create(struct tube_layer **out, const conus_atlas *atlas
 /** NULL is fine. */
 void tube_layer_destroy(struct tube_layer *layer);
 
-/** Updates which bundles are hidden, and colours the streamlines; those with @p is_pale
+/** Updates the hidden bundles, and colours the streamlines; those with @p is_pale
  * [tractogram_count][streamline_count] set are pale. NULL, or NULL for a tractogram: none is. */
 conus_status tube_layer_update(struct tube_layer *layer, const conus_atlas *atlas,
                                const struct tube_colouring *colouring, const bool *const *is_pale);
-
-/** Every n-th streamline is drawn; 1 = all. */
-size_t tube_layer_step(const struct tube_layer *layer);
 
 struct tube_layer_view {
     const double *eye;               /**< World mm. */

@@ -24,7 +24,7 @@ conus_status deep_image_add_channel(struct deep_image *image, const char *name, 
                                     struct image_channel **out);
 
 /** OpenEXR: one part of deep scan lines, ZIPS, with the header's attributes, `idManifest` and `maxSamplesPerPixel`. @p
- * out is the caller's to finish. (deep_exr.c) */
+ * out is the caller's to finish. */
 conus_status deep_image_format(struct bytes *out, const struct deep_image *image);
 
 #endif

@@ -161,8 +161,8 @@ static void put_run(struct runs *runs, uint32_t first, uint32_t last)
     runs->count++;
 }
 
-/* The runs of indices that the ranks make. A run steps over words that had their turn; as in OpenEXR's own, the first
- * one goes on only where it begins with word 0. */
+/* The runs of indices that the ranks make. A run skips words of earlier runs. As in OpenEXR's own encoder, the first
+ * run goes on only where it begins with word 0. */
 static void put_ranks(struct buffer *out, const struct dictionary *dictionary)
 {
     struct runs runs = {0};
@@ -207,24 +207,18 @@ static void put_strings(struct buffer *out, const char *const *texts, size_t cou
     }
 }
 
-/* The shorter way to store the differences between ids. */
-static uint8_t storage_of(const struct id_manifest_group *group)
+static void put_group(struct buffer *out, const struct id_manifest_group *group, const struct dictionary *dictionary,
+                      size_t slot)
 {
-    size_t size = 0;
+    const uint8_t lifetime = LIFETIME_STABLE;
+    size_t size = 0; /* of the differences between ids as varints */
     for (size_t i = 0; i < group->count; i++) {
         size++;
         for (uint32_t difference = group->ids[i] - (i ? group->ids[i - 1] : 0); difference > 127; difference >>= 7) {
             size++;
         }
     }
-    return size < 4 * group->count ? STORE_VARINT : STORE_U32;
-}
-
-static void put_group(struct buffer *out, const struct id_manifest_group *group, const struct dictionary *dictionary,
-                      size_t slot)
-{
-    const uint8_t lifetime = LIFETIME_STABLE;
-    const uint8_t storage = storage_of(group);
+    const uint8_t storage = size < 4 * group->count ? STORE_VARINT : STORE_U32;
     put_strings(out, &group->channel, 1);
     put_strings(out, group->components, group->component_count);
     buffer_append(out, &lifetime, 1);

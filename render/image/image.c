@@ -43,7 +43,7 @@ void conus_image_destroy(conus_image *image)
     memory_free(image);
 }
 
-static conus_status check_channel(const conus_image *image, const char *name)
+conus_status image_add_channel(conus_image *image, const char *name, enum image_type type, struct image_channel **out)
 {
     size_t length = strlen(name);
     if (!length || length >= sizeof image->channels->name) {
@@ -57,15 +57,6 @@ static conus_status check_channel(const conus_image *image, const char *name)
     if (bytes * (image->channel_count + 1) > IMAGE_MAX_BYTES) {
         return fail(CONUS_ERROR_MEMORY, "image of %u x %u pixels and more than %zu channels, allowed are %llu bytes",
                     image->width, image->height, image->channel_count, (unsigned long long)IMAGE_MAX_BYTES);
-    }
-    return CONUS_OK;
-}
-
-conus_status image_add_channel(conus_image *image, const char *name, enum image_type type, struct image_channel **out)
-{
-    conus_status status = check_channel(image, name);
-    if (status) {
-        return status;
     }
     struct image_channel *channels = memory_resize(image->channels, image->channel_count + 1, sizeof *channels);
     if (!channels) {

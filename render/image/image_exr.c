@@ -13,8 +13,8 @@ enum {
 
 typedef exr_result_t (*compress_function)(exr_encode_pipeline_t *pipeline);
 
-/* The library's own compression, but a chunk that became no smaller is stored as it is: one of just its own size, which
- * the library 3.1.5 leaves packed, every reader takes for that. */
+/* The library's own compression, but a chunk that becomes no smaller is stored as it is. The library 3.1.5 also stores
+ * a packed chunk of exactly the plain size, which every reader takes for a plain one. */
 static exr_result_t compress_if_smaller(exr_encode_pipeline_t *pipeline)
 {
     exr_result_t code = (*(compress_function *)pipeline->encoding_user_data)(pipeline);
@@ -206,20 +206,6 @@ static exr_result_t read_chunk(exr_const_context_t file, exr_decode_pipeline_t *
     return code ? code : exr_decoding_run(file, 0, pipeline);
 }
 
-static exr_result_t read_pixels(exr_const_context_t file, conus_image *image)
-{
-    exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
-    exr_attr_box2i_t window;
-    int32_t lines = 0;
-    exr_result_t code = exr_get_data_window(file, 0, &window);
-    code = code ? code : exr_get_scanlines_per_chunk(file, 0, &lines);
-    for (int row = 0; !code && row < (int)image->height; row += lines) {
-        code = read_chunk(file, &pipeline, image, window.min.y, row);
-    }
-    exr_decoding_destroy(file, &pipeline);
-    return code;
-}
-
 conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size)
 {
     struct exr_stream stream = {.data = data, .size = size};
@@ -231,7 +217,15 @@ conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size
     conus_image *image = NULL;
     conus_status status = read_header(&image, file, &stream);
     if (!status && image) {
-        code = read_pixels(file, image);
+        exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
+        exr_attr_box2i_t window;
+        int32_t lines = 0;
+        code = exr_get_data_window(file, 0, &window);
+        code = code ? code : exr_get_scanlines_per_chunk(file, 0, &lines);
+        for (int row = 0; !code && row < (int)image->height; row += lines) {
+            code = read_chunk(file, &pipeline, image, window.min.y, row);
+        }
+        exr_decoding_destroy(file, &pipeline);
         status = code ? exr_stream_fail(code) : CONUS_OK;
     }
     exr_finish(&file);
