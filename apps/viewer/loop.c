@@ -77,16 +77,6 @@ static void watch_files(struct window *window)
     }
 }
 
-/* After a frame at whose beginning @p answer was the newest. */
-static void note_times(struct window *window, unsigned answer)
-{
-    struct times *times = &window->times;
-    times->first_frame = times->first_frame > 0 ? times->first_frame : clock_ms() - times->started;
-    if (window->viewer->tools[FIRST_TOOL].answer_number != answer) {
-        times_add(times, TIMED_SELECTION, window->viewer->tools[FIRST_TOOL].select_ms);
-    }
-}
-
 /* Seconds until something changes by itself. */
 static double rest(const struct window *window, const struct script *script)
 {
@@ -105,17 +95,6 @@ static double rest(const struct window *window, const struct script *script)
         seconds = fmin(seconds, replay_rest(&window->inputs.replay, window->viewer, glfwGetTime()));
     }
     return fmin(seconds, longest_s);
-}
-
-static void wait_for_events(struct window *window, double seconds)
-{
-    if (seconds > 0) {
-        times_rest(&window->times);
-        glfwWaitEventsTimeout(seconds);
-    } else {
-        glfwPollEvents();
-    }
-    atomic_store(&awake, false);
 }
 
 /* Once no mouse button is down, no text is being typed and no trigger changes an angle: until then more of the same
@@ -182,22 +161,16 @@ static void draw_panels(struct window *window)
     }
 }
 
-/* Notes which versions of the viewer the newest frame shows. */
-static void note_shown(struct window *window)
+static void draw_window(struct window *window)
 {
+    double begun = glfwGetTime();
     window->frame.frames_wanted -= window->frame.frames_wanted > 0;
-    if (window->viewer) {
+    if (window->viewer) { /* the versions that this frame shows */
         window->frame.shown_version = window->viewer->version;
         window->frame.shown_said = window->viewer->said;
         window->frame.shown_second = window->viewer->tools[SECOND_TOOL].version;
         window->frame.shown_head = window->viewer->head.number;
     }
-}
-
-static void draw_window(struct window *window)
-{
-    double begun = glfwGetTime();
-    note_shown(window);
     window->pictures.moving = window->pictures.moving && clock_ms() < window->pictures.moving_until;
     window_lay_out(window);
     if (window->screen.width < 1 || window->screen.height < 1) { /* minimised */
@@ -261,7 +234,14 @@ static bool go_round(struct window *window, struct script *script, int *code)
 {
     bool acts = script && !script_waits(script, window);
     unsigned answer = window->viewer ? window->viewer->tools[FIRST_TOOL].answer_number : 0;
-    wait_for_events(window, acts ? 0 : rest(window, script));
+    double seconds = acts ? 0 : rest(window, script);
+    if (seconds > 0) {
+        times_rest(&window->times);
+        glfwWaitEventsTimeout(seconds);
+    } else {
+        glfwPollEvents();
+    }
+    atomic_store(&awake, false);
     if (window->viewer) {
         serve_viewer(window);
     }
@@ -274,7 +254,11 @@ static bool go_round(struct window *window, struct script *script, int *code)
     }
     glfwSwapBuffers(window->handle);
     if (window->viewer) {
-        note_times(window, answer);
+        struct times *times = &window->times;
+        times->first_frame = times->first_frame > 0 ? times->first_frame : clock_ms() - times->started;
+        if (window->viewer->tools[FIRST_TOOL].answer_number != answer) { /* this frame is the first that shows it */
+            times_add(times, TIMED_SELECTION, window->viewer->tools[FIRST_TOOL].select_ms);
+        }
     }
     return true;
 }

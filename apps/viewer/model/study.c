@@ -13,12 +13,6 @@
 
 const struct study_settings study_defaults = {.angles = {2, 40, 2}, .tilt_deg = 2, .shift_mm = 1.5, .samples = 1024};
 
-static bool is_power_of_two(double samples)
-{
-    int exponent;
-    return samples >= 16 && samples <= 1048576 && frexp(samples, &exponent) == 0.5;
-}
-
 const char *study_fault(const struct study_settings *settings)
 {
     const double *angles = settings->angles;
@@ -38,7 +32,10 @@ const char *study_fault(const struct study_settings *settings)
     if (!(settings->shift_mm >= 0 && settings->shift_mm <= 1e6)) {
         return "jitter: a shift of 0 to 1000000 mm is needed";
     }
-    return is_power_of_two(settings->samples) ? NULL : "jitter: samples: a power of two from 16 to 1048576 is needed";
+    int exponent;
+    bool is_power_of_two =
+        settings->samples >= 16 && settings->samples <= 1048576 && frexp(settings->samples, &exponent) == 0.5;
+    return is_power_of_two ? NULL : "jitter: samples: a power of two from 16 to 1048576 is needed";
 }
 
 bool selector_options_are_same(const conus_selector_options *a, const conus_selector_options *b)
@@ -57,22 +54,18 @@ bool study_has_same_selectors(const struct study_question *a, const struct study
            selector_options_are_same(&a->options, &b->options);
 }
 
-/* Compares the settings that the kind has. */
-static bool ask_same(const struct study_settings *a, const struct study_settings *b)
-{
-    bool same_angles = a->angles[0] == b->angles[0] && a->angles[1] == b->angles[1] && a->angles[2] == b->angles[2];
-    bool same_errors = a->tilt_deg == b->tilt_deg && a->shift_mm == b->shift_mm && a->samples == b->samples;
-    return a->kind == b->kind && (a->kind == STUDY_SWEEP ? same_angles : same_errors);
-}
-
 bool study_is_same(const struct study_question *a, const struct study_question *b)
 {
+    const struct study_settings *x = &a->settings;
+    const struct study_settings *y = &b->settings;
+    bool same_angles = x->angles[0] == y->angles[0] && x->angles[1] == y->angles[1] && x->angles[2] == y->angles[2];
+    bool same_errors = x->tilt_deg == y->tilt_deg && x->shift_mm == y->shift_mm && x->samples == y->samples;
     bool same_pose = true;
     for (int i = 0; i < 16; i++) {
         same_pose = same_pose && a->pose.world_from_device[i] == b->pose.world_from_device[i];
     }
-    return same_pose && ask_same(&a->settings, &b->settings) && study_has_same_selectors(a, b) &&
-           (a->settings.kind == STUDY_SWEEP || a->angle == b->angle);
+    return same_pose && x->kind == y->kind && study_has_same_selectors(a, b) &&
+           (x->kind == STUDY_SWEEP ? same_angles : same_errors && a->angle == b->angle);
 }
 
 /* A study under way. */

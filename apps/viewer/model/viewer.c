@@ -352,21 +352,11 @@ void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
     memcpy(rgb, info ? info->rgb : (const uint8_t[]){130, 132, 138}, 3);
 }
 
-/* The frame of a plane's picture: unit vectors to the right and up. */
-static void viewer_plane(double right[3], double up[3], const struct viewer *viewer, enum plane plane)
-{
-    static const double axes[PLANE_COUNT][2][3] = {
-        {{1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, {0, 0, 1}}};
-    memcpy(right, axes[plane][0], 3 * sizeof *right);
-    memcpy(up, axes[plane][1], 3 * sizeof *up);
-    if (viewer->display.radiological && plane != SAGITTAL) {
-        right[0] = -right[0];
-    }
-}
-
 /* It looks at the atlas's middle, but for the depth, which is the crosshair's. */
 void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane, const double size[2])
 {
+    static const double axes[PLANE_COUNT][2][3] = {
+        {{1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, {0, 0, 1}}}; /* to the right and up */
     const double *grey = view_atlas_grey(viewer->drawn);
     *out =
         (conus_cut_view){.mm_per_pixel = 1.9 * viewer->radius / fmax(fmin(size[0], size[1]), 1) / viewer->magnification,
@@ -379,5 +369,9 @@ void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane
                          .chosen = viewer->drawn->shown.chosen};
     memcpy(out->centre, viewer->centre, sizeof out->centre);
     out->centre[2 - (int)plane] = viewer->crosshair[2 - (int)plane];
-    viewer_plane(out->right, out->up, viewer, plane);
+    memcpy(out->right, axes[plane][0], sizeof out->right);
+    memcpy(out->up, axes[plane][1], sizeof out->up);
+    if (viewer->display.radiological && plane != SAGITTAL) {
+        out->right[0] = -out->right[0];
+    }
 }

@@ -128,24 +128,8 @@ static bool find_atlas(struct file_set *set, struct window *window, const struct
     return fine;
 }
 
-static bool put(struct file_set *out, const struct looking *looking, char why[LOADER_WHY])
-{
-    bool fine = true;
-    for (size_t i = 0; i < looking->wanted->count && fine; i++) {
-        const char *path = looking->wanted->paths[i];
-        if (looking->kinds[i] == IS_SESSION) {
-            fine = use_atlas(out, path, true, why);
-        } else if (looking->kinds[i] == IS_TRACTOGRAM) {
-            out->tractograms[out->tractogram_count++] = path;
-        } else {
-            out->images[out->image_count++] = path;
-        }
-    }
-    return fine;
-}
-
 /* Tells the files of `wanted` apart, which are read on another thread. False: nobody wants them any more, or `why`
- * has the reason. `out` is the caller's to file_set_finish() in any case. */
+ * has the reason. The lists of `out` are the caller's to free in any case. */
 static bool file_set_find(struct file_set *out, struct window *window, const struct wanted *wanted,
                           const struct view_settings *settings, char why[LOADER_WHY])
 {
@@ -154,7 +138,16 @@ static bool file_set_find(struct file_set *out, struct window *window, const str
                              .tractograms = calloc(wanted->count + 1, sizeof *out->tractograms)};
     bool fine = looking.kinds && out->images && out->tractograms;
     snprintf(why, LOADER_WHY, "%s", fine ? "" : "not enough memory");
-    fine = fine && wait_look(window, wanted->paths[0], look, &looking, why) && put(out, &looking, why);
+    fine = fine && wait_look(window, wanted->paths[0], look, &looking, why);
+    for (size_t i = 0; i < wanted->count && fine; i++) {
+        if (looking.kinds[i] == IS_SESSION) {
+            fine = use_atlas(out, wanted->paths[i], true, why);
+        } else if (looking.kinds[i] == IS_TRACTOGRAM) {
+            out->tractograms[out->tractogram_count++] = wanted->paths[i];
+        } else {
+            out->images[out->image_count++] = wanted->paths[i];
+        }
+    }
     if (fine && !out->atlas && out->image_count == 1) { /* which it is, opening it tells */
         out->atlas = out->images[0];
         out->image_count = 0;
@@ -163,12 +156,6 @@ static bool file_set_find(struct file_set *out, struct window *window, const str
     }
     free(looking.kinds);
     return fine;
-}
-
-static void file_set_finish(struct file_set *set)
-{
-    free((void *)set->images);
-    free((void *)set->tractograms);
 }
 
 /* The options `words` with all that is to be added; NULL without memory, or where a name is not UTF-8. */
@@ -210,65 +197,12 @@ static bool find(char out[PATH_MAX], const struct session_file *file, const char
     return found;
 }
 
-/* In plain words, and what to do. */
-static void say_missing(char why[RESUME_WHY], const struct session_file *file, const char *session)
-{
-    const char *joint = file->folder[0] && file->atlas[0] != '/' ? "/" : "";
-    snprintf(why, RESUME_WHY,
-             "%.100s: its atlas is not found: %.150s%s%.150s. It was looked for there, beside the session, among what "
-             "was opened before and what is installed. Open or drop it, and the session goes on.",
-             path_name(session), joint[0] ? file->folder : "", joint, file->atlas);
-}
-
-/* Finds what the session `session` is of; `atlas`: a path that somebody named in place of it, or NULL. `given` are
- * the settings of the command line, whose options come before the session's where they `count`. False: *why says why
- * not, unless the atlas is not found, which *missing tells. `session` must outlive `out`, which is the caller's to
- * resume_finish() in any case. */
-static bool resume_prepare(struct resume *out, const char *session, const char *atlas,
-                           const struct view_settings *given, bool count, bool *missing, char why[RESUME_WHY])
-{
-    *out = (struct resume){.path = ""};
-    *missing = false;
-    if (!session_file_read(&out->file, session)) {
-        snprintf(why, RESUME_WHY, "%s: no session of conus view, or it cannot be read", session);
-        print_error_line("%s", why);
-        return false;
-    }
-    out->words = additions_find(out->missing, out->file.options,
-                                json_object_get(json_object_get(out->file.root, "opened"), "added"), session);
-    if (!out->words) {
-        snprintf(why, RESUME_WHY, "%.200s: not enough memory", session);
-        return false;
-    }
-    if (worded_parse(&out->worded, out->words, given, count)) {
-        snprintf(why, RESUME_WHY, "%.200s: opened: options: %.200s", session, error_line());
-        return false;
-    }
-    out->worded.settings.session = session;
-    bool found = atlas ? snprintf(out->path, PATH_MAX, "%s", atlas) < PATH_MAX : find(out->path, &out->file, session);
-    *missing = !found;
-    if (!found) {
-        say_missing(why, &out->file, session);
-        print_error_line("%s", why);
-    }
-    return found;
-}
-
 /* Whether the window shows that already: the same atlas, opened in the same way. */
 static bool resume_is_open(const struct resume *resume, const struct window *window)
 {
     const json_t *opened = json_object_get(resume->file.root, "opened");
     return window->viewer && window->files.opened && json_equal(opened, window->files.opened) &&
            strcmp(resume->file.atlas, window->viewer->atlases->path) == 0;
-}
-
-static void resume_finish(struct resume *resume)
-{
-    if (resume->worded.words) {
-        worded_finish(&resume->worded);
-    }
-    json_decref(resume->words);
-    session_file_finish(&resume->file);
 }
 
 static void finish(struct viewer *viewer)
@@ -321,17 +255,6 @@ int open_poses(struct window *window, const struct view_settings *settings, cons
     return EXIT_DONE;
 }
 
-/* Finds the space in which positions are typed and shown, and loads the poses, which need it. False with an error line.
- */
-static bool find_frame(conus_frame *frame, struct window *window, const struct atlases *atlases,
-                       const struct view_settings *settings)
-{
-    bool waits = settings->poses && !window->inputs.replay.poses;
-    int code = settings_frame(frame, atlases, &settings->space, settings->common.quiet);
-    code = code || !waits ? code : open_poses(window, settings, frame);
-    return code == EXIT_DONE;
-}
-
 /* Shows it as the options say; false where the session does not fit. */
 static bool show(struct window *window, struct viewer *viewer, const struct view_settings *settings, char *why)
 {
@@ -356,15 +279,6 @@ static bool show(struct window *window, struct viewer *viewer, const struct view
     return true;
 }
 
-/* For sessions; the catalogue's labels, too. */
-static json_t *describe(const struct viewer *viewer, const struct atlas_name *name,
-                        const struct view_settings *settings)
-{
-    const char *labels = settings->atlas.labels ? NULL : atlas_name_labels(name, NULL);
-    json_t *words = view_words(settings->arguments, labels);
-    return words ? opened_describe(viewer->atlases->atlas, name->path, words) : NULL;
-}
-
 /* Drops the options that were for another atlas, whose brain and names may differ. */
 static void leave_options(struct view_settings *settings)
 {
@@ -377,66 +291,33 @@ static void leave_options(struct view_settings *settings)
     settings->space = (struct space_settings){0};
 }
 
-/* The state of the open atlas, for the case that another one cannot take its place. */
-struct aside {
-    struct changes changes;
-    char *session_path;
-    json_t *opened;
-    conus_hemispheres hemispheres;
-};
-
-static struct aside set_aside(struct window *window)
-{
-    struct aside aside = {.changes = window->history.changes,
-                          .session_path = window->history.session_path,
-                          .opened = window->files.opened,
-                          .hemispheres = window->files.hemispheres};
-    window->history.changes = (struct changes){.count = 0};
-    window->history.session_path = NULL;
-    window->files.opened = NULL;
-    return aside;
-}
-
-static void bring_back(struct window *window, struct viewer *viewer, struct aside *aside)
-{
-    json_decref(window->files.opened);
-    window_show(window, viewer);
-    window->history.changes = aside->changes;
-    window->history.session_path = aside->session_path;
-    window->files.opened = aside->opened;
-    window->files.hemispheres = aside->hemispheres;
-    *aside = (struct aside){.opened = NULL};
-}
-
-static void aside_finish(struct aside *aside)
-{
-    changes_finish(&aside->changes);
-    free(aside->session_path);
-    json_decref(aside->opened);
-}
-
-/* Shows the viewer in place of the one before, which stays where the session does not fit. */
+/* Shows the viewer in place of the one before, which stays, with its changes, where the session does not fit. */
 static bool replace(struct window *window, struct viewer *viewer, const struct atlas_name *name,
                     const struct view_settings *settings, char *why)
 {
     struct viewer *before = window->viewer;
-    struct aside aside = set_aside(window);
-    window->files.opened = describe(viewer, name, settings);
+    struct changes changes = window->history.changes;
+    char *session_path = window->history.session_path;
+    json_t *opened = window->files.opened;
+    conus_hemispheres hemispheres = window->files.hemispheres;
+    json_t *words = view_words(settings->arguments, settings->atlas.labels ? NULL : atlas_name_labels(name, NULL));
+    window->history.changes = (struct changes){.count = 0};
+    window->history.session_path = NULL;
+    window->files.opened = words ? opened_describe(viewer->atlases->atlas, name->path, words) : NULL;
     window->files.hemispheres = (conus_hemispheres)settings->atlas.hemispheres;
-    bool fine = show(window, viewer, settings, why);
-    if (!fine) {
-        bring_back(window, before, &aside);
+    if (!show(window, viewer, settings, why)) {
+        json_decref(window->files.opened);
+        window_show(window, before);
+        window->history.changes = changes;
+        window->history.session_path = session_path;
+        window->files.opened = opened;
+        window->files.hemispheres = hemispheres;
+        return false;
     }
-    aside_finish(&aside);
-    return fine;
-}
-
-/* The viewer has them then. */
-static void hand_over(struct atlases *atlases)
-{
-    for (size_t i = 0; i < atlases->count; i++) {
-        atlases->items[i].atlas = NULL;
-    }
+    changes_finish(&changes);
+    free(session_path);
+    json_decref(opened);
+    return true;
 }
 
 /* `text` is the path, or the name of an installed atlas and `name` what that means. */
@@ -460,12 +341,16 @@ static bool open_path(struct window *window, const char *text, const struct atla
         }
         atlases_say_notes(&atlases, &settings.common);
         atlases_say_spaces(&atlases, &settings.common);
-        viewer =
-            find_frame(&frame, window, &atlases, &settings) ? create(&atlases, path, &settings, window->wake) : NULL;
+        bool waits = settings.poses && !window->inputs.replay.poses; /* which need the frame */
+        int code = settings_frame(&frame, &atlases, &settings.space, settings.common.quiet);
+        code = code || !waits ? code : open_poses(window, &settings, &frame);
+        viewer = code ? NULL : create(&atlases, path, &settings, window->wake);
     }
     if (viewer) {
         viewer->frame = frame;
-        hand_over(&atlases);
+        for (size_t i = 0; i < atlases.count; i++) {
+            atlases.items[i].atlas = NULL; /* they are the viewer's now */
+        }
     } else if (atlases.count && !why[0]) {
         snprintf(why, LOADER_WHY, "%s", error_line());
     }
@@ -511,19 +396,50 @@ static void say_added(struct window *window, const struct resume *resume, const 
     }
 }
 
-/* Runs on another thread: to find the atlas it reads the files beside the session. */
+/* What prepare_session() is asked for, and what it found. */
 struct preparation {
-    struct resume *out;
-    const char *session, *atlas;
-    const struct view_settings *settings;
-    bool with_options, fine, missing;
-    char why[RESUME_WHY];
+    struct resume *out;                   /* It borrows the session. */
+    const char *session, *atlas;          /* The atlas: a path that somebody named in place of the session's, or NULL */
+    const struct view_settings *settings; /* Those of the command line, */
+    bool with_options;                    /* whose options come before the session's. */
+    bool fine, missing;                   /* The atlas is missing. */
+    char why[RESUME_WHY];                 /* Why it is not fine. */
 };
 
+/* Finds the atlas of a session and how it was opened. Runs on another thread, since it reads the files beside the
+ * session. */
 static void prepare_session(void *user)
 {
     struct preparation *of = user;
-    of->fine = resume_prepare(of->out, of->session, of->atlas, of->settings, of->with_options, &of->missing, of->why);
+    struct resume *out = of->out;
+    const struct session_file *file = &out->file;
+    if (!session_file_read(&out->file, of->session)) {
+        snprintf(of->why, RESUME_WHY, "%s: no session of conus view, or it cannot be read", of->session);
+        print_error_line("%s", of->why);
+        return;
+    }
+    out->words = additions_find(out->missing, file->options,
+                                json_object_get(json_object_get(file->root, "opened"), "added"), of->session);
+    if (!out->words) {
+        snprintf(of->why, RESUME_WHY, "%.200s: not enough memory", of->session);
+        return;
+    }
+    if (worded_parse(&out->worded, out->words, of->settings, of->with_options)) {
+        snprintf(of->why, RESUME_WHY, "%.200s: opened: options: %.200s", of->session, error_line());
+        return;
+    }
+    out->worded.settings.session = of->session;
+    of->fine =
+        of->atlas ? snprintf(out->path, PATH_MAX, "%s", of->atlas) < PATH_MAX : find(out->path, file, of->session);
+    of->missing = !of->fine;
+    if (of->missing) {
+        const char *joint = file->folder[0] && file->atlas[0] != '/' ? "/" : "";
+        snprintf(of->why, RESUME_WHY,
+                 "%.100s: its atlas is not found: %.150s%s%.150s. It was looked for there, beside the session, among "
+                 "what was opened before and what is installed. Open or drop it, and the session goes on.",
+                 path_name(of->session), joint[0] ? file->folder : "", joint, file->atlas);
+        print_error_line("%s", of->why);
+    }
 }
 
 /* A session, whose atlas is opened unless it is open already; `atlas`: in place of it, or NULL. */
@@ -561,7 +477,11 @@ static bool open_session(struct window *window, const char *session, const char 
         window->files.session_waits = waits;
         window->start.on = window->start.on || missing;
     }
-    resume_finish(&resume);
+    if (resume.worded.words) {
+        worded_finish(&resume.worded);
+    }
+    json_decref(resume.words);
+    session_file_finish(&resume.file);
     return fine;
 }
 
@@ -632,7 +552,8 @@ static bool open_files(struct window *window, const struct wanted *wanted, const
         fine = false;
     }
     fine = fine && open_sorted(window, &set, settings, with_options, why);
-    file_set_finish(&set);
+    free((void *)set.images);
+    free((void *)set.tractograms);
     return fine;
 }
 
@@ -644,7 +565,11 @@ struct loader *open_begin(const char *path, const struct view_settings *settings
                                     .context = &settings->context,
                                     .wake = glfwPostEmptyEvent,
                                     .may_be = files_may_be_atlas};
-    return path && conus_atlas_is_path(path) && !settings->session ? wait_begin(&request) : NULL;
+    struct loader *loader = NULL;
+    if (path && conus_atlas_is_path(path) && !settings->session) {
+        (void)loader_start(&loader, &request);
+    }
+    return loader;
 }
 
 bool open_wanted(struct window *window, const struct view_settings *settings, bool with_options, double begun,

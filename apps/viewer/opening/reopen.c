@@ -130,17 +130,6 @@ static bool is_doubtful(struct window *window, const conus_atlas *now, const jso
     return false;
 }
 
-/* Nothing that was made of the atlases before may outlive them. */
-static void forget_pictures(struct window *window)
-{
-    window->frame.hover.object = 0;
-    window->frame.listed = 0;
-    for (int p = 0; p < PLANE_COUNT; p++) {
-        conus_cutter_destroy(window->pictures.cuts[p].cutter);
-        window->pictures.cuts[p].cutter = NULL;
-    }
-}
-
 /* Flags the objects of files whose option differs from before: for these the new option holds. */
 static bool *find_fresh(size_t object_count, const json_t *added, const json_t *before)
 {
@@ -167,7 +156,12 @@ static bool exchange(struct window *window, struct atlases *loaded, const json_t
     for (size_t i = 0; now.atlases && i < loaded->count; i++) {
         now.atlases[i] = loaded->items[i].atlas;
     }
-    forget_pictures(window);
+    window->frame.hover.object = 0; /* nothing that was made of the atlases before may outlive them */
+    window->frame.listed = 0;
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        conus_cutter_destroy(window->pictures.cuts[p].cutter);
+        window->pictures.cuts[p].cutter = NULL;
+    }
     snprintf(why, LOADER_WHY, "not enough memory");
     bool fine = now.atlases && now.fresh && viewer_replace(window->viewer, &now, why, LOADER_WHY);
     for (size_t i = 0; i < loaded->count && fine; i++) {
@@ -178,29 +172,9 @@ static bool exchange(struct window *window, struct atlases *loaded, const json_t
     return fine;
 }
 
-/* A level that is of areas that are not there any more ends. */
-static void check_level(struct viewer *viewer, char why[LOADER_WHY])
-{
-    char level[64];
-    snprintf(level, sizeof level, "%.60s", viewer->cone.level);
-    if (level[0] && !question_set_level(viewer, viewer->cone.level)) {
-        question_set_level(viewer, "");
-        snprintf(why, LOADER_WHY, "level %s is not possible with these hemispheres: each area by itself", level);
-    }
-}
-
-/* Coming and going of files is no change to be taken back; other hemispheres are one. */
-static void renew_states(struct window *window, conus_hemispheres before, int step)
-{
-    if (step) {
-        undo_go_on(window, step);
-    } else if (before == window->files.hemispheres) {
-        undo_renew(window);
-    }
-}
-
 static bool show(struct window *window, struct atlases *loaded, const json_t *words, int step, char why[LOADER_WHY])
 {
+    struct viewer *viewer = window->viewer;
     const conus_atlas *atlas = loaded->items[0].atlas;
     conus_hemispheres before = window->files.hemispheres;
     conus_hemispheres how = hemispheres_of_words(words);
@@ -214,9 +188,18 @@ static bool show(struct window *window, struct atlases *loaded, const json_t *wo
         json_object_set(window->files.opened, "added", added);
         window->start.on = window->dialog.on = false;
         memcpy(why, news, sizeof news);
-        check_level(window->viewer, why);
-        viewer_say(window->viewer, "%s", why);
-        renew_states(window, before, step);
+        char level[64];
+        snprintf(level, sizeof level, "%.60s", viewer->cone.level);
+        if (level[0] && !question_set_level(viewer, viewer->cone.level)) { /* its areas are not there any more */
+            question_set_level(viewer, "");
+            snprintf(why, LOADER_WHY, "level %s is not possible with these hemispheres: each area by itself", level);
+        }
+        viewer_say(viewer, "%s", why);
+        if (step) {
+            undo_go_on(window, step);
+        } else if (before == how) { /* coming and going of files is no change to be taken back */
+            undo_renew(window);
+        }
         why[0] = '\0';
     }
     json_decref(added);

@@ -107,11 +107,6 @@ static size_t length_of(const struct identity *of)
     return length > more ? length - more : 0;
 }
 
-static bool names_fit(const struct identity *a, const struct identity *b)
-{
-    return length_of(a) == length_of(b) && strncmp(a->name, b->name, length_of(a)) == 0;
-}
-
 /* The object that is such a part of what has that label; 0 = none. */
 static uint32_t find_part(const struct identities *in, const struct identity *of, enum part part)
 {
@@ -131,7 +126,7 @@ static uint32_t find_part(const struct identities *in, const struct identity *of
         if (found->kind != of->kind || found->label != of->label || found->part != part) {
             return 0;
         }
-        if (names_fit(found, of)) {
+        if (length_of(found) == length_of(of) && strncmp(found->name, of->name, length_of(of)) == 0) {
             return found->number;
         }
     }
@@ -195,18 +190,6 @@ static void take_over_pair(struct exchange *exchange, uint32_t pair)
     to->look.opacity[pair] = first && agree ? to->look.opacity[first] : NAN;
 }
 
-/* A number may have gone with its file, or be another one in the order of them; and its range is of all files. */
-static void take_over_colour(const struct exchange *exchange)
-{
-    const struct view_atlas *from = exchange->from;
-    struct view_atlas *to = exchange->to;
-    const char *name = tract_colour_name(from->atlas, from->look.streamlines);
-    size_t colour = name ? tract_colour_find(to->atlas, name) : TRACT_COLOUR_LIMIT;
-    if (colour < TRACT_COLOUR_LIMIT) {
-        look_colour_streamlines(&to->look, to->atlas, colour);
-    }
-}
-
 static void take_over_all(struct exchange *exchange)
 {
     const struct view_atlas *from = exchange->from;
@@ -216,7 +199,12 @@ static void take_over_all(struct exchange *exchange)
     }
     memcpy(to->shown.search, from->shown.search, sizeof to->shown.search);
     to->look.opacity[0] = from->look.opacity[0];
-    take_over_colour(exchange);
+    /* A number may have gone with its file, or be another one in the order of them; and its range is of all files. */
+    const char *name = tract_colour_name(from->atlas, from->look.streamlines);
+    size_t colour = name ? tract_colour_find(to->atlas, name) : TRACT_COLOUR_LIMIT;
+    if (colour < TRACT_COLOUR_LIMIT) {
+        look_colour_streamlines(&to->look, to->atlas, colour);
+    }
     for (uint32_t number = 1; number <= to->object_count; number++) {
         take_over(exchange, number);
     }
@@ -292,25 +280,20 @@ static conus_status prepare(struct exchange *all, struct view_atlas *next, const
     return status;
 }
 
-static void say_why(char *why, size_t size, const struct exchange *all, size_t count, conus_status status)
-{
-    bool is_other = false;
-    for (size_t i = 0; all && i < count; i++) {
-        is_other = is_other || all[i].is_other;
-    }
-    snprintf(why, size, "%s",
-             is_other                       ? "the areas have other names or labels than when the atlas was opened"
-             : status == CONUS_ERROR_MEMORY ? "not enough memory"
-                                            : conus_message());
-}
-
 bool viewer_replace(struct viewer *viewer, const struct replacement *now, char *why, size_t size)
 {
     struct exchange *all = calloc(viewer->atlas_count, sizeof *all);
     struct view_atlas *next = calloc(viewer->atlas_count, sizeof *next);
     conus_status status = all && next ? prepare(all, next, viewer, now) : CONUS_ERROR_MEMORY;
     if (status) {
-        say_why(why, size, all, viewer->atlas_count, status);
+        bool is_other = false;
+        for (size_t i = 0; all && i < viewer->atlas_count; i++) {
+            is_other = is_other || all[i].is_other;
+        }
+        snprintf(why, size, "%s",
+                 is_other                       ? "the areas have other names or labels than when the atlas was opened"
+                 : status == CONUS_ERROR_MEMORY ? "not enough memory"
+                                                : conus_message());
     }
     for (size_t i = 0; i < viewer->atlas_count && !status; i++) {
         renumber_pins(viewer, &all[i], i);

@@ -76,13 +76,6 @@ static void put_absolute(FILE *out, const char *text)
     }
 }
 
-/* A name of a transfer function is no file, even where one is called so. */
-static bool may_be_file(const struct option *option, const char *value)
-{
-    bool is_text = option->type == OPTION_TEXT || option->type == OPTION_LIST;
-    return is_text && (strcmp(option->name, "transfer") != 0 || strchr(value, '.') || strchr(value, '/'));
-}
-
 /* False without memory, or where it is not UTF-8. */
 static bool add_word(json_t *words, const struct option *option, const char *value)
 {
@@ -92,8 +85,11 @@ static bool add_word(json_t *words, const struct option *option, const char *val
     if (!out) {
         return false;
     }
+    bool is_text = option->type == OPTION_TEXT || option->type == OPTION_LIST;
+    bool is_transfer =
+        strcmp(option->name, "transfer") == 0; /* whose names are no files, even where one is called so */
     fprintf(out, "--%s%s", option->name, value ? "=" : "");
-    if (value && may_be_file(option, value)) {
+    if (value && is_text && (!is_transfer || strchr(value, '.') || strchr(value, '/'))) {
         put_absolute(out, value);
     } else if (value) {
         fputs(value, out);
@@ -152,22 +148,6 @@ static bool join(struct worded *out, const json_t *words, const json_t *own, con
     return fine;
 }
 
-/* The words say what is opened, and the rest is as it was given. */
-static void use_both(struct worded *out, const struct view_settings *given)
-{
-    struct view_settings *settings = &out->settings;
-    *settings = *given;
-    settings->atlas = out->read.atlas;
-    settings->atlas.max_memory = given->atlas.max_memory;
-    settings->atlas.no_cache = settings->atlas.no_cache || given->atlas.no_cache;
-    settings->atlas.only = given->atlas.only;
-    settings->atlas.hide = given->atlas.hide;
-    settings->context = out->read.context;
-    settings->transfer = out->read.transfer;
-    settings->space = out->read.space;
-    settings->arguments = &out->arguments;
-}
-
 int worded_parse(struct worded *out, const json_t *words, const struct view_settings *given, bool counts)
 {
     const struct arguments *arguments = counts ? given->arguments : NULL;
@@ -187,7 +167,18 @@ int worded_parse(struct worded *out, const json_t *words, const struct view_sett
     if (!code && !settings_check_space(&out->arguments, &out->read.space)) {
         code = EXIT_DATA;
     }
-    use_both(out, given);
+    /* The words say what is opened, and the rest is as it was given. */
+    struct view_settings *settings = &out->settings;
+    *settings = *given;
+    settings->atlas = out->read.atlas;
+    settings->atlas.max_memory = given->atlas.max_memory;
+    settings->atlas.no_cache = settings->atlas.no_cache || given->atlas.no_cache;
+    settings->atlas.only = given->atlas.only;
+    settings->atlas.hide = given->atlas.hide;
+    settings->context = out->read.context;
+    settings->transfer = out->read.transfer;
+    settings->space = out->read.space;
+    settings->arguments = &out->arguments;
     return code;
 }
 

@@ -13,34 +13,29 @@ static const double progress_s = 0.1; /* between two looks at how far it is */
 /* Files that load within this time need no page in place of the open atlas. */
 static const double patience_s = 0.2, first_patience_s = 0.05;
 
-/* The file that is read, and a bar of those that were. */
-static void draw_progress(const struct window *window, const struct loader_progress *progress, double seconds)
+/* Shows the name of the file that is read, and a bar of the files that were. */
+static void draw_page(struct window *window, struct loader *loader, double seconds)
 {
     static const ui_colour light = {235, 235, 240, 255};
     static const ui_colour dim = {255, 255, 255, 25};
     static const ui_colour full = {66, 150, 250, 255};
-    float line = ui_line();
-    float wide = fminf(420 * window->screen.scale, 0.8F * (float)window->screen.width);
-    struct ui_box bar = {((float)window->screen.width - wide) / 2, (float)window->screen.height / 2, wide, 0.4F * line};
-    char text[160];
-    snprintf(text, sizeof text, "reading %s   %.1f s", progress->file, seconds);
-    ui_draw_text((float[]){bar.x + 3, bar.y - 1.5F * line}, light, text);
-    ui_draw_text((float[]){bar.x + 3, bar.y + line}, light,
-                 window->files.stops ? "Escape: this file is the last one that is read" : "Escape ends that");
-    ui_draw_box(bar, dim, 0);
-    bar.width *= (float)progress->part;
-    ui_draw_box(bar, full, 0);
-}
-
-static void draw_page(struct window *window, struct loader *loader, double seconds)
-{
     struct loader_progress progress;
+    char text[160];
     loader_ask(loader, &progress);
     window_lay_out(window);
     window_clear(window);
     ui_begin();
     ui_panel("loading", (struct ui_box){0, 0, (float)window->screen.width, (float)window->screen.height}, UI_PLAIN);
-    draw_progress(window, &progress, seconds);
+    float line = ui_line();
+    float wide = fminf(420 * window->screen.scale, 0.8F * (float)window->screen.width);
+    struct ui_box bar = {((float)window->screen.width - wide) / 2, (float)window->screen.height / 2, wide, 0.4F * line};
+    snprintf(text, sizeof text, "reading %s   %.1f s", progress.file, seconds);
+    ui_draw_text((float[]){bar.x + 3, bar.y - 1.5F * line}, light, text);
+    ui_draw_text((float[]){bar.x + 3, bar.y + line}, light,
+                 window->files.stops ? "Escape: this file is the last one that is read" : "Escape ends that");
+    ui_draw_box(bar, dim, 0);
+    bar.width *= (float)progress.part;
+    ui_draw_box(bar, full, 0);
     ui_panel_end();
     ui_end();
     glfwSwapBuffers(window->handle);
@@ -75,12 +70,6 @@ static void wait_for(struct loader *loader, struct window *window)
     }
 }
 
-struct loader *wait_begin(const struct loading *request)
-{
-    struct loader *loader = NULL;
-    return loader_start(&loader, request) ? loader : NULL;
-}
-
 void wait_leave(struct window *window)
 {
     struct atlases atlases;
@@ -93,22 +82,12 @@ void wait_leave(struct window *window)
     }
 }
 
-/* Takes over what was begun, if it is that. */
-static bool start(struct loader **out, struct window *window, const struct loading *request)
-{
-    bool is_begun =
-        window->files.begun && !request->task && strcmp(loader_path(window->files.begun), request->path) == 0;
-    if (is_begun) {
-        *out = window->files.begun;
-        window->files.begun = NULL;
-    }
-    return is_begun || loader_start(out, request);
-}
-
 bool wait_load(struct window *window, const struct loading *request, struct atlases *out, char why[LOADER_WHY])
 {
-    struct loader *loader = NULL;
-    if (!start(&loader, window, request)) {
+    struct loader *loader = window->files.begun;
+    if (loader && !request->task && strcmp(loader_path(loader), request->path) == 0) {
+        window->files.begun = NULL;
+    } else if (!loader_start(&loader, request)) {
         print_error_line("not enough memory");
         snprintf(why, LOADER_WHY, "not enough memory");
         return false;

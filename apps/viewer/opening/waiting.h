@@ -6,9 +6,7 @@
 #include "viewer/opening/loader.h"
 #include "viewer/window/window.h"
 
-/** Begins to load what wait_load() of the same path then waits for, before there is a window; NULL = not begun. */
-struct loader *wait_begin(const struct loading *request);
-/** Ends what was begun and not waited for. */
+/** Ends what open_begin() began and wait_load() did not wait for. */
 void wait_leave(struct window *window);
 /** Loads, or goes on with what was begun, while the window says how far that is, unless it is quick. False: nobody
  * wants them any more, or @p why has the reason. */

@@ -146,21 +146,16 @@ char *session_text(const struct window *window)
     return text;
 }
 
-static struct study_settings study_of(double values[PROPERTY_COUNT][PROPERTY_NUMBERS])
-{
-    const double *sweep = values[PROPERTY_SWEEP];
-    const double *jitter = values[PROPERTY_JITTER];
-    return (struct study_settings){.kind = (enum study_kind)values[PROPERTY_STUDY][0],
-                                   .angles = {sweep[0], sweep[1], sweep[2]},
-                                   .tilt_deg = jitter[0],
-                                   .shift_mm = jitter[1],
-                                   .samples = jitter[2]};
-}
-
 /* The checks that need more than one row. */
 static bool check_values(double values[PROPERTY_COUNT][PROPERTY_NUMBERS], char why[PROPERTY_REASON])
 {
-    const struct study_settings study = study_of(values);
+    const double *sweep = values[PROPERTY_SWEEP];
+    const double *jitter = values[PROPERTY_JITTER];
+    const struct study_settings study = {.kind = (enum study_kind)values[PROPERTY_STUDY][0],
+                                         .angles = {sweep[0], sweep[1], sweep[2]},
+                                         .tilt_deg = jitter[0],
+                                         .shift_mm = jitter[1],
+                                         .samples = jitter[2]};
     const double *panels = values[PROPERTY_PANELS];
     const double *division = values[PROPERTY_DIVISION];
     const struct layout layout = {.panels = {panels[0], panels[1]}, .division = {division[0], division[1]}};

@@ -62,35 +62,23 @@ json_t *session_place(const struct view_atlas *view)
 /* Grey values are floats; the mouse can make a window of them that is wider than all of them. */
 static const double grey_limit = 1e30;
 
-static json_t *opacities_of(const struct look *look)
-{
-    json_t *list = json_array();
-    for (size_t number = 1; number <= look->object_count; number++) {
-        if (!isnan(look->opacity[number])) {
-            json_array_append_new(list, json_pack("[i, f]", (int)number, look->opacity[number]));
-        }
-    }
-    return list;
-}
-
-static json_t *haze_of(const struct view_atlas *view)
-{
-    json_t *list = json_array();
-    for (size_t number = 1; number <= view->look.object_count; number++) {
-        if (view->look.haze[number] != HAZE_NONE) {
-            json_array_append_new(list, json_pack("[i, s]", (int)number, haze_name(view->look.haze[number])));
-        }
-    }
-    return list;
-}
-
 json_t *session_look(const struct view_atlas *view)
 {
     const char *streamlines = tract_colour_name(view->atlas, view->look.streamlines);
     const double *window = view->look.grey;
+    json_t *opacities = json_array();
+    json_t *haze = json_array();
+    for (size_t number = 1; number <= view->look.object_count; number++) {
+        if (!isnan(view->look.opacity[number])) {
+            json_array_append_new(opacities, json_pack("[i, f]", (int)number, view->look.opacity[number]));
+        }
+        if (view->look.haze[number] != HAZE_NONE) {
+            json_array_append_new(haze, json_pack("[i, s]", (int)number, haze_name(view->look.haze[number])));
+        }
+    }
     json_t *grey = window[0] != 0 || window[1] != 0 ? json_pack("[f, f]", window[0], window[1]) : json_null();
-    json_t *look = json_pack("{s: o, s: o, s: f, s: o}", "grey", grey, "opacities", opacities_of(&view->look),
-                             "opacity_of_the_rest", view->look.opacity[0], "pathways", haze_of(view));
+    json_t *look = json_pack("{s: o, s: o, s: f, s: o}", "grey", grey, "opacities", opacities, "opacity_of_the_rest",
+                             view->look.opacity[0], "pathways", haze);
     if (look && streamlines) {
         json_object_set_new(look, "streamline_colour", json_string(streamlines));
     }
@@ -112,20 +100,6 @@ json_t *session_further(const struct viewer *viewer)
         json_decref(list);
     }
     return fine ? list : NULL;
-}
-
-/* Fills [object_count + 1], zeroed. */
-static bool read_hidden(bool *hidden, const json_t *root, size_t object_count, char why[PROPERTY_REASON])
-{
-    const json_t *list = json_object_get(root, "hidden");
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        json_int_t number = json_integer_value(json_array_get(list, i));
-        if (number < 1 || (uint64_t)number > object_count) {
-            return session_refuse(why, "session: hidden: %lld, allowed is 1 to %zu", (long long)number, object_count);
-        }
-        hidden[number] = true;
-    }
-    return true;
 }
 
 static bool read_threshold(double *out, const json_t *entry, const char *wanted, const conus_volume_info *info,
@@ -294,8 +268,16 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
     if (!out->hidden[index] || (list && !out->thresholds[index])) {
         return session_refuse(why, "session: not enough memory");
     }
-    return read_hidden(out->hidden[index], entry, view->object_count, why) &&
-           (!list || read_thresholds(out->thresholds[index], view, list, why)) &&
+    const json_t *hidden = json_object_get(entry, "hidden");
+    for (size_t i = 0; i < json_array_size(hidden); i++) {
+        json_int_t number = json_integer_value(json_array_get(hidden, i));
+        if (number < 1 || (uint64_t)number > view->object_count) {
+            return session_refuse(why, "session: hidden: %lld, allowed is 1 to %zu", (long long)number,
+                                  view->object_count);
+        }
+        out->hidden[index][number] = true;
+    }
+    return (!list || read_thresholds(out->thresholds[index], view, list, why)) &&
            (!look || read_look(&out->looks[index], view, look, why));
 }
 
@@ -313,15 +295,6 @@ static bool read_further(struct session_atlases *out, const struct viewer *viewe
     return fine;
 }
 
-static bool read_drawn(struct session_atlases *out, const struct viewer *viewer, const json_t *value,
-                       char why[PROPERTY_REASON])
-{
-    json_int_t number = json_integer_value(value);
-    bool fine = number >= 1 && (uint64_t)number <= viewer->atlas_count;
-    out->drawn = fine ? (size_t)number - 1 : 0;
-    return fine || session_refuse(why, "session: drawn: a number from 1 to %zu is needed", viewer->atlas_count);
-}
-
 bool session_atlases_read(struct session_atlases *out, const struct viewer *viewer, const json_t *root,
                           char why[PROPERTY_REASON])
 {
@@ -335,8 +308,16 @@ bool session_atlases_read(struct session_atlases *out, const struct viewer *view
     if (!out->hidden || !out->thresholds || !out->looks) {
         return session_refuse(why, "session: not enough memory");
     }
-    return read_atlas(out, 0, viewer->atlases, root, why) && (!further || read_further(out, viewer, further, why)) &&
-           (!drawn || read_drawn(out, viewer, drawn, why));
+    if (!read_atlas(out, 0, viewer->atlases, root, why) || (further && !read_further(out, viewer, further, why))) {
+        return false;
+    }
+    if (!drawn) {
+        return true;
+    }
+    json_int_t number = json_integer_value(drawn);
+    bool fine = number >= 1 && (uint64_t)number <= viewer->atlas_count;
+    out->drawn = fine ? (size_t)number - 1 : 0;
+    return fine || session_refuse(why, "session: drawn: a number from 1 to %zu is needed", viewer->atlas_count);
 }
 
 void session_atlases_show(struct session_atlases *from, struct viewer *viewer)

@@ -27,13 +27,6 @@ static size_t count_objects(const json_t *added)
     return count;
 }
 
-/* How many of @p count objects were not added. */
-static size_t own_count(size_t count, const json_t *added)
-{
-    size_t more = count_objects(added);
-    return count - (more < count ? more : count);
-}
-
 /* Marks the added objects; false if a number is none of an object. */
 static bool mark(bool *is_added, size_t count, const json_t *added)
 {
@@ -73,17 +66,6 @@ static bool match_own(struct numbers *numbers, const json_t *then, const json_t 
     return fine;
 }
 
-/* The objects of a file keep their order, if it has as many as then. */
-static void match_file(struct numbers *numbers, const json_t *then, const json_t *now)
-{
-    const json_t *from = json_object_get(then, "objects");
-    const json_t *to = json_object_get(now, "objects");
-    for (size_t i = 0; i < json_array_size(from) && json_array_size(from) == json_array_size(to); i++) {
-        json_int_t number = json_integer_value(json_array_get(from, i));
-        numbers->now[number] = (uint32_t)json_integer_value(json_array_get(to, i));
-    }
-}
-
 /* Fills the map, to be freed; false without memory, or if it is another atlas. */
 static bool find_numbers(struct numbers *out, const json_t *then, const json_t *now)
 {
@@ -92,8 +74,15 @@ static bool find_numbers(struct numbers *out, const json_t *then, const json_t *
     out->now = calloc(out->then + 1, sizeof *out->now);
     bool fine = match && out->now && additions_match(match, then, now) && match_own(out, then, now);
     for (size_t i = 0; i < files && fine; i++) {
-        if (match[i] != SIZE_MAX) {
-            match_file(out, json_array_get(then, i), json_array_get(now, match[i]));
+        if (match[i] == SIZE_MAX) {
+            continue;
+        }
+        const json_t *from = json_object_get(json_array_get(then, i), "objects");
+        const json_t *to = json_object_get(json_array_get(now, match[i]), "objects");
+        size_t count = json_array_size(from) == json_array_size(to) ? json_array_size(from) : 0;
+        for (size_t k = 0; k < count; k++) { /* those of a file keep their order */
+            json_int_t number = json_integer_value(json_array_get(from, k));
+            out->now[number] = (uint32_t)json_integer_value(json_array_get(to, k));
         }
     }
     free(match);
@@ -107,25 +96,14 @@ static uint32_t number_now(const struct numbers *numbers, const json_t *value)
     return number >= 1 && (uint64_t)number <= numbers->then ? numbers->now[number] : 0;
 }
 
-static void fit_hidden(json_t *list, const struct numbers *numbers)
+/* A list of objects, or of pairs [object, value]: without those that are gone. */
+static void fit_list(json_t *list, bool has_pairs, const struct numbers *numbers)
 {
     for (size_t i = json_array_size(list); i-- > 0;) {
-        uint32_t number = number_now(numbers, json_array_get(list, i));
+        json_t *entry = json_array_get(list, i);
+        uint32_t number = number_now(numbers, has_pairs ? json_array_get(entry, 0) : entry);
         if (number) {
-            json_array_set_new(list, i, json_integer(number));
-        } else {
-            json_array_remove(list, i);
-        }
-    }
-}
-
-/* Lists of pairs [object, value]. */
-static void fit_pairs(json_t *list, const struct numbers *numbers)
-{
-    for (size_t i = json_array_size(list); i-- > 0;) {
-        uint32_t number = number_now(numbers, json_array_get(json_array_get(list, i), 0));
-        if (number) {
-            json_array_set_new(json_array_get(list, i), 0, json_integer(number));
+            json_array_set_new(has_pairs ? entry : list, has_pairs ? 0 : i, json_integer(number));
         } else {
             json_array_remove(list, i);
         }
@@ -165,24 +143,19 @@ static json_t *fit_thresholds(const json_t *then, const struct view_atlas *view)
     return now;
 }
 
-/* The number by which streamlines were coloured may have gone with them. */
-static void fit_look(json_t *look, const struct numbers *numbers, const struct view_atlas *view)
-{
-    const char *colour = json_string_value(json_object_get(look, "streamline_colour"));
-    fit_pairs(json_object_get(look, "opacities"), numbers);
-    fit_pairs(json_object_get(look, "pathways"), numbers);
-    if (colour && tract_colour_find(view->atlas, colour) == TRACT_COLOUR_LIMIT) {
-        json_object_del(look, "streamline_colour");
-    }
-}
-
 static void fit_objects(json_t *root, const struct numbers *numbers, const struct view_atlas *view)
 {
     json_t *thresholds = json_object_get(root, "thresholds");
+    json_t *look = json_object_get(root, "look");
     json_object_set_new(root, "objects", json_integer((json_int_t)numbers->count));
-    fit_hidden(json_object_get(root, "hidden"), numbers);
+    fit_list(json_object_get(root, "hidden"), false, numbers);
     fit_pins(json_object_get(root, "confirmed"), numbers);
-    fit_look(json_object_get(root, "look"), numbers, view);
+    fit_list(json_object_get(look, "opacities"), true, numbers);
+    fit_list(json_object_get(look, "pathways"), true, numbers);
+    const char *colour = json_string_value(json_object_get(look, "streamline_colour"));
+    if (colour && tract_colour_find(view->atlas, colour) == TRACT_COLOUR_LIMIT) { /* it went with the streamlines */
+        json_object_del(look, "streamline_colour");
+    }
     if (thresholds) {
         json_object_set_new(root, "thresholds", fit_thresholds(thresholds, view));
     }
@@ -237,8 +210,9 @@ void session_fit(json_t *root, const struct window *window)
         return;
     }
     const struct view_atlas *view = window->viewer->atlases;
-    struct numbers numbers = {.then = own_count(view->object_count, now) + count_objects(then),
-                              .count = view->object_count};
+    size_t added = count_objects(now);
+    size_t own = added < view->object_count ? view->object_count - added : 0;
+    struct numbers numbers = {.then = own + count_objects(then), .count = view->object_count};
     json_int_t objects = json_integer_value(json_object_get(root, "objects"));
     if ((uint64_t)objects == numbers.then && find_numbers(&numbers, then, now)) {
         fit_objects(root, &numbers, view);

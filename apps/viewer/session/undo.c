@@ -79,19 +79,6 @@ void undo_note(struct window *window)
     }
 }
 
-/* Restores a state; values that it leaves out stay as they are. */
-static bool use(struct window *window, const char *state, char why[PROPERTY_REASON])
-{
-    json_t *root = session_json(window);
-    json_t *before = json_loads(state, 0, NULL);
-    bool fine = root && before && !json_object_update_recursive(root, before)
-                    ? session_read(window, root, why)
-                    : session_refuse(why, "not enough memory");
-    json_decref(before);
-    json_decref(root);
-    return fine;
-}
-
 /* Whether the atlases must be loaded again, with the hemispheres @p how, to have the areas of the state. */
 static bool needs_others(conus_hemispheres *how, const struct window *window, const char *state)
 {
@@ -102,10 +89,17 @@ static bool needs_others(conus_hemispheres *how, const struct window *window, co
     return opened && *how != window->files.hemispheres;
 }
 
-static void use_aloud(struct window *window, const char *state, int by)
+/* Restores a state; values that it leaves out stay as they are. */
+static void restore(struct window *window, const char *state, int by)
 {
     char why[PROPERTY_REASON];
-    bool fine = use(window, state, why);
+    json_t *root = session_json(window);
+    json_t *before = json_loads(state, 0, NULL);
+    bool fine = root && before && !json_object_update_recursive(root, before)
+                    ? session_read(window, root, why)
+                    : session_refuse(why, "not enough memory");
+    json_decref(before);
+    json_decref(root);
     viewer_say(window->viewer, "%s", !fine ? why : by < 0 ? "undone" : "done again");
     if (fine) { /* other files may be added now than then, or options be in another order, which is no change */
         undo_renew(window);
@@ -116,7 +110,7 @@ void undo_go_on(struct window *window, int by)
 {
     const char *state = changes_step(&window->history.changes, by);
     if (state) {
-        use_aloud(window, state, by);
+        restore(window, state, by);
     }
 }
 
@@ -132,6 +126,6 @@ void undo_step(struct window *window, int by)
         changes_step(&window->history.changes, -by);
         window_want_hemispheres(window, how, by);
     } else {
-        use_aloud(window, state, by);
+        restore(window, state, by);
     }
 }
