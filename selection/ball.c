@@ -8,37 +8,11 @@
 
 #include <string.h>
 
-static conus_status check_ball(const conus_selector *selector, const double centre[3], double radius)
-{
-    if (selector->options.range[1] > 0) {
-        return fail(CONUS_ERROR_ARGUMENT, "a ball has no axis, along which a range of depths could be");
-    }
-    if (!vec3_is_finite(centre)) {
-        return fail(CONUS_ERROR_ARGUMENT, "point: (%g, %g, %g), finite numbers are needed", centre[0], centre[1],
-                    centre[2]);
-    }
-    if (!(radius >= 0 && isfinite(radius))) {
-        return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, allowed are 0 (as far as the nearest) and more", radius);
-    }
-    return CONUS_OK;
-}
-
 static void add_count(void *user, const struct volume *volume, const size_t at[3], size_t count)
 {
     (void)volume;
     (void)at;
     *(uint64_t *)user += count;
-}
-
-/* The volume on whose grid the result was counted; NULL for a mesh, and where areas lie on several grids for what is on
- * no one of them. */
-static const struct volume *volume_of(const conus_atlas *atlas, const conus_result *result)
-{
-    bool is_scalar = result->object && atlas_object_is_scalar(atlas, result->object);
-    bool has_grids = result->object && atlas_parcellation_count(atlas) > 1;
-    return is_scalar   ? atlas_object_volume(atlas, result->object)
-           : has_grids ? atlas_only_volume(atlas, result->object)
-                       : atlas_parcellation(atlas);
 }
 
 /* The share of a ball is that of its voxels, of the grid on which they lie. */
@@ -49,7 +23,13 @@ static void set_shares(conus_selection *selection)
     uint64_t voxels = 0;
     for (size_t i = 0; i < selection->statistics.count; i++) {
         conus_result *result = &selection->statistics.results[i];
-        const struct volume *volume = volume_of(atlas, result);
+        /* The volume on whose grid the result was counted; NULL for a mesh, and where areas lie on several grids for
+         * what is on no one of them. */
+        bool is_scalar = result->object && atlas_object_is_scalar(atlas, result->object);
+        bool has_grids = result->object && atlas_parcellation_count(atlas) > 1;
+        const struct volume *volume = is_scalar   ? atlas_object_volume(atlas, result->object)
+                                      : has_grids ? atlas_only_volume(atlas, result->object)
+                                                  : atlas_parcellation(atlas);
         if (volume && volume != counted) {
             voxels = 0;
             census_walk(&selection->region, volume, add_count, &voxels);
@@ -183,8 +163,15 @@ static conus_status select_nearest(conus_selection **out, conus_selector *select
 
 conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double centre[3], double radius)
 {
-    conus_status status = check_ball(selector, centre, radius);
-    return status       ? status
-           : radius > 0 ? select_within(out, selector, centre, radius)
-                        : select_nearest(out, selector, centre);
+    if (selector->options.range[1] > 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "a ball has no axis, along which a range of depths could be");
+    }
+    if (!vec3_is_finite(centre)) {
+        return fail(CONUS_ERROR_ARGUMENT, "point: (%g, %g, %g), finite numbers are needed", centre[0], centre[1],
+                    centre[2]);
+    }
+    if (!(radius >= 0 && isfinite(radius))) {
+        return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, allowed are 0 (as far as the nearest) and more", radius);
+    }
+    return radius > 0 ? select_within(out, selector, centre, radius) : select_nearest(out, selector, centre);
 }

@@ -51,40 +51,26 @@ static bool is_in_cone(const conus_selection *selection, int64_t i, int64_t j)
     return i >= 0 && j >= 0 && i < n && j < n && selection->in_cone[j * n + i];
 }
 
-/* Marks the objects of pixels in the cone that have a neighbour which is not. */
-static void mark_border(bool *on_border, const conus_selection *selection)
-{
-    int64_t n = selection->cone.resolution;
-    for (int64_t pixel = 0; pixel < n * n; pixel++) {
-        int64_t i = pixel % n;
-        int64_t j = pixel / n;
-        if (selection->in_cone[pixel] && !(is_in_cone(selection, i - 1, j) && is_in_cone(selection, i + 1, j) &&
-                                           is_in_cone(selection, i, j - 1) && is_in_cone(selection, i, j + 1))) {
-            on_border[selection->evidence.object[pixel]] = true;
-        }
-    }
-}
-
-static uint32_t count_pixels(const struct statistics *statistics)
-{
-    uint32_t pixels = 0;
-    for (size_t i = 0; i < statistics->count; i++) {
-        pixels += statistics->results[i].pixels;
-    }
-    return pixels;
-}
-
 void selection_rank(conus_selection *selection, conus_selector *selector, const struct history *history)
 {
-    struct score_view view = {.cone = &selection->cone,
-                              .cone_pixels = count_pixels(&selection->statistics),
-                              .on_border = selector->on_border,
-                              .history = history};
+    struct score_view view = {.cone = &selection->cone, .on_border = selector->on_border, .history = history};
+    for (size_t i = 0; i < selection->statistics.count; i++) {
+        view.cone_pixels += selection->statistics.results[i].pixels;
+    }
     if (selector->ranking.needs_box) {
         measure_box(&view, (const double(*)[3])selector->box, selection->cone.pose.world_from_device + 12);
     }
     if (selector->on_border) {
-        mark_border(selector->on_border, selection);
+        /* The objects of pixels in the cone that have a neighbour outside it. */
+        int64_t n = selection->cone.resolution;
+        for (int64_t pixel = 0; pixel < n * n; pixel++) {
+            int64_t i = pixel % n;
+            int64_t j = pixel / n;
+            if (selection->in_cone[pixel] && !(is_in_cone(selection, i - 1, j) && is_in_cone(selection, i + 1, j) &&
+                                               is_in_cone(selection, i, j - 1) && is_in_cone(selection, i, j + 1))) {
+                selector->on_border[selection->evidence.object[pixel]] = true;
+            }
+        }
     }
     score_rank(&selection->statistics, &selector->ranking, &view);
     if (selector->on_border) {

@@ -122,9 +122,16 @@ static conus_status trace_together(conus_selection *const *selections, size_t co
     return status;
 }
 
-/* The rays of a selector's pixels are those of the last cone that it was made ready for. */
-static void set_wanted(conus_selection *const *selections, size_t count, const conus_selector *selector)
+conus_status selections_trace(conus_selection *const *selections, size_t count, conus_selector *selector)
 {
+    struct engine *engine = selector->engine;
+    bool has_range = selector->options.range[1] > 0; /* then what is first follows from all layers */
+    bool together = count > 1 && engine->functions->trace_many;
+    /* Rays hit first in a volume what their first interval is in, unless several begin there. In a mesh they may begin.
+     */
+    bool layers_show_first = selector->options.engine != CONUS_ENGINE_GL && !atlas_has_meshes(selector->atlas) &&
+                             !atlas_has_bundles(selector->atlas);
+    /* The rays of a selector's pixels are those of the last cone that it was made ready for. */
     for (size_t i = 0; i < count; i++) {
         if (selections[i] && (selector->inside_only || cone_is_wide(&selections[i]->cone))) {
             struct cone *cone = &selections[i]->cone;
@@ -132,35 +139,10 @@ static void set_wanted(conus_selection *const *selections, size_t count, const c
             cone->rays = count == 1 && cone->radius == 0 ? &selector->aperture.rays : NULL;
         }
     }
-}
-
-static void drop_wanted(conus_selection *const *selections, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        if (selections[i]) {
-            selections[i]->cone.wanted = NULL;
-            selections[i]->cone.rays = NULL;
-        }
-    }
-}
-
-/* Rays hit first in a volume what their first interval is in, unless several begin there. In a mesh they may begin. */
-static bool layers_show_first(const conus_selection *selection, const conus_selector *selector)
-{
-    return selection->has_layers && selector->options.engine != CONUS_ENGINE_GL && !atlas_has_meshes(selector->atlas) &&
-           !atlas_has_bundles(selector->atlas);
-}
-
-conus_status selections_trace(conus_selection *const *selections, size_t count, conus_selector *selector)
-{
-    struct engine *engine = selector->engine;
-    bool has_range = selector->options.range[1] > 0; /* then what is first follows from all layers */
-    bool together = count > 1 && engine->functions->trace_many;
-    set_wanted(selections, count, selector);
     conus_status status = together && !has_range ? trace_together(selections, count, engine) : CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         conus_selection *selection = selections[i];
-        bool is_traced = selection && !has_range && (together || !layers_show_first(selection, selector));
+        bool is_traced = selection && !has_range && (together || !selection->has_layers || !layers_show_first);
         if (is_traced && !together) {
             status = engine->functions->trace(engine, &selection->evidence, &selection->cone);
         }
@@ -171,18 +153,13 @@ conus_status selections_trace(conus_selection *const *selections, size_t count, 
             evidence_drop_blocked(&selection->evidence);
         }
     }
-    drop_wanted(selections, count);
-    return status;
-}
-
-static conus_status count_voxels(const conus_selection *selection, conus_selector *selector)
-{
-    conus_status status =
-        selection->has_layers ? census_prepare(&selector->census, selector->atlas, selector->labels) : CONUS_OK;
-    if (!status && selection->has_layers) {
-        census_take(&selector->census, selector->atlas, &selection->region);
+    for (size_t i = 0; i < count; i++) {
+        if (selections[i]) {
+            selections[i]->cone.wanted = NULL;
+            selections[i]->cone.rays = NULL;
+        }
     }
-    return status ? status : selection->has_layers ? selector_prepare_tracts(selector) : CONUS_OK;
+    return status;
 }
 
 conus_status selection_regroup(conus_selection *selection, const struct level *level)
@@ -254,7 +231,13 @@ conus_status selection_complete(conus_selection *selection, conus_selector *sele
 {
     conus_status status = aperture_prepare(&selector->aperture, &selection->cone); /* another's may have come between */
     status = status ? status : tally_prepare(&selector->tally, selector->atlas->object_count);
-    status = status ? status : count_voxels(selection, selector);
+    if (!status && selection->has_layers) {
+        status = census_prepare(&selector->census, selector->atlas, selector->labels);
+        if (!status) {
+            census_take(&selector->census, selector->atlas, &selection->region);
+            status = selector_prepare_tracts(selector);
+        }
+    }
     if (!status) {
         const struct gathering gathering = {
             .atlas = selector->atlas,

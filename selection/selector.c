@@ -45,13 +45,6 @@ static conus_status check_options(const conus_selector_options *options)
     return status ? status : check_slice_fraction(options);
 }
 
-static conus_status set_level(conus_selector *selector, const char *spec)
-{
-    selector->options.level = NULL;
-    selector->level_spec = spec ? memory_text(spec, strlen(spec)) : NULL;
-    return spec && !selector->level_spec ? CONUS_ERROR_MEMORY : level_create(&selector->level, selector->atlas, spec);
-}
-
 /* Whether the middle of `inner`, by its bounds, lies within those of `outer`. */
 static bool holds_middle(const struct mesh *outer, const struct mesh *inner)
 {
@@ -125,7 +118,12 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     selector->options.resolution = selector->options.resolution ? selector->options.resolution : DEFAULT_RESOLUTION;
     conus_status status = selector_prepare_ranking(selector);
     status = status ? status : check_options(&selector->options);
-    status = status ? status : set_level(selector, selector->options.level);
+    const char *level = selector->options.level;
+    selector->options.level = NULL;
+    selector->level_spec = level && !status ? memory_text(level, strlen(level)) : NULL;
+    status = status                           ? status
+             : level && !selector->level_spec ? CONUS_ERROR_MEMORY
+                                              : level_create(&selector->level, atlas, level);
     status = status ? status : measure_objects(selector);
     status = status ? status : list_solids(selector);
     status = status ? status : census_labels_create(&selector->labels, atlas);

@@ -12,20 +12,6 @@ struct conus_streamline_list {
     uint64_t points;
 };
 
-/* Appends streamline `number` of a tractogram; both are ascending. */
-static conus_status append(conus_streamline_list *list, uint32_t tractogram, uint32_t number)
-{
-    const uint64_t *first = list->atlas->tractograms[tractogram].first;
-    if (!memory_reserve(&list->tractograms, &list->capacities[0], list->count + 1, sizeof *list->tractograms) ||
-        !memory_reserve(&list->numbers, &list->capacities[1], list->count + 1, sizeof *list->numbers)) {
-        return CONUS_ERROR_MEMORY;
-    }
-    list->tractograms[list->count] = tractogram;
-    list->numbers[list->count++] = number;
-    list->points += first[number + 1] - first[number];
-    return CONUS_OK;
-}
-
 static conus_status check_bundle(const conus_atlas *atlas, uint32_t object)
 {
     const conus_object *bundle = conus_atlas_object(atlas, object);
@@ -73,7 +59,17 @@ static conus_status list_tractogram(conus_streamline_list *list, uint32_t which,
         tract_census_walk(tractogram, region, mark_inside, marks);
     }
     for (uint32_t k = 0; k < tractogram->streamline_count && !status; k++) {
-        status = marks[k] == LISTED ? append(list, which, k) : CONUS_OK;
+        if (marks[k] != LISTED) {
+            continue;
+        }
+        if (!memory_reserve(&list->tractograms, &list->capacities[0], list->count + 1, sizeof *list->tractograms) ||
+            !memory_reserve(&list->numbers, &list->capacities[1], list->count + 1, sizeof *list->numbers)) {
+            status = CONUS_ERROR_MEMORY;
+            break;
+        }
+        list->tractograms[list->count] = which;
+        list->numbers[list->count++] = k;
+        list->points += tractogram->first[k + 1] - tractogram->first[k];
     }
     memory_free(marks);
     return status;

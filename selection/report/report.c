@@ -24,25 +24,6 @@ static conus_status keep_level(conus_report *report, const conus_selector *selec
     return report->level && report->level_areas ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status check_contacts(const conus_report_options *options)
-{
-    const conus_contacts *contacts = &options->contacts;
-    if (!contacts->count) {
-        return CONUS_OK;
-    }
-    if (options->format != CONUS_FORMAT_OPEN_EPHYS) {
-        return fail(CONUS_ERROR_ARGUMENT, "contacts: Open Ephys wants them, and no other format does");
-    }
-    return contacts->count <= CONTACT_LIMIT && contacts->columns && contacts->pitch > 0 && isfinite(contacts->pitch) &&
-                   contacts->tip >= 0 && isfinite(contacts->tip)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT,
-                      "contacts: %u in rows of %u, %g mm from row to row and %g mm from the tip on; allowed are up to "
-                      "%d "
-                      "in rows of 1 or more, more than 0 mm, and 0 mm or more",
-                      contacts->count, contacts->columns, contacts->pitch, contacts->tip, CONTACT_LIMIT);
-}
-
 static conus_status check_options(const conus_report_options *options)
 {
     bool foreign = options->format > CONUS_FORMAT_NDJSON;
@@ -62,7 +43,21 @@ static conus_status check_options(const conus_report_options *options)
     if ((options->format == CONUS_FORMAT_BIDS) != (options->electrodes != NULL)) {
         return fail(CONUS_ERROR_ARGUMENT, "electrodes: BIDS needs the table, and no other format does");
     }
-    return check_contacts(options);
+    const conus_contacts *contacts = &options->contacts;
+    if (!contacts->count) {
+        return CONUS_OK;
+    }
+    if (options->format != CONUS_FORMAT_OPEN_EPHYS) {
+        return fail(CONUS_ERROR_ARGUMENT, "contacts: Open Ephys wants them, and no other format does");
+    }
+    return contacts->count <= CONTACT_LIMIT && contacts->columns && contacts->pitch > 0 && isfinite(contacts->pitch) &&
+                   contacts->tip >= 0 && isfinite(contacts->tip)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT,
+                      "contacts: %u in rows of %u, %g mm from row to row and %g mm from the tip on; allowed are up to "
+                      "%d "
+                      "in rows of 1 or more, more than 0 mm, and 0 mm or more",
+                      contacts->count, contacts->columns, contacts->pitch, contacts->tip, CONTACT_LIMIT);
 }
 
 /* The caller's frame, or that of a space that needs no atlas. */
@@ -203,15 +198,6 @@ static conus_status append_query(conus_report *report, const char *id, const str
     return CONUS_OK;
 }
 
-/* Whether a result belongs into the report. CONUS_KIND_UNASSIGNED comes after all others of its query. */
-static bool is_wanted(const conus_report *report, const struct report_row *row)
-{
-    const conus_step *step = &report->queries[row->query].step;
-    bool is_nothing = !row->result.object && !step->selected && !step->confirmed;
-    return !report->options.selected_only || is_nothing || report_is_selected(report, row) ||
-           report_is_confirmed(report, row);
-}
-
 static conus_status append_rows(struct report_row **out, conus_report *report, size_t count)
 {
     if (!memory_reserve(&report->rows, &report->row_capacity, report->row_count + count, sizeof *report->rows)) {
@@ -232,17 +218,6 @@ conus_status report_append(struct report_row **rows, conus_report *report, const
     placed.first_row = report->row_count;
     conus_status status = append_query(report, id, &placed);
     return status ? status : append_rows(rows, report, count);
-}
-
-/* Puts the results that are wanted into the last rows, and gives back those that are left. */
-static void fill_rows(conus_report *report, struct report_row *rows, const struct statistics *statistics)
-{
-    size_t kept = 0;
-    for (size_t i = 0; i < statistics->count; i++) {
-        rows[kept].result = statistics->results[i];
-        kept += is_wanted(report, &rows[kept]);
-    }
-    report->row_count -= statistics->count - kept;
 }
 
 /* Where a row begins, mm; infinite where it is not known. */
@@ -287,7 +262,15 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
     struct report_row *rows;
     conus_status status = report_append(&rows, report, query_id, &query, statistics->count);
     if (!status) {
-        fill_rows(report, rows, statistics);
+        size_t kept = 0;
+        for (size_t i = 0; i < statistics->count; i++) {
+            rows[kept].result = statistics->results[i];
+            const conus_step *step = &report->queries[rows[kept].query].step;
+            bool is_nothing = !rows[kept].result.object && !step->selected && !step->confirmed;
+            kept += !report->options.selected_only || is_nothing || report_is_selected(report, &rows[kept]) ||
+                    report_is_confirmed(report, &rows[kept]);
+        }
+        report->row_count -= statistics->count - kept; /* rows of results that were not wanted */
         if (report->options.order == CONUS_ORDER_DEPTH) {
             sort_by_depth(rows, statistics->count, report);
         }

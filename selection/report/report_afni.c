@@ -17,17 +17,6 @@ static const char *space_of(const conus_atlas *atlas)
     return code == 4 ? "{MNI}" : code == 3 ? "{TLRC}" : "{Unknown}";
 }
 
-static void write_focus(struct buffer *out, const conus_report *report, const struct report_query *query)
-{
-    const double *m = query->cone.pose.world_from_device;
-    char focus[FOCUS_SIZE];
-    snprintf(focus, sizeof focus, "%4.0f mm [%c],%4.0f mm [%c],%4.0f mm [%c]", m[12], m[12] >= 0 ? 'R' : 'L', m[13],
-             m[13] >= 0 ? 'A' : 'P', m[14], m[14] < 0 ? 'I' : 'S');
-    buffer_format(out, "%-36s\t%-12s\n%-36s\t%-12s\n", "Focus point (LPI)", "Coord.Space", focus,
-                  space_of(report->atlas));
-    buffer_format(out, "%-15s\t%-3s\t%-32s\t%-3s\t%-3s\n", "Atlas", "Within", "Label", "Prob.", "Code");
-}
-
 /* The file's name without its folder and endings, as AFNI calls an atlas; of several files the manifest's. */
 static struct text atlas_name(const conus_report *report, const conus_object *object)
 {
@@ -42,18 +31,6 @@ static struct text atlas_name(const conus_report *report, const conus_object *ob
     const char *dot = memchr(name.data, '.', name.size);
     name.size = dot && dot > name.data ? (size_t)(dot - name.data) : name.size;
     return name;
-}
-
-static void write_row(struct buffer *out, const conus_report *report, const struct report_row *row)
-{
-    const conus_object *object = conus_atlas_object(report->atlas, row->result.object);
-    const struct text name = atlas_name(report, object);
-    char within[32] = "---";
-    if (isfinite(row->result.distance)) {
-        snprintf(within, sizeof within, "%.1f", row->result.distance);
-    }
-    buffer_format(out, "%-15.*s\t%-3s\t%-32s\t%-3s\t%-3u\n", (int)name.size, name.data, within, object->name, "---",
-                  object->label);
 }
 
 /* Where a row belongs: nearest first, what has no distance last. */
@@ -86,10 +63,23 @@ static void write_query(struct buffer *out, const conus_report *report, size_t i
         buffer_format(out, "***** %s: %s *****\n\n", query->id, query->error);
         return;
     }
-    write_focus(out, report, query);
+    const double *m = query->cone.pose.world_from_device;
+    char focus[FOCUS_SIZE];
+    snprintf(focus, sizeof focus, "%4.0f mm [%c],%4.0f mm [%c],%4.0f mm [%c]", m[12], m[12] >= 0 ? 'R' : 'L', m[13],
+             m[13] >= 0 ? 'A' : 'P', m[14], m[14] < 0 ? 'I' : 'S');
+    buffer_format(out, "%-36s\t%-12s\n%-36s\t%-12s\n", "Focus point (LPI)", "Coord.Space", focus,
+                  space_of(report->atlas));
+    buffer_format(out, "%-15s\t%-3s\t%-32s\t%-3s\t%-3s\n", "Atlas", "Within", "Label", "Prob.", "Code");
     size_t found = 0;
     for (; (row = next_row(rows, end - query->first_row, row)); found++) {
-        write_row(out, report, row);
+        const conus_object *object = conus_atlas_object(report->atlas, row->result.object);
+        const struct text name = atlas_name(report, object);
+        char within[32] = "---";
+        if (isfinite(row->result.distance)) {
+            snprintf(within, sizeof within, "%.1f", row->result.distance);
+        }
+        buffer_format(out, "%-15.*s\t%-3s\t%-32s\t%-3s\t%-3u\n", (int)name.size, name.data, within, object->name, "---",
+                      object->label);
     }
     buffer_text(out, found ? "\n" : "***** Not near any region stored in databases *****\n\n");
 }

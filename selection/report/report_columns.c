@@ -440,17 +440,12 @@ static bool has_bundles(const conus_report *report)
     return report;
 }
 
-static bool has_column(const conus_report *report, const struct report_column *column)
-{
-    return (report->selector.layers || !column->layers_only) && (report->atlas->is_moved || !column->moved_only) &&
-           (!column->bundles_only || has_bundles(report));
-}
-
 static void list_table(struct report_columns *out, const conus_report *report, const struct report_column *table,
                        size_t count)
 {
     for (size_t i = 0; i < count; i++) {
-        if (has_column(report, &table[i])) {
+        if ((report->selector.layers || !table[i].layers_only) && (report->atlas->is_moved || !table[i].moved_only) &&
+            (!table[i].bundles_only || has_bundles(report))) {
             list_column(out, &table[i]);
         }
     }
@@ -474,15 +469,6 @@ static void list_answers(struct report_columns *out, const conus_report *report)
     if (report->options.tracker) {
         list_table(out, report, track_columns, COUNT_OF(track_columns));
     }
-}
-
-static void insert_second(struct report_columns *out, const struct report_column *column)
-{
-    list_column(out, column);
-    for (size_t i = out->count - 1; i > 1; i--) {
-        out->at[i] = out->at[i - 1];
-    }
-    out->at[1] = column;
 }
 
 void report_list_columns(struct report_columns *out, const conus_report *report)
@@ -524,7 +510,11 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         break;
     }
     if (report->name) {
-        insert_second(out, &atlas_column);
+        list_column(out, &atlas_column);
+        for (size_t i = out->count - 1; i > 1; i--) {
+            out->at[i] = out->at[i - 1];
+        }
+        out->at[1] = &atlas_column;
     }
 }
 
@@ -584,24 +574,18 @@ static struct cell stored_cell(const conus_report *report, enum column_type type
     }
 }
 
-static struct cell answered_cell(const conus_report *report, const struct report_column *column,
-                                 const struct report_row *row)
-{
-    if (column->needs && column->needs & ~report_needs_met(report, row)) {
-        return no_cell();
-    }
-    if (column->get) {
-        return column->get(report, row);
-    }
-    const void *from = column->of_query ? (const void *)&report->queries[row->query] : row;
-    return stored_cell(report, column->type, (const char *)from + column->offset);
-}
-
 struct cell report_cell(const conus_report *report, const struct report_column *column, const struct report_row *row)
 {
     const struct report_query *query = &report->queries[row->query];
     if (!query->error) {
-        return answered_cell(report, column, row);
+        if (column->needs && column->needs & ~report_needs_met(report, row)) {
+            return no_cell();
+        }
+        if (column->get) {
+            return column->get(report, row);
+        }
+        const void *from = column->of_query ? (const void *)&report->queries[row->query] : row;
+        return stored_cell(report, column->type, (const char *)from + column->offset);
     }
     const char *reason = report->options.rows == CONUS_ROWS_SUMMARIES     ? "error"
                          : report->options.rows == CONUS_ROWS_CONNECTIONS ? "bundle"

@@ -44,26 +44,6 @@ static struct widths find_widths(const conus_report *report)
     return widths;
 }
 
-static void write_header(struct buffer *out, struct widths widths)
-{
-    static const char form[] = "%-*s  %-*s  %-*s  %11s  %9s  %11s\n";
-    buffer_format(out, form, widths.bundle, "bundle", widths.end, "end", widths.end, "other end", "streamlines",
-                  "of bundle", "mean length");
-    buffer_format(out, form, widths.bundle, "", widths.end, "", widths.end, "", "", "%", "mm");
-}
-
-static void write_connection(struct buffer *out, const conus_report *report, const conus_connection *connection,
-                             struct widths widths)
-{
-    table_write_name(out, table_name(report, connection->bundle), widths.bundle);
-    buffer_text(out, "  ");
-    table_write_name(out, end_name(report, connection->area_a), widths.end);
-    buffer_text(out, "  ");
-    table_write_name(out, end_name(report, connection->area_b), widths.end);
-    buffer_format(out, "  %11llu  %9.2f  %11.1f\n", (unsigned long long)connection->streamlines,
-                  100 * connection->fraction, connection->length);
-}
-
 /* The answers of one atlas. */
 static void write_answers(struct buffer *out, const conus_report *report, size_t query, struct widths widths)
 {
@@ -74,9 +54,19 @@ static void write_answers(struct buffer *out, const conus_report *report, size_t
         buffer_text(out, "(no streamline)\n");
         return;
     }
-    write_header(out, widths);
+    static const char form[] = "%-*s  %-*s  %-*s  %11s  %9s  %11s\n";
+    buffer_format(out, form, widths.bundle, "bundle", widths.end, "end", widths.end, "other end", "streamlines",
+                  "of bundle", "mean length");
+    buffer_format(out, form, widths.bundle, "", widths.end, "", widths.end, "", "", "%", "mm");
     for (size_t i = first; i < end; i++) {
-        write_connection(out, report, &report->rows[i].connection.is, widths);
+        const conus_connection *connection = &report->rows[i].connection.is;
+        table_write_name(out, table_name(report, connection->bundle), widths.bundle);
+        buffer_text(out, "  ");
+        table_write_name(out, end_name(report, connection->area_a), widths.end);
+        buffer_text(out, "  ");
+        table_write_name(out, end_name(report, connection->area_b), widths.end);
+        buffer_format(out, "  %11llu  %9.2f  %11.1f\n", (unsigned long long)connection->streamlines,
+                      100 * connection->fraction, connection->length);
     }
 }
 

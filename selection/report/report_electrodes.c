@@ -47,14 +47,6 @@ static void write_cells(struct buffer *out, const conus_report *report, const st
     buffer_append(out, "\n", 1);
 }
 
-static void skip_mark(struct text *text)
-{
-    if (text_starts(*text, "\xef\xbb\xbf")) {
-        text->data += 3;
-        text->size -= 3;
-    }
-}
-
 /* The next line that holds data. */
 static bool next_line(struct text *rest, struct text *line)
 {
@@ -79,7 +71,10 @@ conus_status report_read_electrodes(conus_report *report)
 {
     struct text rest = text_from(report->options.electrodes);
     struct text line;
-    skip_mark(&rest);
+    if (text_starts(rest, "\xef\xbb\xbf")) {
+        rest.data += 3;
+        rest.size -= 3;
+    }
     if (!next_line(&rest, &line) || !pose_electrodes_header(line)) {
         return fail(CONUS_ERROR_DATA, "electrodes: the first line has not the columns name, x, y and z");
     }

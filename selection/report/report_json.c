@@ -98,26 +98,14 @@ static json_t *json_from_matrix(const double m[16])
     return whole_or_null(rows, whole);
 }
 
-static json_t *json_from_roi(const struct report_query *query)
-{
-    const struct report_roi *roi = &query->roi;
-    json_t *entry = json_pack("{s: o, s: o, s: s, s: I, s: f}", "query", json_from_text(query->id), "path",
-                              json_from_text(roi->path), "sha256", roi->sha256, "volume", (json_int_t)roi->volume,
-                              "volume_mm3", roi->volume_mm3);
-    return whole_or_null(entry, roi->threshold == 0 || put_value(entry, "threshold", json_real(roi->threshold)));
-}
-
-/* How far from an end its area may be. */
-static bool add_end_radius(json_t *entry, const conus_report *report, const struct report_query *query)
-{
-    return report->options.rows != CONUS_ROWS_CONNECTIONS ||
-           put_value(entry, "endpoint_radius_mm", json_real(query->end_radius));
-}
-
 static json_t *json_from_shape(const struct report_query *query)
 {
     if (query->roi.path) {
-        return json_from_roi(query);
+        const struct report_roi *roi = &query->roi;
+        json_t *entry = json_pack("{s: o, s: o, s: s, s: I, s: f}", "query", json_from_text(query->id), "path",
+                                  json_from_text(roi->path), "sha256", roi->sha256, "volume", (json_int_t)roi->volume,
+                                  "volume_mm3", roi->volume_mm3);
+        return whole_or_null(entry, roi->threshold == 0 || put_value(entry, "threshold", json_real(roi->threshold)));
     }
     if (query->error) {
         return json_pack("{s: o, s: o}", "query", json_from_text(query->id), "error", json_from_text(query->error));
@@ -140,18 +128,16 @@ static json_t *json_from_shape(const struct report_query *query)
     return whole_or_null(cone, !cone_is_wide(&query->cone) || put_value(cone, "spread", json_string("even")));
 }
 
-static json_t *json_from_query(const conus_report *report, const struct report_query *query)
-{
-    json_t *entry = json_from_shape(query);
-    return whole_or_null(entry, query->error || add_end_radius(entry, report, query));
-}
-
 static json_t *json_from_queries(const conus_report *report)
 {
     json_t *queries = json_array();
     bool whole = true;
     for (size_t i = 0; i < report->query_count; i++) {
-        whole = json_array_append_new(queries, json_from_query(report, &report->queries[i])) == 0 && whole;
+        const struct report_query *query = &report->queries[i];
+        json_t *entry = json_from_shape(query);
+        bool has_radius = !query->error && report->options.rows == CONUS_ROWS_CONNECTIONS;
+        whole = (!has_radius || put_value(entry, "endpoint_radius_mm", json_real(query->end_radius))) && whole;
+        whole = json_array_append_new(queries, entry) == 0 && whole;
     }
     return whole_or_null(queries, whole);
 }
@@ -162,11 +148,11 @@ static json_t *json_from_end(double end)
     return isfinite(end) ? json_real(end) : json_null();
 }
 
-/* The bands of values of volume `index`; an empty list where it has none. */
-static json_t *json_from_bands(const conus_atlas *atlas, size_t index)
+static json_t *json_from_volume(const conus_atlas *atlas, size_t index)
 {
+    const conus_volume_info *info = conus_atlas_volume(atlas, index);
     json_t *bands = json_array();
-    bool whole = true;
+    bool whole = bands;
     for (size_t i = atlas->area_count; i < atlas->object_count; i++) {
         const conus_object *band = &atlas->objects[i];
         if (band->is_band && band->volume == index) {
@@ -176,13 +162,6 @@ static json_t *json_from_bands(const conus_atlas *atlas, size_t index)
                     whole;
         }
     }
-    return whole_or_null(bands, whole);
-}
-
-static json_t *json_from_volume(const conus_atlas *atlas, size_t index)
-{
-    const conus_volume_info *info = conus_atlas_volume(atlas, index);
-    json_t *bands = json_from_bands(atlas, index);
     static const char *const roles[] = {"", "parcellation", "pathway", "context", "probability"};
     json_t *volume = json_pack("{s: s, s: o, s: s, s: s, s: I, s: s, s: s, s: o}", "role", roles[info->role], "path",
                                json_from_text(info->path), "sha256", info->sha256, "format", info->format, "volume",
@@ -190,7 +169,7 @@ static json_t *json_from_volume(const conus_atlas *atlas, size_t index)
                                "world_from_voxel", json_from_matrix(info->world_from_voxel));
     bool has_bands = json_array_size(bands) > 0;
     bool has_none = has_bands || (info->role != CONUS_ROLE_SCALAR && info->threshold == 0);
-    bool whole = bands && (has_none || put_value(volume, "threshold", json_real(info->threshold)));
+    whole = whole && (has_none || put_value(volume, "threshold", json_real(info->threshold)));
     whole = whole && (!has_bands || json_object_set(volume, "bands", bands) == 0);
     json_decref(bands);
     return whole_or_null(volume, whole);

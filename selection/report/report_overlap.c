@@ -22,15 +22,6 @@ static void write_region(struct buffer *out, const struct report_query *query)
     buffer_format(out, ", %s mm^3\n", table_volume(volume, roi->volume_mm3));
 }
 
-static void write_header(struct buffer *out, const conus_report *report, int width)
-{
-    char axes[TABLE_AXES_SIZE];
-    static const char form[] = "%-*s  %10s  %11s  %9s  %9s  %10s  %26s\n";
-    buffer_format(out, form, width, "name", "label", "volume", "of area", "of region", "peak",
-                  table_axes(axes, report, "at"));
-    buffer_format(out, form, width, "", "", "mm^3", "%", "%", "", conus_space_unit(report->frame.space));
-}
-
 static void write_coverage(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
 {
     char label[TABLE_LABEL_SIZE];
@@ -50,23 +41,21 @@ static void write_coverage(struct buffer *out, const conus_report *report, const
                   100 * coverage->roi_fraction, coverage->peak, digits, at[0], digits, at[1], digits, at[2]);
 }
 
-/* The answers of one atlas. */
-static void write_answers(struct buffer *out, const conus_report *report, size_t query, int width)
-{
-    table_write_atlas(out, report);
-    write_header(out, report, width);
-    for (size_t i = report->queries[query].first_row; i < report->row_count && report->rows[i].query == query; i++) {
-        write_coverage(out, report, &report->rows[i], width);
-    }
-}
-
 void report_write_overlap(struct buffer *out, const conus_report *report)
 {
     int width = table_name_width(report);
     for (size_t i = 0; i < report->query_count; i++) {
         write_region(out, &report->queries[i]);
         for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
-            write_answers(out, of, i, width);
+            table_write_atlas(out, of);
+            char axes[TABLE_AXES_SIZE];
+            static const char form[] = "%-*s  %10s  %11s  %9s  %9s  %10s  %26s\n";
+            buffer_format(out, form, width, "name", "label", "volume", "of area", "of region", "peak",
+                          table_axes(axes, of, "at"));
+            buffer_format(out, form, width, "", "", "mm^3", "%", "%", "", conus_space_unit(of->frame.space));
+            for (size_t k = of->queries[i].first_row; k < of->row_count && of->rows[k].query == i; k++) {
+                write_coverage(out, of, &of->rows[k], width);
+            }
         }
         buffer_text(out, i + 1 < report->query_count ? "\n" : "");
     }

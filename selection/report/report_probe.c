@@ -94,17 +94,6 @@ struct run {
     const conus_object *object;
 };
 
-static struct run take_run(const struct shank *shank, size_t *next)
-{
-    struct run run = {.first = *next, .last = *next, .object = best_of(shank->report, *next)};
-    size_t i = next_contact(shank, *next + 1);
-    for (; i < shank->end && best_of(shank->report, i) == run.object; i = next_contact(shank, i + 1)) {
-        run.last = i;
-    }
-    *next = i;
-    return run;
-}
-
 /* Heights in micrometres. */
 static void write_region(struct buffer *out, double bottom, double top, const conus_object *object)
 {
@@ -119,7 +108,12 @@ static void write_regions(struct buffer *out, const struct shank *shank)
 {
     double bottom = 0;
     for (size_t next = next_contact(shank, shank->first); next < shank->end;) {
-        const struct run run = take_run(shank, &next);
+        struct run run = {.first = next, .last = next, .object = best_of(shank->report, next)};
+        size_t i = next_contact(shank, next + 1);
+        for (; i < shank->end && best_of(shank->report, i) == run.object; i = next_contact(shank, i + 1)) {
+            run.last = i;
+        }
+        next = i;
         double top = height_of(shank, run.last);
         top = next < shank->end ? (top + height_of(shank, next)) / 2 : top;
         top = fmax(top, bottom);
@@ -240,28 +234,22 @@ static double end_of_region(const conus_object **out, const conus_report *report
     return end;
 }
 
-/* From the tip on. */
-static void write_shank(struct buffer *out, const conus_report *report, size_t query)
-{
-    const double *range = report->selector.range;
-    double depth = range[1];
-    while (depth > range[0]) {
-        const conus_object *object;
-        double end = end_of_region(&object, report, query, depth);
-        if (object) {
-            write_region(out, 1000 * (range[1] - depth), 1000 * (range[1] - end), object);
-        }
-        depth = end;
-    }
-}
-
 static conus_status write_shanks(struct buffer *out, const conus_report *report)
 {
     conus_status status = check_shanks(report);
     for (size_t i = 0; i < report->query_count && !status; i++) {
         buffer_format(out, "[0,%zu]", i);
         if (!report->queries[i].error) {
-            write_shank(out, report, i);
+            const double *range = report->selector.range;
+            double depth = range[1];
+            while (depth > range[0]) {
+                const conus_object *object;
+                double end = end_of_region(&object, report, i, depth);
+                if (object) {
+                    write_region(out, 1000 * (range[1] - depth), 1000 * (range[1] - end), object);
+                }
+                depth = end;
+            }
         }
         buffer_text(out, "\n");
     }

@@ -165,33 +165,20 @@ static void write_json_row(struct buffer *out, const conus_report *report, const
     buffer_append(out, "}\n", 2);
 }
 
-/* The rows of queries first to end - 1. */
-static void take_rows(const conus_report *of, size_t first, size_t end, report_take_row *take, void *user)
-{
-    for (size_t i = of->queries[first].first_row; i < report_row_end(of, end - 1); i++) {
-        if (report_is_shown(of, i)) {
-            take(user, of, &of->rows[i]);
-        }
-    }
-}
-
-/* Behind the last query that belongs to query `first`: of shares the angles of a pose, which have one id. */
-static size_t end_of_pose(const conus_report *report, size_t first)
-{
-    size_t end = first + 1;
-    while (report->options.rows == CONUS_ROWS_SHARES && end < report->query_count &&
-           strcmp(report->queries[end].id, report->queries[first].id) == 0) {
-        end++;
-    }
-    return end;
-}
-
 void report_each_row(const conus_report *report, report_take_row *take, void *user)
 {
     for (size_t first = 0, end; first < report->query_count; first = end) {
-        end = end_of_pose(report, first);
+        end = first + 1; /* in shares the angles of a pose, which have one id, belong together */
+        while (report->options.rows == CONUS_ROWS_SHARES && end < report->query_count &&
+               strcmp(report->queries[end].id, report->queries[first].id) == 0) {
+            end++;
+        }
         for (const conus_report *of = report; of && end <= of->query_count; of = of->next) {
-            take_rows(of, first, end, take, user);
+            for (size_t i = of->queries[first].first_row; i < report_row_end(of, end - 1); i++) {
+                if (report_is_shown(of, i)) {
+                    take(user, of, &of->rows[i]);
+                }
+            }
         }
     }
 }

@@ -21,15 +21,6 @@ static void write_axis(struct buffer *out, const conus_report *report, const str
     table_write_space(out, report);
 }
 
-static void write_header(struct buffer *out, const conus_report *report, int width)
-{
-    static const char form[] = "%5s  %-*s  %10s  %8s  %8s  %8s  %24s\n";
-    char axes[TABLE_AXES_SIZE];
-    buffer_format(out, form, "order", width, "name", "label", "enters", "leaves", "length",
-                  table_axes(axes, report, "enters at"));
-    buffer_format(out, form, "", width, "", "", "mm", "mm", "mm", conus_space_unit(report->frame.space));
-}
-
 /* Nothing of a depth that there is not. */
 static void write_depth(struct buffer *out, double depth)
 {
@@ -57,17 +48,6 @@ static void write_segment(struct buffer *out, const conus_report *report, size_t
     buffer_format(out, "  %8.*f %7.*f %7.*f\n", digits, at[0], digits, at[1], digits, at[2]);
 }
 
-/* The segments of one atlas. */
-static void write_answers(struct buffer *out, const conus_report *report, size_t query, int width)
-{
-    size_t first = report->queries[query].first_row;
-    table_write_atlas(out, report);
-    write_header(out, report, width);
-    for (size_t i = first; i < report_row_end(report, query); i++) {
-        write_segment(out, report, i - first + 1, &report->rows[i].segment, width);
-    }
-}
-
 void report_write_segments(struct buffer *out, const conus_report *report)
 {
     int width = table_name_width(report);
@@ -79,7 +59,16 @@ void report_write_segments(struct buffer *out, const conus_report *report)
         }
         write_axis(out, report, &report->queries[i]);
         for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
-            write_answers(out, of, i, width);
+            size_t first = of->queries[i].first_row;
+            table_write_atlas(out, of);
+            static const char form[] = "%5s  %-*s  %10s  %8s  %8s  %8s  %24s\n";
+            char axes[TABLE_AXES_SIZE];
+            buffer_format(out, form, "order", width, "name", "label", "enters", "leaves", "length",
+                          table_axes(axes, of, "enters at"));
+            buffer_format(out, form, "", width, "", "", "mm", "mm", "mm", conus_space_unit(of->frame.space));
+            for (size_t k = first; k < report_row_end(of, i); k++) {
+                write_segment(out, of, k - first + 1, &of->rows[k].segment, width);
+            }
         }
         buffer_text(out, more ? "\n" : "");
     }

@@ -78,15 +78,6 @@ static void write_rows_of(struct buffer *out, const conus_report *report, size_t
     }
 }
 
-static void write_samples(struct buffer *out, const conus_report *report, const struct report_query *query)
-{
-    buffer_format(out,
-                  "%u poses with errors of %.4g degrees about each axis and %.4g mm along each (standard "
-                  "deviations); ranked by %s; engine %s\n",
-                  query->jitter.samples, degrees_from_radians(query->jitter.tilt), query->jitter.shift, report->score,
-                  report->engine);
-}
-
 enum { ANGLES_IN_A_TABLE = 10 };
 
 /* Queries first to end - 1: one pose, several angles. */
@@ -114,16 +105,6 @@ struct shares {
     struct block block;
     struct line *lines; /* [object_count + 1] */
 };
-
-static void fill_lines(const struct shares *shares, const conus_report *report)
-{
-    for (size_t i = shares->block.first; i < shares->block.end; i++) {
-        for (size_t r = report->queries[i].first_row; r < report_row_end(report, i); r++) {
-            const conus_result *result = &report->rows[r].result;
-            shares->lines[result->object].at[i - shares->block.first] = result;
-        }
-    }
-}
 
 static void write_shares_row(struct buffer *out, const conus_report *report, const struct shares *shares,
                              const struct report_row *row, int width)
@@ -167,7 +148,12 @@ static void write_shares(struct buffer *out, const conus_report *report, struct 
         out->failed = true;
         return;
     }
-    fill_lines(&shares, report);
+    for (size_t i = shares.block.first; i < shares.block.end; i++) {
+        for (size_t r = report->queries[i].first_row; r < report_row_end(report, i); r++) {
+            const conus_result *result = &report->rows[r].result;
+            shares.lines[result->object].at[i - shares.block.first] = result;
+        }
+    }
     buffer_format(out, "%-*s  %10s  share of cone in %% at an angle of ... degrees\n%-*s  %10s", width, "name", "label",
                   width, "", "");
     for (size_t i = block.first; i < block.end; i++) {
@@ -179,17 +165,6 @@ static void write_shares(struct buffer *out, const conus_report *report, struct 
     }
     write_new_rows(out, report, &shares, block.first, true, width);
     memory_free(shares.lines);
-}
-
-/* The answers of one atlas to a pose. */
-static void write_answers(struct buffer *out, const conus_report *report, struct block block, int width)
-{
-    table_write_atlas(out, report);
-    if (report->options.rows == CONUS_ROWS_SHARES) {
-        write_shares(out, report, block, width);
-    } else {
-        write_rows_of(out, report, block.first, width);
-    }
 }
 
 void report_write_sweep(struct buffer *out, const conus_report *report)
@@ -205,10 +180,20 @@ void report_write_sweep(struct buffer *out, const conus_report *report)
         const struct block block = shares ? block_at(report, i) : (struct block){i, i + 1};
         table_write_query(out, report, &report->queries[i]);
         for (const conus_report *of = report; of && block.end <= of->query_count; of = of->next) {
-            write_answers(out, of, block, width);
+            table_write_atlas(out, of);
+            if (of->options.rows == CONUS_ROWS_SHARES) {
+                write_shares(out, of, block, width);
+            } else {
+                write_rows_of(out, of, block.first, width);
+            }
         }
         if (report->options.rows == CONUS_ROWS_CHANCES) {
-            write_samples(out, report, &report->queries[i]);
+            const struct report_query *query = &report->queries[i];
+            buffer_format(out,
+                          "%u poses with errors of %.4g degrees about each axis and %.4g mm along each (standard "
+                          "deviations); ranked by %s; engine %s\n",
+                          query->jitter.samples, degrees_from_radians(query->jitter.tilt), query->jitter.shift,
+                          report->score, report->engine);
         }
         i = block.end;
         buffer_text(out, i < report->query_count ? "\n" : "");

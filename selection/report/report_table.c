@@ -117,15 +117,6 @@ void table_write_space(struct buffer *out, const conus_report *report)
                   conus_space_unit(space), places[space]);
 }
 
-/* Whether there is more than one pose. */
-static bool has_several(const conus_report *report)
-{
-    size_t count = report->query_count;
-    bool same =
-        report->options.rows == CONUS_ROWS_SHARES && strcmp(report->queries[0].id, report->queries[count - 1].id) == 0;
-    return count > 1 && !same;
-}
-
 void table_write_axis(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     const double *m = query->cone.pose.world_from_device;
@@ -150,7 +141,10 @@ static void write_ball(struct buffer *out, const conus_report *report, const str
 
 void table_write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
-    if (has_several(report)) {
+    size_t count = report->query_count;
+    bool is_one_pose =
+        report->options.rows == CONUS_ROWS_SHARES && strcmp(report->queries[0].id, report->queries[count - 1].id) == 0;
+    if (count > 1 && !is_one_pose) {
         buffer_format(out, "query %s: ", query->id);
     }
     if (query->ball > 0) {
@@ -351,50 +345,30 @@ struct table_form {
     void (*result)(struct buffer *out, const conus_report *report, const conus_result *result, int width);
 };
 
-static const struct table_form *form_of(const conus_report *report, const struct report_query *query)
+/* The answers of one atlas to query `index`. */
+static void write_answers(struct buffer *out, const conus_report *report, size_t index, int width)
 {
     static const struct table_form visible = {write_visible_header, write_visible_result};
     static const struct table_form layers = {write_layers_header, write_layers_result};
     static const struct table_form ball = {write_ball_header, write_ball_result};
-    return query->ball > 0 ? &ball : report->selector.layers ? &layers : &visible;
-}
-
-static void write_summary(struct buffer *out, const conus_report *report, const struct report_query *query)
-{
-    if (query->ball > 0) {
-        buffer_format(out, "ranked by share, then distance%s\n", report->options.order ? ", nearest first" : "");
-        return;
-    }
-    buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s%s; engine %s, %s\n", query->cone_pixels,
-                  query->cone.resolution, query->cone.resolution, report->score,
-                  report->options.order ? ", in order of depth" : "", report->engine,
-                  report->selector.sampling == CONUS_SAMPLING_SLICES ? "slices" : "exact");
-}
-
-/* Says which objects the centre of a ball is in. */
-static void write_here(struct buffer *out, const conus_report *report, size_t index)
-{
-    size_t count = 0;
-    buffer_text(out, "at the point: ");
-    for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
-        const conus_result *result = &report->rows[row].result;
-        if (result->object && result->distance == 0) {
-            buffer_format(out, "%s%s", count++ ? ", " : "", conus_atlas_object(report->atlas, result->object)->name);
-            if (isfinite(result->contact_value)) {
-                buffer_format(out, " (value %.4g)", result->contact_value);
-            }
-        }
-    }
-    buffer_text(out, count ? "\n" : "no area, pathway or bundle\n");
-}
-
-/* The answers of one atlas to query `index`. */
-static void write_answers(struct buffer *out, const conus_report *report, size_t index, int width)
-{
-    const struct table_form *form = form_of(report, &report->queries[index]);
+    const struct table_form *form = report->queries[index].ball > 0 ? &ball
+                                    : report->selector.layers       ? &layers
+                                                                    : &visible;
     table_write_atlas(out, report);
     if (report->queries[index].ball > 0) {
-        write_here(out, report, index);
+        size_t count = 0;
+        buffer_text(out, "at the point: ");
+        for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
+            const conus_result *result = &report->rows[row].result;
+            if (result->object && result->distance == 0) {
+                buffer_format(out, "%s%s", count++ ? ", " : "",
+                              conus_atlas_object(report->atlas, result->object)->name);
+                if (isfinite(result->contact_value)) {
+                    buffer_format(out, " (value %.4g)", result->contact_value);
+                }
+            }
+        }
+        buffer_text(out, count ? "\n" : "no area, pathway or bundle\n");
     }
     form->header(out, report, width);
     for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
@@ -414,7 +388,15 @@ void report_write_table(struct buffer *out, const conus_report *report)
         for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
             write_answers(out, of, i, width);
         }
-        write_summary(out, report, &report->queries[i]);
+        const struct report_query *query = &report->queries[i];
+        if (query->ball > 0) {
+            buffer_format(out, "ranked by share, then distance%s\n", report->options.order ? ", nearest first" : "");
+        } else {
+            buffer_format(out, "%u pixels in the cone (%u x %u buffer); ranked by %s%s; engine %s, %s\n",
+                          query->cone_pixels, query->cone.resolution, query->cone.resolution, report->score,
+                          report->options.order ? ", in order of depth" : "", report->engine,
+                          report->selector.sampling == CONUS_SAMPLING_SLICES ? "slices" : "exact");
+        }
         buffer_text(out, i + 1 < report->query_count ? "\n" : "");
     }
     table_write_sources(out, report);

@@ -71,26 +71,6 @@ static size_t first_alike(const conus_atlas *atlas, size_t number,
     return first;
 }
 
-/* "from T on (A, B, C and 2 more)" of all pathways with the threshold of this one. */
-static void write_threshold(struct buffer *out, const conus_atlas *atlas, size_t first, bool with_names)
-{
-    size_t count = 0;
-    buffer_text(out, " from ");
-    buffer_number(out, pathway_info(atlas, first)->threshold);
-    buffer_text(out, with_names ? " on (" : " on");
-    for (size_t n = first; n && with_names; n = next_pathway(atlas, n + 1)) {
-        bool alike = has_same_threshold(pathway_info(atlas, n), pathway_info(atlas, first));
-        count += alike;
-        if (alike && count <= NAMED_LIMIT) {
-            buffer_format(out, "%s%s", count > 1 ? ", " : "", conus_atlas_object(atlas, n)->name);
-        }
-    }
-    if (count > NAMED_LIMIT) {
-        buffer_format(out, " and %zu more", count - NAMED_LIMIT);
-    }
-    buffer_text(out, with_names ? ")" : "");
-}
-
 /* One line for all of them, and names only where thresholds differ. */
 static void write_pathways(struct buffer *out, const conus_atlas *atlas)
 {
@@ -111,10 +91,24 @@ static void write_pathways(struct buffer *out, const conus_atlas *atlas)
     } else {
         buffer_format(out, "pathway %s: values", conus_atlas_object(atlas, first)->name);
     }
+    bool with_names = thresholds > 1;
     for (size_t n = first, written = 0; n; n = next_pathway(atlas, n + 1)) {
         if (first_alike(atlas, n, has_same_threshold) == n) {
             buffer_text(out, written++ ? "," : "");
-            write_threshold(out, atlas, n, thresholds > 1);
+            /* "from T on (A, B, C and 2 more)" of all pathways with the threshold of this one. */
+            size_t alike = 0;
+            buffer_text(out, " from ");
+            buffer_number(out, pathway_info(atlas, n)->threshold);
+            buffer_text(out, with_names ? " on (" : " on");
+            for (size_t k = n; k && with_names; k = next_pathway(atlas, k + 1)) {
+                if (has_same_threshold(pathway_info(atlas, k), pathway_info(atlas, n)) && ++alike <= NAMED_LIMIT) {
+                    buffer_format(out, "%s%s", alike > 1 ? ", " : "", conus_atlas_object(atlas, k)->name);
+                }
+            }
+            if (alike > NAMED_LIMIT) {
+                buffer_format(out, " and %zu more", alike - NAMED_LIMIT);
+            }
+            buffer_text(out, with_names ? ")" : "");
         }
     }
     buffer_text(out, " in ");
@@ -124,23 +118,6 @@ static void write_pathways(struct buffer *out, const conus_atlas *atlas)
         write_file_of(out, pathway_info(atlas, first)->path);
     }
     buffer_text(out, "\n");
-}
-
-/* "from 30 to below 60" */
-static void write_ends(struct buffer *out, const conus_object *band)
-{
-    if (band->low == -INFINITY && band->high == INFINITY) {
-        buffer_text(out, "all values");
-    }
-    if (band->low > -INFINITY) {
-        buffer_text(out, "from ");
-        buffer_number(out, band->low);
-        buffer_text(out, band->high < INFINITY ? " to " : " on");
-    }
-    if (band->high < INFINITY) {
-        buffer_text(out, "below ");
-        buffer_number(out, band->high);
-    }
 }
 
 /* Those of the volume of band `first`, in one line. */
@@ -155,7 +132,19 @@ static void write_bands(struct buffer *out, const conus_atlas *atlas, size_t fir
         count += band->volume == volume;
         if (band->volume == volume && count <= NAMED_LIMIT) {
             buffer_format(out, "%s %s ", count > 1 ? "," : ":", band->name);
-            write_ends(out, band);
+            /* "from 30 to below 60" */
+            if (band->low == -INFINITY && band->high == INFINITY) {
+                buffer_text(out, "all values");
+            }
+            if (band->low > -INFINITY) {
+                buffer_text(out, "from ");
+                buffer_number(out, band->low);
+                buffer_text(out, band->high < INFINITY ? " to " : " on");
+            }
+            if (band->high < INFINITY) {
+                buffer_text(out, "below ");
+                buffer_number(out, band->high);
+            }
         }
     }
     if (count > NAMED_LIMIT) {
@@ -173,22 +162,6 @@ static void write_all_bands(struct buffer *out, const conus_atlas *atlas)
             write_bands(out, atlas, n);
         }
         before = volume;
-    }
-}
-
-/* The least and the greatest radius. */
-static void write_radii(struct buffer *out, const conus_atlas *atlas)
-{
-    double low = atlas->tractograms[0].radius;
-    double high = low;
-    for (size_t i = 1; i < atlas->tractogram_count; i++) {
-        low = fmin(low, atlas->tractograms[i].radius);
-        high = fmax(high, atlas->tractograms[i].radius);
-    }
-    buffer_number(out, low);
-    if (high > low) {
-        buffer_text(out, " to ");
-        buffer_number(out, high);
     }
 }
 
@@ -215,7 +188,18 @@ static void write_bundles(struct buffer *out, const conus_atlas *atlas)
     buffer_text(out, ": ");
     buffer_whole(out, streamlines);
     buffer_text(out, streamlines == 1 ? " streamline of radius " : " streamlines of radius ");
-    write_radii(out, atlas);
+    /* The least and the greatest radius. */
+    double low = atlas->tractograms[0].radius;
+    double high = low;
+    for (size_t i = 1; i < atlas->tractogram_count; i++) {
+        low = fmin(low, atlas->tractograms[i].radius);
+        high = fmax(high, atlas->tractograms[i].radius);
+    }
+    buffer_number(out, low);
+    if (high > low) {
+        buffer_text(out, " to ");
+        buffer_number(out, high);
+    }
     buffer_text(out, " mm in ");
     if (atlas->tractogram_count > 1) {
         buffer_format(out, "%zu files", atlas->tractogram_count);
@@ -223,21 +207,6 @@ static void write_bundles(struct buffer *out, const conus_atlas *atlas)
         write_file_of(out, atlas->tractograms[0].path);
     }
     buffer_text(out, "\n");
-}
-
-/* Where the atlas's place comes from: each way once. */
-static void write_places(struct buffer *out, const conus_atlas *atlas)
-{
-    size_t count = atlas_parcellation_count(atlas);
-    buffer_text(out, count ? "" : "the coordinates in its mesh files");
-    for (size_t i = 0; i < count; i++) {
-        size_t first = 0;
-        while (strcmp(atlas->volumes[first].info.transform, atlas->volumes[i].info.transform) != 0) {
-            first++;
-        }
-        buffer_format(out, "%s%s", i && first == i ? " and by " : "",
-                      first == i ? atlas->volumes[i].info.transform : "");
-    }
 }
 
 /* Which transform placed the atlas, and from which value on a pathway is one. */
@@ -251,7 +220,17 @@ static void write_sources(struct buffer *out, const conus_report *report)
         buffer_format(out, "atlas %s%s", report->name ? report->name : "", report->name ? ": " : "");
         write_file_of(out, atlas_path(atlas));
         buffer_text(out, ", placed by ");
-        write_places(out, atlas);
+        /* Where the atlas's place comes from: each way once. */
+        size_t count = atlas_parcellation_count(atlas);
+        buffer_text(out, count ? "" : "the coordinates in its mesh files");
+        for (size_t i = 0; i < count; i++) {
+            size_t first = 0;
+            while (strcmp(atlas->volumes[first].info.transform, atlas->volumes[i].info.transform) != 0) {
+                first++;
+            }
+            buffer_format(out, "%s%s", i && first == i ? " and by " : "",
+                          first == i ? atlas->volumes[i].info.transform : "");
+        }
         buffer_text(out, "\n");
     }
     if (atlas_has_hidden(atlas)) {

@@ -19,10 +19,8 @@ typedef void table_writer(struct buffer *out, const conus_report *report);
 
 static table_writer *table_of(const conus_report *report)
 {
-    if (report->options.tracker) {
-        return report_write_track;
-    }
-    return report->options.rows == CONUS_ROWS_ANSWERS       ? report_write_table
+    return report->options.tracker                          ? report_write_track
+           : report->options.rows == CONUS_ROWS_ANSWERS     ? report_write_table
            : report->options.rows == CONUS_ROWS_COVERAGES   ? report_write_overlap
            : report->options.rows == CONUS_ROWS_SEGMENTS    ? report_write_segments
            : report->options.rows == CONUS_ROWS_CONNECTIONS ? report_write_connections
@@ -115,15 +113,6 @@ conus_status conus_report_take(const char **text, size_t *size, conus_report *re
     return status;
 }
 
-static void write_voxels(struct buffer *out, const conus_report *report, size_t query)
-{
-    size_t first = report->queries[query].first_voxel;
-    size_t end = query + 1 < report->query_count ? report->queries[query + 1].first_voxel : report->voxels.size;
-    if (end > first) {
-        buffer_append(out, report->voxels.data + first, end - first);
-    }
-}
-
 conus_status conus_report_voxels(const char **text, size_t *size, conus_report *report)
 {
     conus_status status = check_joined(report);
@@ -137,7 +126,11 @@ conus_status conus_report_voxels(const char **text, size_t *size, conus_report *
         for (const conus_report *of = report; of && !status; of = of->next) {
             status = buffer_status(&of->voxels);
             if (!status) {
-                write_voxels(&report->text, of, query);
+                size_t first = of->queries[query].first_voxel;
+                size_t end = query + 1 < of->query_count ? of->queries[query + 1].first_voxel : of->voxels.size;
+                if (end > first) {
+                    buffer_append(&report->text, of->voxels.data + first, end - first);
+                }
             }
         }
     }

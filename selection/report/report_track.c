@@ -43,33 +43,6 @@ static void write_atlas(struct buffer *out, const char *text, int width)
     }
 }
 
-static void write_header(struct buffer *out, const conus_report *report, struct widths widths)
-{
-    buffer_format(out, "ranked by %s; engine %s\n%10s  ", report->score, report->engine, "time");
-    write_atlas(out, "atlas", widths.atlas);
-    buffer_format(out, "%4s  %-*s  %10s  %10s  %8s  %6s  %8s\n%10s  ", "rank", widths.name, "name", "label", "score",
-                  "share", "pixels", "off axis", "s");
-    write_atlas(out, "", widths.atlas);
-    buffer_format(out, "%4s  %-*s  %10s  %10s  %8s  %6s  %8s\n", "", widths.name, "", "", "", "of cone", "", "degrees");
-}
-
-static void write_numbers(struct buffer *out, const conus_result *result, const conus_object *object)
-{
-    char score[TEXT_NUMBER_SIZE] = "";
-    char label[16] = "";
-    if (object) {
-        snprintf(score, sizeof score, "%.4g", result->score);
-        snprintf(label, sizeof label, "%u", object->label);
-    }
-    buffer_format(out, "  %10s  %10s  %6.2f %%  %6u", label, isfinite(result->score) ? score : "", 100 * result->share,
-                  result->pixels);
-    if (isfinite(result->offset)) {
-        buffer_format(out, "  %8.2f", degrees_from_radians(result->offset));
-    } else if (object) {
-        buffer_format(out, "  %8s", "");
-    }
-}
-
 struct writing {
     struct buffer *out;
     struct widths widths;
@@ -91,7 +64,19 @@ static void write_row(void *user, const conus_report *report, const struct repor
     write_atlas(out, report->name, writing->widths.atlas);
     buffer_format(out, "%4s  ", rank);
     table_write_name(out, table_name(report, row->result.object), writing->widths.name);
-    write_numbers(out, &row->result, object);
+    char score[TEXT_NUMBER_SIZE] = "";
+    char label[16] = "";
+    if (object) {
+        snprintf(score, sizeof score, "%.4g", row->result.score);
+        snprintf(label, sizeof label, "%u", object->label);
+    }
+    buffer_format(out, "  %10s  %10s  %6.2f %%  %6u", label, isfinite(row->result.score) ? score : "",
+                  100 * row->result.share, row->result.pixels);
+    if (isfinite(row->result.offset)) {
+        buffer_format(out, "  %8.2f", degrees_from_radians(row->result.offset));
+    } else if (object) {
+        buffer_format(out, "  %8s", "");
+    }
     buffer_text(out, report_is_selected(report, row) ? "  selected" : "");
     buffer_text(out, report_is_confirmed(report, row) ? "  confirmed" : "");
     buffer_text(out, "\n");
@@ -101,7 +86,14 @@ void report_write_track(struct buffer *out, const conus_report *report)
 {
     struct writing writing = {out, widths_of(report)};
     if (!report->is_begun) {
-        write_header(out, report, writing.widths);
+        struct widths widths = writing.widths;
+        buffer_format(out, "ranked by %s; engine %s\n%10s  ", report->score, report->engine, "time");
+        write_atlas(out, "atlas", widths.atlas);
+        buffer_format(out, "%4s  %-*s  %10s  %10s  %8s  %6s  %8s\n%10s  ", "rank", widths.name, "name", "label",
+                      "score", "share", "pixels", "off axis", "s");
+        write_atlas(out, "", widths.atlas);
+        buffer_format(out, "%4s  %-*s  %10s  %10s  %8s  %6s  %8s\n", "", widths.name, "", "", "", "of cone", "",
+                      "degrees");
     }
     report_each_row(report, write_row, &writing);
 }

@@ -223,20 +223,6 @@ static conus_status find_near_points(struct near_points *near, const struct trac
     return CONUS_OK;
 }
 
-static void write_point(conus_report *report, const struct near_points *near, uint32_t number, uint32_t streamline,
-                        uint64_t point)
-{
-    const conus_object *object = conus_atlas_object(report->atlas, number);
-    double at[3];
-    double away[3];
-    tractogram_point(at, near->tractogram, point);
-    vec3_sub(away, at, near->region->origin);
-    begin_row(report, object);
-    buffer_format(&report->voxels, "\t%u\t%llu\tn/a", streamline,
-                  (unsigned long long)(point - near->tractogram->first[streamline]));
-    end_row(report, object, at, NAN, vec3_length(away));
-}
-
 static bool is_member(const struct tract_group *group, uint32_t streamline)
 {
     size_t low = 0;
@@ -260,7 +246,15 @@ static void write_bundle(conus_report *report, const struct near_points *near, u
             is_in = !group || is_member(group, streamline);
         }
         if (is_in) {
-            write_point(report, near, number, streamline, near->points[i]);
+            const conus_object *object = conus_atlas_object(report->atlas, number);
+            double at[3];
+            double away[3];
+            tractogram_point(at, near->tractogram, near->points[i]);
+            vec3_sub(away, at, near->region->origin);
+            begin_row(report, object);
+            buffer_format(&report->voxels, "\t%u\t%llu\tn/a", streamline,
+                          (unsigned long long)(near->points[i] - near->tractogram->first[streamline]));
+            end_row(report, object, at, NAN, vec3_length(away));
         }
     }
 }
