@@ -23,6 +23,17 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Hands the atlas out; after a failure there is none. */
+static conus_status give_atlas(conus_atlas **out, conus_atlas *atlas, conus_status status)
+{
+    if (status) {
+        conus_atlas_destroy(atlas);
+        return status;
+    }
+    *out = atlas;
+    return CONUS_OK;
+}
+
 struct surface {
     struct mesh mesh;
     struct label about;
@@ -147,26 +158,6 @@ static conus_status note_missing(conus_atlas *atlas, const struct surface *surfa
     return status;
 }
 
-static conus_status make_atlas(conus_atlas **out, struct surface *surface)
-{
-    conus_atlas *atlas = NULL;
-    conus_status status = atlas_create_empty(&atlas, surface->source.data);
-    if (!status) {
-        atlas->notes.sink = surface->notes.sink;
-    }
-    for (size_t i = 0; !status && i < surface->parts.count; i++) {
-        status = add_area(atlas, surface, &surface->parts.parts[i]);
-    }
-    status = status ? status : notes_move(&atlas->notes, &surface->notes);
-    status = status ? status : note_missing(atlas, surface);
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
-}
-
 /* Loads the surface path: its areas are those of the labels of its vertices (options->labels, else in its own
  * file), or there is one, the whole. The atlas's notes keep the sink. */
 static conus_status surface_load(conus_atlas **out, const char *path, const struct load_progress *progress)
@@ -176,56 +167,43 @@ static conus_status surface_load(conus_atlas **out, const char *path, const stru
     conus_atlas *atlas = NULL;
     conus_status status = file_state_find(&state, path);
     status = status ? status : read_surface(&surface, path, progress->options);
-    status = status ? status : make_atlas(&atlas, &surface);
+    status = status ? status : atlas_create_empty(&atlas, surface.source.data);
+    if (!status) {
+        atlas->notes.sink = surface.notes.sink;
+    }
+    for (size_t i = 0; !status && i < surface.parts.count; i++) {
+        status = add_area(atlas, &surface, &surface.parts.parts[i]);
+    }
+    status = status ? status : notes_move(&atlas->notes, &surface.notes);
+    status = status ? status : note_missing(atlas, &surface);
     status = status ? status : atlas_note_file(atlas, path, &state);
     status = status ? status : file_sums_move(&atlas->files, &surface.read);
     surface_finish(&surface);
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
+    return give_atlas(out, atlas, status);
 }
 
-static conus_status plan_file(struct manifest *out, char **path, const char *text, struct load_progress *progress,
-                              struct notes *notes)
-{
-    struct cifti_file file = {0};
-    uint64_t max_memory = progress->options->max_memory;
-    conus_status status = cifti_file_open(&file, text, max_memory, notes);
-    status = status ? status : plan_cifti(out, &file, max_memory, notes);
-    if (!status) {
-        *path = file.path;
-        file.path = NULL;
-    }
-    cifti_file_finish(&file);
-    return status;
-}
-
-/* Loads the .dlabel.nii path, which may choose a map, with the surfaces beside it. The atlas's notes keep the sink.
- */
+/* Loads the .dlabel.nii path, which may choose a map, with the surfaces beside it. The atlas's notes keep the sink. */
 static conus_status cifti_load(conus_atlas **out, const char *path, struct load_progress *progress)
 {
+    struct cifti_file file = {0};
     struct manifest manifest = {0};
     struct notes notes = {.sink = &progress->sink};
     conus_atlas *atlas = NULL;
-    char *file = NULL;
+    uint64_t max_memory = progress->options->max_memory;
     if (progress->options->labels) {
         return fail(CONUS_ERROR_ARGUMENT, "--labels %s: %s names its labels itself", progress->options->labels, path);
     }
-    conus_status status = plan_file(&manifest, &file, path, progress, &notes);
-    status = status ? status : manifest_load_made(&atlas, &manifest, file, "the label table in it", progress);
+    conus_status status = cifti_file_open(&file, path, max_memory, &notes);
+    status = status ? status : plan_cifti(&manifest, &file, max_memory, &notes);
+    char *file_path = file.path;
+    file.path = NULL;
+    cifti_file_finish(&file); /* before the surfaces need memory */
+    status = status ? status : manifest_load_made(&atlas, &manifest, file_path, "the label table in it", progress);
     status = status ? status : notes_move(&atlas->notes, &notes);
     notes_finish(&notes);
     manifest_finish(&manifest);
-    memory_free(file);
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
+    memory_free(file_path);
+    return give_atlas(out, atlas, status);
 }
 
 enum { JSON_LIMIT = 64 << 20 };
@@ -243,12 +221,7 @@ static conus_status load_volume(conus_atlas **out, const struct probe *probe, co
     status = status ? status : parcellation_atlas(&atlas, &parts);
     status = status ? status : file_sums_move(&atlas->files, &parts.read);
     parcellation_finish(&parts);
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
+    return give_atlas(out, atlas, status);
 }
 
 static conus_status load_only(struct load_progress *progress, const char *path)

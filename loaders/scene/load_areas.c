@@ -62,27 +62,6 @@ static conus_status name_area(struct planned_area *area, struct label *said)
     return area->label.name ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-/* Reads one surface that lies by itself. */
-static conus_status read_own(struct surfaces *surfaces, struct planned_area *area, struct mesh *mesh)
-{
-    struct label said = {0};
-    struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
-    conus_status status = mesh_file_read(mesh, &said, area->path, &options, surfaces->notes);
-    status = status ? status : name_area(area, &said);
-    label_finish(&said);
-    return status;
-}
-
-static conus_status read_labelled(struct mesh *mesh, const struct surfaces *surfaces, const char *path)
-{
-    if (!mesh_file_keeps_vertices(path)) {
-        return fail(CONUS_ERROR_UNSUPPORTED,
-                    "vertex_labels: %s: a surface that numbers its vertices is needed, any but STL", path_base(path));
-    }
-    struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
-    return mesh_file_read(mesh, NULL, path, &options, surfaces->notes);
-}
-
 /* Gives the parts to the areas planned for them. */
 static conus_status hand_out_parts(struct surfaces *surfaces, struct area_plan *plan, size_t surface,
                                    struct mesh_parts *parts)
@@ -108,9 +87,15 @@ static conus_status hand_out_parts(struct surfaces *surfaces, struct area_plan *
 static conus_status cut_labelled(struct surfaces *surfaces, struct area_plan *plan, size_t index)
 {
     struct labelled_surface *labelled = &plan->labelled[index];
+    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
     struct mesh mesh = {0};
     struct mesh_parts parts = {0};
-    conus_status status = read_labelled(&mesh, surfaces, labelled->path);
+    if (!mesh_file_keeps_vertices(labelled->path)) {
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "vertex_labels: %s: a surface that numbers its vertices is needed, any but STL",
+                    path_base(labelled->path));
+    }
+    conus_status status = mesh_file_read(&mesh, NULL, labelled->path, &options, surfaces->notes);
     status = status ? status : vertex_labels_extend(&labelled->labels, mesh.vertex_count);
     if (!status && mesh.vertex_count != labelled->labels.count) {
         status = fail(CONUS_ERROR_DATA, "vertex_labels: %zu labels, %s has %zu vertices: they must be as many",
@@ -159,13 +144,18 @@ static conus_status read_foreign(struct surfaces *surfaces, struct area_plan *pl
 
 static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan)
 {
+    const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < plan->count; i++) {
         char key[48];
         struct planned_area *area = &plan->areas[i];
         if (!area->is_part && !is_foreign(area)) {
+            struct label said = {0};
+            struct mesh *mesh = &surfaces->meshes[i];
             status = load_progress_report(surfaces->progress, area->path, 1);
-            status = status ? status : read_own(surfaces, area, &surfaces->meshes[i]);
+            status = status ? status : mesh_file_read(mesh, &said, area->path, &options, surfaces->notes);
+            status = status ? status : name_area(area, &said);
+            label_finish(&said);
         }
         snprintf(key, sizeof key, "areas[%zu]", area->entry);
         status = status ? fail_in(status, key) : CONUS_OK;
@@ -347,19 +337,6 @@ static conus_status note_size(conus_atlas *atlas)
     return fit_note_size(&said, &atlas->notes, "surfaces", &surfaces, &voxels);
 }
 
-/* Label -> number of the area. */
-static conus_status map_areas(struct label_map *map, const conus_atlas *atlas)
-{
-    for (size_t i = 0; i < atlas->area_count; i++) {
-        uint64_t *number = label_map_at(map, atlas->objects[i].label);
-        if (!number) {
-            return CONUS_ERROR_MEMORY;
-        }
-        *number = i + 1;
-    }
-    return CONUS_OK;
-}
-
 /* Adds the groups that are no area yet. */
 static conus_status add_groups(struct area_plan *plan, conus_atlas *atlas, struct label_map *map)
 {
@@ -408,8 +385,15 @@ static conus_status link_parent(conus_atlas *atlas, struct label_map *map, const
 
 static conus_status grow_tree(struct area_plan *plan, conus_atlas *atlas)
 {
-    struct label_map map = {0};
-    conus_status status = map_areas(&map, atlas);
+    struct label_map map = {0}; /* label -> number of the area or group */
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < atlas->area_count; i++) {
+        uint64_t *number = label_map_at(&map, atlas->objects[i].label);
+        status = number ? CONUS_OK : CONUS_ERROR_MEMORY;
+        if (number) {
+            *number = i + 1;
+        }
+    }
     status = status ? status : add_groups(plan, atlas, &map);
     for (size_t i = 0; !status && i < plan->count; i++) {
         status = link_parent(atlas, &map, &plan->areas[i].label);

@@ -15,44 +15,28 @@
 
 static const double default_opacity = 0.25;
 
-static conus_status check_surface(const char *path, const conus_context_options *options)
-{
-    if (options->block_threshold != 0) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: a surface does not block rays, only voxels of a volume do", path);
-    }
-    return options->opacity >= 0 && options->opacity <= 1
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT, "%s: opacity of %g, allowed is above 0 to 1 (0 = %g)", path,
-                      options->opacity, default_opacity);
-}
-
-/* As FreeSurfer calls its surfaces, which do not say it. */
-static char side_of_name(const char *path)
-{
-    const char *name = path_base(path);
-    return strncmp(name, "lh.", 3) == 0 ? 'L' : strncmp(name, "rh.", 3) == 0 ? 'R' : '\0';
-}
-
-/* It is measured when it is added. */
+/* Reads the surface; it is measured when it is added. */
 static conus_status read_surface(struct context_surface *out, const char *path, const conus_context_options *options,
                                  struct notes *notes)
 {
     const struct mesh_file_options file = {.max_memory = options->max_memory};
+    const char *name = path_base(path);
     struct label about = {0};
-    conus_status status = check_surface(path, options);
-    status = status ? status : mesh_file_read(&out->mesh, &about, path, &file, notes);
+    if (options->block_threshold != 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: a surface does not block rays, only voxels of a volume do", path);
+    }
+    if (!(options->opacity >= 0 && options->opacity <= 1)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: opacity of %g, allowed is above 0 to 1 (0 = %g)", path, options->opacity,
+                    default_opacity);
+    }
+    conus_status status = mesh_file_read(&out->mesh, &about, path, &file, notes);
     out->opacity = options->opacity > 0 ? options->opacity : default_opacity;
-    out->hemisphere = about.hemisphere ? about.hemisphere : side_of_name(path);
+    out->hemisphere = about.hemisphere               ? about.hemisphere
+                      : strncmp(name, "lh.", 3) == 0 ? 'L' /* FreeSurfer's surfaces say it only by their name */
+                      : strncmp(name, "rh.", 3) == 0 ? 'R'
+                                                     : '\0';
     label_finish(&about);
     return status;
-}
-
-static conus_status note_place(conus_atlas *atlas, const struct mesh *mesh)
-{
-    struct fit_box box;
-    memcpy(box.low, mesh->shape.low, sizeof box.low);
-    memcpy(box.high, mesh->shape.high, sizeof box.high);
-    return fit_note_context(atlas, mesh->path, &box);
 }
 
 /* On failure the atlas is as before. */
@@ -67,7 +51,13 @@ static conus_status add_surface(conus_atlas *atlas, const char *path, const conu
     status = status ? status : read_surface(&surface, path, options, notes);
     status = status ? status : notes_move(&atlas->notes, notes);
     status = status ? status : atlas_add_context_surface(atlas, &surface);
-    status = status ? status : note_place(atlas, &atlas->context_surfaces[count].mesh);
+    if (!status) {
+        const struct mesh *mesh = &atlas->context_surfaces[count].mesh;
+        struct fit_box box;
+        memcpy(box.low, mesh->shape.low, sizeof box.low);
+        memcpy(box.high, mesh->shape.high, sizeof box.high);
+        status = fit_note_context(atlas, mesh->path, &box);
+    }
     status = status ? status : fit_note_surfaces(atlas);
     status = status ? status : atlas_note_file(atlas, path, &state);
     if (status) {
@@ -107,21 +97,6 @@ conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const
     return status;
 }
 
-static const char *wrong_of_surface(const struct manifest_context *entry)
-{
-    return entry->transfer     ? "transfer: is of volumes, this is a surface"
-           : entry->blocks > 0 ? "blocks: only voxels of a volume do, this is a surface"
-           : entry->moves      ? "moves: a surface is where poses are"
-                               : NULL;
-}
-
-static const char *wrong_of_volume(const struct manifest_context *entry, const conus_atlas *atlas)
-{
-    return entry->opacity != 0    ? "opacity: is of surfaces, this is none; a volume has a transfer function"
-           : atlas_context(atlas) ? "file: is no surface, and there is a volume already"
-                                  : NULL;
-}
-
 conus_status context_entry_set(conus_atlas *atlas, const struct manifest_context *entry, const char *path,
                                const conus_load_options *options)
 {
@@ -130,7 +105,17 @@ conus_status context_entry_set(conus_atlas *atlas, const struct manifest_context
                                            .log = options->log,
                                            .log_user = options->log_user,
                                            .opacity = entry->opacity};
-    const char *wrong = mesh_file_is(path) ? wrong_of_surface(entry) : wrong_of_volume(entry, atlas);
+    const char *wrong;
+    if (mesh_file_is(path)) {
+        wrong = entry->transfer     ? "transfer: is of volumes, this is a surface"
+                : entry->blocks > 0 ? "blocks: only voxels of a volume do, this is a surface"
+                : entry->moves      ? "moves: a surface is where poses are"
+                                    : NULL;
+    } else {
+        wrong = entry->opacity != 0    ? "opacity: is of surfaces, this is none; a volume has a transfer function"
+                : atlas_context(atlas) ? "file: is no surface, and there is a volume already"
+                                       : NULL;
+    }
     return wrong ? fail(CONUS_ERROR_DATA, "%s", wrong) : conus_atlas_set_context(atlas, path, &context);
 }
 

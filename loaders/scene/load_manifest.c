@@ -22,46 +22,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static conus_status move_by(conus_atlas *atlas, const struct manifest_transform *transform, const char *manifest,
-                            uint64_t max_memory)
-{
-    enum { FILES = 4 };
-    const char *const given[FILES] = {transform->file, transform->from, transform->to, transform->grid};
-    char *paths[FILES] = {NULL};
-    bool whole = true;
-    for (size_t i = 0; i < FILES; i++) {
-        paths[i] = given[i] ? file_beside(manifest, given[i]) : NULL;
-        whole = whole && (paths[i] || !given[i]);
-    }
-    const conus_transform_options options = {.from = paths[1],
-                                             .to = paths[2],
-                                             .grid = paths[3],
-                                             .inverse = transform->inverse,
-                                             .vectors = transform->vectors,
-                                             .max_memory = max_memory};
-    conus_status status = whole ? conus_atlas_transform(atlas, paths[0], &options) : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; i < FILES; i++) {
-        memory_free(paths[i]);
-    }
-    return status;
-}
-
-/* Moves all that atlas has by the transforms of manifest, the file path; points go through the first one
- * first. max_memory as in conus_load_options. Errors of conus_atlas_transform(), with the key; the atlas may have
- * gone through some of them then. */
-static conus_status manifest_move(conus_atlas *atlas, const struct manifest *manifest, const char *path,
-                                  uint64_t max_memory)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = manifest->transform_count; !status && i > 0; i--) { /* the atlas goes back through the last first */
-        char key[48];
-        snprintf(key, sizeof key, manifest->single_transform ? "transform" : "transform[%zu]", i - 1);
-        status = move_by(atlas, &manifest->transforms[i - 1], path, max_memory);
-        status = status ? fail_in(status, key) : CONUS_OK;
-    }
-    return status;
-}
-
 /* A manifest while it is loaded. */
 struct loading {
     const struct manifest *manifest;
@@ -81,6 +41,43 @@ static conus_status fail_at(conus_status status, const struct loading *loading, 
 {
     status = fail_in(status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : status, key);
     return fail_in(status, loading->path);
+}
+
+static conus_status move_by(struct loading *loading, const struct manifest_transform *transform)
+{
+    enum { FILES = 4 };
+    const char *const given[FILES] = {transform->file, transform->from, transform->to, transform->grid};
+    char *paths[FILES] = {NULL};
+    bool whole = true;
+    for (size_t i = 0; i < FILES; i++) {
+        paths[i] = given[i] ? file_beside(loading->path, given[i]) : NULL;
+        whole = whole && (paths[i] || !given[i]);
+    }
+    const conus_transform_options options = {.from = paths[1],
+                                             .to = paths[2],
+                                             .grid = paths[3],
+                                             .inverse = transform->inverse,
+                                             .vectors = transform->vectors,
+                                             .max_memory = loading->options->max_memory};
+    conus_status status = whole ? conus_atlas_transform(loading->atlas, paths[0], &options) : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < FILES; i++) {
+        memory_free(paths[i]);
+    }
+    return status;
+}
+
+/* Moves what the atlas has by the transforms of the manifest; after an error some of them may be done. */
+static conus_status move_atlas(struct loading *loading)
+{
+    const struct manifest *manifest = loading->manifest;
+    conus_status status = CONUS_OK;
+    for (size_t i = manifest->transform_count; !status && i > 0; i--) { /* the atlas goes back through the last first */
+        char key[48];
+        snprintf(key, sizeof key, manifest->single_transform ? "transform" : "transform[%zu]", i - 1);
+        status = move_by(loading, &manifest->transforms[i - 1]);
+        status = status ? fail_at(status, loading, key) : CONUS_OK;
+    }
+    return status;
 }
 
 /* The path of `source` from where this process is, with what chooses a volume and places it; NULL without memory. */
@@ -104,37 +101,30 @@ static char *source_path(const struct loading *loading, const struct manifest_vo
     return selected.failed ? (buffer_finish(&selected), NULL) : selected.data;
 }
 
+/* Reads a parcellation, without the notes that have been made of it before. */
 static conus_status read_parcellation(struct parcellation *part, struct loading *loading,
                                       const struct manifest_parcellation *from)
 {
     static const char needed[] =
         "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF) or an FSL atlas XML of type Label";
+    const struct note_sink *sink = part->notes.sink;
     conus_load_options options = *loading->options;
     char *labels = from->labels && !options.labels ? file_beside(loading->path, from->labels) : NULL;
     char *path = source_path(loading, &from->source);
     conus_status status = path && (labels || !from->labels || options.labels) ? CONUS_OK : CONUS_ERROR_MEMORY;
     options.labels = labels ? labels : options.labels;
+    part->notes.sink = from->noted ? NULL : sink;
     status = status ? status : load_progress_report(loading->progress, path, 1);
     status = status ? status : parcellation_read(part, path, &options, needed);
     status = status ? status : parcellation_shift(part, from->label_offset, from->hemisphere);
     memory_free(path);
     memory_free(labels);
-    if (status == CONUS_ERROR_ARGUMENT && !loading->options->labels) { /* as in fail_at() */
-        status = CONUS_ERROR_DATA;
-    }
-    return status;
-}
-
-/* read_parcellation(), without the notes that have been made. */
-static conus_status read_noted(struct parcellation *part, struct loading *loading,
-                               const struct manifest_parcellation *from)
-{
-    const struct note_sink *sink = part->notes.sink;
-    part->notes.sink = from->noted ? NULL : sink;
-    conus_status status = read_parcellation(part, loading, from);
     if (from->noted) {
         notes_cut(&part->notes, 0);
         part->notes.sink = sink;
+    }
+    if (status == CONUS_ERROR_ARGUMENT && !loading->options->labels) { /* as in fail_at() */
+        status = CONUS_ERROR_DATA;
     }
     return status;
 }
@@ -146,7 +136,7 @@ static conus_status read_parcellations(struct parcellations *all, struct loading
     for (size_t i = 0; !status && i < all->count; i++) {
         char key[48];
         snprintf(key, sizeof key, manifest->single ? "parcellation" : "parcellations[%zu]", i);
-        status = read_noted(&all->parts[i], loading, &manifest->parcellations[i]);
+        status = read_parcellation(&all->parts[i], loading, &manifest->parcellations[i]);
         status = status ? fail_in(status, key) : CONUS_OK;
     }
     return status ? status : parcellations_unite(all);
@@ -170,25 +160,20 @@ static conus_status refuse_labels(const struct loading *loading)
                           labels);
 }
 
-static conus_status create_empty(struct loading *loading)
-{
-    if (loading->options->labels && !loading->maps) {
-        return refuse_labels(loading);
-    }
-    conus_status status = atlas_create_empty(&loading->atlas, loading->names);
-    if (!status) {
-        loading->atlas->notes.sink = &loading->progress->sink;
-    }
-    return status;
-}
-
 /* An atlas of the parcellations, if there are any, with all voxels that are no surface's. */
 static conus_status create_atlas(struct loading *loading, struct area_plan *plan)
 {
     struct parcellations all = {0};
     size_t count = loading->manifest->parcellation_count;
+    if (!count && loading->options->labels && !loading->maps) {
+        return refuse_labels(loading);
+    }
     if (!count) {
-        return create_empty(loading);
+        conus_status status = atlas_create_empty(&loading->atlas, loading->names);
+        if (!status) {
+            loading->atlas->notes.sink = &loading->progress->sink;
+        }
+        return status;
     }
     if (count > 1 && loading->options->labels) {
         return fail(CONUS_ERROR_ARGUMENT,
@@ -316,15 +301,6 @@ static conus_status add_fsl(struct loading *loading, const struct manifest_pathw
     return status;
 }
 
-static uint32_t largest_label(const conus_atlas *atlas)
-{
-    uint32_t largest = 0;
-    for (size_t i = 0; i < atlas->object_count; i++) {
-        largest = atlas->objects[i].label > largest ? atlas->objects[i].label : largest;
-    }
-    return largest;
-}
-
 /* Adds a volume of the file for each label, whose number is that of the volume from 1. The areas' labels are these
  * numbers less `skipped` behind the labels that there are, for a single volume the next one. */
 static conus_status add_labelled(struct loading *loading, const struct manifest_pathway *entry,
@@ -332,7 +308,11 @@ static conus_status add_labelled(struct loading *loading, const struct manifest_
                                  struct notes *notes)
 {
     char words[TEXT_NUMBER_SIZE];
-    const uint32_t before = largest_label(loading->atlas);
+    const conus_atlas *atlas = loading->atlas;
+    uint32_t before = 0;
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        before = atlas->objects[i].label > before ? atlas->objects[i].label : before;
+    }
     const double asked = loading->options->probability;
     const double threshold = asked > 0 ? asked : entry->threshold > 0 ? entry->threshold : 0.25; /* as of a pathway */
     struct probability_scale scale;
@@ -432,25 +412,20 @@ static void close_series(struct loading *loading)
     loading->series_name = NULL;
 }
 
-static conus_status open_series(struct loading *loading, const char *name, struct notes *notes)
-{
-    if (loading->series_name && strcmp(loading->series_name, name) == 0) {
-        return CONUS_OK;
-    }
-    close_series(loading);
-    char *path = file_beside(loading->path, name);
-    conus_status status = path ? load_progress_at(loading->progress, path) : CONUS_ERROR_MEMORY;
-    status = status ? status : volume_file_open_series(&loading->series, path, loading->options, notes);
-    loading->series_name = status ? NULL : name;
-    memory_free(path);
-    return status;
-}
-
 /* Adds a pathway whose neighbours in the manifest are of the same file. */
 static conus_status add_of_series(struct loading *loading, const struct manifest_pathway *pathway)
 {
     struct notes notes = {.sink = &loading->progress->sink};
-    conus_status status = open_series(loading, pathway->source.file, &notes);
+    const char *name = pathway->source.file;
+    conus_status status = CONUS_OK;
+    if (!loading->series_name || strcmp(loading->series_name, name) != 0) {
+        close_series(loading);
+        char *path = file_beside(loading->path, name);
+        status = path ? load_progress_at(loading->progress, path) : CONUS_ERROR_MEMORY;
+        status = status ? status : volume_file_open_series(&loading->series, path, loading->options, &notes);
+        loading->series_name = status ? NULL : name;
+        memory_free(path);
+    }
     status =
         status ? status : add_volume(loading, pathway, &loading->series, pathway->source.volume, pathway->name, &notes);
     notes_finish(&notes);
@@ -501,49 +476,42 @@ static conus_status add_streamlines(struct loading *loading, bool moves)
     return status;
 }
 
-static conus_status set_one(struct loading *loading, const struct manifest_context *context)
-{
-    char *path = source_path(loading, &context->source);
-    conus_status status = path ? load_progress_report(loading->progress, path, 1) : CONUS_ERROR_MEMORY;
-    status = status ? status : context_entry_set(loading->atlas, context, path, loading->options);
-    memory_free(path);
-    return status || !context->transfer ? status : context_entry_transfer(loading->atlas, context, loading->path);
-}
-
 static conus_status set_contexts(struct loading *loading, bool moves)
 {
     const struct manifest *manifest = loading->manifest;
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < manifest->context_count && !status; i++) {
         char key[32];
+        const struct manifest_context *context = &manifest->contexts[i];
+        if (context->moves != moves) {
+            continue;
+        }
+        char *path = source_path(loading, &context->source);
+        status = path ? load_progress_report(loading->progress, path, 1) : CONUS_ERROR_MEMORY;
+        status = status ? status : context_entry_set(loading->atlas, context, path, loading->options);
+        memory_free(path);
+        status = status || !context->transfer ? status : context_entry_transfer(loading->atlas, context, loading->path);
         snprintf(key, sizeof key, "context[%zu]", i);
-        status = manifest->contexts[i].moves == moves ? set_one(loading, &manifest->contexts[i]) : CONUS_OK;
         status = status ? fail_at(status, loading, manifest->context_count > 1 ? key : "context") : CONUS_OK;
     }
     return status;
 }
 
-/* Adds what moves with the areas, which are there, and moves all of it. */
-static conus_status add_what_moves(struct loading *loading)
+/* Adds what lies around the areas: what moves with them, or what does not. */
+static conus_status add_others(struct loading *loading, bool moves)
 {
-    conus_status status = add_pathways(loading, true);
-    status = status ? status : add_streamlines(loading, true);
-    status = status ? status : set_contexts(loading, true);
-    if (status) {
-        return status;
-    }
-    status = manifest_move(loading->atlas, loading->manifest, loading->path, loading->options->max_memory);
-    return status ? fail_in(status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : status, loading->path) : CONUS_OK;
+    conus_status status = add_pathways(loading, moves);
+    status = status ? status : add_streamlines(loading, moves);
+    return status ? status : set_contexts(loading, moves);
 }
 
 static conus_status load_scene(conus_atlas **out, struct loading *loading)
 {
     conus_status status = load_areas(loading);
     status = status ? status : add_probabilities(loading);
-    status = status ? status : add_what_moves(loading);
-    status = status ? status : add_pathways(loading, false);
-    status = status ? status : add_streamlines(loading, false);
-    status = status ? status : set_contexts(loading, false);
+    status = status ? status : add_others(loading, true);
+    status = status ? status : move_atlas(loading);
+    status = status ? status : add_others(loading, false);
     if (status) {
         conus_atlas_destroy(loading->atlas);
         return status;

@@ -244,16 +244,6 @@ static conus_status load_markup(struct parcellation *parts, const struct open_fi
     return status;
 }
 
-static conus_status read_names(struct parcellation *parts, const char *override, bool markup)
-{
-    if (override) {
-        return read_override(parts, override);
-    }
-    return markup ? CONUS_OK
-                  : volume_label_table(&parts->table, &parts->source, &parts->file, &parts->labels, &parts->read,
-                                       &parts->notes);
-}
-
 conus_status parcellation_check_grey(const struct volume_file *file, const struct label_voxels *labels,
                                      const struct label_table *table, bool stated, bool anyway, struct notes *notes)
 {
@@ -278,25 +268,24 @@ conus_status parcellation_check_grey(const struct volume_file *file, const struc
                      file->path, equal, needed);
 }
 
-static conus_status read_cifti(struct parcellation *out, const char *path, const conus_load_options *options)
-{
-    conus_status status = cifti_parcellation_read(out, path, options->max_memory);
-    out->file.info.role = CONUS_ROLE_PARCELLATION;
-    return status || !options->labels ? status : read_override(out, options->labels);
-}
-
 conus_status parcellation_read_opened(struct parcellation *out, const struct probe *probe, const char *path,
                                       const conus_load_options *options, const char *needed)
 {
     if (probe->reader == READER_CIFTI) {
-        return read_cifti(out, path, options);
+        conus_status status = cifti_parcellation_read(out, path, options->max_memory);
+        out->file.info.role = CONUS_ROLE_PARCELLATION;
+        return status || !options->labels ? status : read_override(out, options->labels);
     }
     bool markup = probe->first == '<';
     conus_status status = markup ? load_markup(out, &probe->file, options->max_memory, needed)
                                  : volume_file_open_labels(&out->file, &out->labels, path, probe_file(probe), options,
                                                            needed, &out->notes);
     status = status ? status : file_sums_move(&out->read, &out->file.read);
-    status = status ? status : read_names(out, options->labels, markup);
+    if (!status && options->labels) {
+        status = read_override(out, options->labels);
+    } else if (!status && !markup) { /* an XML has named them */
+        status = volume_label_table(&out->table, &out->source, &out->file, &out->labels, &out->read, &out->notes);
+    }
     out->file.info.role = CONUS_ROLE_PARCELLATION;
     return status ? status
                   : parcellation_check_grey(&out->file, &out->labels, &out->table, markup, options->labels_anyway,

@@ -159,23 +159,6 @@ static conus_status plan_pattern(struct area_plan *plan, size_t entry, const str
     return status;
 }
 
-/* The labels that vertices have, sorted, each once. */
-static conus_status list_labels(uint32_t **out, size_t *count, const struct vertex_labels *labels)
-{
-    uint32_t *sorted = memory_raw(labels->count, sizeof *sorted);
-    size_t kept = 0;
-    if (!sorted) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < labels->count; i++) {
-        sorted[kept] = labels->labels[i];
-        kept += sorted[kept] != 0;
-    }
-    *out = sorted;
-    *count = u32_sort_unique(sorted, kept);
-    return CONUS_OK;
-}
-
 /* Plans the part `number` of the last labelled surface. */
 static conus_status plan_part(struct area_plan *plan, size_t entry, const struct manifest_area *area, uint32_t number)
 {
@@ -224,14 +207,26 @@ static conus_status add_surface(struct area_plan *plan, const struct manifest_ar
     return status;
 }
 
-/* Plans "file" with "vertex_labels". path is the manifest's, areas[entry] the entry. */
+/* Plans "file" with "vertex_labels": a part for each label that vertices have. path is the manifest's, areas[entry] the
+ * entry. */
 static conus_status plan_labelled(struct area_plan *plan, size_t entry, const struct manifest_area *area,
                                   const char *path, struct notes *notes)
 {
-    uint32_t *numbers = NULL;
-    size_t count = 0;
     conus_status status = add_surface(plan, area, path, notes);
-    status = status ? status : list_labels(&numbers, &count, &plan->labelled[plan->labelled_count - 1].labels);
+    if (status) {
+        return status;
+    }
+    const struct vertex_labels *labels = &plan->labelled[plan->labelled_count - 1].labels;
+    uint32_t *numbers = memory_raw(labels->count, sizeof *numbers);
+    size_t count = 0;
+    if (!numbers) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < labels->count; i++) {
+        numbers[count] = labels->labels[i];
+        count += numbers[count] != 0;
+    }
+    count = u32_sort_unique(numbers, count);
     for (size_t i = 0; !status && i < count; i++) {
         status = plan_part(plan, entry, area, numbers[i]);
     }
@@ -395,36 +390,6 @@ static conus_status plan_brainglobe(struct area_plan *plan, size_t entry, const 
     return status;
 }
 
-static conus_status refuse_twins(const struct area_plan *plan)
-{
-    for (size_t i = 1; i < plan->count; i++) {
-        const struct planned_area *a = &plan->areas[i - 1];
-        const struct planned_area *b = &plan->areas[i];
-        if (a->label.number == b->label.number) {
-            return fail(CONUS_ERROR_DATA,
-                        "areas[%zu]: label %u is that of %s and of %s: each needs its own (label, label_offset)",
-                        b->entry, b->label.number, path_base(a->path), path_base(b->path));
-        }
-    }
-    return CONUS_OK;
-}
-
-static conus_status add_tree(struct area_plan *plan, const struct manifest *manifest)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < manifest->tree_count; i++) {
-        struct label *node = &manifest->tree[i];
-        struct planned_area *area = area_plan_find(plan, node->number);
-        if (!area) {
-            status = area_plan_add_group(plan, node);
-        } else if (node->has_parent) {
-            area->label.has_parent = true;
-            area->label.parent = node->parent;
-        }
-    }
-    return status;
-}
-
 conus_status area_plan_make(struct area_plan *out, const struct manifest *manifest, const char *path,
                             struct notes *notes)
 {
@@ -440,7 +405,24 @@ conus_status area_plan_make(struct area_plan *out, const struct manifest *manife
         status = status ? fail_in(status, key) : CONUS_OK;
     }
     area_plan_sort(out);
-    status = status ? status : refuse_twins(out);
-    status = status ? status : add_tree(out, manifest);
+    for (size_t i = 1; !status && i < out->count; i++) {
+        const struct planned_area *a = &out->areas[i - 1];
+        const struct planned_area *b = &out->areas[i];
+        if (a->label.number == b->label.number) {
+            return fail(CONUS_ERROR_DATA,
+                        "areas[%zu]: label %u is that of %s and of %s: each needs its own (label, label_offset)",
+                        b->entry, b->label.number, path_base(a->path), path_base(b->path));
+        }
+    }
+    for (size_t i = 0; !status && i < manifest->tree_count; i++) {
+        struct label *node = &manifest->tree[i];
+        struct planned_area *area = area_plan_find(out, node->number);
+        if (!area) {
+            status = area_plan_add_group(out, node);
+        } else if (node->has_parent) {
+            area->label.has_parent = true;
+            area->label.parent = node->parent;
+        }
+    }
     return status ? status : label_table_sort(&out->groups, notes);
 }

@@ -13,23 +13,6 @@
 
 #include <string.h>
 
-static conus_status note_share(conus_atlas *atlas, const struct volume *image, const char *word)
-{
-    struct area_points points = {0};
-    size_t inside = 0;
-    conus_status status = area_points_make(&points, atlas);
-    for (size_t i = 0; i < points.count; i++) {
-        size_t voxel;
-        inside += volume_find_voxel(&voxel, image, points.at + 3 * i);
-    }
-    if (!status && 2 * inside < points.count) {
-        status = notes_warn(&atlas->notes, "%.0f %% of the atlas is in the grid of %s: is %s= the image of its space?",
-                            100 * (double)inside / (double)points.count, image->info.path, word);
-    }
-    area_points_finish(&points);
-    return status;
-}
-
 static bool is_volume(const conus_atlas *atlas, const char *path)
 {
     bool is = false;
@@ -65,10 +48,21 @@ static conus_status transform_images_note(conus_atlas *atlas, const conus_transf
     const char *path = options->inverse ? options->from : options->to;
     conus_volume_info info = {0};
     struct volume image = {0};
+    struct area_points points = {0};
+    size_t inside = 0;
     conus_status status = volume_file_header(&info, path);
     info.path = path;
     status = status ? status : volume_init(&image, &info);
-    status = status ? status : note_share(atlas, &image, options->inverse ? "from" : "to");
+    status = status ? status : area_points_make(&points, atlas);
+    for (size_t i = 0; i < points.count; i++) {
+        size_t voxel;
+        inside += volume_find_voxel(&voxel, &image, points.at + 3 * i);
+    }
+    if (!status && 2 * inside < points.count) {
+        status = notes_warn(&atlas->notes, "%.0f %% of the atlas is in the grid of %s: is %s= the image of its space?",
+                            100 * (double)inside / (double)points.count, path, options->inverse ? "from" : "to");
+    }
+    area_points_finish(&points);
     volume_finish(&image);
     return status;
 }

@@ -28,12 +28,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static bool is_named_so(const char *name)
-{
-    return path_ends_in(name, ".tfm") || path_ends_in(name, ".mat") || path_ends_in(name, ".lta") ||
-           path_ends_in(name, ".xfm");
-}
-
 static conus_status say_transform(struct manifest_draft *draft, const char *name, const char *what)
 {
     return manifest_draft_log(draft,
@@ -48,7 +42,9 @@ static conus_status draft_transform_say(struct manifest_draft *draft, const char
 {
     struct file_sums read = {0};
     double matrix[16];
-    if (!is_named_so(name)) {
+    bool is_named_so = path_ends_in(name, ".tfm") || path_ends_in(name, ".mat") || path_ends_in(name, ".lta") ||
+                       path_ends_in(name, ".xfm");
+    if (!is_named_so) {
         return CONUS_OK;
     }
     char *path = manifest_draft_path(draft, name);
@@ -197,24 +193,6 @@ static bool is_parcellation(const struct manifest_draft *draft, const char *name
     return false;
 }
 
-/* Only the user knows which of two is meant, or comes first. */
-static conus_status refuse_second(const struct manifest_draft *draft, const char *name)
-{
-    return fail(CONUS_ERROR_DATA,
-                "%s%s and %s are both parcellations, and their names are not left and right of one: give one of them "
-                "as ATLAS, or write the manifest by hand (\"parcellations\", docs/formats.md)",
-                draft->folder, parcellation_file(draft, 0), name);
-}
-
-/* Files whose names say that they belong together, but which do not load so. */
-static conus_status refuse_halves(const struct manifest_draft *draft, const char *left, const char *right)
-{
-    char why[400];
-    snprintf(why, sizeof why, "%s", conus_message());
-    return fail(CONUS_ERROR_DATA, "%s%s and %s are left and right of one, and do not load together: %s", draft->folder,
-                left, right, why);
-}
-
 /* Tries both halves with the labels of the right one as they are, else behind the left one's. */
 static conus_status try_halves(bool *load, uint32_t *offset, const struct manifest_draft *draft, json_t *halves)
 {
@@ -240,7 +218,15 @@ static conus_status take_halves(struct manifest_draft *draft, const char *left, 
     conus_status status = halves ? try_halves(&load, &offset, draft, halves) : CONUS_ERROR_MEMORY;
     if (status || !load) {
         json_decref(halves);
-        return status ? status : refuse_halves(draft, left, right);
+    }
+    if (status) {
+        return status;
+    }
+    if (!load) {
+        char why[400];
+        snprintf(why, sizeof why, "%s", conus_message());
+        return fail(CONUS_ERROR_DATA, "%s%s and %s are left and right of one, and do not load together: %s",
+                    draft->folder, left, right, why);
     }
     status = offset ? manifest_draft_log(draft, "%s: left and right of one with %s; its labels are %u further", right,
                                          left, offset)
@@ -258,8 +244,14 @@ static conus_status set_second(struct manifest_draft *draft, const char *name)
     const char *first = parcellation_file(draft, 0);
     conus_status status = volume_names_are_halves(&is_right, first, name);
     status = status || is_right ? status : volume_names_are_halves(&halves, name, first);
-    if (status || (!is_right && !halves) || json_is_array(draft->parcellation)) {
-        return status ? status : refuse_second(draft, name);
+    if (status) {
+        return status;
+    }
+    if ((!is_right && !halves) || json_is_array(draft->parcellation)) { /* the user knows which is meant or first */
+        return fail(CONUS_ERROR_DATA,
+                    "%s%s and %s are both parcellations, and their names are not left and right of one: give one of "
+                    "them as ATLAS, or write the manifest by hand (\"parcellations\", docs/formats.md)",
+                    draft->folder, first, name);
     }
     return take_halves(draft, is_right ? first : name, is_right ? name : first);
 }
@@ -615,14 +607,6 @@ static conus_status look_at_other(struct manifest_draft *draft, const char *name
     return known ? CONUS_OK : manifest_draft_log(draft, "%s: left out, another stack of the BrainGlobe folder", name);
 }
 
-/* Surfaces may be made of the same areas. */
-static conus_status note_both(struct manifest_draft *draft)
-{
-    const char *file = json_array_size(draft->areas) ? parcellation_file(draft, 0) : NULL;
-    static const char words[] = "%s and surfaces: areas that are in both are there twice: take one out of the manifest";
-    return file ? manifest_draft_log(draft, words, file) : CONUS_OK;
-}
-
 static conus_status scan_folder(struct manifest_draft *draft)
 {
     struct names names = {0};
@@ -650,7 +634,12 @@ static conus_status scan_folder(struct manifest_draft *draft)
         memory_free(path);
     }
     names_finish(&names);
-    return status || voxels || labelled ? status : note_both(draft);
+    const char *file = voxels || labelled || !json_array_size(draft->areas) ? NULL : parcellation_file(draft, 0);
+    return status || !file
+               ? status
+               : manifest_draft_log(
+                     draft, "%s and surfaces: areas that are in both are there twice: take one out of the manifest",
+                     file);
 }
 
 /* Areas of probabilities may overlap, so a manifest has them or a parcellation and surfaces: beside those they are

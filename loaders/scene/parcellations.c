@@ -50,22 +50,24 @@ static conus_status check_offset(uint32_t label, uint32_t offset)
                : fail(CONUS_ERROR_DATA, "label_offset: %u + %u is above 4294967295", offset, label);
 }
 
-static conus_status shift_table(struct label_table *table, uint32_t offset, char hemisphere)
+conus_status parcellation_shift(struct parcellation *part, uint32_t offset, char hemisphere)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < table->count; i++) {
-        struct label *label = &table->entries[i];
-        status = check_offset(label->number, offset);
+    part->hemisphere = hemisphere;
+    for (size_t i = 0; i < part->table.count; i++) {
+        struct label *label = &part->table.entries[i];
+        conus_status status = check_offset(label->number, offset);
         status = status || !label->has_parent ? status : check_offset(label->parent, offset);
+        if (status) {
+            return status;
+        }
         label->number += offset;
         label->parent += label->has_parent ? offset : 0;
         label->hemisphere = label->hemisphere ? label->hemisphere : hemisphere;
     }
-    return status;
-}
-
-static conus_status shift_voxels(struct label_voxels *voxels, uint32_t offset)
-{
+    if (!offset) {
+        return CONUS_OK;
+    }
+    struct label_voxels *voxels = &part->labels;
     uint32_t largest = 0;
     for (size_t p = 0; p < voxels->label_count; p++) {
         largest = voxels->labels[p] > largest ? voxels->labels[p] : largest;
@@ -75,13 +77,6 @@ static conus_status shift_voxels(struct label_voxels *voxels, uint32_t offset)
         voxels->labels[p] += voxels->labels[p] ? offset : 0;
     }
     return status;
-}
-
-conus_status parcellation_shift(struct parcellation *part, uint32_t offset, char hemisphere)
-{
-    part->hemisphere = hemisphere;
-    conus_status status = shift_table(&part->table, offset, hemisphere);
-    return status || !offset ? status : shift_voxels(&part->labels, offset);
 }
 
 /* Which of the first `count` parts is the first to have voxels of the label; `count` if none has. */
@@ -220,9 +215,7 @@ conus_status parcellations_unite(struct parcellations *all)
     return status ? status : buffer_status(&all->source);
 }
 
-enum { SHOWN = 4 };
-
-static const char *label_name(const struct parcellation *part)
+static const char *file_name(const struct parcellation *part)
 {
     return path_base(part->file.path);
 }
@@ -233,16 +226,6 @@ struct claim {
     struct volume grid; /* without voxels */
     bool same;          /* as the grid of the part that is asked about */
 };
-
-static conus_status make_claims(struct claim *claims, const struct parcellations *all)
-{
-    conus_status status = CONUS_OK;
-    for (size_t p = 0; !status && p < all->count; p++) {
-        claims[p].part = &all->parts[p];
-        status = volume_init(&claims[p].grid, &all->parts[p].file.info);
-    }
-    return status;
-}
 
 /* Whether the voxel, whose centre is the world point, lies in an area of one of these parts. */
 static bool is_claimed(const struct claim *claims, size_t count, size_t voxel, const double centre[3])
@@ -311,35 +294,38 @@ static conus_status add_up(struct loss *loss, struct label_map *before)
     return status;
 }
 
-static conus_status note_gone(struct notes *notes, const struct loss *loss, const struct parcellation *part)
+static conus_status note_loss(struct notes *notes, const struct loss *loss, const struct parcellation *part)
 {
+    enum { SHOWN = 4 };
     struct buffer list = {0};
+    conus_status status = CONUS_OK;
+    if (loss->sum) {
+        status = notes_add(notes,
+                           "%s: voxels in areas of earlier parcellations, which keep them: %llu (of %zu of its areas)",
+                           file_name(part), (unsigned long long)loss->sum, loss->voxels.count);
+    }
+    if (status || !loss->gone_count) {
+        return status;
+    }
     for (size_t i = 0; i < loss->gone_count && i < SHOWN; i++) {
         buffer_format(&list, "%s%u", i ? ", " : "", loss->gone[i]);
     }
-    conus_status status = buffer_status(&list);
-    if (!status && loss->gone_count) {
+    status = buffer_status(&list);
+    if (!status) {
         status = notes_warn(notes, "%s: areas that lose all of their voxels to earlier parcellations: %zu (%s%s)",
-                            label_name(part), loss->gone_count, list.data, loss->gone_count > SHOWN ? ", ..." : "");
+                            file_name(part), loss->gone_count, list.data, loss->gone_count > SHOWN ? ", ..." : "");
     }
     buffer_finish(&list);
     return status;
 }
 
-static conus_status note_loss(struct notes *notes, const struct loss *loss, const struct parcellation *part)
-{
-    conus_status status = CONUS_OK;
-    if (loss->sum) {
-        status = notes_add(notes,
-                           "%s: voxels in areas of earlier parcellations, which keep them: %llu (of %zu of its areas)",
-                           label_name(part), (unsigned long long)loss->sum, loss->voxels.count);
-    }
-    return status ? status : note_gone(notes, loss, part);
-}
-
 static conus_status give_voxels(struct parcellations *all, struct claim *claims)
 {
-    conus_status status = make_claims(claims, all);
+    conus_status status = CONUS_OK;
+    for (size_t p = 0; !status && p < all->count; p++) {
+        claims[p].part = &all->parts[p];
+        status = volume_init(&claims[p].grid, &all->parts[p].file.info);
+    }
     for (size_t p = 1; !status && p < all->count; p++) {
         struct loss loss = {0};
         status = take_claimed(&loss.voxels, &all->parts[p], claims, p);
@@ -369,10 +355,10 @@ static conus_status note_grids(struct parcellations *all)
     for (size_t p = 0; p < all->count; p++) {
         bool is_first = find_grid(all, p, p) == p;
         grids += is_first;
-        buffer_format(&list, is_first && p ? "; %s" : "%s", is_first ? label_name(&all->parts[p]) : "");
+        buffer_format(&list, is_first && p ? "; %s" : "%s", is_first ? file_name(&all->parts[p]) : "");
         for (size_t q = p + 1; is_first && q < all->count; q++) {
             bool joins = find_grid(all, q, q) == p;
-            buffer_format(&list, joins ? " with %s" : "%s", joins ? label_name(&all->parts[q]) : "");
+            buffer_format(&list, joins ? " with %s" : "%s", joins ? file_name(&all->parts[q]) : "");
         }
     }
     conus_status status = buffer_status(&list);
@@ -395,7 +381,7 @@ static conus_status note_spaces(struct parcellations *all)
         if (first->space_code >= TEMPLATES && info->space_code >= TEMPLATES && first->space_code != info->space_code) {
             status =
                 notes_warn(&all->notes, "%s is placed by %s, %s by %s: their areas may not fit together",
-                           label_name(&all->parts[0]), first->transform, label_name(&all->parts[p]), info->transform);
+                           file_name(&all->parts[0]), first->transform, file_name(&all->parts[p]), info->transform);
         }
     }
     return status;

@@ -19,11 +19,6 @@ struct planning {
     size_t taken_count;
 };
 
-static conus_status fail_in_file(conus_status status, const struct planning *planning)
-{
-    return status && status != CONUS_ERROR_MEMORY ? fail_in(status, planning->file->path) : status;
-}
-
 /* "FILE,map=K", without the folder. */
 static char *name_map(const struct cifti_file *file)
 {
@@ -67,19 +62,6 @@ static conus_status take_labels(struct planning *planning, const uint32_t *list,
     return CONUS_OK;
 }
 
-/* The map is in it since results of two maps with the same labels differ in nothing else that a sidecar keeps. */
-static conus_status note_surface(struct planning *planning, const struct cifti_model *model, const char *surface,
-                                 const char *kind, uint32_t offset)
-{
-    const char *path = planning->file->path;
-    conus_status status = notes_add(planning->notes, "%s: map %zu: labels of %s are on %s (%s)", path,
-                                    planning->file->choice.map, model->structure->name, surface, kind);
-    return status || !offset
-               ? status
-               : notes_add(planning->notes, "%s: labels of %s are raised by %u, since others have them, too", path,
-                           model->structure->name, offset);
-}
-
 static conus_status add_area(struct planning *planning, const char *surface, uint32_t offset)
 {
     struct manifest *manifest = &planning->manifest;
@@ -104,9 +86,18 @@ static conus_status plan_surface(struct planning *planning, const struct cifti_m
     uint32_t offset = 0;
     conus_status status =
         surface_list_find(&surface, &kind, &planning->surfaces, model->structure->name, model->vertex_count);
+    const char *path = planning->file->path;
     status = status ? status : choose_offset(&offset, planning, list, count);
-    status = fail_in_file(status, planning);
-    status = status ? status : note_surface(planning, model, surface->name, kind, offset);
+    if (status) {
+        return status == CONUS_ERROR_MEMORY ? status : fail_in(status, path);
+    }
+    /* the map is said since results of two maps with the same labels differ in nothing else that a sidecar keeps */
+    status = notes_add(planning->notes, "%s: map %zu: labels of %s are on %s (%s)", path, planning->file->choice.map,
+                       model->structure->name, surface->name, kind);
+    if (!status && offset) {
+        status = notes_add(planning->notes, "%s: labels of %s are raised by %u, since others have them, too", path,
+                           model->structure->name, offset);
+    }
     status = status ? status : take_labels(planning, list, count, offset);
     return status ? status : add_area(planning, surface->name, offset);
 }

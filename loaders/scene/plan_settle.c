@@ -54,21 +54,6 @@ static void take_words(struct label *label, struct label *entry)
     label->hemisphere = label->hemisphere ? label->hemisphere : entry->hemisphere;
 }
 
-/* Gives the surfaces the parents that the table knows and the manifest does not. */
-static void hand_over_parents(struct area_plan *plan, const struct label_table *table)
-{
-    for (size_t i = 0; i < plan->count; i++) {
-        struct label *label = &plan->areas[i].label;
-        const struct label *entry = label_table_find(table, label->number);
-        bool known = entry && entry->has_parent &&
-                     (label_table_find(table, entry->parent) || area_plan_find(plan, entry->parent));
-        if (known && !label->has_parent) {
-            label->has_parent = true;
-            label->parent = entry->parent;
-        }
-    }
-}
-
 /* An entry of the table that lies in a surface becomes a node of the tree, since the table will not know its parent.
  * The first `stated` nodes are the manifest's. */
 static conus_status hand_over_link(struct area_plan *plan, struct label *entry, size_t stated)
@@ -96,7 +81,16 @@ static conus_status hand_over_entries(struct area_plan *plan, struct label_table
     size_t kept = 0;
     size_t stated = plan->groups.count;
     conus_status status = CONUS_OK;
-    hand_over_parents(plan, table);
+    for (size_t i = 0; i < plan->count; i++) { /* parents that the table knows and the manifest does not */
+        struct label *label = &plan->areas[i].label;
+        const struct label *entry = label_table_find(table, label->number);
+        bool known = entry && entry->has_parent &&
+                     (label_table_find(table, entry->parent) || area_plan_find(plan, entry->parent));
+        if (known && !label->has_parent) {
+            label->has_parent = true;
+            label->parent = entry->parent;
+        }
+    }
     for (size_t i = 0; !status && i < table->count; i++) {
         status = hand_over_link(plan, &table->entries[i], stated);
     }
@@ -132,22 +126,24 @@ static conus_status apply_preference(struct area_plan *plan, struct parcellation
         first = counts[i] && !first ? &plan->areas[i] : first;
         shared += counts[i] > 0;
     }
-    if (first && preference == MANIFEST_PREFER_NONE) {
+    if (!first) {
+        return CONUS_OK;
+    }
+    if (preference == MANIFEST_PREFER_NONE) {
         return fail(CONUS_ERROR_DATA,
                     "areas[%zu]: label %u of %s is in the parcellation, too: say \"prefer\": \"areas\" or "
                     "\"parcellation\"",
                     first->entry, first->label.number, path_base(first->path));
     }
     bool surfaces = preference != MANIFEST_PREFER_PARCELLATION;
-    for (size_t p = 0; first && surfaces && p < all->count; p++) {
+    for (size_t p = 0; surfaces && p < all->count; p++) {
         clear_voxels(plan, &all->parts[p]);
     }
-    if (first && !surfaces) {
+    if (!surfaces) {
         drop_surfaces(plan, counts);
     }
-    return !first ? CONUS_OK
-                  : notes_add(&all->notes, "labels that are both a surface and voxels: %zu, the %s taken", shared,
-                              surfaces ? "surfaces are" : "voxels are");
+    return notes_add(&all->notes, "labels that are both a surface and voxels: %zu, the %s taken", shared,
+                     surfaces ? "surfaces are" : "voxels are");
 }
 
 conus_status area_plan_settle(struct area_plan *plan, struct parcellations *all, enum manifest_preference preference)
