@@ -41,16 +41,6 @@ static bool next_tag(struct text *rest, struct tag *tag)
     return true;
 }
 
-/* Where the string ends that begins at `start` of `text`: at its closing mark, or a word at white space or a tag. */
-static size_t string_end(struct text text, size_t start, char quote)
-{
-    size_t end = start;
-    while (end < text.size && (quote ? text.data[end] != quote : !memchr(" \t\r\n\v\f<", text.data[end], 7))) {
-        end++;
-    }
-    return end;
-}
-
 /* Takes the next string before the next tag off `rest`, in quotation marks or else a word, its entities unresolved. */
 static bool next_string(struct text *rest, struct text *string)
 {
@@ -60,7 +50,11 @@ static bool next_string(struct text *rest, struct text *string)
     }
     bool quoted = inner.data[0] == '"' || inner.data[0] == '\'';
     size_t start = quoted;
-    size_t end = string_end(inner, start, quoted ? inner.data[0] : 0);
+    size_t end = start;
+    while (end < inner.size &&
+           (quoted ? inner.data[end] != inner.data[0] : !memchr(" \t\r\n\v\f<", inner.data[end], 7))) {
+        end++;
+    }
     if (quoted && end == inner.size) {
         return false;
     }

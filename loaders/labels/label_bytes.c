@@ -77,25 +77,20 @@ const struct label_format *label_format_of(struct text text)
 
 const struct label_format label_format_chosen = {"label table", NULL};
 
-/* Some formats have more to say where it is known what for. */
-static conus_status parse_for(struct label_table *out, const struct label_format *format, struct text text,
-                              const struct label_use *use, struct notes *notes)
-{
-    if (format == &label_format_workbench) {
-        return label_workbench_parse(out, text, use->info ? use->info->volume : 0, notes);
-    }
-    if (format == &label_format_chosen) {
-        return label_columns_parse(out, text, use->columns, notes);
-    }
-    bool atlas = format == &label_format_fsl || format == &label_format_spm;
-    return atlas ? label_fsl_parse(out, text, use, notes) : format->parse(out, text, notes);
-}
-
 conus_status label_text_parse(struct label_table *out, const struct label_format *format, struct text text,
                               const struct label_use *use, struct notes *notes)
 {
     struct label_table table = {0};
-    conus_status status = parse_for(&table, format, text, use, notes);
+    conus_status status;
+    if (format == &label_format_workbench) {
+        status = label_workbench_parse(&table, text, use->info ? use->info->volume : 0, notes);
+    } else if (format == &label_format_chosen) {
+        status = label_columns_parse(&table, text, use->columns, notes);
+    } else if (format == &label_format_fsl || format == &label_format_spm) {
+        status = label_fsl_parse(&table, text, use, notes);
+    } else {
+        status = format->parse(&table, text, notes);
+    }
     status = status ? status : label_table_sort(&table, notes);
     if (status) {
         label_table_finish(&table);

@@ -231,16 +231,6 @@ bool label_is_background(struct text name)
     return text_equal_ignoring_case(name, "n/a");
 }
 
-static conus_status note_zero(const char *name, struct notes *notes)
-{
-    return label_is_background(text_from(name))
-               ? CONUS_OK
-               : notes_warn(notes,
-                            "the label table calls label 0 \"%s\", but 0 is background: if the table counts from 0 and "
-                            "the volume from 1, all names are off by one",
-                            name);
-}
-
 conus_status label_keep(struct label_table *table, struct label *label, conus_status status, struct notes *notes)
 {
     if (!status && label->number) {
@@ -251,7 +241,12 @@ conus_status label_keep(struct label_table *table, struct label *label, conus_st
         }
         status = CONUS_ERROR_MEMORY;
     } else if (!status && label->name) {
-        status = note_zero(label->name, notes);
+        if (!label_is_background(text_from(label->name))) {
+            status = notes_warn(notes,
+                                "the label table calls label 0 \"%s\", but 0 is background: if the table counts from 0 "
+                                "and the volume from 1, all names are off by one",
+                                label->name);
+        }
         if (!table->zero) {
             table->zero = label->name;
             label->name = NULL;

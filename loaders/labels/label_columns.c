@@ -65,18 +65,6 @@ static void match_column(struct header *header, int ranks[COLUMN_COUNT], struct 
     }
 }
 
-/* "value,label": a value may be a measurement, so it is the number only in front and without a better one; whether the
- * rows agree, counts_by_value() tells. */
-static void match_value(struct header *header, struct text first)
-{
-    int *index = &header->at[INDEX];
-    if (text_equal_ignoring_case(first, "value") && (*index == NO_COLUMN || *index == header->at[NAME])) {
-        *index = 0;
-        header->at[RIVAL] = NO_COLUMN;
-        header->by_value = true;
-    }
-}
-
 static char separator_of(struct text line)
 {
     return memchr(line.data, '\t', line.size) ? '\t' : memchr(line.data, ',', line.size) ? ',' : ';';
@@ -100,7 +88,14 @@ static bool read_header_row(struct header *header, struct text line, char separa
             match_column(header, ranks, field, header->count++);
         }
     }
-    match_value(header, first);
+    /* "value,label": a value may be a measurement, so it is the number only in front and without a better one; whether
+     * the rows agree, counts_by_value() tells */
+    int *index = &header->at[INDEX];
+    if (text_equal_ignoring_case(first, "value") && (*index == NO_COLUMN || *index == header->at[NAME])) {
+        *index = 0;
+        header->at[RIVAL] = NO_COLUMN;
+        header->by_value = true;
+    }
     return header->at[INDEX] != NO_COLUMN && header->at[NAME] != NO_COLUMN && header->at[INDEX] != header->at[NAME];
 }
 
@@ -145,34 +140,22 @@ static conus_status set_text(char **field, struct text cell)
     return status;
 }
 
-static conus_status set_colour(struct label *label, const struct text cells[COLUMN_COUNT], const char *where)
-{
-    if (cells[COLOUR].size) {
-        label->has_rgb = true;
-        return label_cell_colour(label->rgb, cells[COLOUR], where);
-    }
-    if (cells[RED].size || cells[GREEN].size || cells[BLUE].size) {
-        return label_cell_rgb(label, &cells[RED], label_cell_channel, where);
-    }
-    return CONUS_OK;
-}
-
-static conus_status set_hemisphere(struct label *label, struct text cell, const char *where, struct notes *notes)
-{
-    label->hemisphere = label_hemisphere_of(cell);
-    if (!cell.size || label->hemisphere) {
-        return CONUS_OK;
-    }
-    return notes_warn(notes, "label table, %s: hemisphere \"%.*s\" is none of L, R, B: taken as not given", where,
-                      cell.size < 40 ? (int)cell.size : 40, cell.data);
-}
-
 static conus_status fill_label(struct label *label, const struct text cells[COLUMN_COUNT], const char *where,
                                struct notes *notes)
 {
+    const struct text hemisphere = cells[HEMISPHERE];
     conus_status status = label_cell_number(&label->number, cells[INDEX], where);
-    status = status ? status : set_colour(label, cells, where);
-    status = status ? status : set_hemisphere(label, cells[HEMISPHERE], where, notes);
+    if (!status && cells[COLOUR].size) {
+        label->has_rgb = true;
+        status = label_cell_colour(label->rgb, cells[COLOUR], where);
+    } else if (!status && (cells[RED].size || cells[GREEN].size || cells[BLUE].size)) {
+        status = label_cell_rgb(label, &cells[RED], label_cell_channel, where);
+    }
+    label->hemisphere = label_hemisphere_of(hemisphere);
+    if (!status && hemisphere.size && !label->hemisphere) {
+        status = notes_warn(notes, "label table, %s: hemisphere \"%.*s\" is none of L, R, B: taken as not given", where,
+                            hemisphere.size < 40 ? (int)hemisphere.size : 40, hemisphere.data);
+    }
     if (!status && cells[PARENT].size) {
         status = label_cell_number(&label->parent, cells[PARENT], where);
         label->has_parent = label->parent != 0;
@@ -455,21 +438,6 @@ static conus_status check_names_differ(const struct label_table *table)
     return status;
 }
 
-static conus_status parse_bare_row(struct label_table *out, const struct bare *row, size_t columns, const char *where,
-                                   struct notes *notes)
-{
-    struct label label = {0};
-    if (!row->closed) {
-        return fail(CONUS_ERROR_DATA, "%s: a quotation mark is not closed", where);
-    }
-    if (row->columns != columns) {
-        return fail(CONUS_ERROR_DATA, "%s: %zu columns, the first line has %zu", where, row->columns, columns);
-    }
-    conus_status status = label_cell_number(&label.number, row->cells[0], where);
-    status = status ? status : set_text(&label.name, row->cells[1]);
-    return label_keep(out, &label, status, notes);
-}
-
 static conus_status parse_bare(struct label_table *out, struct text text, struct notes *notes)
 {
     char separator = bare_separator(text);
@@ -480,11 +448,20 @@ static conus_status parse_bare(struct label_table *out, struct text text, struct
     conus_status status = CONUS_OK;
     while (!status && next_line(&text, &number, &line)) {
         char where[32];
+        struct label label = {0};
         struct bare row = read_bare(line, separator);
         snprintf(where, sizeof where, "line %zu", number);
         columns = columns ? columns : row.columns;
         more_words = more_words || row.more_words;
-        status = parse_bare_row(out, &row, columns, where, notes);
+        if (!row.closed) {
+            return fail(CONUS_ERROR_DATA, "%s: a quotation mark is not closed", where);
+        }
+        if (row.columns != columns) {
+            return fail(CONUS_ERROR_DATA, "%s: %zu columns, the first line has %zu", where, row.columns, columns);
+        }
+        status = label_cell_number(&label.number, row.cells[0], where);
+        status = status ? status : set_text(&label.name, row.cells[1]);
+        status = label_keep(out, &label, status, notes);
     }
     return status || !more_words ? status : check_names_differ(out);
 }

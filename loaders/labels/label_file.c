@@ -55,18 +55,6 @@ static conus_status apply_colours(struct label_table *table, struct text text)
     return status;
 }
 
-static conus_status apply_bytes(struct label_table *table, bool *found, const struct bytes *bytes)
-{
-    struct text text = text_from_bytes(bytes->data, bytes->size);
-    *found = true;
-    if (label_is_lut(bytes->data, bytes->size)) {
-        label_lut_apply(table, bytes->data);
-        return CONUS_OK;
-    }
-    *found = label_format_of(text) == &label_format_colours;
-    return *found ? apply_colours(table, text) : CONUS_OK;
-}
-
 conus_status label_file_colours(struct label_table *table, bool *found, const char *path, struct file_sums *read)
 {
     struct bytes bytes = {0};
@@ -78,7 +66,14 @@ conus_status label_file_colours(struct label_table *table, bool *found, const ch
     if (status) {
         return status;
     }
-    status = apply_bytes(table, found, &bytes);
+    struct text text = text_from_bytes(bytes.data, bytes.size);
+    if (label_is_lut(bytes.data, bytes.size)) {
+        *found = true;
+        label_lut_apply(table, bytes.data);
+    } else if (label_format_of(text) == &label_format_colours) {
+        *found = true;
+        status = apply_colours(table, text);
+    }
     if (!status && *found && read) {
         status = file_sums_add(read, path, &bytes);
     }

@@ -77,17 +77,6 @@ struct census {
     uint32_t lowest; /* label but 0; 0 if there is none */
 };
 
-static void count_voxel(struct census *census, const conus_volume_info *info, size_t at, uint32_t label)
-{
-    size_t row = at / info->dim[0];
-    size_t plane = row / info->dim[1];
-    const double voxel[3] = {(double)(at % info->dim[0]), (double)(row % info->dim[1]), (double)plane};
-    double world[3];
-    mat4_point(world, info->world_from_voxel, voxel);
-    census->count[label]++;
-    census->right[label] += world[0];
-}
-
 static void count_labels(struct census *out, const struct label_use *use)
 {
     const conus_volume_info *info = use->info;
@@ -97,7 +86,13 @@ static void count_labels(struct census *out, const struct label_use *use)
         uint32_t label = label_voxels_at(use->voxels, at);
         out->lowest = label && (!out->lowest || label < out->lowest) ? label : out->lowest;
         if (label && label < COARSE) {
-            count_voxel(out, info, at, label);
+            size_t row = at / info->dim[0];
+            size_t plane = row / info->dim[1];
+            const double voxel[3] = {(double)(at % info->dim[0]), (double)(row % info->dim[1]), (double)plane};
+            double world[3];
+            mat4_point(world, info->world_from_voxel, voxel);
+            out->count[label]++;
+            out->right[label] += world[0];
         }
     }
 }
@@ -395,16 +390,6 @@ static conus_status judge_similar_table(bool *taken, struct label_search *search
                      name, volume, fit.unnamed ? "nearly all" : "all", fit.used, fit.names);
 }
 
-static conus_status try_similar_table(struct label_search *search, const struct folder *folder, const char *name)
-{
-    char *path = file_beside(folder->folder, name);
-    search->judge = judge_similar_table;
-    conus_status status = path ? label_search_file(search, path) : CONUS_ERROR_MEMORY;
-    search->judge = NULL;
-    memory_free(path);
-    return status;
-}
-
 static conus_status consider(bool *tried, struct label_search *search, const struct folder *folder, const char *name)
 {
     struct text stem = {name, table_stem_length(name)};
@@ -419,7 +404,15 @@ static conus_status consider(bool *tried, struct label_search *search, const str
     bool other = is_of_another(folder, &words);
     conus_status status = words.count || other ? CONUS_OK : is_only_table(&only, folder, name, search->use.max_memory);
     *tried = !status && only && !other;
-    return status || !*tried ? status : try_similar_table(search, folder, name);
+    if (!*tried) {
+        return status;
+    }
+    char *path = file_beside(folder->folder, name);
+    search->judge = judge_similar_table;
+    status = path ? label_search_file(search, path) : CONUS_ERROR_MEMORY;
+    search->judge = NULL;
+    memory_free(path);
+    return status;
 }
 
 /* Tries the tables in folder whose names have no word that the volume's lacks, unless they may belong to another
@@ -588,17 +581,6 @@ static conus_status colour_beside(struct label_search *search)
     return status;
 }
 
-/* Entries without names, for colours to go to. */
-static conus_status number_entries(struct label_table *table)
-{
-    for (uint32_t number = 1; number < 256; number++) {
-        if (!label_table_add(table, number)) {
-            return CONUS_ERROR_MEMORY;
-        }
-    }
-    return CONUS_OK;
-}
-
 static conus_status settle_search(struct label_search *search)
 {
     if (search->found) {
@@ -617,7 +599,10 @@ static conus_status settle_search(struct label_search *search)
         ".txt, .tsv, .json, .label, .ctbl, .niml.lt, .csv, .lut; in its folder for an inherited dseg.tsv, an "
         "atlas XML of FSL or SPM, a table with a similar name, structures.json, FreeSurferColorLUT.txt)",
         name, stem, name);
-    return status ? status : number_entries(&search->table);
+    for (uint32_t number = 1; !status && number < 256; number++) { /* without names, for colours to go to */
+        status = label_table_add(&search->table, number) ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    return status;
 }
 
 conus_status label_table_of_volume(struct label_table *out, char **source, struct label_volume *volume,

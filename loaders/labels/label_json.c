@@ -80,8 +80,11 @@ static conus_status set_parent(struct label *label, const json_t *path, const ch
     return status;
 }
 
-static conus_status fill_structure(struct label *label, const json_t *structure, const char *where)
+static conus_status fill_structure(struct label *label, const json_t *structure, const char *where, void *data,
+                                   struct notes *notes)
 {
+    (void)data;
+    (void)notes;
     conus_status status = read_number(&label->number, json_object_get(structure, "id"), "id", where);
     status = status ? status : set_rgb(label, json_object_get(structure, "rgb_triplet"), where);
     status = status ? status : set_parent(label, json_object_get(structure, "structure_id_path"), where);
@@ -159,19 +162,11 @@ static conus_status parse_nodes(struct label_table *out, json_t *root, const cha
     return status;
 }
 
-static conus_status fill_of_structure(struct label *label, const json_t *object, const char *where, void *data,
-                                      struct notes *notes)
-{
-    (void)data;
-    (void)notes;
-    return fill_structure(label, object, where);
-}
-
 static conus_status parse_structures(struct label_table *out, struct text text, struct notes *notes)
 {
     json_t *root = NULL;
     conus_status status = json_text_load(&root, text);
-    status = status ? status : parse_nodes(out, root, "structure", fill_of_structure, NULL, notes);
+    status = status ? status : parse_nodes(out, root, "structure", fill_structure, NULL, notes);
     json_decref(root);
     return status;
 }

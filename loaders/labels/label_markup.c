@@ -18,22 +18,17 @@ struct workbench {
     struct label label;
 };
 
-static conus_status start_volume(struct workbench *workbench, const struct xml_event *event)
-{
-    const char *index = xml_attribute(event, "Index");
-    uint64_t volume;
-    if (!index || !text_to_uint(text_from(index), UINT32_MAX, &volume)) {
-        return fail(CONUS_ERROR_DATA, "line %zu: VolumeInformation needs Index, a whole number", event->line);
-    }
-    workbench->elsewhere = volume != workbench->wanted;
-    return CONUS_OK;
-}
-
 static conus_status workbench_start(void *user, const struct xml_event *event)
 {
     struct workbench *workbench = user;
     if (strcmp(event->name, "VolumeInformation") == 0) {
-        return start_volume(workbench, event);
+        const char *index = xml_attribute(event, "Index");
+        uint64_t volume;
+        if (!index || !text_to_uint(text_from(index), UINT32_MAX, &volume)) {
+            return fail(CONUS_ERROR_DATA, "line %zu: VolumeInformation needs Index, a whole number", event->line);
+        }
+        workbench->elsewhere = volume != workbench->wanted;
+        return CONUS_OK;
     }
     if (strcmp(event->name, "Label") == 0 && !workbench->elsewhere) {
         workbench->in_label = true;

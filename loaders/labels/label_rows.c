@@ -118,35 +118,30 @@ static bool is_unnamed(const struct census *census, const struct row *row, uint6
     return good && (words == 3 || words == 4);
 }
 
-static void count_row(struct census *census, const struct row *row)
-{
-    uint64_t number = 0;
-    census->unnamed += is_unnamed(census, row, &number);
-    census->last = number;
-    struct shape s = shape_of(row);
-    bool five_numbers = s.numbered && s.words == 4 && s.lead == 4;
-    census->tabbed = (census->tabbed || !census->rows) && has_only_first_tab(row);
-    census->pairs += census->rows % 2 == five_numbers; /* alternately a name and five numbers */
-    census->rows++;
-    census->numbered += s.numbered;
-    census->named += s.numbered && s.lead < s.words;
-    census->coded += s.numbered && s.words == 2 && s.lead == 0 && s.tail == 1;
-    census->coloured += s.numbered && s.tail >= 3;
-    census->with_alpha += s.numbered && s.tail >= 4;
-    census->mrtrix += s.numbered && s.words == 6 && s.lead == 0 && s.tail == 4;
-    census->fsleyes += s.numbered && s.lead >= 3 && s.lead < s.words;
-    census->itk_snap += s.numbered && s.lead == 6 && s.quoted;
-    census->number_last +=
-        !s.numbered && ((s.words == 1 && s.lead == 1) || (s.words == 2 && s.lead == 0 && s.tail == 1));
-}
-
 static struct census count_rows(struct text text)
 {
     struct census census = {0};
     struct reader reader = {.rest = text};
     struct row row;
     while (next_row(&reader, &row)) {
-        count_row(&census, &row);
+        uint64_t number = 0;
+        census.unnamed += is_unnamed(&census, &row, &number);
+        census.last = number;
+        struct shape s = shape_of(&row);
+        bool five_numbers = s.numbered && s.words == 4 && s.lead == 4;
+        census.tabbed = (census.tabbed || !census.rows) && has_only_first_tab(&row);
+        census.pairs += census.rows % 2 == five_numbers; /* alternately a name and five numbers */
+        census.rows++;
+        census.numbered += s.numbered;
+        census.named += s.numbered && s.lead < s.words;
+        census.coded += s.numbered && s.words == 2 && s.lead == 0 && s.tail == 1;
+        census.coloured += s.numbered && s.tail >= 3;
+        census.with_alpha += s.numbered && s.tail >= 4;
+        census.mrtrix += s.numbered && s.words == 6 && s.lead == 0 && s.tail == 4;
+        census.fsleyes += s.numbered && s.lead >= 3 && s.lead < s.words;
+        census.itk_snap += s.numbered && s.lead == 6 && s.quoted;
+        census.number_last +=
+            !s.numbered && ((s.words == 1 && s.lead == 1) || (s.words == 2 && s.lead == 0 && s.tail == 1));
     }
     return census;
 }
@@ -349,14 +344,6 @@ static conus_status parse_unnamed(struct label_table *out, struct text text, str
     return parse_rows(out, text, notes, parse_unnamed_row, NULL);
 }
 
-/* The opacity is 0 to 1 in ITK-SNAP's own files and 0 to 255 in those of others. */
-static conus_status check_number(struct text cell, const char *what, const char *where)
-{
-    double value;
-    bool fine = text_to_double(cell, &value) && value >= 0 && value <= 255;
-    return fine ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s: %s is not a number from 0 to 255", where, what);
-}
-
 /* `1 220 216 20 1.00 1 1 "Left hippocampus"`. */
 static conus_status parse_itk_snap_row(struct label *label, const struct row *row, const char *where, const void *data)
 {
@@ -365,9 +352,12 @@ static conus_status parse_itk_snap_row(struct label *label, const struct row *ro
     struct text cells[6] = {{0}};
     take_words(&rest, cells, 6);
     conus_status status = label_cell_rgb(label, cells, label_cell_channel, where);
-    for (int i = 3; !status && i < 6; i++) {
+    for (int i = 3; !status && i < 6; i++) { /* ITK-SNAP's own opacities are 0 to 1, those of others 0 to 255 */
         static const char *const what[] = {"opacity", "visibility", "mesh visibility"};
-        status = check_number(cells[i], what[i - 3], where);
+        double value;
+        if (!(text_to_double(cells[i], &value) && value >= 0 && value <= 255)) {
+            return fail(CONUS_ERROR_DATA, "%s: %s is not a number from 0 to 255", where, what[i - 3]);
+        }
     }
     rest = text_trim(rest);
     if (!status && !is_quoted(rest)) {

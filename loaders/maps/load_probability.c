@@ -105,14 +105,6 @@ static void divide_values(struct volume_file *file, float *values, double stated
     file->info.maximum /= scale;
 }
 
-static conus_status note_rare(const conus_volume_info *info, const conus_object *area, struct notes *notes)
-{
-    return (float)info->maximum >= (float)info->threshold
-               ? CONUS_OK
-               : notes_add(notes, "%s has no voxels: its largest probability is %.4g, the threshold %.4g", area->name,
-                           info->maximum, info->threshold);
-}
-
 conus_status probability_add(conus_atlas *atlas, struct volume_file *file, size_t volume, const struct label *label,
                              const struct probability_scale *scale, double threshold, struct notes *notes)
 {
@@ -127,7 +119,10 @@ conus_status probability_add(conus_atlas *atlas, struct volume_file *file, size_
         divide_values(file, values, scale->value);
         file->info.role = CONUS_ROLE_PROBABILITY;
         file->info.threshold = threshold;
-        status = note_rare(&file->info, &area, notes);
+        if (!((float)file->info.maximum >= (float)threshold)) {
+            status = notes_add(notes, "%s has no voxels: its largest probability is %.4g, the threshold %.4g",
+                               area.name, file->info.maximum, threshold);
+        }
         status = status ? status : notes_move(&atlas->notes, notes);
         status = status ? status : atlas_add_probabilistic_area(atlas, &file->info, values, &area);
         file->info = stored;

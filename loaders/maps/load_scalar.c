@@ -244,16 +244,6 @@ struct title {
     struct buffer from; /* the file that says so */
 };
 
-static const char *name_in(const struct fsl_atlas *atlas, size_t volume)
-{
-    for (size_t i = 0; i < atlas->labels.count; i++) {
-        if (atlas->labels.entries[i].number - 1 == volume) {
-            return atlas->labels.entries[i].name;
-        }
-    }
-    return NULL;
-}
-
 static conus_status agree_on_title(struct title *title, const char *name, const char *from)
 {
     if (!title->from.size) {
@@ -273,21 +263,13 @@ static conus_status take_title(void *user, struct fsl_atlas *atlas, const char *
 {
     struct title *title = user;
     (void)file;
-    const char *name = name_in(atlas, title->info->volume);
-    return name ? agree_on_title(title, name, path_base(path)) : CONUS_OK;
-}
-
-static conus_status take_beside(struct title *title, struct notes *notes)
-{
-    struct buffer name = {0};
-    struct buffer from = {0};
-    conus_status status = label_volume_name(&name, &from, title->info, notes);
-    if (!status && from.size) {
-        status = agree_on_title(title, name.data, from.data);
+    for (size_t i = 0; i < atlas->labels.count; i++) {
+        const struct label *label = &atlas->labels.entries[i];
+        if (label->number - 1 == title->info->volume) {
+            return label->name ? agree_on_title(title, label->name, path_base(path)) : CONUS_OK;
+        }
     }
-    buffer_finish(&name);
-    buffer_finish(&from);
-    return status;
+    return CONUS_OK;
 }
 
 /* The name that is wanted, else what an FSL atlas XML or a table calls this volume, else the file's name. */
@@ -295,17 +277,22 @@ static conus_status choose_name(struct buffer *out, const char *wanted, const st
                                 struct notes *notes)
 {
     struct title title = {.info = &file->info, .name = out};
+    struct buffer name = {0};
+    struct buffer from = {0};
     if (wanted && wanted[0]) {
         buffer_text(out, wanted);
         return buffer_status(out);
     }
     conus_status status = fsl_atlas_each(file->path, FSL_VOLUMES, take_title, &title);
-    status = status ? status : take_beside(&title, notes);
+    status = status ? status : label_volume_name(&name, &from, title.info, notes);
+    status = status || !from.size ? status : agree_on_title(&title, name.data, from.data);
     status = status ? status : buffer_status(&title.from);
     if (!status) {
         status = title.from.size ? notes_add(notes, "pathway %s: named by %s", out->data, title.from.data)
                                  : name_by_file(out, file);
     }
+    buffer_finish(&name);
+    buffer_finish(&from);
     buffer_finish(&title.from);
     return status;
 }
@@ -328,22 +315,17 @@ static conus_status add_one(conus_atlas *atlas, struct volume_file *file, const 
     return status;
 }
 
-static conus_status check_band_options(const conus_pathway_options *options, const char *path)
-{
-    return options->bands && options->threshold == 0 && !(options->name && options->name[0])
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT, "%s: %s", path,
-                      options->bands ? "bands have ends and names of their own, no threshold and name with them"
-                                     : "bands: NULL, though there are some");
-}
-
 static conus_status add_bands(conus_atlas *atlas, struct volume_file *file, const conus_pathway_options *options,
                               struct notes *notes)
 {
     float *values = NULL;
     size_t before = atlas->object_count;
-    conus_status status = check_band_options(options, file->info.path);
-    status = status ? status : volume_file_values_or_nan(&values, file, notes);
+    if (!options->bands || options->threshold != 0 || (options->name && options->name[0])) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: %s", file->info.path,
+                    options->bands ? "bands have ends and names of their own, no threshold and name with them"
+                                   : "bands: NULL, though there are some");
+    }
+    conus_status status = volume_file_values_or_nan(&values, file, notes);
     status = status ? status : bands_check(options->bands, options->band_count, &file->info, atlas);
     if (!status) {
         status = atlas_add_bands(atlas, &file->info, values, options->bands, options->band_count);

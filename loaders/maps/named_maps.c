@@ -144,14 +144,6 @@ static double overlap(const struct findings *findings, const conus_volume_info *
     return places > 0 ? others / places / (double)(info->volume_count - 1) : 0;
 }
 
-static conus_status refuse_maps(const struct volume_file *file, const char *reason)
-{
-    return fail(CONUS_ERROR_DATA,
-                "%s: a table names its %zu volumes, but %s; FILE,volume=K chooses one, --probability T takes them for "
-                "areas by probabilities",
-                file->path, file->info.volume_count, reason);
-}
-
 static conus_status check_findings(const struct findings *findings, const struct volume_file *file)
 {
     static const double most = 2.0 / 3;
@@ -160,20 +152,20 @@ static conus_status check_findings(const struct findings *findings, const struct
     if (findings->minimum < 0 || findings->maximum > 100) {
         snprintf(reason, sizeof reason, "values from %.9g to %.9g are not probabilities, 0 to 1 or percent",
                  findings->minimum, findings->maximum);
-        return refuse_maps(file, reason);
-    }
-    if (!findings->fractions && findings->like_labels) {
+    } else if (!findings->fractions && findings->like_labels) {
         snprintf(reason, sizeof reason, "the whole numbers in %zu of them may be labels", findings->like_labels);
-        return refuse_maps(file, reason);
-    }
-    if (part > most) {
+    } else if (part > most) {
         snprintf(
             reason, sizeof reason,
             "where one is above 0, %.0f %% of the others are, too, as in images of one thing; of areas up to 67 %% are",
             100 * part);
-        return refuse_maps(file, reason);
+    } else {
+        return CONUS_OK;
     }
-    return CONUS_OK;
+    return fail(CONUS_ERROR_DATA,
+                "%s: a table names its %zu volumes, but %s; FILE,volume=K chooses one, --probability T takes them for "
+                "areas by probabilities",
+                file->path, file->info.volume_count, reason);
 }
 
 bool named_maps_is_probseg(const char *path)
