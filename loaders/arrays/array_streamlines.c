@@ -67,20 +67,6 @@ static conus_status copy_scalar(struct tractogram *out, const conus_tract_scalar
     return CONUS_OK;
 }
 
-static conus_status copy_scalars(struct tractogram *out, const conus_polylines *polylines)
-{
-    out->scalars = memory_zeroed(polylines->scalar_count, sizeof *out->scalars);
-    conus_status status = out->scalars ? CONUS_OK : CONUS_ERROR_MEMORY;
-    const char *at = (const char *)polylines->scalars;
-    for (size_t i = 0; i < polylines->scalar_count && !status; i++) {
-        const conus_tract_scalar *given = options_of(conus_tract_scalar, at);
-        size_t size = polylines->scalars->struct_size;
-        status = copy_scalar(out, given);
-        at += size ? size : sizeof *given;
-    }
-    return status;
-}
-
 static conus_status copy_polylines(struct tractogram *out, const conus_polylines *polylines)
 {
     const char *name = polylines->name ? polylines->name : "array";
@@ -90,7 +76,19 @@ static conus_status copy_polylines(struct tractogram *out, const conus_polylines
     out->first = memory_copy(polylines->first, polylines->streamline_count + 1, sizeof *out->first);
     snprintf(out->format, sizeof out->format, "array");
     conus_status status = out->path && out->first ? copy_points(out, polylines) : CONUS_ERROR_MEMORY;
-    return status || !polylines->scalar_count ? status : copy_scalars(out, polylines);
+    if (status || !polylines->scalar_count) {
+        return status;
+    }
+    out->scalars = memory_zeroed(polylines->scalar_count, sizeof *out->scalars);
+    status = out->scalars ? CONUS_OK : CONUS_ERROR_MEMORY;
+    const char *at = (const char *)polylines->scalars;
+    for (size_t i = 0; i < polylines->scalar_count && !status; i++) {
+        const conus_tract_scalar *given = options_of(conus_tract_scalar, at);
+        size_t size = polylines->scalars->struct_size;
+        status = copy_scalar(out, given);
+        at += size ? size : sizeof *given;
+    }
+    return status;
 }
 
 conus_status conus_atlas_add_polylines(conus_atlas *atlas, const conus_polylines *polylines,

@@ -10,15 +10,6 @@
 #include <string.h>
 #include <unistd.h>
 
-void catalogue_source(conus_catalogue *catalogue, const char *source)
-{
-    catalogue->source = source;
-    catalogue->first = catalogue->count;
-    catalogue->seen = 0;
-    catalogue->full = false;
-    catalogue->folder_count = 0;
-}
-
 static void item_finish(struct catalogue_item *item)
 {
     memory_free((char *)item->atlas.name);
@@ -101,16 +92,6 @@ char *catalogue_join(const char *folder, const char *name)
     return path.data;
 }
 
-static bool was_listed(const conus_catalogue *catalogue, struct catalogue_id id)
-{
-    for (size_t i = 0; i < catalogue->folder_count; i++) {
-        if (catalogue->folders[i].device == id.device && catalogue->folders[i].inode == id.inode) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* Takes the hidden ones out, and those behind the limit. */
 static conus_status sift_names(struct names *names, conus_catalogue *catalogue)
 {
@@ -133,9 +114,14 @@ static conus_status sift_names(struct names *names, conus_catalogue *catalogue)
 conus_status catalogue_list(struct names *out, conus_catalogue *catalogue, const char *folder)
 {
     struct stat info;
-    if (catalogue->full || stat(folder, &info) || !S_ISDIR(info.st_mode) ||
-        was_listed(catalogue, catalogue_id_of(&info))) {
+    if (catalogue->full || stat(folder, &info) || !S_ISDIR(info.st_mode)) {
         return CONUS_OK;
+    }
+    const struct catalogue_id id = catalogue_id_of(&info);
+    for (size_t i = 0; i < catalogue->folder_count; i++) {
+        if (catalogue->folders[i].device == id.device && catalogue->folders[i].inode == id.inode) {
+            return CONUS_OK;
+        }
     }
     if (access(folder, R_OK | X_OK)) {
         return notes_warn(&catalogue->notes, "%s: %s: cannot read this folder: %s", catalogue->source, folder,
@@ -145,7 +131,7 @@ conus_status catalogue_list(struct names *out, conus_catalogue *catalogue, const
                         sizeof *catalogue->folders)) {
         return CONUS_ERROR_MEMORY;
     }
-    catalogue->folders[catalogue->folder_count++] = catalogue_id_of(&info);
+    catalogue->folders[catalogue->folder_count++] = id;
     conus_status status = names_list(out, folder, "");
     if (!status && out->count == NAMES_LIMIT) {
         status = notes_warn(&catalogue->notes, "%s: %s: more than %d names: the others are left out", catalogue->source,

@@ -42,9 +42,6 @@ struct conus_catalogue {
     size_t folder_count, folder_capacity;
 };
 
-/** Begins with another source. */
-void catalogue_source(conus_catalogue *catalogue, const char *source);
-
 /** An atlas that was found. */
 struct catalogue_found {
     const char *name, *alias; /**< Bytes; made plain here. alias may be NULL. */

@@ -17,23 +17,16 @@ static bool is_there(const char *path)
     return stat(path, &info) == 0 || (errno != ENOENT && errno != ENOTDIR);
 }
 
-/* The text behind a path that chooses a part of the file (volume_selector.h, map_choice.h), or NULL. */
-static const char *find_selector(const char *text)
-{
-    static const char *const selectors[] = {",volume=", ",resolution=", ",orientation=", ",map="};
-    const char *first = NULL;
-    for (size_t i = 0; i < sizeof selectors / sizeof selectors[0]; i++) {
-        const char *at = strstr(text, selectors[i]);
-        first = at && (!first || at < first) ? at : first;
-    }
-    return first;
-}
-
 bool conus_atlas_is_path(const char *text)
 {
-    const char *selector = find_selector(text);
+    static const char *const selectors[] = {",volume=", ",resolution=", ",orientation=", ",map="};
+    const char *selector = NULL; /* where the first of these begins, which choose a part of the file */
     if (strchr(text, '/') || is_there(text)) {
         return true;
+    }
+    for (size_t i = 0; i < sizeof selectors / sizeof selectors[0]; i++) {
+        const char *at = strstr(text, selectors[i]);
+        selector = at && (!selector || at < selector) ? at : selector;
     }
     char *path = selector ? memory_text(text, (size_t)(selector - text)) : NULL;
     bool is = path && is_there(path);
@@ -124,15 +117,6 @@ static conus_status refuse_ambiguous(const char *name, const struct candidates *
     return status;
 }
 
-/* How far `name` is from what the atlas is called; one that contains it is near. */
-static size_t name_distance(const conus_installed *atlas, const char *name)
-{
-    const char *colon = strchr(name, ':');
-    struct text own = text_from(atlas->name);
-    struct text wanted = text_from(colon ? colon + 1 : name);
-    return wanted.size >= 3 && text_contains(own, wanted) ? 1 : text_distance(wanted, own);
-}
-
 /** Names that are near, the nearest first. */
 struct near {
     const conus_installed *atlas;
@@ -159,8 +143,12 @@ static conus_status refuse_unknown(const conus_catalogue *catalogue, const char 
     struct near nearest[NEAR] = {0};
     struct buffer list = {0};
     size_t most = (strlen(name) + 2) / 3;
+    const char *colon = strchr(name, ':');
+    const struct text wanted = text_from(colon ? colon + 1 : name);
     for (size_t i = 0; i < catalogue->count; i++) {
-        size_t far = name_distance(&catalogue->items[i].atlas, name);
+        struct text own = text_from(catalogue->items[i].atlas.name);
+        bool contains = wanted.size >= 3 && text_contains(own, wanted); /* then it is near */
+        size_t far = contains ? 1 : text_distance(wanted, own);
         if (far <= most) {
             rank(nearest, &catalogue->items[i].atlas, far);
         }

@@ -112,18 +112,6 @@ static conus_status look_at_annotations(const struct subject *subject)
     return status;
 }
 
-static conus_status look_at_subject(struct subject *subject, const char *folder)
-{
-    subject->folder = catalogue_join(folder, subject->name);
-    conus_status status = subject->folder ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status && file_is_folder(subject->folder)) {
-        status = look_at_volumes(subject);
-        status = status ? status : look_at_annotations(subject);
-    }
-    memory_free(subject->folder);
-    return status;
-}
-
 /* $FREESURFER_HOME/FreeSurferColorLUT.txt; NULL in *out where there is none. */
 static conus_status find_table(char **out)
 {
@@ -148,7 +136,13 @@ conus_status freesurfer_look(conus_catalogue *catalogue, const char *folder)
     status = status ? status : catalogue_list(&names, catalogue, folder);
     for (size_t i = 0; !status && i < names.count; i++) {
         struct subject subject = {.catalogue = catalogue, .name = names.names[i], .table = table};
-        status = look_at_subject(&subject, folder);
+        subject.folder = catalogue_join(folder, subject.name);
+        status = subject.folder ? CONUS_OK : CONUS_ERROR_MEMORY;
+        if (!status && file_is_folder(subject.folder)) {
+            status = look_at_volumes(&subject);
+            status = status ? status : look_at_annotations(&subject);
+        }
+        memory_free(subject.folder);
     }
     names_finish(&names);
     memory_free(table);

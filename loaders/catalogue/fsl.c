@@ -55,18 +55,6 @@ static conus_status add_image(struct images *images, const char *xml_path, const
     return CONUS_OK;
 }
 
-static conus_status find_images(struct images *images, const struct fsl_atlas *atlas, const char *xml_path)
-{
-    images->images = memory_zeroed(atlas->image_count, sizeof *images->images);
-    conus_status status = images->images ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < atlas->image_count; i++) {
-        const struct fsl_image *image = &atlas->images[i];
-        const char *written = atlas->is_label && image->image ? image->image : image->summary;
-        status = written ? add_image(images, xml_path, written) : CONUS_OK;
-    }
-    return status;
-}
-
 static conus_status add_atlas(conus_catalogue *catalogue, const char *xml_path, const struct image *image, bool finest)
 {
     const char *file = path_base(image->path);
@@ -120,9 +108,14 @@ static conus_status add_maps(conus_catalogue *catalogue, const char *xml_path)
 
 static conus_status take_atlas(conus_catalogue *catalogue, const char *xml_path, const struct fsl_atlas *atlas)
 {
-    struct images images = {0};
+    struct images images = {.images = memory_zeroed(atlas->image_count, sizeof(struct image))};
     bool maps = false;
-    conus_status status = find_images(&images, atlas, xml_path);
+    conus_status status = images.images ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < atlas->image_count; i++) {
+        const struct fsl_image *image = &atlas->images[i];
+        const char *written = atlas->is_label && image->image ? image->image : image->summary;
+        status = written ? add_image(&images, xml_path, written) : CONUS_OK;
+    }
     status = status ? status : find_maps(&maps, atlas, xml_path);
     for (size_t i = 0; !status && i < images.count; i++) {
         status = add_atlas(catalogue, xml_path, &images.images[i], i == 0);

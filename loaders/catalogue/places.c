@@ -68,17 +68,6 @@ static const struct {
                 {"XDG_DATA_HOME", "/.local/share", true},
                 {"XDG_CACHE_HOME", "/.cache", true}};
 
-static void append_default(struct buffer *out, struct text name)
-{
-    for (size_t i = 0; i < sizeof defaults / sizeof defaults[0]; i++) {
-        struct text home = variable(text_from("HOME"));
-        if (text_equal(name, defaults[i].name) && (!defaults[i].in_home || home.size)) {
-            buffer_append(out, home.data, defaults[i].in_home ? home.size : 0);
-            buffer_text(out, defaults[i].value);
-        }
-    }
-}
-
 /* The real folder of the program, which may be a link; nothing where it is not installed. */
 static void append_program_folder(struct buffer *out, struct text program)
 {
@@ -107,9 +96,13 @@ static void expand_rule(struct buffer *out, const char **rest, const char *rule)
         return;
     }
     struct text value = variable(name);
+    struct text home = variable(text_from("HOME"));
     buffer_append(out, value.data, value.size);
-    if (!value.size) {
-        append_default(out, name);
+    for (size_t i = 0; !value.size && i < sizeof defaults / sizeof defaults[0]; i++) {
+        if (text_equal(name, defaults[i].name) && (!defaults[i].in_home || home.size)) {
+            buffer_append(out, home.data, defaults[i].in_home ? home.size : 0);
+            buffer_text(out, defaults[i].value);
+        }
     }
 }
 
@@ -164,18 +157,6 @@ static conus_status look_at_place(conus_catalogue *catalogue, const struct place
     return status;
 }
 
-static conus_status look_at_places(conus_catalogue *catalogue)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < sizeof places / sizeof places[0]; i++) {
-        if (!catalogue->source || strcmp(catalogue->source, places[i].source) != 0) {
-            catalogue_source(catalogue, places[i].source);
-        }
-        status = look_at_place(catalogue, &places[i]);
-    }
-    return status;
-}
-
 conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue_options *options)
 {
     if (!out) {
@@ -188,7 +169,17 @@ conus_status conus_catalogue_create(conus_catalogue **out, const conus_catalogue
     options = options_of(conus_catalogue_options, options);
     catalogue->sink = (struct note_sink){.log = options->log, .user = options->log_user};
     catalogue->notes.sink = &catalogue->sink;
-    conus_status status = look_at_places(catalogue);
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < sizeof places / sizeof places[0]; i++) {
+        if (!catalogue->source || strcmp(catalogue->source, places[i].source) != 0) {
+            catalogue->source = places[i].source;
+            catalogue->first = catalogue->count;
+            catalogue->seen = 0;
+            catalogue->full = false;
+            catalogue->folder_count = 0;
+        }
+        status = look_at_place(catalogue, &places[i]);
+    }
     if (status) {
         conus_catalogue_destroy(catalogue);
         return status;

@@ -40,12 +40,6 @@ static bool matches(const char *name, const char *const *patterns, size_t count)
     return false;
 }
 
-static bool has_label_name(const char *name)
-{
-    return matches(name, names, sizeof names / sizeof names[0]) &&
-           !matches(name, others, sizeof others / sizeof others[0]);
-}
-
 static conus_status find_table(bool *found, const char *path)
 {
     for (size_t i = 0; !*found && i < sizeof tables / sizeof tables[0]; i++) {
@@ -59,29 +53,22 @@ static conus_status find_table(bool *found, const char *path)
     return CONUS_OK;
 }
 
-static bool has_table_inside(const struct bytes *head)
-{
-    const struct text text = {(const char *)head->data, head->size};
-    return text_mentions(text, "<LabelTable") || text_mentions(text, "LABEL_DTABLE") ||
-           text_mentions(text, "ATLAS_LABEL_TABLE");
-}
-
-/* One volume, not the values of a surface's vertices. */
-static bool is_one_volume(const conus_volume_info *info)
-{
-    return info->volume_count == 1 && info->dim[1] > 1 && info->dim[2] > 1;
-}
-
 conus_status volume_marks_find(bool *labels, double spacing[3], const char *path, bool known)
 {
     struct volume_header header = {0};
     struct bytes head = {0};
     conus_status status = volume_file_peek(&header, &head, path);
+    const conus_volume_info *info = &header.info;
     *labels = false;
-    if (!status && is_one_volume(&header.info)) {
-        memcpy(spacing, header.info.spacing, sizeof header.info.spacing);
-        *labels =
-            known || header.intent_code == INTENT_LABEL || has_table_inside(&head) || has_label_name(path_base(path));
+    if (!status && info->volume_count == 1 && info->dim[1] > 1 && info->dim[2] > 1) { /* no values of vertices */
+        const char *name = path_base(path);
+        const struct text text = {(const char *)head.data, head.size};
+        bool has_table = text_mentions(text, "<LabelTable") || text_mentions(text, "LABEL_DTABLE") ||
+                         text_mentions(text, "ATLAS_LABEL_TABLE");
+        bool has_name = matches(name, names, sizeof names / sizeof names[0]) &&
+                        !matches(name, others, sizeof others / sizeof others[0]);
+        memcpy(spacing, info->spacing, sizeof info->spacing);
+        *labels = known || header.intent_code == INTENT_LABEL || has_table || has_name;
         status = *labels ? CONUS_OK : find_table(labels, path);
     }
     bytes_finish(&head);

@@ -51,28 +51,6 @@ static conus_status look_in(char **found, const char *folder, size_t length)
     return status;
 }
 
-static conus_status look_beside(char **found)
-{
-    char self[PATH_SIZE];
-    ssize_t length = readlink("/proc/self/exe", self, sizeof self);
-    while (length > 0 && self[length - 1] != '/') {
-        length--;
-    }
-    return length > 1 ? look_in(found, self, (size_t)length - 1) : CONUS_OK;
-}
-
-static conus_status look_in_path(char **found)
-{
-    const char *list = getenv("PATH");
-    struct text rest = text_from(list ? list : "");
-    struct text folder;
-    conus_status status = CONUS_OK;
-    for (bool more = true; !status && !*found && text_field(&rest, ':', &more, &folder);) {
-        status = look_in(found, folder.data, folder.size);
-    }
-    return status;
-}
-
 conus_status mesh_child_find(char **path)
 {
     const char *chosen = getenv("CONUS_MESH");
@@ -86,9 +64,17 @@ conus_status mesh_child_find(char **path)
         found = memory_text(chosen, strlen(chosen));
         status = found ? CONUS_OK : CONUS_ERROR_MEMORY;
     } else {
-        status = look_beside(&found);
-        if (!status && !found) {
-            status = look_in_path(&found);
+        char self[PATH_SIZE];
+        ssize_t length = readlink("/proc/self/exe", self, sizeof self);
+        while (length > 0 && self[length - 1] != '/') {
+            length--;
+        }
+        status = length > 1 ? look_in(&found, self, (size_t)length - 1) : CONUS_OK;
+        const char *list = getenv("PATH");
+        struct text rest = text_from(list ? list : "");
+        struct text folder;
+        for (bool more = true; !status && !found && text_field(&rest, ':', &more, &folder);) {
+            status = look_in(&found, folder.data, folder.size);
         }
     }
     if (!status && !found) {
@@ -146,23 +132,12 @@ static void limit_resource(__rlimit_resource_t resource, uint64_t value, uint64_
     }
 }
 
-/* It gets no rights by what it runs, writes to no file, and has no descriptors but those that it is given. */
-static void confine_child(const struct mesh_child_limits *limits)
-{
-    prctl(PR_SET_PDEATHSIG, SIGKILL); /* it does not outlive who asked */
-    prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-    limit_resource(RLIMIT_AS, limits->memory, 0);
-    limit_resource(RLIMIT_CPU, limits->seconds, 1); /* SIGXCPU, and not the SIGKILL of a lack of memory */
-    limit_resource(RLIMIT_CORE, 0, 0);
-    limit_resource(RLIMIT_FSIZE, 0, 0); /* pipes have no size */
-    close_range(REQUEST_DESCRIPTOR + 1, UINT_MAX, CLOSE_RANGE_CLOEXEC);
-}
-
 /* Descriptors of a start: reading and writing end of the pipes for stdout, for stderr and for what execv() says, and
  * the request. All are above those that the program is to have. */
 enum { OUT, ERR = 2, REPORT = 4, REQUEST = 6, ENDS };
 
-/* In the new process: becomes conus-mesh. Only calls that are allowed between fork and exec; ends in one way or the
+/* In the new process: becomes conus-mesh, which gets no rights by what it runs, writes to no file, and has no
+ * descriptors but those that it is given. Only calls that are allowed between fork and exec; ends in one way or the
  * other. */
 static void become_program(const char *path, const struct mesh_child_limits *limits, const int ends[ENDS])
 {
@@ -171,7 +146,13 @@ static void become_program(const char *path, const struct mesh_child_limits *lim
     char *const words[] = {name, file, NULL};
     /* stdin is empty: no program of ours reads it, and a library that did would wait for ever. */
     int nothing = open("/dev/null", O_RDONLY); /* may be stdin already, so not to be closed */
-    confine_child(limits);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);          /* it does not outlive who asked */
+    prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
+    limit_resource(RLIMIT_AS, limits->memory, 0);
+    limit_resource(RLIMIT_CPU, limits->seconds, 1); /* SIGXCPU, and not the SIGKILL of a lack of memory */
+    limit_resource(RLIMIT_CORE, 0, 0);
+    limit_resource(RLIMIT_FSIZE, 0, 0); /* pipes have no size */
+    close_range(REQUEST_DESCRIPTOR + 1, UINT_MAX, CLOSE_RANGE_CLOEXEC);
     if (nothing >= 0 && dup2(nothing, STDIN_FILENO) >= 0 && dup2(ends[OUT + 1], STDOUT_FILENO) >= 0 &&
         dup2(ends[ERR + 1], STDERR_FILENO) >= 0 && dup2(ends[REQUEST], REQUEST_DESCRIPTOR) >= 0) {
         execv(path, words);

@@ -15,28 +15,6 @@ conus_status mesh_stream_begin(const uint8_t *data, size_t size)
     return CONUS_OK;
 }
 
-static conus_status frame_check_header(const struct mesh_frame *frame, uint64_t vertices, uint64_t triangles)
-{
-    bool is_mesh = frame->kind == MESH_FRAME_MESH || frame->kind == MESH_FRAME_CHECKED;
-    if (frame->kind < MESH_FRAME_MESH || frame->kind > MESH_FRAME_CHECKED) {
-        return fail(CONUS_ERROR_DATA, "mesh stream: frame of kind %d, allowed are 1 to 4", (int)frame->kind);
-    }
-    if (frame->space > (is_mesh ? MESH_SPACE_LPS : MESH_SPACE_UNSTATED)) {
-        return fail(CONUS_ERROR_DATA, "mesh stream: space %d in a frame of kind %d", (int)frame->space,
-                    (int)frame->kind);
-    }
-    if (frame->text.size > (frame->kind == MESH_FRAME_END ? 0 : MESH_FRAME_TEXT_LIMIT)) {
-        return fail(CONUS_ERROR_DATA, "mesh stream: %zu bytes of text in a frame of kind %d", frame->text.size,
-                    (int)frame->kind);
-    }
-    uint64_t most = is_mesh ? UINT32_MAX : 0;
-    if (vertices > most || triangles > most) {
-        return fail(CONUS_ERROR_DATA, "mesh stream: %llu vertices and %llu triangles, allowed are %llu of each",
-                    (unsigned long long)vertices, (unsigned long long)triangles, (unsigned long long)most);
-    }
-    return CONUS_OK;
-}
-
 conus_status mesh_frame_header(struct mesh_frame *out, const uint8_t *data)
 {
     uint64_t vertices = order_u64(data + 16, SWAPPED);
@@ -45,9 +23,21 @@ conus_status mesh_frame_header(struct mesh_frame *out, const uint8_t *data)
                                .id = order_u32(data + 4, SWAPPED),
                                .space = (enum mesh_space)order_u32(data + 8, SWAPPED),
                                .text = {.size = order_u32(data + 12, SWAPPED)}};
-    conus_status status = frame_check_header(&frame, vertices, triangles);
-    if (status) {
-        return status;
+    bool is_mesh = frame.kind == MESH_FRAME_MESH || frame.kind == MESH_FRAME_CHECKED;
+    if (frame.kind < MESH_FRAME_MESH || frame.kind > MESH_FRAME_CHECKED) {
+        return fail(CONUS_ERROR_DATA, "mesh stream: frame of kind %d, allowed are 1 to 4", (int)frame.kind);
+    }
+    if (frame.space > (is_mesh ? MESH_SPACE_LPS : MESH_SPACE_UNSTATED)) {
+        return fail(CONUS_ERROR_DATA, "mesh stream: space %d in a frame of kind %d", (int)frame.space, (int)frame.kind);
+    }
+    if (frame.text.size > (frame.kind == MESH_FRAME_END ? 0 : MESH_FRAME_TEXT_LIMIT)) {
+        return fail(CONUS_ERROR_DATA, "mesh stream: %zu bytes of text in a frame of kind %d", frame.text.size,
+                    (int)frame.kind);
+    }
+    uint64_t most = is_mesh ? UINT32_MAX : 0;
+    if (vertices > most || triangles > most) {
+        return fail(CONUS_ERROR_DATA, "mesh stream: %llu vertices and %llu triangles, allowed are %llu of each",
+                    (unsigned long long)vertices, (unsigned long long)triangles, (unsigned long long)most);
     }
     frame.vertex_count = (size_t)vertices;
     frame.triangle_count = (size_t)triangles;
@@ -93,14 +83,6 @@ conus_status mesh_from_frame(struct mesh *out, const struct mesh_frame *frame)
     return CONUS_OK;
 }
 
-/* Appends a frame; a mesh that is whole and closed need not be checked again. */
-static void append_frame(struct buffer *out, const struct mesh_frame *frame, bool clean)
-{
-    uint8_t kind = clean ? MESH_FRAME_CHECKED : (uint8_t)frame->kind;
-    buffer_append(out, &kind, 1);
-    buffer_append(out, frame->bytes + 1, frame->size - 1);
-}
-
 conus_status mesh_take_frame(struct mesh *out, const struct mesh_frame *frame, const char *path, struct notes *notes,
                              struct buffer *stream)
 {
@@ -121,7 +103,10 @@ conus_status mesh_take_frame(struct mesh *out, const struct mesh_frame *frame, c
         return status;
     }
     if (stream) {
-        append_frame(stream, frame, notes->count == note_count);
+        bool clean = notes->count == note_count; /* whole and closed: need not be checked again */
+        uint8_t kind = clean ? MESH_FRAME_CHECKED : (uint8_t)frame->kind;
+        buffer_append(stream, &kind, 1);
+        buffer_append(stream, frame->bytes + 1, frame->size - 1);
     }
     *out = mesh;
     return CONUS_OK;

@@ -67,6 +67,21 @@ static conus_status read_opacity(void *field, const json_t *value, const struct 
     return *out > 0 && *out <= 1 ? CONUS_OK : schema_fail(place, value, "a number above 0 to 1");
 }
 
+/* Reads a path, an object, or a list of these, as schema_list() does. */
+static conus_status read_one_or_list(void **entries, size_t *count, size_t size, size_t most, const json_t *value,
+                                     schema_read read, const struct schema_place *place)
+{
+    if (json_is_array(value)) {
+        return schema_list(entries, count, size, most, value, read, place);
+    }
+    if (!json_is_string(value) && !json_is_object(value)) {
+        return schema_fail(place, value, "a path, an object or a list of these");
+    }
+    *entries = memory_zeroed(1, size);
+    *count = *entries ? 1 : 0;
+    return *entries ? read(*entries, value, place) : CONUS_ERROR_MEMORY;
+}
+
 static conus_status read_one(void *field, const json_t *value, const struct schema_place *place)
 {
     static const struct schema_field keys[] = {
@@ -84,20 +99,11 @@ static conus_status read_one(void *field, const json_t *value, const struct sche
     return schema_path_or_object(&out->source.file, out, value, keys, place);
 }
 
-/* A schema_read of a struct manifest: a path, an object, or a list of these. */
-static conus_status manifest_contexts_read(void *field, const json_t *value, const struct schema_place *place)
+static conus_status read_contexts(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest *out = field;
-    if (json_is_array(value)) {
-        return schema_list((void **)&out->contexts, &out->context_count, sizeof *out->contexts, MANIFEST_MANY, value,
-                           read_one, place);
-    }
-    if (!json_is_string(value) && !json_is_object(value)) {
-        return schema_fail(place, value, "a path, an object or a list of these");
-    }
-    out->contexts = memory_zeroed(1, sizeof *out->contexts);
-    out->context_count = out->contexts ? 1 : 0;
-    return out->contexts ? read_one(out->contexts, value, place) : CONUS_ERROR_MEMORY;
+    return read_one_or_list((void **)&out->contexts, &out->context_count, sizeof *out->contexts, MANIFEST_MANY, value,
+                            read_one, place);
 }
 
 static conus_status read_streamlines(void *field, const json_t *value, const struct schema_place *place)
@@ -112,14 +118,6 @@ static conus_status read_streamlines(void *field, const json_t *value, const str
     };
     struct manifest_streamlines *out = field;
     return json_is_string(value) ? schema_path(&out->file, value, place) : schema_object(out, value, keys, place);
-}
-
-/* A schema_read of a struct manifest: a list of paths and objects. */
-static conus_status manifest_streamlines_read(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest *out = field;
-    return schema_list((void **)&out->streamlines, &out->streamlines_count, sizeof *out->streamlines, MANIFEST_MANY,
-                       value, read_streamlines, place);
 }
 
 static conus_status read_vectors(void *field, const json_t *value, const struct schema_place *place)
@@ -147,21 +145,12 @@ static conus_status read_transform(void *field, const json_t *value, const struc
     return schema_path_or_object(&out->file, out, value, keys, place);
 }
 
-/* A schema_read of a struct manifest: a path, an object, or a list of these. */
-static conus_status manifest_transforms_read(void *field, const json_t *value, const struct schema_place *place)
+static conus_status read_transforms(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest *out = field;
-    if (json_is_array(value)) {
-        return schema_list((void **)&out->transforms, &out->transform_count, sizeof *out->transforms, MANIFEST_FEW,
-                           value, read_transform, place);
-    }
-    if (!json_is_string(value) && !json_is_object(value)) {
-        return schema_fail(place, value, "a path, an object or a list of these");
-    }
-    out->transforms = memory_zeroed(1, sizeof *out->transforms);
-    out->transform_count = out->transforms ? 1 : 0;
-    out->single_transform = true;
-    return out->transforms ? read_transform(out->transforms, value, place) : CONUS_ERROR_MEMORY;
+    out->single_transform = !json_is_array(value);
+    return read_one_or_list((void **)&out->transforms, &out->transform_count, sizeof *out->transforms, MANIFEST_FEW,
+                            value, read_transform, place);
 }
 
 static conus_status read_version(void *field, const json_t *value, const struct schema_place *place)
@@ -302,18 +291,6 @@ static conus_status read_bands(void *field, const json_t *value, const struct sc
     return schema_list((void **)&out->bands, &out->band_count, sizeof *out->bands, SIZE_MAX, value, read_band, place);
 }
 
-static conus_status check_bands(const struct manifest_pathway *pathway, const struct schema_place *place)
-{
-    const char *other = pathway->name            ? "name"
-                        : pathway->names         ? "names"
-                        : pathway->fsl           ? "fsl"
-                        : pathway->threshold > 0 ? "threshold"
-                                                 : NULL;
-    return !pathway->band_count || !other
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "%s: has bands and %s, one of them is allowed", place->key, other);
-}
-
 static conus_status check_pathway(const struct manifest_pathway *pathway, const struct schema_place *place)
 {
     const struct manifest_volume *source = &pathway->source;
@@ -323,6 +300,14 @@ static conus_status check_pathway(const struct manifest_pathway *pathway, const 
                       : source->resolution[0] > 0 ? "resolution"
                                                   : NULL;
     const char *many = pathway->fsl ? "fsl" : pathway->names ? "names" : NULL;
+    const char *of_all = pathway->name            ? "name" /* what bands have of their own */
+                         : pathway->names         ? "names"
+                         : pathway->fsl           ? "fsl"
+                         : pathway->threshold > 0 ? "threshold"
+                                                  : NULL;
+    if (pathway->band_count && of_all) {
+        return fail(CONUS_ERROR_DATA, "%s: has bands and %s, one of them is allowed", place->key, of_all);
+    }
     if (pathway->fsl && pathway->names) {
         return fail(CONUS_ERROR_DATA, "%s: has fsl and names, one of them is allowed", place->key);
     }
@@ -352,11 +337,7 @@ static conus_status read_entry(struct manifest_pathway *out, const json_t *value
         {0},
     };
     conus_status status = schema_path_or_object(&out->source.file, out, value, keys, place);
-    if (status || json_is_string(value)) {
-        return status;
-    }
-    status = check_bands(out, place);
-    return status ? status : check_pathway(out, place);
+    return status || json_is_string(value) ? status : check_pathway(out, place);
 }
 
 static conus_status read_pathway(void *field, const json_t *value, const struct schema_place *place)
@@ -475,30 +456,19 @@ static conus_status read_node(void *field, const json_t *value, const struct sch
     return schema_object(field, value, keys, place);
 }
 
-static conus_status read_pathways(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest *out = field;
-    return schema_list((void **)&out->pathways, &out->pathway_count, sizeof *out->pathways, MANIFEST_MANY, value,
-                       read_pathway, place);
-}
+/* Defines a reader of a list of a struct manifest, whose entries `read` reads. */
+#define DEFINE_LIST(name, entries, count, most, read)                                                                  \
+    static conus_status name(void *field, const json_t *value, const struct schema_place *place)                       \
+    {                                                                                                                  \
+        struct manifest *out = field;                                                                                  \
+        return schema_list((void **)&out->entries, &out->count, sizeof *out->entries, most, value, read, place);       \
+    }
 
-static conus_status read_maps(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest *out = field;
-    return schema_list((void **)&out->maps, &out->map_count, sizeof *out->maps, MANIFEST_MANY, value, read_map, place);
-}
-
-static conus_status read_areas(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest *out = field;
-    return schema_list((void **)&out->areas, &out->area_count, sizeof *out->areas, SIZE_MAX, value, read_area, place);
-}
-
-static conus_status read_tree(void *field, const json_t *value, const struct schema_place *place)
-{
-    struct manifest *out = field;
-    return schema_list((void **)&out->tree, &out->tree_count, sizeof *out->tree, SIZE_MAX, value, read_node, place);
-}
+DEFINE_LIST(read_pathways, pathways, pathway_count, MANIFEST_MANY, read_pathway)
+DEFINE_LIST(read_maps, maps, map_count, MANIFEST_MANY, read_map)
+DEFINE_LIST(read_areas, areas, area_count, SIZE_MAX, read_area)
+DEFINE_LIST(read_tree, tree, tree_count, SIZE_MAX, read_node)
+DEFINE_LIST(read_all_streamlines, streamlines, streamlines_count, MANIFEST_MANY, read_streamlines)
 
 static conus_status read_space(void *field, const json_t *value, const struct schema_place *place)
 {
@@ -552,10 +522,10 @@ static const struct schema_field manifest_keys[] = {
     {"tree", read_tree, 0, false},
     {"probabilities", read_maps, 0, false},
     {"pathways", read_pathways, 0, false},
-    {"streamlines", manifest_streamlines_read, 0, false},
+    {"streamlines", read_all_streamlines, 0, false},
     {"threshold", schema_positive, AT(manifest, threshold), false},
-    {"transform", manifest_transforms_read, 0, false},
-    {"context", manifest_contexts_read, 0, false},
+    {"transform", read_transforms, 0, false},
+    {"context", read_contexts, 0, false},
     {0},
 };
 

@@ -59,18 +59,6 @@ static int put_text(const char *text, size_t size, void *user)
     return ((struct buffer *)user)->failed ? -1 : 0;
 }
 
-/* Loads a manifest of nothing but `value` (taken over) at `key`. */
-static conus_status load_piece(const struct manifest_draft *draft, const char *key, json_t *value)
-{
-    struct buffer text = {0};
-    json_t *root = json_pack("{s:i,s:o}", "conus_atlas", MANIFEST_VERSION, key, value);
-    bool done = root && json_dump_callback(root, put_text, &text, 0) == 0;
-    conus_status status = done ? draft->load(draft, &text) : CONUS_ERROR_MEMORY;
-    buffer_finish(&text);
-    json_decref(root);
-    return status;
-}
-
 conus_status manifest_draft_try(bool *loads, const struct manifest_draft *draft, const char *key, json_t *value,
                                 bool listed)
 {
@@ -78,7 +66,13 @@ conus_status manifest_draft_try(bool *loads, const struct manifest_draft *draft,
     if (!draft->load) {
         return CONUS_OK;
     }
-    conus_status status = load_piece(draft, key, listed ? json_pack("[O]", value) : json_incref(value));
+    struct buffer text = {0};
+    json_t *piece = listed ? json_pack("[O]", value) : json_incref(value);
+    json_t *root = json_pack("{s:i,s:o}", "conus_atlas", MANIFEST_VERSION, key, piece);
+    bool done = root && json_dump_callback(root, put_text, &text, 0) == 0;
+    conus_status status = done ? draft->load(draft, &text) : CONUS_ERROR_MEMORY;
+    buffer_finish(&text);
+    json_decref(root);
     *loads = status == CONUS_OK;
     return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
 }
@@ -109,11 +103,6 @@ bool manifest_draft_has(const json_t *list, const char *name)
         has = file && strcmp(file, name) == 0;
     }
     return has;
-}
-
-char *manifest_draft_path(const struct manifest_draft *draft, const char *name)
-{
-    return file_beside(draft->folder, name);
 }
 
 /* Sets `key` unless there is nothing to set. */

@@ -29,9 +29,6 @@ void manifest_draft_finish(struct manifest_draft *draft);
 /** Whether an entry of @p list, an array of objects or NULL, has the file @p name. */
 bool manifest_draft_has(const json_t *list, const char *name);
 
-/** Path of @p name, which lies in the folder; NULL without memory. */
-char *manifest_draft_path(const struct manifest_draft *draft, const char *name);
-
 /** Gives a line to options->log. */
 __attribute__((format(printf, 2, 3))) conus_status manifest_draft_log(const struct manifest_draft *draft,
                                                                       const char *format, ...);

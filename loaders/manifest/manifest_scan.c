@@ -14,28 +14,20 @@
 static const double sparse_share = 0.2; /* of voxels that are not zero: a pathway */
 static const double half = 0.5;         /* of neighbours equal, where there are too few to tell: labels */
 
-static conus_status has_table(bool *out, struct label_table *table, const struct volume_file *file,
-                              const struct label_voxels *labels)
-{
-    struct notes notes = {0};
-    char *source = NULL;
-    *out = false;
-    conus_status status = volume_label_table(table, &source, file, labels, NULL, &notes);
-    for (size_t i = 0; !status && i < table->count; i++) {
-        *out = *out || table->entries[i].name;
-    }
-    notes_finish(&notes);
-    memory_free(source);
-    return status;
-}
-
 static conus_status judge_labels(struct volume_guess *out, const struct volume_file *file,
                                  const struct label_voxels *labels)
 {
     struct label_table table = {0};
     struct grey_result result = {0};
+    struct notes notes = {0};
+    char *source = NULL;
     bool named = false;
-    conus_status status = has_table(&named, &table, file, labels);
+    conus_status status = volume_label_table(&table, &source, file, labels, NULL, &notes);
+    for (size_t i = 0; !status && i < table.count; i++) {
+        named = named || table.entries[i].name;
+    }
+    notes_finish(&notes);
+    memory_free(source);
     status = status ? status : grey_judge_file(&result, file, labels, &table, false);
     bool several = labels->label_count > 2; /* besides 0: a mask is no parcellation */
     bool pieces = several && (result.telling || result.equal > half);
@@ -81,24 +73,15 @@ static conus_status judge_volume(struct volume_guess *out, struct volume_file *f
     return status == CONUS_ERROR_DATA ? CONUS_OK : status; /* fractions, or a damaged table */
 }
 
-/* A 4-D file is refused without a choice: then volume 0 stands for all. */
-static conus_status open_any(struct volume_file *file, const char *path, uint64_t max_memory)
-{
-    struct buffer first = {0};
-    struct notes notes = {0};
-    buffer_format(&first, "%s,volume=0", path);
-    conus_status status = buffer_status(&first);
-    status = status ? status : volume_file_open(file, first.data, max_memory, &notes);
-    buffer_finish(&first);
-    notes_finish(&notes);
-    return status;
-}
-
 conus_status volume_guess_make(struct volume_guess *out, const char *path, uint64_t max_memory)
 {
     struct volume_file file = {0};
     struct notes notes = {0};
-    conus_status status = open_any(&file, path, max_memory);
+    struct buffer first = {0};
+    buffer_format(&first, "%s,volume=0", path); /* a 4-D file is refused without a choice: 0 stands for all */
+    conus_status status = buffer_status(&first);
+    status = status ? status : volume_file_open(&file, first.data, max_memory, &notes);
+    buffer_finish(&first);
     if (!status && file.info.volume_count > 1) {
         *out = (struct volume_guess){VOLUME_SERIES, file.info.volume_count, "several volumes"};
     } else if (!status) {

@@ -37,7 +37,7 @@ static conus_status find_annotation(char **out, const struct manifest_draft *dra
     struct names names = {0};
     const char *found = NULL;
     size_t count = 0;
-    char *path = manifest_draft_path(draft, folder);
+    char *path = file_beside(draft->folder, folder);
     conus_status status = path ? names_list(&names, path, ".annot") : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < names.count; i++) {
         if (hemisphere_of(names.names[i]) == side) {
@@ -187,8 +187,7 @@ static conus_status look_for_hemispheres(struct manifest_draft *draft, const cha
     return status;
 }
 
-/* `folder` is "" or a name with '/' at its end. */
-/* Without the files of VTK that are tractograms. */
+/* Takes the files of VTK out that are tractograms. */
 static void drop_streamlines(struct names *names, const json_t *streamlines)
 {
     size_t count = 0;
@@ -202,10 +201,11 @@ static void drop_streamlines(struct names *names, const json_t *streamlines)
     names->count = count;
 }
 
+/* `folder` is "" or a name with '/' at its end. */
 static conus_status look_for_surfaces(struct manifest_draft *draft, const char *folder)
 {
     static const char *const endings[] = {".surf.gii", ".gii", ".obj", ".ply", ".stl", ".off", ".mz3", ".vtk", ".vtp"};
-    char *path = manifest_draft_path(draft, folder);
+    char *path = file_beside(draft->folder, folder);
     conus_status status = path ? CONUS_OK : CONUS_ERROR_MEMORY;
     bool surf = false;
     bool any = false;

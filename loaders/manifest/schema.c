@@ -67,14 +67,6 @@ static conus_status fail_unknown(const struct schema_place *place, const struct 
     return status;
 }
 
-static const struct schema_field *find_field(const struct schema_field *fields, const char *key)
-{
-    while (fields->key && strcmp(fields->key, key) != 0) {
-        fields++;
-    }
-    return fields->key ? fields : NULL;
-}
-
 conus_status schema_object(void *out, const json_t *object, const struct schema_field *fields,
                            const struct schema_place *place)
 {
@@ -85,10 +77,13 @@ conus_status schema_object(void *out, const json_t *object, const struct schema_
     }
     json_object_foreach((json_t *)object, key, value)
     {
-        const struct schema_field *field = find_field(fields, key);
         struct schema_place inner = place_of_key(place, key);
+        const struct schema_field *field = fields;
+        while (field->key && strcmp(field->key, key) != 0) {
+            field++;
+        }
         conus_status status =
-            field ? field->read((char *)out + field->offset, value, &inner) : fail_unknown(&inner, fields);
+            field->key ? field->read((char *)out + field->offset, value, &inner) : fail_unknown(&inner, fields);
         if (status) {
             return status;
         }

@@ -66,29 +66,24 @@ static conus_status write_brain_volume(const char *folder, const char *name, uin
     return status;
 }
 
-static void append_brain_areas(struct buffer *out)
+static conus_status write_brain_manifest(const char *folder)
 {
+    struct buffer text = {0};
+    buffer_text(&text, "{\n  \"conus_atlas\": 1,\n"
+                       "  \"comment\": \"synthetic: conus phantom brain\",\n"
+                       "  \"areas\": [\n");
     for (size_t i = 0; i < PHANTOM_BRAIN_AREAS; i++) {
         char file[64];
         uint8_t rgb[3];
         const struct phantom_brain_area *area = phantom_brain_area(i);
         surface_name(file, i);
         palette_colour(rgb, i);
-        buffer_format(out,
+        buffer_format(&text,
                       "%s    {\"file\": \"%s\", \"label\": %zu, \"name\": \"%s\", \"abbreviation\": \"%s\",\n"
                       "     \"hemisphere\": \"%c\", \"color\": \"#%02x%02x%02x\"}",
                       i ? ",\n" : "", file, i + 1, area->name, area->abbreviation, area->hemisphere, rgb[0], rgb[1],
                       rgb[2]);
     }
-}
-
-static conus_status write_manifest(const char *folder)
-{
-    struct buffer text = {0};
-    buffer_text(&text, "{\n  \"conus_atlas\": 1,\n"
-                       "  \"comment\": \"synthetic: conus phantom brain\",\n"
-                       "  \"areas\": [\n");
-    append_brain_areas(&text);
     buffer_text(&text, "\n  ],\n"
                        "  \"pathways\": [{\"file\": \"brain-pathway.nii.gz\", \"name\": \"Arc\"}],\n"
                        "  \"context\": {\"file\": \"brain-context.nii.gz\", \"transfer\": \"brain\"}\n}\n");
@@ -183,7 +178,7 @@ static void append_bundle_truth(struct buffer *out)
     buffer_text(out, "  ]\n}\n");
 }
 
-static void append_manifest(struct buffer *out)
+static void append_bundle_manifest(struct buffer *out)
 {
     buffer_text(out, "{\n  \"conus_atlas\": 1,\n  \"comment\": \"synthetic: conus phantom bundle\",\n"
                      "  \"streamlines\": [{\"file\": \"bundle.tck\", \"name\": \"Bundle\"}]\n}\n");
@@ -344,7 +339,7 @@ static conus_status write_brain(const char *folder, const conus_phantom_options 
     }
     status = status ? status : write_brain_volume(folder, "brain-pathway.nii.gz", phantom_brain_pathway);
     status = status ? status : write_brain_volume(folder, "brain-context.nii.gz", phantom_brain_context);
-    return status ? status : write_manifest(folder);
+    return status ? status : write_brain_manifest(folder);
 }
 
 /* Writes the bundle phantom: bundle.tck, the truth bundle.json and, last, the manifest bundle.atlas.json.
@@ -356,7 +351,7 @@ static conus_status write_bundle(const char *folder, const conus_phantom_options
         void (*append)(struct buffer *out);
     } files[] = {{"bundle.tck", append_tractogram},
                  {"bundle.json", append_bundle_truth},
-                 {"bundle.atlas.json", append_manifest}};
+                 {"bundle.atlas.json", append_bundle_manifest}};
     bool has_grid = options->size || options->oblique != 0;
     for (int a = 0; a < 3; a++) {
         has_grid = has_grid || options->flip[a] || options->spacing[a] != 0;

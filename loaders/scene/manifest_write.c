@@ -47,7 +47,7 @@ static conus_status draft_transform_say(struct manifest_draft *draft, const char
     if (!is_named_so) {
         return CONUS_OK;
     }
-    char *path = manifest_draft_path(draft, name);
+    char *path = file_beside(draft->folder, name);
     conus_status status = path ? transform_file_read(matrix, path, NULL, NULL, &read) : CONUS_ERROR_MEMORY;
     bool is_transform = !status || status == CONUS_ERROR_ARGUMENT; /* FSL's, without its images */
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
@@ -65,7 +65,7 @@ static conus_status draft_field_say(bool *is_field, struct manifest_draft *draft
 {
     bool usable = false;
     const char *words = NULL;
-    char *path = manifest_draft_path(draft, name);
+    char *path = file_beside(draft->folder, name);
     conus_status status = path ? field_file_words(&words, &usable, path) : CONUS_ERROR_MEMORY;
     memory_free(path);
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* whoever reads the volume says what is wrong */
@@ -127,7 +127,7 @@ static conus_status draft_fsl_choose(char **name, const struct manifest_draft *d
     struct parcellation parts = {0};
     const conus_load_options options = {.max_memory = draft->options->max_memory};
     const char *chosen = xml; /* what does not load says so when it is tried */
-    char *path = manifest_draft_path(draft, xml);
+    char *path = file_beside(draft->folder, xml);
     conus_status status = path ? parcellation_read(&parts, path, &options, "an atlas XML") : CONUS_ERROR_MEMORY;
     status = status ? status : choose(&chosen, draft, xml, &parts);
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
@@ -152,7 +152,7 @@ static bool has_name(const json_t *list, const char *name, size_t length)
 static conus_status draft_streamlines_take(struct manifest_draft *draft, const char *name)
 {
     bool loads = false;
-    char *path = manifest_draft_path(draft, name);
+    char *path = file_beside(draft->folder, name);
     if (!path) {
         return CONUS_ERROR_MEMORY;
     }
@@ -307,7 +307,7 @@ static conus_status look_at_xml(struct manifest_draft *draft, const char *name)
     struct bytes bytes = {0};
     struct fsl_atlas atlas = {0};
     struct notes notes = {0};
-    char *path = manifest_draft_path(draft, name);
+    char *path = file_beside(draft->folder, name);
     conus_status status = path ? file_read(&bytes, path, FSL_ATLAS_LIMIT) : CONUS_ERROR_MEMORY;
     struct text text = status ? (struct text){0} : text_from_bytes(bytes.data, bytes.size);
     if (!status && text.size && text_equal(xml_root(text), "atlas")) {
@@ -332,7 +332,7 @@ static conus_status name_volume(struct buffer *out, bool *named, const struct ma
 {
     struct buffer from = {0};
     struct notes notes = {0};
-    char *path = manifest_draft_path(draft, name);
+    char *path = file_beside(draft->folder, name);
     const conus_volume_info info = {.path = path, .volume = index, .volume_count = count};
     conus_status status = path ? label_volume_name(out, &from, &info, &notes) : CONUS_ERROR_MEMORY;
     *named = !status && from.size;
@@ -373,7 +373,7 @@ static conus_status is_probable(bool *out, const struct manifest_draft *draft, c
     const conus_load_options options = {.max_memory = draft->options->max_memory};
     struct named_maps maps = {0};
     struct volume_file file = {0};
-    char *path = manifest_draft_path(draft, name);
+    char *path = file_beside(draft->folder, name);
     struct probe probe = {0};
     conus_status status = path ? probe_open(&probe, path) : CONUS_ERROR_MEMORY;
     status = status ? status : named_maps_find(&maps, &probe, path, &options);
@@ -465,7 +465,7 @@ static conus_status look_at_volume(struct manifest_draft *draft, const char *nam
     if (draft_fsl_has(draft, name)) {
         return CONUS_OK;
     }
-    char *path = manifest_draft_path(draft, name);
+    char *path = file_beside(draft->folder, name);
     conus_status status = path ? volume_guess_make(&guess, path, draft->options->max_memory) : CONUS_ERROR_MEMORY;
     if (status && status != CONUS_ERROR_MEMORY) {
         status = manifest_draft_log(draft, "left out: %s", conus_message());
@@ -517,7 +517,7 @@ static conus_status take_cifti(bool *taken, struct manifest_draft *draft, const 
     struct cifti_file file = {0};
     struct manifest manifest = {0};
     struct notes notes = {0};
-    char *path = manifest_draft_path(draft, name);
+    char *path = file_beside(draft->folder, name);
     uint64_t max_memory = draft->options->max_memory;
     conus_status status = path ? cifti_file_open(&file, path, max_memory, &notes) : CONUS_ERROR_MEMORY;
     status = status ? status : plan_cifti(&manifest, &file, max_memory, &notes);
@@ -552,7 +552,7 @@ static conus_status look_for_cifti(const char **found, struct manifest_draft *dr
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < names->count; i++) {
         struct probe probe = {0};
-        char *path = is_volume(names->names[i]) ? manifest_draft_path(draft, names->names[i]) : NULL;
+        char *path = is_volume(names->names[i]) ? file_beside(draft->folder, names->names[i]) : NULL;
         status = path ? probe_open(&probe, path) : CONUS_OK;
         bool cifti = probe.reader == READER_CIFTI;
         probe_close(&probe);
@@ -584,7 +584,7 @@ static conus_status take_brainglobe(bool *taken, struct manifest_draft *draft)
         return status;
     }
     status = manifest_draft_log(draft, BRAINGLOBE_ANNOTATION ": parcellation of a BrainGlobe folder");
-    char *path = manifest_draft_path(draft, BRAINGLOBE_REFERENCE);
+    char *path = file_beside(draft->folder, BRAINGLOBE_REFERENCE);
     status = status ? status : path ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status && file_exists(path)) {
         status = volume_guess_make(&guess, path, draft->options->max_memory);
@@ -626,7 +626,7 @@ static conus_status scan_folder(struct manifest_draft *draft)
     status = status || !cifti ? status : take_cifti(&labelled, draft, cifti);
     status = status || voxels || labelled ? status : manifest_surfaces_add(draft, "");
     for (size_t i = 0; !status && i < names.count; i++) {
-        char *path = names.names[i][0] == '.' ? NULL : manifest_draft_path(draft, names.names[i]);
+        char *path = names.names[i][0] == '.' ? NULL : file_beside(draft->folder, names.names[i]);
         bool known = voxels || json_object_get(json_array_get(draft->areas, 0), "brainglobe");
         bool brainglobe = path && strcmp(names.names[i], "meshes") == 0 && known;
         bool skip = brainglobe || manifest_draft_has(draft->streamlines, names.names[i]);

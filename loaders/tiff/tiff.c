@@ -498,13 +498,6 @@ static uint64_t chunk_bytes(const struct tiff_page *page, uint64_t index)
     return page->chunk_width * stored_rows(page, index) * (page->bits / 8);
 }
 
-/* Packed bytes below this many times fewer can not hold a chunk: of deflate, a match of 258 bytes takes 2 bits; of LZW,
- * the longest string that 4096 codes can make takes 9 bits or more. */
-static uint64_t largest_ratio(enum tiff_compression compression)
-{
-    return compression == TIFF_PLAIN ? 1 : compression == TIFF_LZW ? 4096 : 1032;
-}
-
 static conus_status check_chunk(const struct tiff *tiff, const struct tiff_page *page, uint64_t index)
 {
     uint64_t at = tiff_list_at(&tiff->file, &page->offsets, index);
@@ -515,8 +508,11 @@ static conus_status check_chunk(const struct tiff *tiff, const struct tiff_page 
         return fail(CONUS_ERROR_DATA, "%s %llu: %llu bytes at byte %llu, the file has %zu bytes", words,
                     (unsigned long long)index, (unsigned long long)count, (unsigned long long)at, tiff->file.size);
     }
+    /* Packed bytes this many times fewer cannot hold a chunk: of deflate, a match of 258 bytes takes 2 bits; of LZW,
+     * the longest string that 4096 codes can make takes 9 bits or more. */
+    uint64_t largest_ratio = page->compression == TIFF_LZW ? 4096 : 1032;
     bool plain = page->compression == TIFF_PLAIN;
-    return (plain ? count == wanted : wanted / largest_ratio(page->compression) <= count)
+    return (plain ? count == wanted : wanted / largest_ratio <= count)
                ? CONUS_OK
                : fail(CONUS_ERROR_DATA, "%s %llu: %llu bytes, its %llu x %llu pixels of %u bits are %llu%s", words,
                       (unsigned long long)index, (unsigned long long)count, (unsigned long long)page->chunk_width,
@@ -585,22 +581,6 @@ static conus_status imagej_number(uint64_t *out, struct text text, const char *k
     return CONUS_OK;
 }
 
-static conus_status check_imagej(struct tiff *tiff, uint64_t images)
-{
-    if (tiff->page_count == images) {
-        return CONUS_OK;
-    }
-    bool fits = tiff->page_count == 1 && tiff->whole && images <= tiff->file.size / tiff->page_bytes &&
-                tiff_has(&tiff->file, tiff->start, images * tiff->page_bytes);
-    if (!fits) {
-        return fail(CONUS_ERROR_DATA, "ImageDescription: ImageJ says images=%llu, the file has %zu pages%s",
-                    (unsigned long long)images, tiff->page_count,
-                    tiff->page_count == 1 ? " and too few bytes behind its first" : "");
-    }
-    tiff->depth = images;
-    return CONUS_OK;
-}
-
 /* ImageJ describes stacks in its own words; those above 4 GB have one directory, and the pages behind each other. */
 static conus_status read_imagej(struct tiff *tiff)
 {
@@ -624,7 +604,18 @@ static conus_status read_imagej(struct tiff *tiff)
                  "ImageDescription: found %llu slices, %llu channels and %llu frames, allowed is one of them above 1",
                  (unsigned long long)counts[0], (unsigned long long)counts[1], (unsigned long long)counts[2]);
     }
-    return status ? status : check_imagej(tiff, images);
+    if (status || tiff->page_count == images) {
+        return status;
+    }
+    bool fits = tiff->page_count == 1 && tiff->whole && images <= tiff->file.size / tiff->page_bytes &&
+                tiff_has(&tiff->file, tiff->start, images * tiff->page_bytes);
+    if (!fits) {
+        return fail(CONUS_ERROR_DATA, "ImageDescription: ImageJ says images=%llu, the file has %zu pages%s",
+                    (unsigned long long)images, tiff->page_count,
+                    tiff->page_count == 1 ? " and too few bytes behind its first" : "");
+    }
+    tiff->depth = images;
+    return CONUS_OK;
 }
 
 conus_status tiff_parse(struct tiff *out, const uint8_t *data, size_t size)

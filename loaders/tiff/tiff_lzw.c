@@ -35,24 +35,6 @@ static void write_string(uint8_t *out, const struct tiff_lzw *lzw, unsigned code
     }
 }
 
-/* A new code for the string of `before` with `last` behind it. */
-static void add_string(struct tiff_lzw *lzw, unsigned code, unsigned before, uint8_t last)
-{
-    lzw->before[code] = (uint16_t)before;
-    lzw->length[code] = (uint16_t)(lzw->length[before] + 1);
-    lzw->first[code] = lzw->first[before];
-    lzw->last[code] = last;
-}
-
-static void begin_table(struct tiff_lzw *lzw)
-{
-    for (unsigned code = 0; code < CLEAR; code++) {
-        lzw->before[code] = 0;
-        lzw->length[code] = 1;
-        lzw->first[code] = lzw->last[code] = (uint8_t)code;
-    }
-}
-
 /* Bits of the next code when `next` codes are taken. */
 static unsigned code_width(unsigned next)
 {
@@ -73,7 +55,11 @@ bool tiff_lzw_unpack(uint8_t *out, size_t size, const uint8_t *packed, size_t pa
     if (code != CLEAR) { /* as all writers begin; the other bit order of the oldest shows here */
         return false;
     }
-    begin_table(lzw);
+    for (unsigned byte = 0; byte < CLEAR; byte++) {
+        lzw->before[byte] = 0;
+        lzw->length[byte] = 1;
+        lzw->first[byte] = lzw->last[byte] = (uint8_t)byte;
+    }
     while ((code = next_code(&bits, code_width(next))) != END) {
         if (code == CLEAR) {
             next = FIRST_FREE;
@@ -85,7 +71,10 @@ bool tiff_lzw_unpack(uint8_t *out, size_t size, const uint8_t *packed, size_t pa
             return false;
         }
         if (anew) {
-            add_string(lzw, next, before, lzw->first[code == next ? before : code]);
+            lzw->before[next] = (uint16_t)before;
+            lzw->length[next] = (uint16_t)(lzw->length[before] + 1);
+            lzw->last[next] = lzw->first[code == next ? before : code];
+            lzw->first[next] = lzw->first[before];
             next++;
         }
         if (lzw->length[code] > size - done) {
