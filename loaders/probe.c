@@ -21,16 +21,6 @@ void probe_close(struct probe *probe)
 
 /* XML and JSON are read unpacked only. All that begins with '{' goes to the parser of manifests, which says what is
  * wrong with it. */
-static enum format_reader find_reader(const struct probe *probe, const struct bytes *head)
-{
-    if (probe->first == '{') {
-        return READER_MANIFEST;
-    }
-    const struct file_kind *kind = format_find(probe->path, head);
-    bool is_text = kind && (kind->reader == READER_ATLAS_XML || kind->reader == READER_MANIFEST);
-    return kind && !(is_text && probe->packed) ? kind->reader : READER_VOLUME;
-}
-
 static conus_status look_at_head(struct probe *probe)
 {
     struct bytes unpacked = {0};
@@ -40,7 +30,11 @@ static conus_status look_at_head(struct probe *probe)
         packed ? gzip_head(&unpacked, probe->stored.data, probe->stored.size, FILE_KIND_HEAD) : CONUS_OK;
     probe->packed = packed && !status;
     probe->first = text.size && !probe->packed ? text.data[0] : '\0';
-    probe->reader = find_reader(probe, probe->packed ? &unpacked : &probe->stored);
+    const struct file_kind *kind = format_find(probe->path, probe->packed ? &unpacked : &probe->stored);
+    bool is_text = kind && (kind->reader == READER_ATLAS_XML || kind->reader == READER_MANIFEST);
+    probe->reader = probe->first == '{'                   ? READER_MANIFEST
+                    : kind && !(is_text && probe->packed) ? kind->reader
+                                                          : READER_VOLUME;
     bytes_finish(&unpacked);
     return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
 }

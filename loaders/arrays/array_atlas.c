@@ -74,19 +74,6 @@ static bool is_dense(const conus_voxels *voxels, size_t voxel_size)
     return equal || (!voxels->stride[0] && !voxels->stride[1] && !voxels->stride[2]);
 }
 
-static void copy_voxels(uint8_t *out, const conus_voxels *voxels, size_t voxel_size)
-{
-    const uint8_t *data = voxels->data;
-    for (size_t k = 0; k < voxels->dim[2]; k++) {
-        for (size_t j = 0; j < voxels->dim[1]; j++) {
-            const uint8_t *in = data + (ptrdiff_t)j * voxels->stride[1] + (ptrdiff_t)k * voxels->stride[2];
-            for (size_t i = 0; i < voxels->dim[0]; i++, out += voxel_size, in += voxels->stride[0]) {
-                memcpy(out, in, voxel_size);
-            }
-        }
-    }
-}
-
 static conus_status take_voxels(struct array_volume *array, const conus_voxels *voxels, size_t size)
 {
     size_t voxel_size = volume_datatype_size(array->file.datatype);
@@ -100,7 +87,16 @@ static conus_status take_voxels(struct array_volume *array, const conus_voxels *
     if (!array->file.voxels.data) {
         return CONUS_ERROR_MEMORY;
     }
-    copy_voxels(array->file.voxels.data, voxels, voxel_size);
+    uint8_t *out = array->file.voxels.data;
+    for (size_t k = 0; k < voxels->dim[2]; k++) {
+        for (size_t j = 0; j < voxels->dim[1]; j++) {
+            const uint8_t *in = voxels->data;
+            in += (ptrdiff_t)j * voxels->stride[1] + (ptrdiff_t)k * voxels->stride[2];
+            for (size_t i = 0; i < voxels->dim[0]; i++, out += voxel_size, in += voxels->stride[0]) {
+                memcpy(out, in, voxel_size);
+            }
+        }
+    }
     return CONUS_OK;
 }
 
@@ -189,19 +185,6 @@ static conus_status set_words(conus_atlas *atlas, const char *name)
     return atlas->path ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status create_empty(conus_atlas **out)
-{
-    conus_atlas *atlas = NULL;
-    conus_status status = atlas_create_empty(&atlas, "the program");
-    status = status ? status : set_words(atlas, "arrays");
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
-}
-
 static conus_status create_of_voxels(conus_atlas **out, struct volume_file *file, const conus_label *labels,
                                      size_t label_count, const conus_create_options *options)
 {
@@ -243,7 +226,15 @@ conus_status conus_atlas_create(conus_atlas **out, const conus_voxels *voxels, c
                               : "labels without voxels; areas that are surfaces bring their own");
     }
     if (!voxels) {
-        return create_empty(out);
+        conus_atlas *atlas = NULL;
+        conus_status status = atlas_create_empty(&atlas, "the program");
+        status = status ? status : set_words(atlas, "arrays");
+        if (status) {
+            conus_atlas_destroy(atlas);
+            return status;
+        }
+        *out = atlas;
+        return CONUS_OK;
     }
     conus_status status = array_volume_open(&array, voxels);
     status = status ? status : create_of_voxels(out, &array.file, labels, label_count, options);

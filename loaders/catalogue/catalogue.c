@@ -28,19 +28,6 @@ static conus_status stop_here(conus_catalogue *catalogue, const char *what, size
                       limit, what);
 }
 
-/* The same file by the same name. Two names of one file are two: datalad keeps files of equal content once. */
-static bool is_known(const conus_catalogue *catalogue, const struct catalogue_found *found)
-{
-    for (size_t i = catalogue->first; i < catalogue->count; i++) {
-        const struct catalogue_item *item = &catalogue->items[i];
-        if (item->id.device == found->id.device && item->id.inode == found->id.inode &&
-            (strcmp(item->atlas.name, found->name) == 0 || (item->alias && strcmp(item->alias, found->name) == 0))) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* Names are for a line of a terminal, and no paths. */
 static char *plain_name(const char *bytes)
 {
@@ -53,8 +40,13 @@ static char *plain_name(const char *bytes)
 
 conus_status catalogue_add(conus_catalogue *catalogue, const struct catalogue_found *found)
 {
-    if (is_known(catalogue, found)) {
-        return CONUS_OK;
+    /* The same file by the same name. Two names of one file are two: datalad keeps files of equal content once. */
+    for (size_t i = catalogue->first; i < catalogue->count; i++) {
+        const struct catalogue_item *known = &catalogue->items[i];
+        if (known->id.device == found->id.device && known->id.inode == found->id.inode &&
+            (strcmp(known->atlas.name, found->name) == 0 || (known->alias && strcmp(known->alias, found->name) == 0))) {
+            return CONUS_OK;
+        }
     }
     if (catalogue->count - catalogue->first == CATALOGUE_ATLASES) {
         return stop_here(catalogue, "atlases", CATALOGUE_ATLASES);

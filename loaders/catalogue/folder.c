@@ -40,24 +40,18 @@ static conus_status add_named(conus_catalogue *catalogue, struct catalogue_found
     return status;
 }
 
-static conus_status take_volume(conus_catalogue *catalogue, const char *name, struct catalogue_found *found,
-                                const struct folder_rule *rule)
-{
-    bool labels = false;
-    if (rule->patterns && !matches_any(name, rule->patterns)) {
-        return CONUS_OK;
-    }
-    conus_status status = volume_marks_find(&labels, found->spacing, found->path, rule->patterns != NULL);
-    found->kind = "volume";
-    return status || !labels ? status
-                             : add_named(catalogue, found, atlas_name(name, volume_stem_length(name), rule->cut));
-}
-
 static conus_status take_file(conus_catalogue *catalogue, const char *name, struct catalogue_found *found,
                               const struct folder_rule *rule)
 {
     if (volume_marks_is_volume(name)) {
-        return take_volume(catalogue, name, found, rule);
+        bool labels = false;
+        if (rule->patterns && !matches_any(name, rule->patterns)) {
+            return CONUS_OK;
+        }
+        conus_status status = volume_marks_find(&labels, found->spacing, found->path, rule->patterns != NULL);
+        found->kind = "volume";
+        return status || !labels ? status
+                                 : add_named(catalogue, found, atlas_name(name, volume_stem_length(name), rule->cut));
     }
     if (path_ends_in(name, manifest_ending)) {
         found->kind = "scene";
@@ -76,20 +70,16 @@ static bool is_brainglobe(const char *folder)
     return is;
 }
 
-/* Length of "allen_mouse_25um" of "allen_mouse_25um_v1.2", as BrainGlobe calls an atlas. */
-static size_t unversioned_length(const char *name)
+static conus_status take_brainglobe(conus_catalogue *catalogue, const char *name, struct catalogue_found *found)
 {
-    size_t length = strlen(name);
+    size_t length = strlen(name); /* of "allen_mouse_25um" of "allen_mouse_25um_v1.2", as BrainGlobe calls an atlas */
     size_t digits = length;
     while (digits && (isdigit((unsigned char)name[digits - 1]) || name[digits - 1] == '.')) {
         digits--;
     }
-    return digits < length && digits > 2 && name[digits - 1] == 'v' && name[digits - 2] == '_' ? digits - 2 : length;
-}
-
-static conus_status take_brainglobe(conus_catalogue *catalogue, const char *name, struct catalogue_found *found)
-{
-    size_t length = unversioned_length(name);
+    if (digits < length && digits > 2 && name[digits - 1] == 'v' && name[digits - 2] == '_') {
+        length = digits - 2;
+    }
     char *alias = name[length] ? memory_text(name, length) : NULL;
     found->kind = "surfaces";
     found->name = name;

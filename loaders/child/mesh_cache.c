@@ -75,10 +75,13 @@ static conus_status open_folder(int *out, const char *path, struct notes *notes)
     return theirs ? note_others(notes, path) : CONUS_OK;
 }
 
-/* The bytes of an open entry; none if they cannot be read. */
-static conus_status read_entry(struct bytes *out, int descriptor)
+/* Takes the content of an open entry; none if it cannot be read. */
+static conus_status take_entry(struct bytes *out, int descriptor, const char *path, struct notes *notes)
 {
     struct stat info;
+    if (!cache_is_ours(descriptor, S_IFREG)) {
+        return note_others(notes, path);
+    }
     if (fstat(descriptor, &info) || info.st_size < TAIL_SIZE || (uint64_t)info.st_size > MESH_CACHE_LIMIT) {
         return CONUS_OK;
     }
@@ -90,23 +93,14 @@ static conus_status read_entry(struct bytes *out, int descriptor)
         got = read(descriptor, entry.data + entry.size, (size_t)info.st_size - entry.size);
         entry.size += got > 0 ? (size_t)got : 0;
     }
-    *out = entry;
-    return CONUS_OK;
-}
-
-static conus_status take_entry(struct bytes *out, int descriptor, const char *path, struct notes *notes)
-{
-    struct bytes entry = {0};
-    conus_status status =
-        cache_is_ours(descriptor, S_IFREG) ? read_entry(&entry, descriptor) : note_others(notes, path);
     size_t size = mesh_cache_content(entry.data, entry.size);
-    if (!status && size != SIZE_MAX) {
-        *out = (struct bytes){entry.data, size};
-        entry = (struct bytes){0};
-        futimens(descriptor, NULL); /* used just now */
+    if (size == SIZE_MAX) {
+        memory_free(entry.data);
+        return CONUS_OK;
     }
-    memory_free(entry.data);
-    return status;
+    *out = (struct bytes){entry.data, size};
+    futimens(descriptor, NULL); /* used just now */
+    return CONUS_OK;
 }
 
 conus_status mesh_cache_find(struct bytes *out, const char *key, struct notes *notes)

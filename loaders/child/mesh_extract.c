@@ -64,33 +64,6 @@ static size_t size_of_objects(const struct volume *volume)
     return volume->voxel_count * (volume->objects16 ? sizeof *volume->objects16 : sizeof *volume->objects32);
 }
 
-/* Voxels from files count by what they are, since they may follow from several files. The request has the rest. */
-static void find_key(char key[MESH_CACHE_KEY_SIZE], const struct buffer *request, const struct volume *volume)
-{
-    struct buffer recipe = {0};
-    char sha256[65];
-    const struct bytes voxels = {(uint8_t *)objects_of(volume), size_of_objects(volume)};
-    file_sha256(sha256, &voxels);
-    buffer_format(&recipe, "conus %s " MESH_STREAM_MAGIC " %s\n", conus_version(), sha256);
-    buffer_append(&recipe, request->data, request->size);
-    key[0] = '\0';
-    if (buffer_status(&recipe) == CONUS_OK && volume->info.sha256[0]) {
-        mesh_cache_key(key, &recipe);
-    }
-    buffer_finish(&recipe);
-}
-
-/* Frames come in the order of the areas. */
-static conus_status extract_find_area(struct extraction *work, uint32_t label)
-{
-    while (work->number < work->atlas->area_count) {
-        if (work->atlas->objects[work->number++].label == label) {
-            return CONUS_OK;
-        }
-    }
-    return fail(CONUS_ERROR_DATA, "mesh stream: a surface of label %u, which is none of the areas left", label);
-}
-
 static conus_status take_frame(void *user, const struct mesh_frame *frame)
 {
     struct extraction *work = user;
@@ -99,9 +72,15 @@ static conus_status take_frame(void *user, const struct mesh_frame *frame)
     if (frame->kind == MESH_FRAME_FAILURE) {
         return fail(CONUS_ERROR_DATA, "conus-mesh: %.*s", (int)frame->text.size, frame->text.data);
     }
+    bool found = false;
+    while (!found && work->number < work->atlas->area_count) { /* frames come in the order of the areas */
+        found = work->atlas->objects[work->number++].label == frame->id;
+    }
+    if (!found) {
+        return fail(CONUS_ERROR_DATA, "mesh stream: a surface of label %u, which is none of the areas left", frame->id);
+    }
     snprintf(name, sizeof name, "area %u", frame->id);
-    conus_status status = extract_find_area(work, frame->id);
-    status = status ? status : mesh_take_frame(&mesh, frame, name, work->notes, work->stream);
+    conus_status status = mesh_take_frame(&mesh, frame, name, work->notes, work->stream);
     status = status ? status : work->take(work->user, work->number, &mesh);
     work->frames++;
     mesh_finish(&mesh);
@@ -134,9 +113,20 @@ static conus_status run_child(struct extraction *work, const struct buffer *requ
 static conus_status extract_with(struct extraction *work, const struct buffer *request,
                                  const struct mesh_extract_options *options)
 {
-    char key[MESH_CACHE_KEY_SIZE];
+    char key[MESH_CACHE_KEY_SIZE] = "";
+    char sha256[65];
     struct bytes cached = {0};
-    find_key(key, request, work->volume);
+    struct buffer recipe = {0};
+    /* Voxels from files count by what they are, since they may follow from several files. The request has the rest. */
+    const struct volume *volume = work->volume;
+    const struct bytes voxels = {(uint8_t *)objects_of(volume), size_of_objects(volume)};
+    file_sha256(sha256, &voxels);
+    buffer_format(&recipe, "conus %s " MESH_STREAM_MAGIC " %s\n", conus_version(), sha256);
+    buffer_append(&recipe, request->data, request->size);
+    if (buffer_status(&recipe) == CONUS_OK && volume->info.sha256[0]) {
+        mesh_cache_key(key, &recipe);
+    }
+    buffer_finish(&recipe);
     conus_status status = key[0] ? mesh_cache_find(&cached, key, work->notes) : CONUS_OK;
     if (!status) {
         status = cached.data ? mesh_stream_read(cached.data, cached.size, take_frame, work)

@@ -35,20 +35,6 @@ void fsl_atlas_finish(struct fsl_atlas *atlas)
     *atlas = (struct fsl_atlas){0};
 }
 
-static conus_status add_images(struct fsl_atlas *atlas)
-{
-    if (atlas->image_count == IMAGE_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "more than %d <images>", IMAGE_LIMIT);
-    }
-    struct fsl_image *images = memory_resize(atlas->images, atlas->image_count + 1, sizeof *images);
-    if (!images) {
-        return CONUS_ERROR_MEMORY;
-    }
-    atlas->images = images;
-    images[atlas->image_count++] = (struct fsl_image){0};
-    return CONUS_OK;
-}
-
 /* A label without three numbers has no point: only a check is lost. */
 static struct fsl_point read_point(const struct xml_event *event)
 {
@@ -86,10 +72,23 @@ static conus_status start_label(struct parsing *parsing, const struct xml_event 
 static conus_status start_element(void *user, const struct xml_event *event)
 {
     struct parsing *parsing = user;
-    if (strcmp(event->name, "images") == 0) {
-        return add_images(&parsing->atlas);
+    struct fsl_atlas *atlas = &parsing->atlas;
+    if (strcmp(event->name, "label") == 0) {
+        return start_label(parsing, event);
     }
-    return strcmp(event->name, "label") == 0 ? start_label(parsing, event) : CONUS_OK;
+    if (strcmp(event->name, "images") != 0) {
+        return CONUS_OK;
+    }
+    if (atlas->image_count == IMAGE_LIMIT) {
+        return fail(CONUS_ERROR_DATA, "more than %d <images>", IMAGE_LIMIT);
+    }
+    struct fsl_image *images = memory_resize(atlas->images, atlas->image_count + 1, sizeof *images);
+    if (!images) {
+        return CONUS_ERROR_MEMORY;
+    }
+    atlas->images = images;
+    images[atlas->image_count++] = (struct fsl_image){0};
+    return CONUS_OK;
 }
 
 static conus_status set_type(struct fsl_atlas *atlas, struct text text)

@@ -32,37 +32,18 @@ void label_lut_apply(struct label_table *table, const uint8_t *lut)
     }
 }
 
-static conus_status parse_lut(struct label_table *out, const uint8_t *lut)
-{
-    struct label_table table = {0};
-    for (uint32_t number = 1; number < 256; number++) {
-        if (!label_table_add(&table, number)) {
-            label_table_finish(&table);
-            return CONUS_ERROR_MEMORY;
-        }
-    }
-    label_lut_apply(&table, lut);
-    *out = table;
-    return CONUS_OK;
-}
-
-/* An answer of conus, or its list of voxels, may lie beside the atlas under its name, and has rows like a table. So
- * have FreeSurfer's lists of vertices and FSL's matrices. */
-static bool is_other(struct text text)
-{
-    static const char *const starts[] = {"query\tkind\tindex\t", "query\tpathway\ti\t", "#!ascii label", "/NumWaves",
-                                         "/ContrastName"};
-    bool other = false;
-    for (size_t i = 0; i < sizeof starts / sizeof starts[0]; i++) {
-        other = other || text_starts(text, starts[i]);
-    }
-    return other;
-}
-
 const struct label_format *label_format_of(struct text text)
 {
+    /* An answer of conus, or its list of voxels, may lie beside the atlas under its name, and has rows like a table. So
+     * have FreeSurfer's lists of vertices and FSL's matrices. */
+    static const char *const others[] = {"query\tkind\tindex\t", "query\tpathway\ti\t", "#!ascii label", "/NumWaves",
+                                         "/ContrastName"};
     struct text start = text_trim(text);
-    if (!text_is_readable(text) || is_other(text)) {
+    bool is_other = !text_is_readable(text);
+    for (size_t i = 0; !is_other && i < sizeof others / sizeof others[0]; i++) {
+        is_other = text_starts(text, others[i]);
+    }
+    if (is_other) {
         return NULL;
     }
     if (start.data[0] == '<') {
@@ -104,11 +85,19 @@ conus_status label_bytes_parse(struct label_table *out, const char **format, con
                                const struct label_use *use, struct notes *notes)
 {
     struct text text = text_from_bytes(data, size);
+    struct label_table table = {0};
     conus_status status;
     if (label_is_lut(data, size)) {
-        status = parse_lut(out, data);
-        *format = status ? *format : "MRIcron colours";
-        return status;
+        for (uint32_t number = 1; number < 256; number++) {
+            if (!label_table_add(&table, number)) {
+                label_table_finish(&table);
+                return CONUS_ERROR_MEMORY;
+            }
+        }
+        label_lut_apply(&table, data);
+        *out = table;
+        *format = "MRIcron colours";
+        return CONUS_OK;
     }
     if (size >= 2 && (memcmp(data, "\xff\xfe", 2) == 0 || memcmp(data, "\xfe\xff", 2) == 0)) {
         return fail(CONUS_ERROR_DATA, "the text is UTF-16, UTF-8 or ISO-8859-1 is needed");
@@ -119,7 +108,6 @@ conus_status label_bytes_parse(struct label_table *out, const char **format, con
         status = label_columns_refuse(text);
         return status ? status : fail(CONUS_ERROR_DATA, "not a label table of a known format (known: " KNOWN ")");
     }
-    struct label_table table = {0};
     status = label_text_parse(&table, found, text, use, notes);
     if (!status && !table.count) {
         label_table_finish(&table);

@@ -179,17 +179,6 @@ static conus_status note_rival(struct header *header, uint32_t number, struct te
                       where, number, (unsigned long long)other, number);
 }
 
-static conus_status parse_row(struct label_table *out, struct header *header, struct text line, const char *where,
-                              struct notes *notes)
-{
-    struct text cells[COLUMN_COUNT] = {{0}};
-    struct label label = {0};
-    conus_status status = read_cells(cells, header, line, where);
-    status = status ? status : fill_label(&label, cells, where, notes);
-    status = status ? status : note_rival(header, label.number, cells[RIVAL], where, notes);
-    return label_keep(out, &label, status, notes);
-}
-
 /* The rows below the header, which is line `number`. */
 static conus_status parse_below(struct label_table *out, struct header *header, struct text text, size_t number,
                                 struct notes *notes)
@@ -198,8 +187,13 @@ static conus_status parse_below(struct label_table *out, struct header *header, 
     conus_status status = CONUS_OK;
     while (!status && next_line(&text, &number, &line)) {
         char where[32];
+        struct text cells[COLUMN_COUNT] = {{0}};
+        struct label label = {0};
         snprintf(where, sizeof where, "line %zu", number);
-        status = parse_row(out, header, line, where, notes);
+        status = read_cells(cells, header, line, where);
+        status = status ? status : fill_label(&label, cells, where, notes);
+        status = status ? status : note_rival(header, label.number, cells[RIVAL], where, notes);
+        status = label_keep(out, &label, status, notes);
     }
     return status;
 }

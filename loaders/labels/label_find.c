@@ -38,8 +38,10 @@ static bool has_entity(struct text stem, const char *entity)
     return false;
 }
 
-static enum kind freesurfer_kind(struct text stem)
+static enum kind kind_of_volume(const struct label_search *search)
 {
+    const char *name = path_base(search->volume->info->path);
+    const struct text stem = {name, volume_stem_length(name)};
     static const char *const whole[] = {
         "aseg",
         "aseg.auto",
@@ -157,27 +159,6 @@ static conus_status take_table(bool *taken, struct label_search *search, const s
         path_base(search->volume->info->path), path);
 }
 
-static conus_status try_table(struct label_search *search, enum kind kind, const char *path)
-{
-    if (!numbers_agree(&search->use, kind)) {
-        return notes_warn(
-            search->notes,
-            "%s: its name is one of FreeSurfer's, but its labels do not lie as FreeSurfer's do: %s is not "
-            "taken; --labels uses it all the same",
-            path_base(search->volume->info->path), path);
-    }
-    search->judge = take_table;
-    conus_status status = label_search_file(search, path);
-    search->judge = NULL;
-    return status;
-}
-
-static enum kind kind_of_volume(const struct label_search *search)
-{
-    const char *name = path_base(search->volume->info->path);
-    return freesurfer_kind((struct text){name, volume_stem_length(name)});
-}
-
 /* A label_judge of a FreeSurferColorLUT.txt in the volume's folder: FreeSurfer's own is taken only for volumes that
  * bear one of FreeSurfer's names or whose labels lie as FreeSurfer's do; any other is taken. */
 static conus_status label_judge_freesurfer(bool *taken, struct label_search *search, const struct label_table *table,
@@ -203,7 +184,17 @@ static conus_status label_search_freesurfer(struct label_search *search, const c
         return CONUS_OK;
     }
     conus_status status = find_table(&path, folder);
-    status = status || !path.size ? status : try_table(search, kind, path.data);
+    if (!status && path.size && !numbers_agree(&search->use, kind)) {
+        status =
+            notes_warn(search->notes,
+                       "%s: its name is one of FreeSurfer's, but its labels do not lie as FreeSurfer's do: %s is not "
+                       "taken; --labels uses it all the same",
+                       path_base(search->volume->info->path), path.data);
+    } else if (!status && path.size) {
+        search->judge = take_table;
+        status = label_search_file(search, path.data);
+        search->judge = NULL;
+    }
     buffer_finish(&path);
     return status;
 }

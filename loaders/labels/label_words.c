@@ -2,6 +2,8 @@
 /* The words of a file's name that say which atlas it is. */
 #include "loaders/labels/label_words.h"
 
+#include <string.h>
+
 enum kind { NO_WORD, SMALL, CAPITAL, DIGIT };
 
 static enum kind kind_of(char c)
@@ -30,13 +32,6 @@ static bool is_neutral(struct text word)
         }
     }
     return false;
-}
-
-static bool starts_like(struct text entity, const char *key)
-{
-    struct text wanted = text_from(key);
-    struct text start = {entity.data, entity.size < wanted.size ? entity.size : wanted.size};
-    return text_equal_ignoring_case(start, key);
 }
 
 /* The next word off `rest`; false if none is left. */
@@ -80,7 +75,9 @@ void label_words_find(struct label_words *out, struct text stem)
     for (bool more = true; text_field(&stem, '_', &more, &entity);) {
         bool place = false;
         for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
-            place = place || starts_like(entity, places[i]);
+            size_t length = strlen(places[i]);
+            struct text start = {entity.data, entity.size < length ? entity.size : length};
+            place = place || text_equal_ignoring_case(start, places[i]);
         }
         for (struct text word; !place && next_word(&entity, &word);) {
             add_word(out, word);
@@ -88,20 +85,15 @@ void label_words_find(struct label_words *out, struct text stem)
     }
 }
 
-static bool has_word(const struct label_words *words, struct text word)
-{
-    for (size_t i = 0; i < words->count; i++) {
-        if (words->items[i].size == word.size && text_contains(words->items[i], word)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 bool label_words_contain(const struct label_words *all, const struct label_words *part)
 {
     for (size_t i = 0; i < part->count; i++) {
-        if (!has_word(all, part->items[i])) {
+        const struct text word = part->items[i];
+        bool has = false;
+        for (size_t k = 0; !has && k < all->count; k++) {
+            has = all->items[k].size == word.size && text_contains(all->items[k], word);
+        }
+        if (!has) {
             return false;
         }
     }

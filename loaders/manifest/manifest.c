@@ -529,11 +529,19 @@ static const struct schema_field manifest_keys[] = {
     {0},
 };
 
-/* "moves" needs a transform, and a transform needs something that moves. */
-static conus_status check_moves(const struct manifest *manifest)
+static conus_status check_manifest(const struct manifest *manifest)
 {
     static const char why[] = "moves: there is no transform that could move it";
-    bool moves = manifest->parcellation_count || manifest->area_count || manifest->map_count;
+    bool labelled = manifest->parcellation_count || manifest->area_count;
+    if (labelled && manifest->map_count) {
+        return fail(CONUS_ERROR_DATA, "has probabilities and %s, which are areas both: one of them is allowed",
+                    manifest->area_count ? "areas" : "a parcellation");
+    }
+    bool moves = labelled || manifest->map_count; /* a transform needs something that moves */
+    if (!moves && !manifest->pathway_count && !manifest->streamlines_count) {
+        return fail(CONUS_ERROR_DATA,
+                    "nothing to select: parcellation, areas, probabilities, pathways or streamlines is needed");
+    }
     for (size_t i = 0; i < manifest->pathway_count; i++) {
         if (manifest->pathways[i].moves && !manifest->transform_count) {
             return fail(CONUS_ERROR_DATA, "pathways[%zu].%s", i, why);
@@ -555,19 +563,6 @@ static conus_status check_moves(const struct manifest *manifest)
                ? CONUS_OK
                : fail(CONUS_ERROR_DATA,
                       "transform: there are no areas, and no pathway or streamlines say that they move");
-}
-
-static conus_status check_manifest(const struct manifest *manifest)
-{
-    bool labelled = manifest->parcellation_count || manifest->area_count;
-    if (labelled && manifest->map_count) {
-        return fail(CONUS_ERROR_DATA, "has probabilities and %s, which are areas both: one of them is allowed",
-                    manifest->area_count ? "areas" : "a parcellation");
-    }
-    return labelled || manifest->map_count || manifest->pathway_count || manifest->streamlines_count
-               ? check_moves(manifest)
-               : fail(CONUS_ERROR_DATA,
-                      "nothing to select: parcellation, areas, probabilities, pathways or streamlines is needed");
 }
 
 bool manifest_is(struct text text)

@@ -43,9 +43,11 @@ static const char *ends_text(char out[ENDS_SIZE], const conus_band *band)
     return out;
 }
 
-static conus_status check_name(const conus_band *band, const conus_volume_info *info, const conus_atlas *atlas)
+static conus_status check_band(const conus_band *band, const conus_volume_info *info, const conus_atlas *atlas)
 {
     char ends[ENDS_SIZE];
+    char low[TEXT_NUMBER_SIZE];
+    char high[TEXT_NUMBER_SIZE];
     if (!band->name || !band->name[0]) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: the band %s has no name", info->path, ends_text(ends, band));
     }
@@ -54,14 +56,6 @@ static conus_status check_name(const conus_band *band, const conus_volume_info *
             return fail(CONUS_ERROR_ARGUMENT, "%s: band %s: another pathway has that name", info->path, band->name);
         }
     }
-    return CONUS_OK;
-}
-
-static conus_status check_ends(const conus_band *band, const conus_volume_info *info)
-{
-    char ends[ENDS_SIZE];
-    char low[TEXT_NUMBER_SIZE];
-    char high[TEXT_NUMBER_SIZE];
     if (!((float)band->low < (float)band->high)) { /* as the values are kept */
         return fail(CONUS_ERROR_ARGUMENT, "%s: band %s: from %s to below %s holds no value, the first is to be less",
                     info->path, band->name, text_number(low, band->low), text_number(high, band->high));
@@ -115,8 +109,7 @@ static conus_status bands_check(const conus_band *bands, size_t count, const con
     }
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
-        status = check_name(&bands[i], info, atlas);
-        status = status ? status : check_ends(&bands[i], info);
+        status = check_band(&bands[i], info, atlas);
     }
     conus_band *sorted = status ? NULL : memory_copy(bands, count, sizeof *bands);
     if (!sorted) {

@@ -117,21 +117,6 @@ static conus_status add_findings(struct findings *findings, const struct volume_
     return status;
 }
 
-static conus_status find_facts(struct findings *findings, struct volume_file *file, struct notes *notes)
-{
-    const size_t *dim = file->info.dim;
-    findings->above = memory_zeroed(dim[0] * dim[1] * dim[2], sizeof *findings->above);
-    conus_status status = findings->above ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < file->info.volume_count; i++) {
-        float *values = NULL;
-        status = volume_file_select(file, i);
-        status = status ? status : volume_file_values(&values, file, notes);
-        status = status ? status : add_findings(findings, file, values);
-        memory_free(values);
-    }
-    return status;
-}
-
 /* Where a volume is above 0, the part of the others that is so, too. */
 static double overlap(const struct findings *findings, const conus_volume_info *info)
 {
@@ -182,7 +167,16 @@ conus_status named_maps_check(struct volume_file *file, double asked, struct not
     if (asked > 0 || named_maps_is_probseg(file->path)) {
         return CONUS_OK;
     }
-    conus_status status = find_facts(&findings, file, notes);
+    const size_t *dim = file->info.dim;
+    findings.above = memory_zeroed(dim[0] * dim[1] * dim[2], sizeof *findings.above);
+    conus_status status = findings.above ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < file->info.volume_count; i++) {
+        float *values = NULL;
+        status = volume_file_select(file, i);
+        status = status ? status : volume_file_values(&values, file, notes);
+        status = status ? status : add_findings(&findings, file, values);
+        memory_free(values);
+    }
     status = status ? status : check_findings(&findings, file);
     memory_free(findings.above);
     return status;

@@ -336,18 +336,6 @@ static conus_status load_opened(conus_atlas **out, const struct probe *probe, co
     return status ? status : surface_load(out, path, progress);
 }
 
-static conus_status load_any(conus_atlas **out, const char *path, struct load_progress *progress)
-{
-    struct probe probe;
-    if (file_is_folder(path)) {
-        return load_folder(out, path, progress);
-    }
-    conus_status status = probe_open(&probe, path);
-    status = status ? status : load_opened(out, &probe, path, progress);
-    probe_close(&probe);
-    return status;
-}
-
 /* Checks the whole atlas while the log still gets its notes. */
 static conus_status check_whole(conus_atlas *atlas, const char *path, struct load_progress *progress)
 {
@@ -370,7 +358,15 @@ conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_l
                     options->probability);
     }
     struct load_progress progress = load_progress_of(path, options);
-    conus_status status = load_any(&atlas, path, &progress);
+    struct probe probe = {0};
+    conus_status status;
+    if (file_is_folder(path)) {
+        status = load_folder(&atlas, path, &progress);
+    } else {
+        status = probe_open(&probe, path);
+        status = status ? status : load_opened(&atlas, &probe, path, &progress);
+        probe_close(&probe);
+    }
     if (!status) {
         status = check_whole(atlas, path, &progress);
         conus_atlas_destroy(status ? atlas : NULL);

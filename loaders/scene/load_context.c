@@ -68,16 +68,6 @@ static conus_status add_surface(conus_atlas *atlas, const char *path, const conu
     return status;
 }
 
-static conus_status set_volume(conus_atlas *atlas, const char *path, const conus_context_options *options,
-                               struct notes *notes)
-{
-    struct volume_file file = {0};
-    conus_status status = volume_file_open_cached(&file, path, options->max_memory, options->cache, notes);
-    status = status ? status : context_set(atlas, &file, options, notes);
-    volume_file_finish(&file);
-    return status;
-}
-
 bool conus_context_is_surface(const char *path)
 {
     return mesh_file_is(path);
@@ -91,8 +81,15 @@ conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const
     options = options_of(conus_context_options, options);
     const struct note_sink sink = {options->log, options->log_user, path};
     struct notes notes = {.sink = &sink};
-    conus_status status =
-        mesh_file_is(path) ? add_surface(atlas, path, options, &notes) : set_volume(atlas, path, options, &notes);
+    conus_status status;
+    if (mesh_file_is(path)) {
+        status = add_surface(atlas, path, options, &notes);
+    } else {
+        struct volume_file file = {0};
+        status = volume_file_open_cached(&file, path, options->max_memory, options->cache, &notes);
+        status = status ? status : context_set(atlas, &file, options, &notes);
+        volume_file_finish(&file);
+    }
     notes_finish(&notes);
     return status;
 }

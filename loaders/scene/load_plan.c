@@ -86,25 +86,18 @@ static conus_status sift_names(struct matches *matches, const char *pattern)
     return status;
 }
 
-/* The literal end of the pattern, which every matching name has. */
-static const char *plain_ending(const char *pattern)
-{
-    const char *ending = pattern + strlen(pattern);
-    while (ending > pattern && !strchr("*?[]\\/", ending[-1])) {
-        ending--;
-    }
-    return ending;
-}
-
 static conus_status find_matches(struct matches *matches, struct area_plan *plan, const struct manifest_area *area,
                                  const char *path, struct notes *notes)
 {
     const struct label_use use = {.max_memory = plan->max_memory, .read = &plan->read};
     const char *format;
+    const char *ending = area->files + strlen(area->files); /* the literal end, which every matching name has */
+    while (ending > area->files && !strchr("*?[]\\/", ending[-1])) {
+        ending--;
+    }
     char *pattern = file_beside(path, area->files);
     matches->folder = pattern ? path_folder(pattern) : NULL;
-    conus_status status =
-        matches->folder ? names_list(&matches->names, matches->folder, plain_ending(area->files)) : CONUS_ERROR_MEMORY;
+    conus_status status = matches->folder ? names_list(&matches->names, matches->folder, ending) : CONUS_ERROR_MEMORY;
     status = status ? status : sift_names(matches, path_base(area->files));
     memory_free(pattern);
     if (!status && area->labels) {

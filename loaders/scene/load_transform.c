@@ -13,7 +13,7 @@
 
 #include <string.h>
 
-static bool is_volume(const conus_atlas *atlas, const char *path)
+static bool has_volume(const conus_atlas *atlas, const char *path)
 {
     bool is = false;
     for (size_t i = 0; i < atlas->volume_count; i++) {
@@ -32,7 +32,7 @@ static conus_status transform_images_sum(struct file_sums *out, const conus_atla
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < sizeof paths / sizeof paths[0] && !status; i++) {
         struct bytes content = {0};
-        if (paths[i] && !is_volume(atlas, paths[i])) {
+        if (paths[i] && !has_volume(atlas, paths[i])) {
             status = file_read(&content, paths[i], UINT64_MAX);
             status = status ? status : file_sums_add(out, paths[i], &content);
         }

@@ -103,22 +103,6 @@ static bool draft_fsl_has(const struct manifest_draft *draft, const char *name)
     return false;
 }
 
-static conus_status choose(const char **name, const struct manifest_draft *draft, const char *xml,
-                           const struct parcellation *parts)
-{
-    const char *volume = parts->file.path + strlen(draft->folder);
-    if (draft_fsl_has(draft, volume)) {
-        *name = NULL;
-        return manifest_draft_log(draft, "%s: left out, since another XML has %s", xml, volume);
-    }
-    if (!parts->is_disputed) {
-        return CONUS_OK;
-    }
-    *name = volume;
-    return manifest_draft_log(draft, "%s: left out for %s, which has other names by itself: %s", xml, volume,
-                              parts->notes.lines[parts->notes.count - 1]);
-}
-
 /* Chooses the file that the manifest names for `xml`, an atlas of type Label: the XML itself; its volume, where that
  * has other names by itself, so that the manifest and a query of the volume give the same names; or NULL, where another
  * XML has taken the volume. The log says why it is not the XML. *name is the caller's to memory_free(). */
@@ -129,7 +113,17 @@ static conus_status draft_fsl_choose(char **name, const struct manifest_draft *d
     const char *chosen = xml; /* what does not load says so when it is tried */
     char *path = file_beside(draft->folder, xml);
     conus_status status = path ? parcellation_read(&parts, path, &options, "an atlas XML") : CONUS_ERROR_MEMORY;
-    status = status ? status : choose(&chosen, draft, xml, &parts);
+    if (!status) {
+        const char *volume = parts.file.path + strlen(draft->folder);
+        if (draft_fsl_has(draft, volume)) {
+            chosen = NULL;
+            status = manifest_draft_log(draft, "%s: left out, since another XML has %s", xml, volume);
+        } else if (parts.is_disputed) {
+            chosen = volume;
+            status = manifest_draft_log(draft, "%s: left out for %s, which has other names by itself: %s", xml, volume,
+                                        parts.notes.lines[parts.notes.count - 1]);
+        }
+    }
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
     *name = status || !chosen ? NULL : memory_text(chosen, strlen(chosen));
     parcellation_finish(&parts);

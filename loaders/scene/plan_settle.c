@@ -22,20 +22,6 @@ static conus_status count_voxels(uint64_t *counts, const struct area_plan *plan,
     return CONUS_OK;
 }
 
-/* Leaves the surfaces out whose label has voxels. */
-static void drop_surfaces(struct area_plan *plan, const uint64_t *counts)
-{
-    size_t kept = 0;
-    for (size_t i = 0; i < plan->count; i++) {
-        if (counts[i]) {
-            planned_area_finish(&plan->areas[i]);
-        } else {
-            plan->areas[kept++] = plan->areas[i];
-        }
-    }
-    plan->count = kept;
-}
-
 /* Gives the surface what the table's entry says and the manifest does not. */
 static void take_words(struct label *label, struct label *entry)
 {
@@ -108,15 +94,6 @@ static conus_status hand_over_entries(struct area_plan *plan, struct label_table
     return status;
 }
 
-/* Voxels with a planned area's label become background. */
-static void clear_voxels(const struct area_plan *plan, struct parcellation *parts)
-{
-    for (size_t p = 0; p < parts->labels.label_count; p++) {
-        uint32_t *label = &parts->labels.labels[p];
-        *label = *label && area_plan_find(plan, *label) ? 0 : *label;
-    }
-}
-
 static conus_status apply_preference(struct area_plan *plan, struct parcellations *all, const uint64_t *counts,
                                      enum manifest_preference preference)
 {
@@ -136,12 +113,22 @@ static conus_status apply_preference(struct area_plan *plan, struct parcellation
                     first->entry, first->label.number, path_base(first->path));
     }
     bool surfaces = preference != MANIFEST_PREFER_PARCELLATION;
-    for (size_t p = 0; surfaces && p < all->count; p++) {
-        clear_voxels(plan, &all->parts[p]);
+    for (size_t p = 0; surfaces && p < all->count; p++) { /* their voxels become background */
+        const struct label_voxels *voxels = &all->parts[p].labels;
+        for (size_t i = 0; i < voxels->label_count; i++) {
+            uint32_t *label = &voxels->labels[i];
+            *label = *label && area_plan_find(plan, *label) ? 0 : *label;
+        }
     }
-    if (!surfaces) {
-        drop_surfaces(plan, counts);
+    size_t kept = 0;
+    for (size_t i = 0; !surfaces && i < plan->count; i++) {
+        if (counts[i]) {
+            planned_area_finish(&plan->areas[i]);
+        } else {
+            plan->areas[kept++] = plan->areas[i];
+        }
     }
+    plan->count = surfaces ? plan->count : kept;
     return notes_add(&all->notes, "labels that are both a surface and voxels: %zu, the %s taken", shared,
                      surfaces ? "surfaces are" : "voxels are");
 }
