@@ -59,19 +59,6 @@ static void rank_value(uint32_t values[PLATEAUS], size_t ranked[PLATEAUS], uint3
     }
 }
 
-static void take_plateaus(uint32_t out[PLATEAUS], const uint32_t *sorted, size_t count)
-{
-    size_t ranked[PLATEAUS] = {0};
-    for (size_t i = 0, start = 0; i < count; i++) {
-        if (i + 1 == count || sorted[i + 1] != sorted[i]) {
-            if (PLATEAU_SHARE * (i + 1 - start) >= count) {
-                rank_value(out, ranked, sorted[i], i + 1 - start);
-            }
-            start = i + 1;
-        }
-    }
-}
-
 /* The commonest values of a sample. An image's background where it is not 0, saturated voxels, the inside of a phantom
  * would look like areas. */
 static conus_status find_plateaus(struct scan *scan, size_t count)
@@ -87,7 +74,16 @@ static conus_status find_plateaus(struct scan *scan, size_t count)
         n += sample[n] != 0;
     }
     qsort(sample, n, sizeof *sample, compare_u32);
-    take_plateaus(scan->plateaus, sample, n);
+    size_t ranked[PLATEAUS] = {0};
+    for (size_t i = 0, start = 0; i < n; i++) {
+        if (i + 1 < n && sample[i + 1] == sample[i]) {
+            continue;
+        }
+        if (PLATEAU_SHARE * (i + 1 - start) >= n) {
+            rank_value(scan->plateaus, ranked, sample[i], i + 1 - start);
+        }
+        start = i + 1;
+    }
     memory_free(sample);
     return CONUS_OK;
 }
@@ -180,19 +176,6 @@ static size_t gather_values(uint32_t *out, const struct scan *scan, size_t every
     return n;
 }
 
-/* Leaves each value once, and sums up the cubes' surfaces; a voxel stands for `weight`. */
-static void merge_values(struct values *values, size_t count, double weight)
-{
-    for (size_t i = 0, start = 0; i < count; i++) {
-        if (i + 1 == count || values->sorted[i + 1] != values->sorted[i]) {
-            double edge = cbrt((double)(i + 1 - start) * weight);
-            values->surface += edge * edge;
-            values->sorted[values->count++] = values->sorted[i];
-            start = i + 1;
-        }
-    }
-}
-
 static conus_status find_values(struct values *out, const struct scan *scan)
 {
     out->voxels = count_filled(scan);
@@ -203,7 +186,15 @@ static conus_status find_values(struct values *out, const struct scan *scan)
     }
     size_t n = gather_values(out->sorted, scan, every);
     qsort(out->sorted, n, sizeof *out->sorted, compare_u32);
-    merge_values(out, n, (double)(every * scan->step));
+    double weight = (double)(every * scan->step); /* a voxel stands for so many */
+    for (size_t i = 0, start = 0; i < n; i++) {
+        if (i + 1 == n || out->sorted[i + 1] != out->sorted[i]) {
+            double edge = cbrt((double)(i + 1 - start) * weight);
+            out->surface += edge * edge;
+            out->sorted[out->count++] = out->sorted[i];
+            start = i + 1;
+        }
+    }
     return CONUS_OK;
 }
 

@@ -8,8 +8,6 @@
 
 #include <stdio.h>
 
-enum { HEADER_SIZE = MGH_HEADER_SIZE, TYPE_UCHAR = 0, TYPE_INT = 1, TYPE_FLOAT = 3, TYPE_SHORT = 4 };
-
 static int read_int(const uint8_t *data, size_t offset)
 {
     return order_i32(data + offset, BIG_ENDIAN_IS_SWAPPED);
@@ -19,23 +17,6 @@ static void read_floats(double *out, size_t count, const uint8_t *data)
 {
     for (size_t i = 0; i < count; i++) {
         out[i] = (double)order_f32(data + 4 * i, BIG_ENDIAN_IS_SWAPPED);
-    }
-}
-
-static conus_status read_type(struct volume_header *header, int type)
-{
-    switch (type) {
-    case TYPE_UCHAR:
-        return volume_header_set_datatype(header, VOLUME_UINT8);
-    case TYPE_SHORT:
-        return volume_header_set_datatype(header, VOLUME_INT16);
-    case TYPE_INT:
-        return volume_header_set_datatype(header, VOLUME_INT32);
-    case TYPE_FLOAT:
-        return volume_header_set_datatype(header, VOLUME_FLOAT32);
-    default:
-        return fail(CONUS_ERROR_UNSUPPORTED, "type: found %d, allowed are 0 (uchar), 1 (int), 3 (float) and 4 (short)",
-                    type);
     }
 }
 
@@ -49,7 +30,7 @@ static conus_status read_dim(struct volume_header *header, const uint8_t *data)
             return fail(CONUS_ERROR_DATA, "%s: found %lld, allowed is 1 or more", names[i], (long long)dim[i]);
         }
     }
-    if (mgh_is_of_vertices(data, HEADER_SIZE)) {
+    if (mgh_is_of_vertices(data, MGH_HEADER_SIZE)) {
         return fail(CONUS_ERROR_DATA,
                     "%lld x 1 x 1 values of the vertices of a surface, not a volume: labels of vertices are read from "
                     ".annot and .label.gii (--labels)",
@@ -95,18 +76,24 @@ static conus_status read_placement(struct volume_header *header, const uint8_t *
 
 conus_status mgh_header_parse(struct volume_header *out, const uint8_t *data, size_t size, struct notes *notes)
 {
-    if (size < HEADER_SIZE) {
-        return fail(CONUS_ERROR_DATA, "header: found %zu bytes, MGH needs %d", size, HEADER_SIZE);
+    if (size < MGH_HEADER_SIZE) {
+        return fail(CONUS_ERROR_DATA, "header: found %zu bytes, MGH needs %d", size, MGH_HEADER_SIZE);
     }
     if (read_int(data, 0) != 1) {
         return fail(CONUS_ERROR_DATA, "version: found %d, allowed is 1", read_int(data, 0));
     }
     struct volume_header header = {
-        .swapped = BIG_ENDIAN_IS_SWAPPED, .footer = true, .header_size = HEADER_SIZE, .offset = HEADER_SIZE};
+        .swapped = BIG_ENDIAN_IS_SWAPPED, .footer = true, .header_size = MGH_HEADER_SIZE, .offset = MGH_HEADER_SIZE};
     header.info.slope = 1;
     snprintf(header.info.format, sizeof header.info.format, "MGH");
+    static const int types[] = {VOLUME_UINT8, VOLUME_INT32, 0, VOLUME_FLOAT32, VOLUME_INT16};
+    int type = read_int(data, 20);
+    if (type < 0 || type >= (int)(sizeof types / sizeof types[0]) || !types[type]) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "type: found %d, allowed are 0 (uchar), 1 (int), 3 (float) and 4 (short)",
+                    type);
+    }
     conus_status status;
-    if ((status = read_type(&header, read_int(data, 20))) || (status = read_dim(&header, data)) ||
+    if ((status = volume_header_set_datatype(&header, types[type])) || (status = read_dim(&header, data)) ||
         (status = read_placement(&header, data, notes))) {
         return status;
     }

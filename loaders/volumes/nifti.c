@@ -35,19 +35,8 @@ static conus_status check_pixdim(const double pixdim[8])
     return CONUS_OK;
 }
 
-/* METHOD 3. */
-static void place_sform(double out[16], const double srow[12])
-{
-    mat4_identity(out);
-    for (int row = 0; row < 3; row++) {
-        for (int column = 0; column < 4; column++) {
-            out[4 * column + row] = srow[4 * row + column];
-        }
-    }
-}
-
-/* METHOD 1: nothing is known but sizes. FSL and nibabel take such grids as radiological (i grows towards the left) and
- * centred on the origin, and so does conus. */
+/* METHOD 1: only the sizes of voxels are known. FSL and nibabel take such grids as radiological (i grows towards the
+ * left) and centred on the origin, and so does conus. */
 static conus_status place_sizes(double out[16], const conus_volume_info *info, const double pixdim[8])
 {
     conus_status status = check_pixdim(pixdim);
@@ -128,9 +117,12 @@ static conus_status nifti_place(conus_volume_info *info, const struct nifti_plac
     double world[16];
     char words[sizeof info->transform];
     conus_status status = CONUS_OK;
-    if (p->sform_code > 0) {
+    if (p->sform_code > 0) { /* METHOD 3 */
         snprintf(words, sizeof words, "sform, code %d (%s)", p->sform_code, space_code_name(p->sform_code));
-        place_sform(world, p->srow);
+        mat4_identity(world);
+        for (int i = 0; i < 12; i++) {
+            world[4 * (i % 4) + i / 4] = p->srow[i];
+        }
         status = p->qform_code > 0 ? note_other(info, p, mm, world, notes) : CONUS_OK;
     } else if (p->qform_code > 0) {
         snprintf(words, sizeof words, "qform, code %d (%s)", p->qform_code, space_code_name(p->qform_code));
@@ -253,22 +245,6 @@ static conus_status read_fields(struct fields *f, const uint8_t *data, size_t si
     return CONUS_OK;
 }
 
-static conus_status check_dim(int64_t dim[8])
-{
-    if (dim[0] < 1 || dim[0] > 7) {
-        return fail(CONUS_ERROR_DATA, "dim[0]: found %lld, allowed are 1 to 7", (long long)dim[0]);
-    }
-    for (int i = 1; i < 8; i++) {
-        if (i > dim[0]) {
-            dim[i] = 1;
-        }
-        if (dim[i] < 1) {
-            return fail(CONUS_ERROR_DATA, "dim[%d]: found %lld, allowed is 1 or more", i, (long long)dim[i]);
-        }
-    }
-    return CONUS_OK;
-}
-
 /* A slope that is 0 or not finite means "unscaled" (nifti1.h says so of 0; NaN is what many programs write). */
 static conus_status read_scaling(conus_volume_info *info, const struct fields *f)
 {
@@ -294,20 +270,6 @@ static bool is_matrix(int version, int intent_code)
     return version == 2 && intent_code >= 3000 && intent_code < 3100;
 }
 
-static conus_status nifti_check_shape(const struct fields *f)
-{
-    bool fine = f->dim[0] == 6;
-    for (int i = 1; i < 5; i++) {
-        fine = fine && f->dim[i] == 1;
-    }
-    return fine ? CONUS_OK
-                : fail(CONUS_ERROR_DATA,
-                       "dim: found %lld: %lld x %lld x %lld x %lld x ..., a CIFTI matrix has 6 dimensions, the first "
-                       "four of them 1",
-                       (long long)f->dim[0], (long long)f->dim[1], (long long)f->dim[2], (long long)f->dim[3],
-                       (long long)f->dim[4]);
-}
-
 /* The fields that volumes and matrices have in common. */
 static conus_status begin_header(struct volume_header *out, struct fields *f)
 {
@@ -324,8 +286,16 @@ static conus_status begin_header(struct volume_header *out, struct fields *f)
     if (f->bitpix != bitpix) {
         return fail(CONUS_ERROR_DATA, "bitpix: found %d, datatype %s needs %d", f->bitpix, out->info.datatype, bitpix);
     }
-    if ((status = check_dim(f->dim)) || (status = volume_header_set_dim(out, f->dim + 1)) ||
-        (status = read_scaling(&out->info, f))) {
+    if (f->dim[0] < 1 || f->dim[0] > 7) {
+        return fail(CONUS_ERROR_DATA, "dim[0]: found %lld, allowed are 1 to 7", (long long)f->dim[0]);
+    }
+    for (int i = 1; i < 8; i++) {
+        f->dim[i] = i > f->dim[0] ? 1 : f->dim[i];
+        if (f->dim[i] < 1) {
+            return fail(CONUS_ERROR_DATA, "dim[%d]: found %lld, allowed is 1 or more", i, (long long)f->dim[i]);
+        }
+    }
+    if ((status = volume_header_set_dim(out, f->dim + 1)) || (status = read_scaling(&out->info, f))) {
         return status;
     }
     double least = f->pair ? 0 : (double)(out->header_size + EXTENDER_SIZE);
@@ -342,17 +312,27 @@ conus_status nifti_matrix_parse(struct volume_header *out, size_t shape[2], cons
     struct fields f = {0};
     struct volume_header header;
     conus_status status = read_fields(&f, data, size);
-    if (!status && (f.pair || !is_matrix(f.version, f.intent_code))) {
+    if (status) {
+        return status;
+    }
+    if (f.pair || !is_matrix(f.version, f.intent_code)) {
         return fail(CONUS_ERROR_DATA, "not a CIFTI-2 file: a single NIfTI-2 file of an intent_code of 3000 to 3099");
     }
-    status = status ? status : begin_header(&header, &f);
-    status = status ? status : nifti_check_shape(&f);
-    if (!status) {
-        *out = header;
-        shape[0] = (size_t)f.dim[5];
-        shape[1] = (size_t)f.dim[6];
+    status = begin_header(&header, &f);
+    if (status) {
+        return status;
     }
-    return status;
+    const int64_t *dim = f.dim;
+    if (dim[0] != 6 || dim[1] != 1 || dim[2] != 1 || dim[3] != 1 || dim[4] != 1) {
+        return fail(CONUS_ERROR_DATA,
+                    "dim: found %lld: %lld x %lld x %lld x %lld x ..., a CIFTI matrix has 6 dimensions, the first "
+                    "four of them 1",
+                    (long long)dim[0], (long long)dim[1], (long long)dim[2], (long long)dim[3], (long long)dim[4]);
+    }
+    *out = header;
+    shape[0] = (size_t)dim[5];
+    shape[1] = (size_t)dim[6];
+    return CONUS_OK;
 }
 
 conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, size_t size, struct notes *notes)
@@ -383,32 +363,6 @@ conus_status nifti_header_parse(struct volume_header *out, const uint8_t *data, 
     return status;
 }
 
-/* Reads the extension at @p at, or finds that the list ends there: no room for another one, or only zeros. */
-static conus_status read_extension(struct volume_extension *out, size_t *next, const struct bytes *head, size_t at,
-                                   bool swapped)
-{
-    size_t left = head->size - at;
-    *next = at;
-    if (left < EXTENSION_HEAD_SIZE) {
-        return CONUS_OK;
-    }
-    int32_t esize = order_i32(head->data + at, swapped);
-    int32_t ecode = order_i32(head->data + at + 4, swapped);
-    if (esize == 0 && ecode == 0) {
-        return CONUS_OK;
-    }
-    if (esize < EXTENSION_UNIT || esize % EXTENSION_UNIT || (size_t)esize > left) {
-        return fail(
-            CONUS_ERROR_DATA,
-            "extension at byte %zu: found esize %d, allowed are multiples of 16 from 16 to the %zu bytes before "
-            "the voxels",
-            at, esize, left);
-    }
-    *out = (struct volume_extension){ecode, head->data + at + EXTENSION_HEAD_SIZE, (size_t)esize - EXTENSION_HEAD_SIZE};
-    *next = at + (size_t)esize;
-    return CONUS_OK;
-}
-
 conus_status nifti_extensions_parse(struct volume_extension **out, size_t *count, size_t *end, const struct bytes *head,
                                     const struct volume_header *header)
 {
@@ -424,19 +378,24 @@ conus_status nifti_extensions_parse(struct volume_extension **out, size_t *count
         return CONUS_ERROR_MEMORY;
     }
     size_t found = 0;
-    for (;;) {
-        struct volume_extension extension;
-        size_t next;
-        conus_status status = read_extension(&extension, &next, head, at, header->swapped);
-        if (status) {
-            memory_free(list);
-            return status;
-        }
-        if (next == at) {
+    for (size_t left; (left = head->size - at) >= EXTENSION_HEAD_SIZE;) {
+        const uint8_t *start = head->data + at;
+        int32_t esize = order_i32(start, header->swapped);
+        int32_t ecode = order_i32(start + 4, header->swapped);
+        if (esize == 0 && ecode == 0) { /* zeros end the list */
             break;
         }
-        list[found++] = extension;
-        at = next;
+        if (esize < EXTENSION_UNIT || esize % EXTENSION_UNIT || (size_t)esize > left) {
+            memory_free(list);
+            return fail(
+                CONUS_ERROR_DATA,
+                "extension at byte %zu: found esize %d, allowed are multiples of 16 from 16 to the %zu bytes before "
+                "the voxels",
+                at, esize, left);
+        }
+        list[found++] =
+            (struct volume_extension){ecode, start + EXTENSION_HEAD_SIZE, (size_t)esize - EXTENSION_HEAD_SIZE};
+        at += (size_t)esize;
     }
     *out = list;
     *count = found;

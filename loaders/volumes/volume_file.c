@@ -87,18 +87,6 @@ static conus_status tiff_volume_place(struct brainglobe_metadata *out, const cha
     return status;
 }
 
-static conus_status check_tiff_shape(const struct volume_header *header, const uint64_t shape[3])
-{
-    const size_t *dim = header->info.dim;
-    return !shape[0] || (shape[0] == dim[2] && shape[1] == dim[1] && shape[2] == dim[0])
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA,
-                      "shape: metadata.json says %llu x %llu x %llu, the stack has %zu pages of %zu rows and %zu "
-                      "columns",
-                      (unsigned long long)shape[0], (unsigned long long)shape[1], (unsigned long long)shape[2], dim[2],
-                      dim[1], dim[0]);
-}
-
 /* The header of the stack. A shape in `place` that is not the stack's is CONUS_ERROR_DATA. */
 static conus_status tiff_volume_header(struct volume_header *out, const struct tiff *tiff,
                                        const struct brainglobe_metadata *place)
@@ -110,16 +98,26 @@ static conus_status tiff_volume_header(struct volume_header *out, const struct t
         .swapped = tiff->file.swapped, .footer = true, .offset = tiff->whole ? tiff->start : 0};
     header.info.slope = 1;
     snprintf(header.info.format, sizeof header.info.format, tiff->file.big ? "BigTIFF" : "TIFF");
-    conus_status status =
-        volume_header_set_datatype(&header, volume_datatype_of("uif"[page->format - TIFF_UNSIGNED], page -> bits / 8));
-    status = status ? status : volume_header_set_dim(&header, dim);
-    status = status ? status : check_tiff_shape(&header, place->shape);
-    status = status ? status : brainglobe_voxels(world, place);
-    status = status ? status : space_describe(&header.info, world, "resolution and orientation");
-    if (!status) {
-        *out = header;
+    int datatype = volume_datatype_of("uif"[page->format - TIFF_UNSIGNED], page -> bits / 8);
+    conus_status status;
+    if ((status = volume_header_set_datatype(&header, datatype)) || (status = volume_header_set_dim(&header, dim))) {
+        return status;
     }
-    return status;
+    const uint64_t *shape = place->shape;
+    const size_t *found = header.info.dim;
+    if (shape[0] && (shape[0] != found[2] || shape[1] != found[1] || shape[2] != found[0])) {
+        return fail(CONUS_ERROR_DATA,
+                    "shape: metadata.json says %llu x %llu x %llu, the stack has %zu pages of %zu rows and %zu "
+                    "columns",
+                    (unsigned long long)shape[0], (unsigned long long)shape[1], (unsigned long long)shape[2], found[2],
+                    found[1], found[0]);
+    }
+    if ((status = brainglobe_voxels(world, place)) ||
+        (status = space_describe(&header.info, world, "resolution and orientation"))) {
+        return status;
+    }
+    *out = header;
+    return CONUS_OK;
 }
 
 static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF)";
@@ -127,18 +125,6 @@ enum {
     HEAD_LIMIT = 1 << 26, /* of the header file of a pair */
     HEADER_READ = 1 << 16 /* of a file of which the header alone is wanted; packed, it takes less */
 };
-
-static conus_status note_rest(const struct gzip_range *range, bool footer, struct notes *notes)
-{
-    conus_status status = CONUS_OK;
-    if (range->extra && !footer) {
-        status = notes_warn(notes, "%llu bytes after the last voxel were ignored", (unsigned long long)range->extra);
-    }
-    if (!status && range->junk) {
-        status = notes_warn(notes, "%zu bytes after the end of the gzip data were ignored", range->junk);
-    }
-    return status;
-}
 
 static conus_status read_other_half(struct stored *out, const char *path, size_t at, const char *ext, uint64_t limit,
                                     enum stored_use use)
@@ -234,15 +220,15 @@ static conus_status is_image_half(bool *out, size_t *at, const struct stored *st
 
 static conus_status open_by_image(struct opening *o, size_t at)
 {
-    conus_status status = read_other_half(&o->pair_header, o->voxels.path, at, "hdr", o->limit, STORED_PLAIN);
-    if (!status) {
-        status = volume_read_header(o, &o->pair_header);
+    conus_status status;
+    if ((status = read_other_half(&o->pair_header, o->voxels.path, at, "hdr", o->limit, STORED_PLAIN)) ||
+        (status = volume_read_header(o, &o->pair_header))) {
+        return status;
     }
-    if (!status && !o->header.pair) {
-        return fail(CONUS_ERROR_DATA, "%s: magic: found that of a single file, a .hdr beside an .img needs \"ni\"",
-                    o->pair_header.path);
-    }
-    return status;
+    return o->header.pair
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "%s: magic: found that of a single file, a .hdr beside an .img needs \"ni\"",
+                      o->pair_header.path);
 }
 
 /* The voxels of a header of text that was read. A header whose bytes are not at hand has no index. */
@@ -271,11 +257,14 @@ static conus_status open_by_header(struct opening *o)
 {
     size_t at;
     conus_status status = volume_read_header(o, &o->voxels);
-    if (!status && o->header.text) {
+    if (status) {
+        return status;
+    }
+    if (o->header.text) {
         return open_text_data(o);
     }
-    if (status || !o->header.pair) {
-        return status;
+    if (!o->header.pair) {
+        return CONUS_OK;
     }
     if (!volume_pair_has(o->voxels.path, "hdr", &at)) {
         return fail(CONUS_ERROR_DATA, "%s: magic: found that of a .hdr/.img pair, but the name does not end in .hdr",
@@ -289,13 +278,16 @@ static conus_status open_by_header(struct opening *o)
 /* Opens an AFNI data set by its voxels; its header is `head`. */
 static conus_status open_by_brik(struct opening *o, const char *path, const char *head)
 {
-    conus_status status = stored_open(&o->pair_header, head, o->limit, STORED_PLAIN, NULL);
-    status = status ? status : volume_read_header(o, &o->pair_header);
-    if (!status && !(o->header.text && o->header.text->brik)) {
+    conus_status status;
+    if ((status = stored_open(&o->pair_header, head, o->limit, STORED_PLAIN, NULL)) ||
+        (status = volume_read_header(o, &o->pair_header))) {
+        return status;
+    }
+    if (!o->header.text || !o->header.text->brik) {
         return fail(CONUS_ERROR_DATA, "%s: content: a .HEAD beside a .BRIK must be the header of an AFNI data set",
                     head);
     }
-    return status ? status : open_beside_header(o, path);
+    return open_beside_header(o, path);
 }
 
 static conus_status open_tiff(struct opening *o)
@@ -320,26 +312,28 @@ static conus_status open_and_read_header(struct opening *o, const char *path)
     size_t at = 0;
     char *head = NULL;
     conus_status status = volume_text_head_path(&head, path);
+    if (status) {
+        return status;
+    }
     if (head) {
         status = volume_selector_refuse_place(&o->selector, path);
         status = status ? status : open_by_brik(o, path, head);
         memory_free(head);
         return status;
     }
-    status = status      ? status
-             : o->labels ? stored_open_slabs(&o->voxels, path, o->file, o->limit, o->use, has_fixed_header)
-                         : stored_open(&o->voxels, path, o->limit, o->use, NULL);
-    if (!status && tiff_is(o->voxels.bytes.data, o->voxels.bytes.size)) {
+    status = o->labels ? stored_open_slabs(&o->voxels, path, o->file, o->limit, o->use, has_fixed_header)
+                       : stored_open(&o->voxels, path, o->limit, o->use, NULL);
+    if (status) {
+        return status;
+    }
+    if (tiff_is(o->voxels.bytes.data, o->voxels.bytes.size)) {
         return open_tiff(o);
     }
-    status = status ? status : volume_selector_refuse_place(&o->selector, path);
-    if (!status) {
-        status = is_image_half(&image, &at, &o->voxels);
+    if ((status = volume_selector_refuse_place(&o->selector, path)) ||
+        (status = is_image_half(&image, &at, &o->voxels))) {
+        return status;
     }
-    if (!status) {
-        status = image ? open_by_image(o, at) : open_by_header(o);
-    }
-    return status;
+    return image ? open_by_image(o, at) : open_by_header(o);
 }
 
 /* Whether the reader of labels gets the voxels slab by slab: where the volume is large, and lies in a plain file or has
@@ -403,13 +397,61 @@ static conus_status take_head(struct volume_file *file, const struct opening *o)
     return status;
 }
 
-static conus_status take_extensions(struct volume_file *file, const struct volume_header *header)
+/* Moves the voxels out of what is stored, whose packed bytes are gone afterwards. The reader of labels gets them where
+ * they go in slabs. */
+static conus_status take_voxels(struct volume_file *file, struct opening *o)
 {
-    size_t end = header->header_size;
+    const struct volume_header *header = &o->header;
+    struct stored *stored = &o->voxels;
+    bool scattered = o->tiff.pages && !o->tiff.whole;
+    struct bytes *out = o->all ? &file->series : &file->voxels;
+    struct gzip_range range = {.from = header->offset + (o->all ? 0 : header->info.volume * header->volume_size),
+                               .count = header->volume_size * (o->all ? header->info.volume_count : 1),
+                               .total = header->offset + header->info.volume_count * header->volume_size};
+    bool is_worth_index = !o->all && header->info.volume_count > 1 && range.total > STORED_LARGE;
+    const char *sha256 = is_worth_index ? file->info.sha256 : NULL;
     conus_status status = CONUS_OK;
-    if (!file->head.size) {
+    if (goes_in_slabs(o)) {
+        o->like = *file;
+        o->like.text = header->text;
+        volume_text_choose(&o->like);
+        range.sink = label_reader_add;
+        range.user = o->labels;
+        status = label_reader_init(o->labels, &o->like, &(struct bytes){0});
+    }
+    status = status         ? status
+             : scattered    ? tiff_unpack(out, &o->tiff)
+             : header->text ? volume_text_voxels(out, &range, header, stored, o->all, sha256)
+                            : stored_range(out, &range, stored, sha256);
+    if (status) {
+        return status;
+    }
+    if (o->all) {
+        file->voxels =
+            (struct bytes){file->series.data + header->info.volume * header->volume_size, header->volume_size};
+    }
+    if (range.extra && !header->footer) {
+        status = notes_warn(&o->notes, "%llu bytes after the last voxel were ignored", (unsigned long long)range.extra);
+    }
+    if (!status && range.junk) {
+        status = notes_warn(&o->notes, "%zu bytes after the end of the gzip data were ignored", range.junk);
+    }
+    return status;
+}
+
+/* Takes the bytes of the header's file around the header: extensions, text, a label table. */
+static conus_status take_around(struct volume_file *file, const struct opening *o)
+{
+    const struct volume_header *header = &o->header;
+    if (header->text) {
+        file->embedded = text_from(header->text->labels ? header->text->labels : "");
         return CONUS_OK;
     }
+    conus_status status = take_head(file, o);
+    if (status || !file->head.size) {
+        return status;
+    }
+    size_t end = header->header_size;
     if (header->header_size != MGH_HEADER_SIZE) {
         status = nifti_extensions_parse(&file->extensions, &file->extension_count, &end, &file->head, header);
     }
@@ -426,56 +468,6 @@ static conus_status take_extensions(struct volume_file *file, const struct volum
     }
     file->embedded = text;
     return CONUS_OK;
-}
-
-/* Makes the reader of labels the sink where it gets slabs. */
-static conus_status set_label_sink(struct gzip_range *range, struct opening *o, const struct volume_file *file)
-{
-    const struct volume_header *header = &o->header;
-    if (!goes_in_slabs(o)) {
-        return CONUS_OK;
-    }
-    o->like = *file;
-    o->like.text = header->text;
-    volume_text_choose(&o->like);
-    range->sink = label_reader_add;
-    range->user = o->labels;
-    return label_reader_init(o->labels, &o->like, &(struct bytes){0});
-}
-
-/* Moves the voxels out of what is stored, whose packed bytes are gone afterwards. */
-static conus_status take_voxels(struct volume_file *file, struct opening *o)
-{
-    const struct volume_header *header = &o->header;
-    struct stored *stored = &o->voxels;
-    bool scattered = o->tiff.pages && !o->tiff.whole;
-    struct bytes *out = o->all ? &file->series : &file->voxels;
-    struct gzip_range range = {.from = header->offset + (o->all ? 0 : header->info.volume * header->volume_size),
-                               .count = header->volume_size * (o->all ? header->info.volume_count : 1),
-                               .total = header->offset + header->info.volume_count * header->volume_size};
-    bool is_worth_index = !o->all && header->info.volume_count > 1 && range.total > STORED_LARGE;
-    const char *sha256 = is_worth_index ? file->info.sha256 : NULL;
-    conus_status status = set_label_sink(&range, o, file);
-    status = status         ? status
-             : scattered    ? tiff_unpack(out, &o->tiff)
-             : header->text ? volume_text_voxels(out, &range, header, stored, o->all, sha256)
-                            : stored_range(out, &range, stored, sha256);
-    if (!status && o->all) {
-        file->voxels =
-            (struct bytes){file->series.data + header->info.volume * header->volume_size, header->volume_size};
-    }
-    return status ? status : note_rest(&range, header->footer, &o->notes);
-}
-
-/* Takes the bytes of the header's file around the header: extensions, text, a label table. */
-static conus_status take_around(struct volume_file *file, const struct opening *o)
-{
-    if (o->header.text) {
-        file->embedded = volume_text_table(o->header.text);
-        return CONUS_OK;
-    }
-    conus_status status = take_head(file, o);
-    return status ? status : take_extensions(file, &o->header);
 }
 
 /* Everything into `file`, which the caller finishes on failure. */
@@ -501,9 +493,7 @@ static conus_status volume_take_all(struct volume_file *file, struct opening *o)
     }
     file->max_memory = o->limit;
     file->cache = o->use != STORED_PLAIN;
-    status = file_sums_move(&file->read, &o->read);
-    status = status ? status : take_voxels(file, o);
-    if (status) {
+    if ((status = file_sums_move(&file->read, &o->read)) || (status = take_voxels(file, o))) {
         return fail_in(status, o->voxels.path);
     }
     (void)stored_known_sum(file->info.sha256, &o->voxels); /* of a plain file, which was read now */
@@ -520,23 +510,11 @@ static conus_status volume_take_all(struct volume_file *file, struct opening *o)
 static conus_status open_attempt(struct volume_file *file, const char *path, struct opening *o)
 {
     conus_status status = open_and_read_header(o, path);
-    if (!status && (status = choose_volume(o))) {
-        fail_in(status, path);
+    if (status) {
+        return status;
     }
-    return status ? status : volume_take_all(file, o);
-}
-
-/* Makes `o` as it was before open_attempt(), but for its index. */
-static void forget_index(struct opening *o)
-{
-    struct opening again = {
-        .limit = o->limit, .file = o->file, .needed = o->needed, .selector = o->selector, .labels = o->labels};
-    o->selector = (struct volume_selector){0};
-    opening_finish(o);
-    *o = again;
-    if (o->labels) {
-        label_reader_finish(o->labels);
-    }
+    status = choose_volume(o);
+    return status ? fail_in(status, path) : volume_take_all(file, o);
 }
 
 /* Opens the volume that `o` describes, and finishes `o`. If an index of packed voxels leads to an error, tries again
@@ -546,9 +524,19 @@ static conus_status open_with_retry(struct volume_file *out, const char *path, s
     struct volume_file file = {0};
     conus_status status = open_attempt(&file, path, o);
     if (status && o->voxels.index) {
+        struct opening again = {.limit = o->limit,
+                                .file = o->file,
+                                .needed = o->needed,
+                                .selector = o->selector,
+                                .labels = o->labels,
+                                .use = STORED_KEEP};
         volume_file_finish(&file);
-        forget_index(o);
-        o->use = STORED_KEEP;
+        o->selector = (struct volume_selector){0}; /* `again` has it */
+        opening_finish(o);
+        *o = again;
+        if (o->labels) {
+            label_reader_finish(o->labels);
+        }
         status = open_attempt(&file, path, o);
     }
     conus_status moved = notes_move_in(notes, &o->notes, file.path ? file.path : path); /* also where it failed */

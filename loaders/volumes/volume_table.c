@@ -13,23 +13,6 @@ static const struct {
 
 enum { KEPT = sizeof kept / sizeof kept[0] };
 
-static void list_texts(struct label_volume *out, const struct volume_file *file)
-{
-    for (size_t k = 0; k < KEPT; k++) {
-        for (size_t i = 0; i < file->extension_count; i++) {
-            const struct volume_extension *extension = &file->extensions[i];
-            struct text text = text_from_bytes(extension->data, extension->size);
-            if (extension->code == kept[k].code && text_mentions(text, kept[k].mark)) {
-                out->texts[out->count++] = text;
-            }
-        }
-    }
-    struct text embedded = text_from_bytes((const uint8_t *)file->embedded.data, file->embedded.size);
-    if (embedded.size) {
-        out->texts[out->count++] = embedded;
-    }
-}
-
 conus_status volume_label_table(struct label_table *out, char **source, const struct volume_file *file,
                                 const struct label_voxels *voxels, struct file_sums *read, struct notes *notes)
 {
@@ -41,8 +24,20 @@ conus_status volume_label_table(struct label_table *out, char **source, const st
     if (!status && file->text) {
         status = text_volume_labels(&volume.segments, file->text, file->info.volume, &volume.notes);
     }
+    for (size_t k = 0; !status && k < KEPT; k++) {
+        for (size_t i = 0; i < file->extension_count; i++) {
+            const struct volume_extension *extension = &file->extensions[i];
+            struct text text = text_from_bytes(extension->data, extension->size);
+            if (extension->code == kept[k].code && text_mentions(text, kept[k].mark)) {
+                volume.texts[volume.count++] = text;
+            }
+        }
+    }
     if (!status) {
-        list_texts(&volume, file);
+        struct text embedded = text_from_bytes((const uint8_t *)file->embedded.data, file->embedded.size);
+        if (embedded.size) {
+            volume.texts[volume.count++] = embedded;
+        }
         status = label_table_of_volume(out, source, &volume, voxels, read, notes);
     }
     label_volume_finish(&volume);

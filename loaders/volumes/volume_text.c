@@ -25,32 +25,28 @@ void volume_text_finish(struct text_volume **text)
     *text = NULL;
 }
 
-static conus_status volume_describe(struct volume_header *header, const struct text_volume *text)
-{
-    const int64_t dim[7] = {text->dim[0], text->dim[1], text->dim[2], text->count, 1, 1, 1};
-    bool stored_big =
-        text->encoding == TEXT_NUMBERS || text->type.size == 1 ? !BIG_ENDIAN_IS_SWAPPED : text->big_endian;
-    header->swapped = stored_big == BIG_ENDIAN_IS_SWAPPED;
-    header->offset = text->file || text->brik ? 0 : text->header_size;
-    header->info.slope = 1;
-    header->info.space_code = text->space_code;
-    snprintf(header->info.format, sizeof header->info.format, "%s", text->format);
-    conus_status status = volume_header_set_datatype(header, volume_datatype_of(text->type.kind, text->type.size));
-    status = status ? status : volume_header_set_dim(header, dim);
-    return status ? status : space_describe(&header->info, text->world_from_voxel, text->transform);
-}
-
 conus_status volume_text_parse(struct volume_header *out, const struct bytes *head, struct notes *notes)
 {
-    struct volume_header header = {.text = memory_zeroed(1, sizeof *header.text)};
-    conus_status status = header.text ? CONUS_OK : CONUS_ERROR_MEMORY;
-    bool nrrd = nrrd_is(head->data, head->size);
-    bool afni = afni_is(head->data, head->size);
-    status = status ? status
-                    : (nrrd   ? nrrd_parse
-                       : afni ? afni_parse
-                              : metaimage_parse)(header.text, head->data, head->size, notes);
-    status = status ? status : volume_describe(&header, header.text);
+    struct text_volume *text = memory_zeroed(1, sizeof *text);
+    struct volume_header header = {.text = text};
+    if (!text) {
+        return CONUS_ERROR_MEMORY;
+    }
+    conus_status status = nrrd_is(head->data, head->size)   ? nrrd_parse(text, head->data, head->size, notes)
+                          : afni_is(head->data, head->size) ? afni_parse(text, head->data, head->size, notes)
+                                                            : metaimage_parse(text, head->data, head->size, notes);
+    if (!status) {
+        const int64_t dim[7] = {text->dim[0], text->dim[1], text->dim[2], text->count, 1, 1, 1};
+        bool native = text->encoding == TEXT_NUMBERS || text->type.size == 1;
+        header.swapped = !native && text->big_endian == BIG_ENDIAN_IS_SWAPPED;
+        header.offset = text->file || text->brik ? 0 : text->header_size;
+        header.info.slope = 1;
+        header.info.space_code = text->space_code;
+        snprintf(header.info.format, sizeof header.info.format, "%s", text->format);
+        status = volume_header_set_datatype(&header, volume_datatype_of(text->type.kind, text->type.size));
+        status = status ? status : volume_header_set_dim(&header, dim);
+        status = status ? status : space_describe(&header.info, text->world_from_voxel, text->transform);
+    }
     if (status) {
         volume_text_finish(&header.text);
     } else {
@@ -159,11 +155,6 @@ const char *volume_text_encoding(const struct volume_header *header)
 {
     static const char *const words[] = {"", ", gzip", ", zlib", ", text", ", hex"};
     return words[header->text ? header->text->encoding : TEXT_RAW];
-}
-
-struct text volume_text_table(const struct text_volume *text)
-{
-    return text_from(text->labels ? text->labels : "");
 }
 
 void volume_text_sha256(char out[65], const struct bytes *header, const struct bytes *voxels)

@@ -45,9 +45,6 @@ const char *volume_text_encoding(const struct volume_header *header);
 conus_status volume_text_voxels(struct bytes *out, struct gzip_range *range, const struct volume_header *header,
                                 struct stored *stored, bool all, const char *sha256);
 
-/** The label table inside the header, which may be empty. */
-struct text volume_text_table(const struct text_volume *text);
-
 /** SHA-256 of @p header, unless NULL, and @p voxels behind it. */
 void volume_text_sha256(char out[65], const struct bytes *header, const struct bytes *voxels);
 

@@ -94,10 +94,13 @@ double volume_value_at(const uint8_t *data, int datatype, bool swapped)
     return value;
 }
 
-/* Scaled values, of which labels must be whole. */
-static bool scaled_labels(uint32_t *out, const struct decoder *decoder, const struct volume_file *file,
-                          const uint8_t *in, size_t count)
+/* False where some value, scaled if the file has a scale, is no label. */
+static bool block_labels(uint32_t *out, const struct decoder *decoder, const struct volume_file *file,
+                         const uint8_t *in, size_t count)
 {
+    if (!is_scaled(file)) {
+        return decoder->labels(out, in, count, file->swapped);
+    }
     double values[BLOCK];
     bool fine = true;
     decoder->doubles(values, in, count, file->swapped);
@@ -108,30 +111,6 @@ static bool scaled_labels(uint32_t *out, const struct decoder *decoder, const st
         out[i] = good ? (uint32_t)v : 0;
     }
     return fine;
-}
-
-static bool block_labels(uint32_t *out, const struct decoder *decoder, const struct volume_file *file,
-                         const uint8_t *in, size_t count)
-{
-    return is_scaled(file) ? scaled_labels(out, decoder, file, in, count)
-                           : decoder->labels(out, in, count, file->swapped);
-}
-
-/* Writes the value of one voxel as a person would: integers whole, however big; scaled ones with their scale. */
-static void describe_value(char *out, size_t size, const struct volume_file *file, const uint8_t *voxel)
-{
-    double value;
-    find_decoder(file->datatype)->doubles(&value, voxel, 1, file->swapped);
-    if (is_scaled(file)) {
-        snprintf(out, size, "%.12g (stored %.12g, scale %.9g, offset %.9g)",
-                 value * file->info.slope + file->info.intercept, value, file->info.slope, file->info.intercept);
-    } else if (file->datatype == VOLUME_UINT64) {
-        snprintf(out, size, "%llu", (unsigned long long)order_u64(voxel, file->swapped));
-    } else if (file->datatype == VOLUME_INT64) {
-        snprintf(out, size, "%lld", (long long)order_i64(voxel, file->swapped));
-    } else {
-        snprintf(out, size, "%.17g", value);
-    }
 }
 
 /* Keeps the first of these voxels that is no label. */
@@ -148,16 +127,28 @@ static void note_bad(struct label_reader *reader, const struct decoder *decoder,
     memcpy(reader->bad_bytes, voxels + at * size, size);
 }
 
+/* The value is written as a person would: integers whole, however big; scaled ones with their scale. */
 static conus_status fail_label(const struct volume_file *file, const struct label_reader *reader)
 {
-    char value[128];
-    describe_value(value, sizeof value, file, reader->bad_bytes);
+    char words[128];
+    const uint8_t *voxel = reader->bad_bytes;
+    double value = volume_value_at(voxel, file->datatype, file->swapped);
+    if (is_scaled(file)) {
+        snprintf(words, sizeof words, "%.12g (stored %.12g, scale %.9g, offset %.9g)",
+                 value * file->info.slope + file->info.intercept, value, file->info.slope, file->info.intercept);
+    } else if (file->datatype == VOLUME_UINT64) {
+        snprintf(words, sizeof words, "%llu", (unsigned long long)order_u64(voxel, file->swapped));
+    } else if (file->datatype == VOLUME_INT64) {
+        snprintf(words, sizeof words, "%lld", (long long)order_i64(voxel, file->swapped));
+    } else {
+        snprintf(words, sizeof words, "%.17g", value);
+    }
     const size_t *dim = file->info.dim;
     size_t row = reader->bad_voxel / dim[0];
     return fail(CONUS_ERROR_DATA,
                 "%s: voxel (%zu, %zu, %zu): found %s, allowed labels are whole numbers from 0 to "
                 "4294967295; --context draws an image, --pathway selects what is bright in it",
-                file->path, reader->bad_voxel % dim[0], row % dim[1], row / dim[1], value);
+                file->path, reader->bad_voxel % dim[0], row % dim[1], row / dim[1], words);
 }
 
 /* Decodes the next voxels, of which `from` is the first. */

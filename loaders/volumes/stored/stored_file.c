@@ -29,28 +29,21 @@ static void find_store(struct cache_store *out, const char *real, const struct b
     }
 }
 
-/* Whether the entry is about this open file, and nothing else. */
-static bool is_about(const struct cache_entry *entry, const struct file_state *state)
-{
-    struct file_trace trace = {0};
-    bool same = file_trace_parse(&trace, entry->trace.data, entry->trace.size) && trace.count == 1 &&
-                trace.items[0].kind == TRACE_FILE && file_state_equal(&trace.items[0].state, state);
-    file_trace_finish(&trace);
-    return same;
-}
-
 static bool map_index(struct kept_index *out, const char *real, const struct bytes *header)
 {
     struct cache_store store = {0};
     find_store(&store, real, header);
     bool found = cache_store_map(&out->mapping, &store);
     const struct cache_entry *entry = &out->mapping.entry;
-    bool fits = found && is_about(entry, &out->before) &&
+    struct file_trace trace = {0}; /* of this open file, and nothing else */
+    bool fits = found && file_trace_parse(&trace, entry->trace.data, entry->trace.size) && trace.count == 1 &&
+                trace.items[0].kind == TRACE_FILE && file_state_equal(&trace.items[0].state, &out->before) &&
                 gzip_index_parse(&out->index, entry->packed.data, entry->packed.size) &&
                 out->index.packed == out->before.size && gzip_index_fits(&out->index, out->descriptor);
     if (found && !fits) {
         cache_mapping_finish(&out->mapping);
     }
+    file_trace_finish(&trace);
     cache_store_finish(&store);
     return fits;
 }
@@ -122,30 +115,6 @@ static bool write_index(void *user, int file, size_t at)
 {
     const struct buffer *index = user;
     return pwrite(file, index->data, index->size, (off_t)at) == (ssize_t)index->size;
-}
-
-static bool stored_keep(struct index_keeper *keeper, struct buffer *index)
-{
-    struct buffer trace = {0};
-    file_trace_write(&trace, &keeper->trace);
-    struct cache_entry entry = {.trace = {(const uint8_t *)trace.data, trace.size}, .packed = {NULL, index->size}};
-    bool kept = !trace.failed && cache_store_keep(&keeper->store, &entry, write_index, index);
-    buffer_finish(&trace);
-    return kept;
-}
-
-/* Once all of the file is unpacked, where keeper->indexer was told, and verified: keeps the index, of whose parts
- * `whole` has unpacked, junk and sha256. False where it is not kept, as of a file that changed just now. */
-static bool index_keeper_keep(struct index_keeper *keeper, struct gzip_index *whole)
-{
-    struct buffer index = {0};
-    bool may = keeper->store.path.size && file_trace_is_settled(&keeper->trace) && file_trace_holds(&keeper->trace);
-    if (may) {
-        whole->packed = keeper->trace.items[0].state.size;
-    }
-    bool kept = may && gzip_indexer_write(&index, &keeper->indexer, whole) && stored_keep(keeper, &index);
-    buffer_finish(&index);
-    return kept;
 }
 
 /* A file that is not packed, read slab by slab: it is never in memory as a whole. */
@@ -412,6 +381,26 @@ bool stored_known_sum(char out[65], const struct stored *stored)
     return sum;
 }
 
+/* Keeps the index of the unpacked file. Does not where the file changed just now. */
+static void keep_index(struct index_keeper *keeper, struct gzip_index *whole)
+{
+    if (!keeper->store.path.size || !file_trace_is_settled(&keeper->trace) || !file_trace_holds(&keeper->trace)) {
+        return;
+    }
+    struct buffer index = {0};
+    struct buffer trace = {0};
+    whole->packed = keeper->trace.items[0].state.size;
+    if (gzip_indexer_write(&index, &keeper->indexer, whole)) {
+        file_trace_write(&trace, &keeper->trace);
+        struct cache_entry entry = {.trace = {(const uint8_t *)trace.data, trace.size}, .packed = {NULL, index.size}};
+        if (!trace.failed) {
+            (void)cache_store_keep(&keeper->store, &entry, write_index, &index);
+        }
+    }
+    buffer_finish(&trace);
+    buffer_finish(&index);
+}
+
 static conus_status unpack_and_keep(struct bytes *out, struct gzip_range *range, struct stored *stored, size_t begin,
                                     size_t size, const char *sha256)
 {
@@ -427,7 +416,7 @@ static conus_status unpack_and_keep(struct bytes *out, struct gzip_range *range,
         whole.unpacked = range->total + range->extra;
         whole.junk = range->junk;
         memcpy(whole.sha256, sha256, sizeof whole.sha256);
-        index_keeper_keep(keeper, &whole);
+        keep_index(keeper, &whole);
     }
     return status;
 }

@@ -184,6 +184,7 @@ static conus_status read_sizes(struct text_volume *out, struct header *header)
     return status;
 }
 
+/* Type and byte order. */
 static conus_status read_type(struct text_volume *out, const struct header *header)
 {
     static const struct text_type types[] = {{'u', 1}, {'i', 2}, {'i', 4}, {'f', 4}, {'f', 8}};
@@ -203,11 +204,9 @@ static conus_status read_type(struct text_volume *out, const struct header *head
         out->type = types[(size_t)codes[0]];
     }
     memory_free(codes);
-    return status;
-}
-
-static conus_status read_byte_order(struct text_volume *out, const struct header *header)
-{
+    if (status) {
+        return status;
+    }
     struct text order = string_of(&header->byte_order);
     out->big_endian = text_equal(order, "MSB_FIRST");
     return out->big_endian || text_equal(order, "LSB_FIRST") || (!order.data && out->type.size == 1)
@@ -262,7 +261,8 @@ static conus_status read_plumb(double lps[16], const struct header *header)
     return CONUS_OK;
 }
 
-/* IJK_TO_DICOM_REAL is the scanner's; the plumb axes are those that AFNI's own programs show oblique data with. */
+/* Transform and space. IJK_TO_DICOM_REAL is the scanner's; the plumb axes are those that AFNI's own programs show
+ * oblique data with. */
 static conus_status afni_place(struct text_volume *out, const struct header *header, struct notes *notes)
 {
     static const double tolerance = 1;
@@ -285,46 +285,36 @@ static conus_status afni_place(struct text_volume *out, const struct header *hea
     header_turn_lps(out->world_from_voxel);
     snprintf(out->transform, sizeof out->transform, "%s",
              real ? "IJK_TO_DICOM_REAL" : "ORIENT_SPECIFIC, ORIGIN, DELTA");
-    return gap > tolerance
-               ? notes_warn(notes,
-                            "IJK_TO_DICOM_REAL was used; ORIENT_SPECIFIC, ORIGIN and DELTA, with which AFNI "
-                            "shows oblique data, put a corner of the grid %.1f mm away",
-                            gap)
-               : CONUS_OK;
-}
-
-/* NIfTI's code: the scanner, AC-PC, or a template. */
-static conus_status afni_read_space(struct text_volume *out, const struct header *header)
-{
+    if (gap > tolerance && notes_warn(notes,
+                                      "IJK_TO_DICOM_REAL was used; ORIENT_SPECIFIC, ORIGIN and DELTA, with which AFNI "
+                                      "shows oblique data, put a corner of the grid %.1f mm away",
+                                      gap)) {
+        return CONUS_ERROR_MEMORY;
+    }
     int64_t view = 0;
     struct text space = string_of(&header->template);
-    conus_status status = header->scene.text.data ? afni_take_whole(&view, 1, &header->scene, 0, INT32_MAX) : CONUS_OK;
     bool mni = text_starts(space, "MNI");
     bool talairach = !space.data || text_starts(space, "TLRC") || text_starts(space, "TT");
-    out->space_code = view == 0 ? 1 : view == 1 ? 2 : mni ? 4 : talairach ? 3 : 5;
+    status = header->scene.text.data ? afni_take_whole(&view, 1, &header->scene, 0, INT32_MAX) : CONUS_OK;
+    out->space_code = view == 0 ? 1 : view == 1 ? 2 : mni ? 4 : talairach ? 3 : 5; /* NIfTI's */
     return status;
 }
 
-/* Names of the volumes, each ended by '~'. */
-static conus_status read_titles(struct text_volume *out, const struct header *header)
+/* Names of the volumes, each ended by '~', and the table of labels: the atlas's, which is the richer one, if there are
+ * two. */
+static conus_status read_names(struct text_volume *out, const struct header *header)
 {
     struct text rest = string_of(&header->titles);
     struct text field;
     bool more = true;
-    if (!rest.size) {
-        return CONUS_OK;
-    }
-    out->titles = memory_zeroed(header->volumes, sizeof *out->titles);
-    conus_status status = out->titles ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < header->volumes && text_field(&rest, '~', &more, &field); i++) {
+    out->titles = rest.size ? memory_zeroed(header->volumes, sizeof *out->titles) : NULL;
+    conus_status status = !rest.size || out->titles ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; out->titles && !status && i < header->volumes && text_field(&rest, '~', &more, &field); i++) {
         status = label_set_text(&out->titles[i], field);
     }
-    return status;
-}
-
-/* The atlas's table is the richer one where both are there. */
-static conus_status read_table(struct text_volume *out, const struct header *header)
-{
+    if (status) {
+        return status;
+    }
     struct text table = string_of(&header->atlas_table);
     table = table.size ? table : string_of(&header->label_table);
     out->labels = table.size ? memory_text(table.data, table.size) : NULL;
@@ -349,12 +339,9 @@ conus_status afni_parse(struct text_volume *out, const uint8_t *data, size_t siz
     }
     status = status ? status : read_sizes(&volume, &header);
     status = status ? status : read_type(&volume, &header);
-    status = status ? status : read_byte_order(&volume, &header);
     status = status ? status : read_factors(&volume, &header);
     status = status ? status : afni_place(&volume, &header, notes);
-    status = status ? status : afni_read_space(&volume, &header);
-    status = status ? status : read_titles(&volume, &header);
-    status = status ? status : read_table(&volume, &header);
+    status = status ? status : read_names(&volume, &header);
     if (status) {
         text_volume_finish(&volume);
     } else {

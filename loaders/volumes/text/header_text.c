@@ -170,18 +170,6 @@ conus_status header_take(void *header, const struct header_table *table, const s
     return status;
 }
 
-/* Whether some part between two '/' is "..". */
-static bool climbs(struct text path)
-{
-    struct text part;
-    bool more = true;
-    bool found = false;
-    while (text_field(&path, '/', &more, &part)) {
-        found = found || text_equal(part, "..");
-    }
-    return found;
-}
-
 conus_status header_file(char **out, struct text value, const char *name, const char *allowed, bool exact)
 {
     struct text rest = value;
@@ -191,8 +179,12 @@ conus_status header_file(char **out, struct text value, const char *name, const 
     if (list || pattern) {
         return fail(CONUS_ERROR_UNSUPPORTED, "%s: found \"%.*s\", %s", name, HEADER_SHOW(value), allowed);
     }
-    bool whole = value.size && !memchr(value.data, '\0', value.size);
-    if (!whole || value.data[0] == '/' || climbs(value)) {
+    bool inside = value.size && !memchr(value.data, '\0', value.size) && value.data[0] != '/';
+    rest = value;
+    for (bool more = inside; text_field(&rest, '/', &more, &word);) {
+        inside = inside && !text_equal(word, "..");
+    }
+    if (!inside) {
         return fail(CONUS_ERROR_DATA,
                     "%s: found \"%.*s\", allowed is the name of a file in the header's folder or below it", name,
                     HEADER_SHOW(value));

@@ -210,33 +210,26 @@ static conus_status metaimage_place(const struct metaimage *meta)
     return check_orientation(meta);
 }
 
-/* Splits "key = value". */
-static bool split_line(struct text line, struct text *name, struct text *value)
-{
-    const char *equals = line.size ? memchr(line.data, '=', line.size) : NULL;
-    size_t length = equals ? (size_t)(equals - line.data) : 0;
-    *name = text_trim((struct text){line.data, length});
-    *value = equals ? text_trim((struct text){equals + 1, line.size - length - 1}) : line;
-    return equals && name->size;
-}
-
 /* The line of ElementDataFile ends the header. */
 static conus_status metaimage_read_lines(struct header_values *values, struct text *rest)
 {
     struct text line;
-    struct text name = {0};
-    struct text value = {0};
     size_t lines = 0;
     conus_status status = CONUS_OK;
     while (!header_has(values, &table, "ElementDataFile") && header_line(rest, &line, &lines, &status)) {
-        bool known;
-        if (text_trim(line).size && !split_line(line, &name, &value)) {
+        if (!text_trim(line).size) {
+            continue;
+        }
+        const char *equals = memchr(line.data, '=', line.size);
+        size_t length = equals ? (size_t)(equals - line.data) : 0;
+        struct text name = text_trim((struct text){line.data, length});
+        if (!name.size) {
             return fail(CONUS_ERROR_DATA, "header: found the line \"%.*s\", allowed is \"key = value\"",
                         HEADER_SHOW(line));
         }
-        if (text_trim(line).size) {
-            status = header_keep(values, &known, &table, name, value);
-        }
+        bool known;
+        struct text value = text_trim((struct text){equals + 1, line.size - length - 1});
+        status = header_keep(values, &known, &table, name, value);
     }
     return status;
 }

@@ -297,21 +297,6 @@ static conus_status place_ccf(struct text_volume *out, bool *done, struct notes 
                      "ML, y = -AP, z = -DV from its corner, in mm");
 }
 
-/* A brain is not larger than a metre: such a file means something else by its numbers. */
-static conus_status note_size(const struct text_volume *out, struct notes *notes)
-{
-    static const double most = 1000;
-    double largest = 0;
-    for (int i = 0; i < 3; i++) {
-        largest = fmax(largest, vec3_length(out->world_from_voxel + 4 * (size_t)i) * (double)out->dim[i]);
-    }
-    return largest > most ? notes_warn(notes,
-                                       "space directions: the grid is %g mm long: are they micrometres? The header "
-                                       "has no \"space units\", so they were taken as millimetres",
-                                       largest)
-                          : CONUS_OK;
-}
-
 static conus_status nrrd_place(struct text_volume *out, const struct nrrd *nrrd, struct notes *notes)
 {
     const double signs[3] = {nrrd->space > 0 ? -1 : 1, nrrd->space > 1 ? -1 : 1, 1}; /* of x and y that lead to RAS */
@@ -325,22 +310,23 @@ static conus_status nrrd_place(struct text_volume *out, const struct nrrd *nrrd,
         }
     }
     snprintf(out->transform, sizeof out->transform, "space directions, %.*s", HEADER_SHOW(nrrd->space_word));
-    conus_status status = nrrd->has_units ? CONUS_OK : place_ccf(out, &done, notes);
-    return status || done || nrrd->has_units ? status : note_size(out, notes);
-}
-
-/* Splits "Segment12_Name". False for any other key. */
-static bool split_key(struct text key, uint64_t *number, struct text *field)
-{
-    static const char prefix[] = "Segment";
-    size_t start = sizeof prefix - 1;
-    const char *line = text_starts(key, prefix) ? memchr(key.data, '_', key.size) : NULL;
-    size_t end = line ? (size_t)(line - key.data) : 0;
-    if (end <= start || !text_to_uint((struct text){key.data + start, end - start}, UINT32_MAX, number)) {
-        return false;
+    if (nrrd->has_units) {
+        return CONUS_OK;
     }
-    *field = (struct text){line + 1, key.size - end - 1};
-    return true;
+    conus_status status = place_ccf(out, &done, notes);
+    if (status || done) {
+        return status;
+    }
+    static const double most = 1000; /* a brain is not larger than a metre: the numbers mean something else */
+    double largest = 0;
+    for (size_t i = 0; i < 3; i++) {
+        largest = fmax(largest, vec3_length(out->world_from_voxel + 4 * i) * (double)out->dim[i]);
+    }
+    return largest > most ? notes_warn(notes,
+                                       "space directions: the grid is %g mm long: are they micrometres? The header "
+                                       "has no \"space units\", so they were taken as millimetres",
+                                       largest)
+                          : CONUS_OK;
 }
 
 /* "\n" and "\\" stand for what no line can hold. */
@@ -413,38 +399,17 @@ static int compare_segments(const void *a, const void *b)
     return order ? order : (left->label.number > right->label.number) - (left->label.number < right->label.number);
 }
 
-static conus_status refuse_twins(struct text_volume *out)
-{
-    qsort(out->segments, out->segment_count, sizeof *out->segments, compare_segments);
-    for (size_t i = 1; i < out->segment_count; i++) {
-        const struct label *label = &out->segments[i].label;
-        if (compare_segments(&out->segments[i - 1], &out->segments[i]) == 0) {
-            return fail(CONUS_ERROR_DATA, "segments: label %u of layer %zu is both \"%s\" and \"%s\"", label->number,
-                        out->segments[i].volume, out->segments[i - 1].label.name ? out->segments[i - 1].label.name : "",
-                        label->name ? label->name : "");
-        }
-    }
-    return CONUS_OK;
-}
-
-/* Whether no segment has a value or a layer, and each has a volume, as before Slicer had layers. */
-static bool is_legacy(const struct nrrd *nrrd, int64_t volumes)
-{
-    bool bare = (int64_t)nrrd->segment_count == volumes;
-    for (size_t i = 0; i < nrrd->segment_count; i++) {
-        const struct text *fields = nrrd->segments[i].fields;
-        bare = bare && !fields[SEGMENT_VALUE].data && !fields[SEGMENT_LAYER].data;
-    }
-    return bare;
-}
-
 /* Turns the segments into out->segments; out->count is known. Segments that contradict each other or the volumes are
  * CONUS_ERROR_DATA: names would be wrong. */
 static conus_status take_segments(struct text_volume *out, const struct nrrd *nrrd)
 {
-    bool legacy = is_legacy(nrrd, out->count);
     if (!nrrd->segment_count) {
         return CONUS_OK;
+    }
+    bool legacy = (int64_t)nrrd->segment_count == out->count; /* a volume of each, as before Slicer had layers */
+    for (size_t i = 0; i < nrrd->segment_count; i++) {
+        const struct text *fields = nrrd->segments[i].fields;
+        legacy = legacy && !fields[SEGMENT_VALUE].data && !fields[SEGMENT_LAYER].data;
     }
     out->segments = memory_zeroed(nrrd->segment_count, sizeof *out->segments);
     conus_status status = out->segments ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -458,24 +423,40 @@ static conus_status take_segments(struct text_volume *out, const struct nrrd *nr
             status = take_segment(&out->segments[out->segment_count++], fields, i, out->count, legacy);
         }
     }
-    return status ? status : refuse_twins(out);
+    if (status) {
+        return status;
+    }
+    qsort(out->segments, out->segment_count, sizeof *out->segments, compare_segments);
+    for (size_t i = 1; i < out->segment_count; i++) {
+        const struct text_segment *segment = &out->segments[i];
+        const char *before = segment[-1].label.name;
+        if (compare_segments(&out->segments[i - 1], &out->segments[i]) == 0) {
+            return fail(CONUS_ERROR_DATA, "segments: label %u of layer %zu is both \"%s\" and \"%s\"",
+                        segment->label.number, segment->volume, before ? before : "",
+                        segment->label.name ? segment->label.name : "");
+        }
+    }
+    return CONUS_OK;
 }
 
-/* Keeps a line "key:=value" if it is one of a segment. */
+/* Keeps a line "key:=value" if it is one of a segment, as "Segment12_Name" is. */
 static conus_status keep_segment(struct nrrd *nrrd, struct text key, struct text value)
 {
     static const struct header_word known[] = {{"Name", SEGMENT_NAME},        {"ID", SEGMENT_ID},
                                                {"LabelValue", SEGMENT_VALUE}, {"Layer", SEGMENT_LAYER},
                                                {"Color", SEGMENT_COLOUR},     {NULL, 0}};
+    static const char prefix[] = "Segment";
+    size_t start = sizeof prefix - 1;
+    const char *line = text_starts(key, prefix) ? memchr(key.data, '_', key.size) : NULL;
+    size_t end = line ? (size_t)(line - key.data) : 0;
     uint64_t number;
-    struct text name;
-    if (!split_key(key, &number, &name)) {
+    if (end <= start || !text_to_uint((struct text){key.data + start, end - start}, UINT32_MAX, &number)) {
         return CONUS_OK;
     }
     if (number >= SEGMENT_LIMIT) {
         return fail(CONUS_ERROR_DATA, "%.*s: allowed are segments 0 to %d", HEADER_SHOW(key), SEGMENT_LIMIT - 1);
     }
-    int field = header_word(known, name, false);
+    int field = header_word(known, (struct text){line + 1, key.size - end - 1}, false);
     if (field < 0) {
         return CONUS_OK;
     }
