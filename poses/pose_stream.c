@@ -47,25 +47,6 @@ static void extent_add(struct extent *extent, const conus_pose_row *row)
     extent->count++;
 }
 
-/* Warns where a head in metres would be as small: all positions lie within 1 mm of the origin, but not at it, or three
- * and more within 0.2 mm of each other. `source` is the file that says that they are in mm, "" if none does. */
-static conus_status extent_note(struct notes *notes, const struct extent *extent, const char *source)
-{
-    double side = 0;
-    for (int a = 0; a < 3; a++) {
-        side = fmax(side, extent->high[a] - extent->low[a]);
-    }
-    bool near_origin = extent->farthest > 0 && extent->farthest <= NEAR_ORIGIN;
-    bool near_each_other = extent->count >= LEAST && side > 0 && side <= NEAR_EACH_OTHER;
-    const char *slash = strrchr(source, '/');
-    source = slash ? slash + 1 : source;
-    return near_origin || near_each_other
-               ? notes_warn(notes, "all positions lie within %s, as if they were in metres; they are taken as mm%s%s%s",
-                            near_origin ? "1 mm of the origin" : "0.2 mm of each other", source[0] ? ", as " : "",
-                            source, source[0] ? " says" : "")
-               : CONUS_OK;
-}
-
 struct conus_pose_stream {
     conus_pose_options options; /* with a frame, this: */
     conus_frame frame;
@@ -159,82 +140,72 @@ static bool is_whole(const conus_pose_stream *stream)
     return pose_format_parser(stream->format) != NULL;
 }
 
-/* The table as it is, for an answer that adds columns to it. */
-static conus_status keep_electrodes(conus_pose_list *list, struct text text)
-{
-    if (text.size && memchr(text.data, '\0', text.size)) {
-        return fail(CONUS_ERROR_DATA, "a zero byte: not a table of electrodes");
-    }
-    list->electrodes = memory_text(text.data, text.size);
-    return list->electrodes ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
-static bool has_coordsystem(conus_pose_format format)
-{
-    return format == CONUS_POSE_FORMAT_ELECTRODES || format == CONUS_POSE_FORMAT_NIBS;
-}
-
-/* A text that begins as JSON does may be of one program or of another. */
-static conus_status choose_json(conus_pose_stream *stream, struct text text)
-{
-    bool is_ibl = false;
-    bool guessed = !stream->options.format && stream->format == CONUS_POSE_FORMAT_MARKUPS;
-    conus_status status = guessed ? pose_ibl_is(&is_ibl, text) : CONUS_OK;
-    stream->format = is_ibl ? CONUS_POSE_FORMAT_IBL : stream->format;
-    return status;
-}
-
-/* Positions in the CCF or from bregma are of tables, points and of IBL; other programs' files are of people. */
-static conus_status check_space(const conus_pose_stream *stream)
-{
-    bool fits = stream->options.space < CONUS_SPACE_CCF || stream->format == CONUS_POSE_FORMAT_IBL;
-    return fits ? CONUS_OK
-                : fail(CONUS_ERROR_DATA,
-                       "positions of format %s are not in space %s, which tables, points and ibl may be",
-                       conus_pose_format_name(stream->format), conus_space_name((size_t)stream->options.space));
-}
-
-/* In the CCF, from bregma and in IBL's files the positions of a probe are as near to each other. */
+/* Warns where a head in metres would be as small: all positions lie within 1 mm of the origin, but not at it, or three
+ * and more within 0.2 mm of each other. In the CCF, from bregma and in IBL's files the positions of a probe are as near
+ * to each other. */
 static conus_status note_extent(conus_pose_stream *stream)
 {
-    bool of_people = stream->options.space < CONUS_SPACE_CCF && stream->format != CONUS_POSE_FORMAT_IBL;
-    conus_status status = of_people && !stream->is_partial ? extent_note(&stream->whole.notes, &stream->extent,
-                                                                         conus_pose_list_coordsystem(&stream->whole))
-                                                           : CONUS_OK;
+    const struct extent extent = stream->extent;
     stream->extent = (struct extent){0};
-    return status;
+    bool of_people = stream->options.space < CONUS_SPACE_CCF && stream->format != CONUS_POSE_FORMAT_IBL;
+    if (!of_people || stream->is_partial) {
+        return CONUS_OK;
+    }
+    double side = 0;
+    for (int a = 0; a < 3; a++) {
+        side = fmax(side, extent.high[a] - extent.low[a]);
+    }
+    bool near_origin = extent.farthest > 0 && extent.farthest <= NEAR_ORIGIN;
+    bool near_each_other = extent.count >= LEAST && side > 0 && side <= NEAR_EACH_OTHER;
+    if (!near_origin && !near_each_other) {
+        return CONUS_OK;
+    }
+    const char *source = conus_pose_list_coordsystem(&stream->whole); /* says that they are in mm; "" if none does */
+    const char *slash = strrchr(source, '/');
+    source = slash ? slash + 1 : source;
+    return notes_warn(&stream->whole.notes,
+                      "all positions lie within %s, as if they were in metres; they are taken as mm%s%s%s",
+                      near_origin ? "1 mm of the origin" : "0.2 mm of each other", source[0] ? ", as " : "", source,
+                      source[0] ? " says" : "");
 }
 
 static conus_status read_whole(conus_pose_stream *stream)
 {
     struct bytes bytes = {0};
-    conus_status status = has_coordsystem(stream->format) && stream->path
-                              ? pose_coordsystem_find(&stream->whole, stream->path)
-                              : CONUS_OK;
+    conus_status status =
+        (stream->format == CONUS_POSE_FORMAT_ELECTRODES || stream->format == CONUS_POSE_FORMAT_NIBS) && stream->path
+            ? pose_coordsystem_find(&stream->whole, stream->path)
+            : CONUS_OK;
     status = status ? status : pose_lines_rest(&bytes, &stream->lines, pose_memory(&stream->options));
     const struct text text = {(const char *)bytes.data, bytes.size};
     if (!status && stream->options.format == CONUS_POSE_FORMAT_AUTO) {
         status = pose_format_of_matlab(&stream->format, text, &stream->options);
     }
-    status = status ? status : choose_json(stream, text);
-    status = status ? status : check_space(stream);
+    if (!status && !stream->options.format && stream->format == CONUS_POSE_FORMAT_MARKUPS) { /* or another's JSON */
+        bool is_ibl = false;
+        status = pose_ibl_is(&is_ibl, text);
+        stream->format = is_ibl ? CONUS_POSE_FORMAT_IBL : stream->format;
+    }
+    /* Positions in the CCF or from bregma are of tables, points and of IBL; other programs' files are of people. */
+    if (!status && stream->options.space >= CONUS_SPACE_CCF && stream->format != CONUS_POSE_FORMAT_IBL) {
+        status =
+            fail(CONUS_ERROR_DATA, "positions of format %s are not in space %s, which tables, points and ibl may be",
+                 conus_pose_format_name(stream->format), conus_space_name((size_t)stream->options.space));
+    }
     status = status ? status : pose_format_parser(stream->format)(&stream->whole, text, &stream->options);
     if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {
-        status = keep_electrodes(&stream->whole, text);
+        /* The table as it is, for an answer that adds columns to it. */
+        bool is_text = !text.size || !memchr(text.data, '\0', text.size);
+        stream->whole.electrodes = is_text ? memory_text(text.data, text.size) : NULL;
+        status = !is_text                   ? fail(CONUS_ERROR_DATA, "a zero byte: not a table of electrodes")
+                 : stream->whole.electrodes ? CONUS_OK
+                                            : CONUS_ERROR_MEMORY;
     }
     bytes_finish(&bytes);
     for (size_t i = 0; !status && i < stream->whole.count; i++) {
         extent_add(&stream->extent, &stream->whole.rows[i]);
     }
     return status ? status : note_extent(stream);
-}
-
-static conus_status check_no_axis(const conus_pose_stream *stream)
-{
-    return stream->options.axis == CONUS_AXIS_OF_FORMAT
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
-                      pose_axis_name(stream->options.axis));
 }
 
 static conus_status begin_text(conus_pose_stream *stream)
@@ -248,9 +219,16 @@ static conus_status begin_text(conus_pose_stream *stream)
         return fail(CONUS_ERROR_DATA, "shafts are of electrodes (BIDS), not of %s",
                     conus_pose_format_name(stream->format));
     }
-    return is_whole(stream)                            ? read_whole(stream)
-           : stream->format == CONUS_POSE_FORMAT_TABLE ? read_header(stream)
-                                                       : check_no_axis(stream);
+    if (is_whole(stream)) {
+        return read_whole(stream);
+    }
+    if (stream->format == CONUS_POSE_FORMAT_TABLE) {
+        return read_header(stream);
+    }
+    return stream->options.axis == CONUS_AXIS_OF_FORMAT
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
+                      pose_axis_name(stream->options.axis));
 }
 
 static conus_status fail_errno(const char *action)
@@ -302,32 +280,28 @@ static conus_status open_path(conus_pose_stream *stream, const char *path)
     return fail_of(stream, stream->descriptor < 0 ? fail_errno("open") : begin_file(stream));
 }
 
-static conus_status check_options(const conus_pose_options *options)
-{
-    bool fine = (unsigned)options->space <= CONUS_SPACE_BREGMA && (unsigned)options->axis <= CONUS_AXIS_MINUS_Z &&
-                conus_pose_format_name((size_t)options->format);
-    return fine ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
-}
-
-/* The caller's frame, or that of a space that needs no atlas. */
-static conus_status find_frame(conus_frame *out, const conus_pose_options *options)
-{
-    if (!options->frame) {
-        return conus_frame_find(out, NULL, options->space, NULL);
-    }
-    *out = *options->frame;
-    return conus_space_name((size_t)out->space) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "frame: its space is none");
-}
-
 static conus_status create_stream(conus_pose_stream **out, const conus_pose_options *options)
 {
     options = options_of(conus_pose_options, options);
-    conus_frame frame = {0};
-    conus_status status = check_options(options);
-    status = status ? status : find_frame(&frame, options);
-    conus_pose_stream *stream = status ? NULL : memory_zeroed(1, sizeof *stream);
+    if ((unsigned)options->space > CONUS_SPACE_BREGMA || (unsigned)options->axis > CONUS_AXIS_MINUS_Z ||
+        !conus_pose_format_name((size_t)options->format)) {
+        return fail(CONUS_ERROR_ARGUMENT, "options of poses: space, axis or format is none of its names");
+    }
+    conus_frame frame = {0}; /* the caller's, or that of a space that needs no atlas */
+    conus_status status = CONUS_OK;
+    if (options->frame) {
+        frame = *options->frame;
+        status =
+            conus_space_name((size_t)frame.space) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "frame: its space is none");
+    } else {
+        status = conus_frame_find(&frame, NULL, options->space, NULL);
+    }
+    if (status) {
+        return status;
+    }
+    conus_pose_stream *stream = memory_zeroed(1, sizeof *stream);
     if (!stream) {
-        return status ? status : CONUS_ERROR_MEMORY;
+        return CONUS_ERROR_MEMORY;
     }
     stream->options = *options;
     stream->frame = frame;
@@ -389,17 +363,6 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     memory_free(stream);
 }
 
-static conus_status row_from_line(conus_pose_row *row, struct pose_name *name, const conus_pose_stream *stream,
-                                  const struct pose_line *line)
-{
-    if (line->too_long) {
-        return fail(CONUS_ERROR_DATA, "a line of more than %d bytes", POSE_LINE_LIMIT);
-    }
-    return stream->format == CONUS_POSE_FORMAT_POINTS
-               ? pose_point_row(row, name, line->text, &stream->options)
-               : pose_table_row(row, name, &stream->table, line->text, &stream->options);
-}
-
 /* Gives the row its strings, which live until the next block. */
 static conus_status keep_strings(conus_pose_row *row, conus_pose_stream *stream, struct text id, const char *error)
 {
@@ -421,7 +384,10 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
     conus_pose_row row = pose_row_at(line.number);
     struct pose_name name;
     name.text = (struct text){"", 0};
-    conus_status bad = row_from_line(&row, &name, stream, &line);
+    conus_status bad = line.too_long ? fail(CONUS_ERROR_DATA, "a line of more than %d bytes", POSE_LINE_LIMIT)
+                       : stream->format == CONUS_POSE_FORMAT_POINTS
+                           ? pose_point_row(&row, &name, line.text, &stream->options)
+                           : pose_table_row(&row, &name, &stream->table, line.text, &stream->options);
     status = keep_strings(&row, stream, name.text, bad ? conus_message() : NULL);
     if (row.is_point) { /* of cones conus_aims_found() tells more */
         extent_add(&stream->extent, &row);
@@ -473,18 +439,6 @@ conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows)
     return fail_of(stream, status);
 }
 
-static conus_status count_lines(uint64_t *count, struct pose_lines *lines)
-{
-    struct pose_line line;
-    bool found = true;
-    conus_status status = skip_mark(lines);
-    for (*count = 0; !status && found; *count += found) {
-        status = next_line(lines, &line, &found);
-        found = !status && found;
-    }
-    return status;
-}
-
 static conus_status count_again(uint64_t *count, const conus_pose_stream *stream)
 {
     struct pose_lines lines = {.descriptor = -1};
@@ -497,7 +451,12 @@ static conus_status count_again(uint64_t *count, const conus_pose_stream *stream
     } else {
         status = fail(CONUS_ERROR_UNSUPPORTED, "rows of a pipe cannot be counted before they are read");
     }
-    status = status ? status : count_lines(count, &lines);
+    status = status ? status : skip_mark(&lines);
+    struct pose_line line;
+    for (bool found = true; !status && found; *count += found) {
+        status = next_line(&lines, &line, &found);
+        found = !status && found;
+    }
     pose_lines_finish(&lines);
     return status;
 }

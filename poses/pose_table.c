@@ -77,28 +77,6 @@ static bool has_any(const struct pose_table *table, enum column first, size_t co
     return any;
 }
 
-static conus_status check_axis(const struct pose_table *table, conus_axis axis)
-{
-    bool turns = table->has[QW] || table->has[M00];
-    return axis == CONUS_AXIS_OF_FORMAT || turns
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA,
-                      "header: it gives a direction, so that no axis (%s) is to be chosen; "
-                      "qw qx qy qz or m00...m33 have axes",
-                      pose_axis_name(axis));
-}
-
-/* The names of rotations' columns are of axes that space ccf and bregma do not have. */
-static conus_status check_space(const struct pose_table *table, conus_space space)
-{
-    bool turns = table->has[QW] || table->has[M00];
-    return space < CONUS_SPACE_CCF || !turns
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA,
-                      "header: rotations (qw qx qy qz or m00...m33) are not read in space %s; tx ty tz or dx dy dz are",
-                      conus_space_name((size_t)space));
-}
-
 /* One way of saying where the device points, and only one, each with all its columns. */
 static conus_status check_header(const struct pose_table *table)
 {
@@ -134,13 +112,13 @@ static conus_status check_header(const struct pose_table *table)
 
 /* In a space whose axes have names a column may have them, in any order: ap, tap of a target, dap of a direction, uap.
  */
-static enum column column_of_axis(struct text field, conus_space space)
+static enum column column_named(struct text field, conus_space space)
 {
     static const struct {
         const char *prefix;
         enum column first;
     } groups[] = {{"", X}, {"t", TX}, {"d", DX}, {"u", UX}};
-    for (size_t i = 0; i < sizeof groups / sizeof groups[0]; i++) {
+    for (size_t i = 0; space >= CONUS_SPACE_CCF && i < sizeof groups / sizeof groups[0]; i++) {
         for (size_t axis = 0; axis < 3; axis++) {
             char name[8];
             snprintf(name, sizeof name, "%s%s", groups[i].prefix, conus_space_axis(space, axis));
@@ -149,16 +127,7 @@ static enum column column_of_axis(struct text field, conus_space space)
             }
         }
     }
-    return COLUMNS;
-}
-
-static enum column column_named(struct text field, conus_space space)
-{
-    enum column column = space < CONUS_SPACE_CCF ? COLUMNS : column_of_axis(field, space);
-    if (column < COLUMNS) {
-        return column;
-    }
-    column = 0;
+    enum column column = 0;
     while (column < COLUMNS && !text_equal_ignoring_case(field, names[column])) {
         column++;
     }
@@ -176,23 +145,6 @@ static int rank_of_id(struct text field)
     return rank;
 }
 
-/* The name of the rows is in the field that names them best; a worse one is passed over. */
-static bool add_id(struct header *header, struct text field)
-{
-    struct pose_table *table = &header->table;
-    int rank = rank_of_id(field);
-    if (rank <= header->id_rank) {
-        return false;
-    }
-    if (header->id_rank) {
-        table->of_field[header->id_field] = COLUMNS;
-    }
-    header->id_rank = rank;
-    header->id_field = table->field_count;
-    table->has[ID] = true;
-    return true;
-}
-
 static conus_status add_column(struct header *header, struct text field)
 {
     struct pose_table *table = &header->table;
@@ -207,12 +159,22 @@ static conus_status add_column(struct header *header, struct text field)
         return fail(CONUS_ERROR_DATA, "header: more than %d columns", POSE_COLUMN_LIMIT);
     }
     enum column column = column_named(field, header->space);
-    if ((column < COLUMNS && column != ID && table->has[column]) ||
-        (rank_of_id(field) && rank_of_id(field) == header->id_rank)) {
+    const int rank = rank_of_id(field);
+    if ((column < COLUMNS && column != ID && table->has[column]) || (rank && rank == header->id_rank)) {
         field = column < COLUMNS ? text_from(names[column]) : field;
         return fail(CONUS_ERROR_DATA, "header: column \"%.*s\" twice", pose_quote(field), field.data);
     }
-    column = add_id(header, field) ? ID : column == ID ? COLUMNS : column;
+    /* The name of the rows is in the field that names them best; a worse one is passed over. */
+    if (rank > header->id_rank) {
+        if (header->id_rank) {
+            table->of_field[header->id_field] = COLUMNS;
+        }
+        header->id_rank = rank;
+        header->id_field = table->field_count;
+        column = ID;
+    } else if (column == ID) {
+        column = COLUMNS;
+    }
     if (column < COLUMNS) {
         table->has[column] = true;
     }
@@ -329,8 +291,19 @@ conus_status pose_table_header(struct pose_table *out, struct notes *notes, stru
     if (!status) {
         status = note_ignored(notes, table, whole, check_header(table));
     }
-    status = status ? status : check_axis(table, options->axis);
-    status = status ? status : check_space(table, options->space);
+    bool turns = table->has[QW] || table->has[M00];
+    if (!status && options->axis != CONUS_AXIS_OF_FORMAT && !turns) {
+        status = fail(CONUS_ERROR_DATA,
+                      "header: it gives a direction, so that no axis (%s) is to be chosen; "
+                      "qw qx qy qz or m00...m33 have axes",
+                      pose_axis_name(options->axis));
+    }
+    /* The names of rotations' columns are of axes that space ccf and bregma do not have. */
+    if (!status && options->space >= CONUS_SPACE_CCF && turns) {
+        status = fail(CONUS_ERROR_DATA,
+                      "header: rotations (qw qx qy qz or m00...m33) are not read in space %s; tx ty tz or dx dy dz are",
+                      conus_space_name((size_t)options->space));
+    }
     *out = status ? *out : *table;
     return status;
 }
@@ -345,16 +318,6 @@ bool pose_table_has_angles(const struct pose_table *table)
     return table->has[ANGLE];
 }
 
-/* Positions and directions that a row has, to the world. */
-static conus_status turn_places(double v[COLUMNS], const struct pose_table *table, const conus_frame *frame)
-{
-    conus_status status = table->has[M00] ? CONUS_OK : conus_frame_to_world(v + X, frame, v + X);
-    status = status || !table->has[TX] ? status : conus_frame_to_world(v + TX, frame, v + TX);
-    conus_frame_direction_to_world(v + DX, frame, v + DX);
-    conus_frame_direction_to_world(v + UX, frame, v + UX);
-    return status;
-}
-
 static conus_status pose_from_values(conus_pose *out, const struct pose_table *table, double v[COLUMNS],
                                      const conus_pose_options *options)
 {
@@ -366,10 +329,13 @@ static conus_status pose_from_values(conus_pose *out, const struct pose_table *t
     conus_space space = isnan(v[SPACE]) ? options->space : (conus_space)v[SPACE];
     conus_frame own = *options->frame;
     conus_status status = space == options->space ? CONUS_OK : conus_frame_find(&own, NULL, space, NULL);
-    status = status ? status : turn_places(v, table, &own);
+    status = status || table->has[M00] ? status : conus_frame_to_world(v + X, &own, v + X);
+    status = status || !table->has[TX] ? status : conus_frame_to_world(v + TX, &own, v + TX);
     if (status) {
         return status;
     }
+    conus_frame_direction_to_world(v + DX, &own, v + DX);
+    conus_frame_direction_to_world(v + UX, &own, v + UX);
     if (space == CONUS_SPACE_LPS) { /* turning by pi about z takes a rotation's LPS form to its RAS form:
                                           (w, x, y, z) -> (-z, -y, x, w) */
         pose_flip_matrix(m);
@@ -456,17 +422,6 @@ static conus_status check_row_space(double space, const conus_pose_options *opti
                       conus_space_name((size_t)space), conus_space_name((size_t)options->space));
 }
 
-static conus_status read_field(double values[COLUMNS], struct text *id, enum column column, struct text field)
-{
-    if (column == ID) {
-        *id = field;
-        return CONUS_OK;
-    }
-    return column == TRIGGER ? read_trigger(&values[TRIGGER], field)
-           : column == SPACE ? read_space(&values[SPACE], field)
-                             : read_value(&values[column], column, field);
-}
-
 static conus_status read_values(double values[COLUMNS], struct pose_name *name, const struct pose_table *table,
                                 struct text line)
 {
@@ -476,9 +431,16 @@ static conus_status read_values(double values[COLUMNS], struct pose_name *name, 
     conus_status status = CONUS_OK;
     for (bool more = true; text_quoted_field(&line, table->separator, &more, &field, &quotes); count++) {
         status = status ? status : check_quotes(table, field, quotes);
-        if (count < table->field_count && table->of_field[count] != COLUMNS && !status) {
-            field = quotes == TEXT_QUOTED && table->of_field[count] == ID ? name_in(name->own, field) : field;
-            status = read_field(values, &name->text, table->of_field[count], field);
+        enum column column = count < table->field_count ? table->of_field[count] : COLUMNS;
+        if (status || column == COLUMNS) {
+            continue;
+        }
+        if (column == ID) {
+            name->text = quotes == TEXT_QUOTED ? name_in(name->own, field) : field;
+        } else {
+            status = column == TRIGGER ? read_trigger(&values[TRIGGER], field)
+                     : column == SPACE ? read_space(&values[SPACE], field)
+                                       : read_value(&values[column], column, field);
         }
     }
     return count == table->field_count || status
@@ -494,15 +456,6 @@ static conus_status check_text(struct text line)
     return text_is_utf8(line) ? CONUS_OK : fail(CONUS_ERROR_DATA, "not UTF-8 text");
 }
 
-static conus_status check_angle(double *out, double degrees)
-{
-    if (degrees == 0) {
-        return fail(CONUS_ERROR_DATA, "angle: 0 degrees, allowed is more than 0 and less than 180, or n/a for none");
-    }
-    *out = radians_from_degrees(degrees);
-    return pose_check_angle(*out);
-}
-
 conus_status pose_table_row(conus_pose_row *row, struct pose_name *name, const struct pose_table *table,
                             struct text line, const conus_pose_options *options)
 {
@@ -512,7 +465,10 @@ conus_status pose_table_row(conus_pose_row *row, struct pose_name *name, const s
     status = status ? status : check_row_space(values[SPACE], options);
     status = status ? status : pose_from_values(&row->pose, table, values, options);
     if (!status && table->has[ANGLE] && !isnan(values[ANGLE])) {
-        status = check_angle(&row->angle, values[ANGLE]);
+        row->angle = values[ANGLE] == 0 ? row->angle : radians_from_degrees(values[ANGLE]);
+        status = values[ANGLE] == 0 ? fail(CONUS_ERROR_DATA, "angle: 0 degrees, allowed is more than 0 and less than "
+                                                             "180, or n/a for none")
+                                    : pose_check_angle(row->angle);
     }
     row->time_s = values[TIME];
     row->trigger = values[TRIGGER] != 0;

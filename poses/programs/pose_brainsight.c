@@ -37,11 +37,6 @@ struct reading {
     bool counting; /* only `rows` is wanted */
 };
 
-static bool is_null(struct text field)
-{
-    return !field.size || text_equal(field, "(null)");
-}
-
 static bool has_prefix(struct text text, const char *prefix, struct text *rest)
 {
     if (!text_starts(text, prefix)) {
@@ -87,28 +82,6 @@ static conus_status read_space(struct reading *reading, struct text name)
     return CONUS_OK;
 }
 
-static conus_status check_units(const struct reading *reading, struct text units)
-{
-    return text_starts(units, "millimetres") || text_starts(units, "millimeters") || text_starts(units, "mm")
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "line %zu: units \"%.*s\", millimetres are needed", reading->line,
-                      pose_quote(units), units.data);
-}
-
-static conus_status check_columns(const struct reading *reading)
-{
-    size_t found = 0;
-    for (int i = X; i <= M22; i++) {
-        found += reading->at[i] != NO_COLUMN;
-        if (i == Z && found < 3) {
-            return fail(CONUS_ERROR_DATA, "line %zu: no columns Loc. X, Loc. Y, Loc. Z", reading->line);
-        }
-    }
-    return found == 3 || found == 12
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "line %zu: only some of the columns m0n0...m2n2", reading->line);
-}
-
 /* "# Target Name, Loc. X, ...", separated by tabs. */
 static conus_status begin_section(struct reading *reading, struct text header)
 {
@@ -131,10 +104,22 @@ static conus_status begin_section(struct reading *reading, struct text header)
             }
         }
     }
-    if (reading->kind != KINDS && twice) {
+    if (reading->kind == KINDS) {
+        return CONUS_OK;
+    }
+    if (twice) {
         return fail(CONUS_ERROR_DATA, "line %zu: a column %s twice", reading->line, twice);
     }
-    return reading->kind == KINDS ? CONUS_OK : check_columns(reading);
+    size_t found = 0;
+    for (int i = X; i <= M22; i++) {
+        found += reading->at[i] != NO_COLUMN;
+        if (i == Z && found < 3) {
+            return fail(CONUS_ERROR_DATA, "line %zu: no columns Loc. X, Loc. Y, Loc. Z", reading->line);
+        }
+    }
+    return found == 3 || found == 12
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "line %zu: only some of the columns m0n0...m2n2", reading->line);
 }
 
 static conus_status read_comment(struct reading *reading, struct text line)
@@ -146,7 +131,10 @@ static conus_status read_comment(struct reading *reading, struct text line)
         return read_space(reading, value);
     }
     if (has_prefix(rest, "Units:", &value) || has_prefix(rest, "units:", &value)) {
-        return check_units(reading, value);
+        return text_starts(value, "millimetres") || text_starts(value, "millimeters") || text_starts(value, "mm")
+                   ? CONUS_OK
+                   : fail(CONUS_ERROR_DATA, "line %zu: units \"%.*s\", millimetres are needed", reading->line,
+                          pose_quote(value), value.data);
     }
     return memchr(rest.data, '\t', rest.size) ? begin_section(reading, rest) : CONUS_OK;
 }
@@ -202,15 +190,6 @@ static conus_status read_matrix(conus_pose *out, const struct reading *reading, 
     return pose_of_matrix(out, m, reading->lps, reading->options->axis);
 }
 
-static bool has_matrix(const struct reading *reading, const struct text *fields)
-{
-    bool any = false;
-    for (int i = M00; i <= M22; i++) {
-        any = any || (reading->at[i] != NO_COLUMN && !is_null(fields[i]));
-    }
-    return any;
-}
-
 static conus_status read_pose(conus_pose_row *row, const struct reading *reading, const struct text *fields)
 {
     double position[3];
@@ -219,7 +198,11 @@ static conus_status read_pose(conus_pose_row *row, const struct reading *reading
     if (status) {
         return status;
     }
-    row->is_point = !has_matrix(reading, fields);
+    row->is_point = true;
+    for (int i = M00; i <= M22; i++) {
+        bool is_null = !fields[i].size || text_equal(fields[i], "(null)");
+        row->is_point = row->is_point && (reading->at[i] == NO_COLUMN || is_null);
+    }
     if (!row->is_point) {
         return read_matrix(&row->pose, reading, fields, position);
     }
@@ -278,16 +261,6 @@ static conus_status read_lines(struct reading *reading, struct text text)
     return status;
 }
 
-static conus_status add_notes(struct reading *reading)
-{
-    conus_status status = CONUS_OK;
-    struct notes *notes = &reading->list->notes;
-    if (reading->passed_over) {
-        status = notes_add(notes, "%zu rows of landmarks and other sections were passed over", reading->passed_over);
-    }
-    return status ? status : pose_note_space(notes, reading->options, reading->lps);
-}
-
 conus_status pose_brainsight_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     struct reading reading = {.list = list, .options = options, .counting = true};
@@ -295,5 +268,9 @@ conus_status pose_brainsight_parse(conus_pose_list *list, struct text text, cons
     reading.counting = false;
     reading.has_space = false;
     status = status ? status : read_lines(&reading, text);
-    return status ? status : add_notes(&reading);
+    if (!status && reading.passed_over) {
+        status =
+            notes_add(&list->notes, "%zu rows of landmarks and other sections were passed over", reading.passed_over);
+    }
+    return status ? status : pose_note_space(&list->notes, options, reading.lps);
 }

@@ -154,20 +154,14 @@ static conus_status space_of_name(conus_pose_list *list, const char *path)
     return CONUS_OK;
 }
 
-static bool is_table(const char *path)
-{
-    size_t size = strlen(path);
-    bool found = false;
-    for (size_t i = 0; i < sizeof table_endings / sizeof table_endings[0]; i++) {
-        size_t ending = strlen(table_endings[i]);
-        found = found || (size > ending && strcmp(path + size - ending, table_endings[i]) == 0);
-    }
-    return found;
-}
-
 conus_status pose_coordsystem_find(conus_pose_list *list, const char *path)
 {
-    bool is_bids = is_table(path);
+    const size_t size = strlen(path);
+    bool is_bids = false;
+    for (size_t i = 0; i < sizeof table_endings / sizeof table_endings[0]; i++) {
+        size_t ending = strlen(table_endings[i]);
+        is_bids = is_bids || (size > ending && strcmp(path + size - ending, table_endings[i]) == 0);
+    }
     for (int candidate = 0; is_bids && candidate < CANDIDATES; candidate++) {
         char *beside = system_path(path, candidate);
         if (!beside) {

@@ -62,28 +62,22 @@ static void read_header(struct reading *reading, struct text line, bool *twice)
     }
 }
 
-/* A column that says where a device points: then the table is one of poses, with a column that it does not know. */
-static bool has_direction(struct text line)
-{
-    static const char *const directions[] = {"tx", "dx", "qw", "m00"};
-    struct text field;
-    bool found = false;
-    for (bool more = true; text_field(&line, '\t', &more, &field);) {
-        for (size_t i = 0; i < sizeof directions / sizeof directions[0]; i++) {
-            found = found || text_equal_ignoring_case(text_trim(field), directions[i]);
-        }
-    }
-    return found;
-}
-
 bool pose_electrodes_header(struct text line)
 {
     struct reading reading;
     bool twice;
     read_header(&reading, line, &twice);
-    bool all = !has_direction(line);
+    bool all = true;
     for (int i = NAME; i <= Z; i++) {
         all = all && reading.at[i] != NO_COLUMN;
+    }
+    /* A column that says where a device points: the table is one of poses, with a column that it does not know. */
+    static const char *const directions[] = {"tx", "dx", "qw", "m00"};
+    struct text field;
+    for (bool more = true; text_field(&line, '\t', &more, &field);) {
+        for (size_t i = 0; i < sizeof directions / sizeof directions[0]; i++) {
+            all = all && !text_equal_ignoring_case(text_trim(field), directions[i]);
+        }
     }
     return all;
 }
@@ -119,20 +113,6 @@ static conus_status read_position(double out[3], const struct text *fields)
     return CONUS_OK;
 }
 
-/* "LA12" is contact 12 of LA. */
-static void name_shaft(struct contact *contact, struct text group, size_t row)
-{
-    struct text stem = contact->name;
-    while (stem.size && stem.data[stem.size - 1] >= '0' && stem.data[stem.size - 1] <= '9') {
-        stem.size--;
-    }
-    struct text digits = {contact->name.data + stem.size, contact->name.size - stem.size};
-    contact->shaft = is_absent(group) ? stem : group;
-    if (!text_to_uint(digits, UINT64_MAX, &contact->number)) {
-        contact->number = row;
-    }
-}
-
 static conus_status read_contact(struct reading *reading, struct text line, size_t number)
 {
     if (!memory_reserve(&reading->contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts)) {
@@ -153,7 +133,15 @@ static conus_status read_contact(struct reading *reading, struct text line, size
     if (reading->lps) {
         pose_flip_point(contact.position);
     }
-    name_shaft(&contact, fields[GROUP], reading->count + 1);
+    struct text stem = contact.name; /* "LA12" is contact 12 of LA */
+    while (stem.size && stem.data[stem.size - 1] >= '0' && stem.data[stem.size - 1] <= '9') {
+        stem.size--;
+    }
+    struct text digits = {contact.name.data + stem.size, contact.name.size - stem.size};
+    contact.shaft = is_absent(fields[GROUP]) ? stem : fields[GROUP];
+    if (!text_to_uint(digits, UINT64_MAX, &contact.number)) {
+        contact.number = reading->count + 1;
+    }
     reading->contacts[reading->count++] = contact;
     return CONUS_OK;
 }
@@ -250,21 +238,16 @@ static conus_status add_contact(conus_pose_list *list, const struct reading *rea
     return pose_list_add(list, &row, contact->name, bad ? conus_message() : NULL);
 }
 
-static conus_status check_axis(const conus_pose_options *options)
-{
-    return options->axis == CONUS_AXIS_OF_FORMAT
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "contacts have no axes, so that no axis (%s) is to be chosen",
-                      pose_axis_name(options->axis));
-}
-
 conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     struct reading reading = {.options = options, .scale = list->space.scale > 0 ? list->space.scale : 1};
     bool is_named = list->space.brain != POSE_BRAIN_UNKNOWN; /* and by that RAS */
     reading.lps = options->space == CONUS_SPACE_LPS && !is_named;
-    conus_status status = check_axis(options);
-    status = status ? status : pose_note_space(&list->notes, options, reading.lps);
+    if (options->axis != CONUS_AXIS_OF_FORMAT) {
+        return fail(CONUS_ERROR_DATA, "contacts have no axes, so that no axis (%s) is to be chosen",
+                    pose_axis_name(options->axis));
+    }
+    conus_status status = pose_note_space(&list->notes, options, reading.lps);
     status = status ? status : read_table(&reading, text);
     status = status || !options->along_shafts ? status : find_neighbours(&reading);
     for (size_t i = 0; !status && i < reading.count; i++) {

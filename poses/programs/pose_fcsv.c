@@ -44,16 +44,6 @@ static bool take_key(struct text *value, struct text line, const char *key)
     return true;
 }
 
-static conus_status read_space(struct reading *reading, struct text value)
-{
-    bool ras = text_equal(value, "RAS") || text_equal(value, "0");
-    reading->lps = text_equal(value, "LPS") || text_equal(value, "1");
-    reading->has_space = true;
-    return ras || reading->lps ? pose_note_space(&reading->list->notes, reading->options, reading->lps)
-                               : fail(CONUS_ERROR_DATA, "CoordinateSystem \"%.*s\", allowed are RAS, LPS, 0 and 1",
-                                      pose_quote(value), value.data);
-}
-
 static conus_status read_columns(struct reading *reading, struct text value)
 {
     conus_status status = pose_columns_find(&reading->columns, value);
@@ -70,9 +60,15 @@ static conus_status read_comment(struct reading *reading, struct text line)
 {
     struct text value;
     reading->is_old = reading->is_old || text_starts(line, "# Fiducial List file");
-    return take_key(&value, line, "CoordinateSystem") ? read_space(reading, value)
-           : take_key(&value, line, "columns")        ? read_columns(reading, value)
-                                                      : CONUS_OK;
+    if (!take_key(&value, line, "CoordinateSystem")) {
+        return take_key(&value, line, "columns") ? read_columns(reading, value) : CONUS_OK;
+    }
+    bool ras = text_equal(value, "RAS") || text_equal(value, "0");
+    reading->lps = text_equal(value, "LPS") || text_equal(value, "1");
+    reading->has_space = true;
+    return ras || reading->lps ? pose_note_space(&reading->list->notes, reading->options, reading->lps)
+                               : fail(CONUS_ERROR_DATA, "CoordinateSystem \"%.*s\", allowed are RAS, LPS, 0 and 1",
+                                      pose_quote(value), value.data);
 }
 
 /* Before the first point, or at the end. */

@@ -110,34 +110,20 @@ static conus_status read_channels(struct reading *reading, json_t *root)
     return status;
 }
 
-static conus_status check_unit(const struct reading *reading)
+conus_status pose_ibl_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
-    return !reading->list->count || reading->farthest >= nearest_um
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA,
-                      "no position is farther than %g from bregma: micrometres are needed, not mm or m",
-                      reading->farthest);
-}
-
-static conus_status check_options(const conus_pose_options *options)
-{
+    json_t *root = NULL;
+    struct reading reading = {.list = list, .frame = options->frame, .bregma = {5739, 5400, 332}}; /* iblatlas's */
     if (options->space < CONUS_SPACE_CCF) {
         return fail(CONUS_ERROR_DATA,
                     "positions from bregma, which only an atlas of the Allen CCF can place: space ccf or "
                     "bregma is needed");
     }
-    return options->axis == CONUS_AXIS_OF_FORMAT
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
-                      pose_axis_name(options->axis));
-}
-
-conus_status pose_ibl_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
-{
-    json_t *root = NULL;
-    struct reading reading = {.list = list, .frame = options->frame, .bregma = {5739, 5400, 332}}; /* iblatlas's */
-    conus_status status = check_options(options);
-    status = status ? status : json_text_load(&root, text);
+    if (options->axis != CONUS_AXIS_OF_FORMAT) {
+        return fail(CONUS_ERROR_DATA, "points have no direction, so that no axis (%s) can be chosen",
+                    pose_axis_name(options->axis));
+    }
+    conus_status status = json_text_load(&root, text);
     const json_t *picks = json_object_get(root, picks_key);
     if (!status) {
         status = picks ? read_picks(&reading, picks) : read_channels(&reading, root);
@@ -145,7 +131,11 @@ conus_status pose_ibl_parse(conus_pose_list *list, struct text text, const conus
     if (!status && !picks && !list->count) {
         status = fail(CONUS_ERROR_DATA, "neither \"xyz_picks\" nor \"channel_0\": not positions of IBL");
     }
-    status = status ? status : check_unit(&reading);
+    if (!status && list->count && reading.farthest < nearest_um) {
+        status =
+            fail(CONUS_ERROR_DATA, "no position is farther than %g from bregma: micrometres are needed, not mm or m",
+                 reading.farthest);
+    }
     json_decref(root);
     return status;
 }

@@ -120,28 +120,29 @@ static conus_status read_row(struct reading *reading, struct text line, size_t n
     return pose_list_add(reading->list, &row, fields[LABEL], bad ? conus_message() : NULL);
 }
 
-static conus_status read_lines(struct reading *reading, struct text text)
-{
-    struct text line;
-    bool begun = false;
-    conus_status status = text_line(&text, &line) && pose_invesalius_line(line)
-                              ? read_version(reading, line)
-                              : fail(CONUS_ERROR_DATA, "the first line is not %s0 to %d", first_line, NEWEST_VERSION);
-    for (size_t number = 2; !status && text_line(&text, &line); number++) {
-        if (text_trim(line).size) {
-            status = begun ? read_row(reading, line, number) : read_header(reading, line);
-            begun = true;
-        }
-    }
-    return status || begun ? status : fail(CONUS_ERROR_DATA, "markers of InVesalius without a header");
-}
-
 conus_status pose_invesalius_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     struct reading reading = {.list = list, .options = options, .columns = {.names = names, .count = COLUMNS}};
     list->space = pose_space_named(text_from("InVesalius world"), POSE_BRAIN_SUBJECT);
     conus_status status = pose_note_space(&list->notes, options, false);
-    status = status ? status : read_lines(&reading, text);
+    if (status) {
+        return status;
+    }
+    struct text line;
+    if (!text_line(&text, &line) || !pose_invesalius_line(line)) {
+        return fail(CONUS_ERROR_DATA, "the first line is not %s0 to %d", first_line, NEWEST_VERSION);
+    }
+    status = read_version(&reading, line);
+    bool begun = false;
+    for (size_t number = 2; !status && text_line(&text, &line); number++) {
+        if (text_trim(line).size) {
+            status = begun ? read_row(&reading, line, number) : read_header(&reading, line);
+            begun = true;
+        }
+    }
+    if (!status && !begun) {
+        return fail(CONUS_ERROR_DATA, "markers of InVesalius without a header");
+    }
     return status || !reading.fiducials ? status
                                         : notes_add(&list->notes, "%zu fiducials were passed over", reading.fiducials);
 }

@@ -20,14 +20,6 @@ static const struct matlab_array *find_coordinates(const struct matlab *matlab, 
     return !reco && space == 0 ? matlab_variable(matlab, "coords_mm") : matlab_field(matlab, in_space, 0, "coords_mm");
 }
 
-/* Lead 1 is the right one, lead 2 the left one. */
-static struct text name_contact(char out[64], size_t lead, size_t contact)
-{
-    int size = lead < 2 ? snprintf(out, 64, "%c%zu", "RL"[lead], contact + 1)
-                        : snprintf(out, 64, "lead%zu-%zu", lead + 1, contact + 1);
-    return (struct text){out, (size_t)size};
-}
-
 static conus_status add_lead(conus_pose_list *list, const struct matlab_array *array, size_t lead)
 {
     if (!array->count) {
@@ -47,7 +39,10 @@ static conus_status add_lead(conus_pose_list *list, const struct matlab_array *a
             point[k] = matlab_number(array, k * array->rows + i);
         }
         conus_status bad = pose_of_point(&row.pose, point);
-        status = pose_list_add(list, &row, name_contact(name, lead, i), bad ? conus_message() : NULL);
+        /* Lead 1 is the right one, lead 2 the left one. */
+        int size = lead < 2 ? snprintf(name, sizeof name, "%c%zu", "RL"[lead], i + 1)
+                            : snprintf(name, sizeof name, "lead%zu-%zu", lead + 1, i + 1);
+        status = pose_list_add(list, &row, (struct text){name, (size_t)size}, bad ? conus_message() : NULL);
     }
     return status;
 }

@@ -124,17 +124,6 @@ static conus_status on_start(void *user, const struct xml_event *event)
     return CONUS_OK;
 }
 
-static bool is_identity(const double m[16])
-{
-    double identity[16];
-    mat4_identity(identity);
-    bool equal = true;
-    for (int i = 0; i < 16; i++) {
-        equal = equal && m[i] == identity[i];
-    }
-    return equal;
-}
-
 static conus_status read_pose(conus_pose_row *row, const struct reading *reading, struct marker *marker)
 {
     if (marker->bad) {
@@ -146,7 +135,13 @@ static conus_status read_pose(conus_pose_row *row, const struct reading *reading
     if (!marker->matrices) {
         return fail(CONUS_ERROR_DATA, "the marker has no Matrix4D");
     }
-    if (is_identity(marker->m)) {
+    double identity[16];
+    mat4_identity(identity);
+    bool is_identity = true;
+    for (int i = 0; i < 16; i++) {
+        is_identity = is_identity && marker->m[i] == identity[i];
+    }
+    if (is_identity) {
         return fail(CONUS_ERROR_DATA, "the matrix is the identity, as of a coil that was not tracked");
     }
     conus_axis axis = reading->options->axis;

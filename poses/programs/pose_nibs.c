@@ -91,10 +91,11 @@ static conus_status read_vectors(struct marker *out, const struct reading *readi
 }
 
 /* [[row 0], [row 1], [row 2], [row 3]] */
-static conus_status read_matrix(double m[16], struct text text)
+static conus_status pose_by_matrix(conus_pose *out, const struct reading *reading, const struct marker *marker)
 {
+    double m[16];
     json_t *root = NULL;
-    conus_status status = json_text_load(&root, text);
+    conus_status status = json_text_load(&root, marker->matrix);
     for (size_t i = 0; !status && i < 16; i++) {
         const json_t *row = json_array_get(root, i / 4);
         const json_t *value = json_array_get(row, i % 4);
@@ -104,15 +105,8 @@ static conus_status read_matrix(double m[16], struct text text)
         }
     }
     json_decref(root);
-    return status ? fail_in(status, "the coil's matrix") : CONUS_OK;
-}
-
-static conus_status pose_by_matrix(conus_pose *out, const struct reading *reading, const struct marker *marker)
-{
-    double m[16];
-    conus_status status = read_matrix(m, marker->matrix);
     if (status) {
-        return status;
+        return fail_in(status, "the coil's matrix");
     }
     for (int i = 0; i < 3; i++) {
         m[12 + i] *= reading->scale;

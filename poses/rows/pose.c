@@ -11,14 +11,6 @@ static const double NEARLY_ZERO = 1e-9;
  * 0.0005 * 2 * sqrt(3) = 0.00173. */
 static const double ROUNDED = 2e-3;
 
-static void default_up(double up[3], const double d[3])
-{
-    bool along_z = fabs(d[2]) > 0.999; /* Eq. 2 */
-    up[0] = 0;
-    up[1] = along_z;
-    up[2] = !along_z;
-}
-
 static conus_status check_direction(const double d[3], const char *what)
 {
     if (!vec3_is_finite(d) || (d[0] == 0 && d[1] == 0 && d[2] == 0)) {
@@ -61,7 +53,6 @@ static conus_status make_frame(conus_pose *out, const double origin[3], const do
 conus_status conus_pose_along(conus_pose *out, const double origin[3], const double direction[3], const double up[3])
 {
     double d[3];
-    double fallback[3];
     conus_status status = check_point(origin, "origin");
     status = status ? status : check_direction(direction, "direction");
     status = status || !up ? status : check_direction(up, "up");
@@ -71,7 +62,8 @@ conus_status conus_pose_along(conus_pose *out, const double origin[3], const dou
     if (!vec3_normalise(d, direction)) {
         return fail(CONUS_ERROR_ARGUMENT, "direction: too long or too short a vector");
     }
-    default_up(fallback, d);
+    bool along_z = fabs(d[2]) > 0.999; /* Eq. 2 */
+    const double fallback[3] = {0, along_z, !along_z};
     return make_frame(out, origin, d, up ? up : fallback);
 }
 

@@ -63,13 +63,6 @@ static ssize_t read_some(const struct pose_lines *lines, char *at, size_t size, 
     }
 }
 
-/* Whether the file is still the one that was opened: what is read after a change belongs to no one file. */
-static bool is_unchanged(const struct pose_lines *lines)
-{
-    struct file_state now;
-    return !lines->seekable || (file_state_of(&now, lines->descriptor) && file_state_equal(&now, &lines->state));
-}
-
 /* Reads once. */
 static conus_status read_more(struct pose_lines *lines)
 {
@@ -82,7 +75,8 @@ static conus_status read_more(struct pose_lines *lines)
     if (got < 0) {
         return fail_to_read();
     }
-    if (!is_unchanged(lines)) {
+    struct file_state now; /* what is read after a change belongs to no one file */
+    if (lines->seekable && !(file_state_of(&now, lines->descriptor) && file_state_equal(&now, &lines->state))) {
         return fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
     sha256_update(&lines->hash, (size_t)got, (const uint8_t *)lines->own + lines->size);
@@ -117,12 +111,6 @@ static size_t line_length(const struct pose_lines *lines)
     size_t length = end ? (size_t)(end - lines->data) : lines->size;
     end = memchr(lines->data, '\r', length);
     return end ? (size_t)(end - lines->data) : length;
-}
-
-static bool is_blank(struct text line)
-{
-    struct text trimmed = text_trim(line);
-    return !trimmed.size || trimmed.data[0] == '#';
 }
 
 /* Takes the line's ending, if there is one. */
@@ -179,9 +167,11 @@ conus_status pose_lines_next(struct pose_lines *lines, struct pose_line *line, b
     }
     bool too_long = length > POSE_LINE_LIMIT;
     struct text text = {lines->data, too_long ? POSE_LINE_LIMIT : length};
-    *line = (struct pose_line){.number = ++lines->number, .too_long = too_long, .blank = is_blank(text)};
+    struct text trimmed = text_trim(text);
+    bool is_comment = trimmed.size && trimmed.data[0] == '#';
+    *line = (struct pose_line){.number = ++lines->number, .too_long = too_long, .blank = !trimmed.size || is_comment};
     if (too_long) {
-        line->blank = line->blank && text_trim(text).size; /* a comment; what else may come is not known */
+        line->blank = is_comment; /* what else may come is not known */
         line->text = (struct text){"", 0};
         return drop_long_line(lines);
     }

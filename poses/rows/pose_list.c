@@ -103,15 +103,6 @@ static enum pose_brain brain_of(const char *transform)
                                                    : POSE_BRAIN_UNKNOWN;
 }
 
-/* An atlas that was moved lies where its header does not say: in the space of the poses, as the caller means it. */
-static conus_status match_moved(struct notes *notes, const struct pose_space *space, const char *transform)
-{
-    return space->brain == POSE_BRAIN_SUBJECT
-               ? CONUS_OK
-               : notes_warn(notes, "positions are in \"%s\"; they must be where the atlas was moved to (%s)",
-                            space->name, transform);
-}
-
 conus_status pose_space_match(struct notes *notes, const struct pose_space *space, const conus_atlas *atlas)
 {
     if (!space->name[0]) {
@@ -120,7 +111,11 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
     const conus_volume_info *volume = conus_atlas_volume(atlas, 0);
     const char *transform = volume ? volume->transform : "it has no volume";
     if (strstr(transform, ", moved")) {
-        return match_moved(notes, space, transform);
+        /* A moved atlas lies where its header does not say: in the space of the poses, as the caller means it. */
+        return space->brain == POSE_BRAIN_SUBJECT
+                   ? CONUS_OK
+                   : notes_warn(notes, "positions are in \"%s\"; they must be where the atlas was moved to (%s)",
+                                space->name, transform);
     }
     enum pose_brain brain = brain_of(transform);
     if (space->brain == POSE_BRAIN_UNKNOWN || brain == POSE_BRAIN_UNKNOWN) {
