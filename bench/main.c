@@ -41,8 +41,6 @@ static const struct bench_scenario scenarios[] = {
      bench_peers_mesh, 4, 5, 40},
     {"peers_colour", "a picture of a volume: VTK's volume mappers against the colour pass", bench_peers_colour, 1, 3,
      20},
-    {"peers_streamlines", "256 rays into tubes of streamlines: VTK's locators beside the search along streamlines",
-     bench_peers_streamlines, 4, 5, 20},
     {"bonsai", "frames of 1 to 45 volumes of 256^3 bytes, without and with a selection in each, as the paper has it",
      bench_bonsai, 1, 3, 20},
     {"accuracy", "how wrong slices are: labels and thin tubes, over cones' angles", bench_accuracy, 64, 5, 2},

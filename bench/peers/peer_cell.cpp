@@ -3,6 +3,7 @@
 #include <vtkActor.h>
 #include <vtkCellLocator.h>
 #include <vtkCellPicker.h>
+#include <vtkGenericCell.h>
 #include <vtkNew.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkStaticCellLocator.h>
@@ -59,16 +60,30 @@ std::unique_ptr<peer_surface> make(const mesh_object *objects, size_t count, dou
 
 void build(peer_surface &surface, peer_locator kind)
 {
-    surface.locators[kind] = peers::build_locator(kind, surface.surface);
+    vtkSmartPointer<vtkAbstractCellLocator> &locator = surface.locators[kind];
+    if (kind == PEER_CELL_LOCATOR) {
+        locator = vtkSmartPointer<vtkCellLocator>::New();
+    } else {
+        locator = vtkSmartPointer<vtkStaticCellLocator>::New();
+    }
+    locator->SetDataSet(surface.surface);
+    locator->BuildLocator();
     surface.pickers[kind]->SetTolerance(0);
-    surface.pickers[kind]->AddLocator(surface.locators[kind]);
+    surface.pickers[kind]->AddLocator(locator);
 }
 
 void trace(peer_surface &surface, uint32_t *objects, const cone &cone, peer_locator kind)
 {
+    const double *origin = cone.pose.world_from_device + 12;
     for (uint32_t i = 0; i < PEER_RESOLUTION * PEER_RESOLUTION; i++) {
-        const vtkIdType cell = peers::first_cell(surface.locators[kind], cone, i, surface.range[1], surface.cell);
-        objects[i] = cell < 0 ? 0 : surface.object_of_cell[static_cast<size_t>(cell)];
+        double end[3], t, place[3], parameters[3];
+        int part;
+        vtkIdType cell = -1;
+        cone_ray(end, &cone, i % PEER_RESOLUTION, i / PEER_RESOLUTION);
+        vec3_add_scaled(end, origin, surface.range[1], end);
+        const int found =
+            surface.locators[kind]->IntersectWithLine(origin, end, 0, t, place, parameters, part, cell, surface.cell);
+        objects[i] = found ? surface.object_of_cell[static_cast<size_t>(cell)] : 0;
     }
 }
 
@@ -85,35 +100,6 @@ void pick(peer_surface &surface, uint32_t *objects, const cone &cone, peer_locat
 }
 
 } // namespace
-
-vtkSmartPointer<vtkAbstractCellLocator> peers::build_locator(peer_locator kind, vtkPolyData *data)
-{
-    vtkSmartPointer<vtkAbstractCellLocator> locator;
-    if (kind == PEER_CELL_LOCATOR) {
-        locator = vtkSmartPointer<vtkCellLocator>::New();
-    } else {
-        locator = vtkSmartPointer<vtkStaticCellLocator>::New();
-    }
-    locator->SetDataSet(data);
-    locator->BuildLocator();
-    return locator;
-}
-
-vtkIdType peers::first_cell(vtkAbstractCellLocator *locator, const cone &cone, uint32_t pixel, double reach,
-                            vtkGenericCell *scratch)
-{
-    const double *origin = cone.pose.world_from_device + 12;
-    double end[3];
-    double t;
-    double place[3];
-    double parameters[3];
-    int part;
-    vtkIdType cell = -1;
-    cone_ray(end, &cone, pixel % PEER_RESOLUTION, pixel / PEER_RESOLUTION);
-    vec3_add_scaled(end, origin, reach, end);
-    const int found = locator->IntersectWithLine(origin, end, 0, t, place, parameters, part, cell, scratch);
-    return found ? cell : -1;
-}
 
 conus_status peer_surface_create(struct peer_surface **out, const struct mesh_object *objects, size_t count,
                                  double reach)

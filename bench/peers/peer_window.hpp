@@ -3,8 +3,6 @@
 #ifndef CONUS_BENCH_PEERS_PEER_WINDOW_HPP
 #define CONUS_BENCH_PEERS_PEER_WINDOW_HPP
 
-#include <vtkAbstractCellLocator.h>
-#include <vtkGenericCell.h>
 #include <vtkPolyData.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
@@ -33,13 +31,6 @@ void aim_camera(vtkRenderer *renderer, const double world_from_camera[16], doubl
 
 /* All triangles of the objects, in their order, at their places. */
 vtkSmartPointer<vtkPolyData> make_surface(const mesh_object *objects, size_t count);
-
-/* A locator of this kind, built, with VTK's defaults. */
-vtkSmartPointer<vtkAbstractCellLocator> build_locator(peer_locator kind, vtkPolyData *data);
-
-/* The first cell along the ray through pixel number `pixel`, within `reach` mm; -1 = none. `scratch` is VTK's. */
-vtkIdType first_cell(vtkAbstractCellLocator *locator, const cone &cone, uint32_t pixel, double reach,
-                     vtkGenericCell *scratch);
 
 /* Runs `work` and turns what it throws into a status. */
 template <typename Work> conus_status guarded(Work &&work)

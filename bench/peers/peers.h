@@ -7,7 +7,6 @@
 #ifndef CONUS_BENCH_PEERS_PEERS_H
 #define CONUS_BENCH_PEERS_PEERS_H
 
-#include "atlas/tracts/tractogram.h"
 #include "atlas/volume.h"
 #include "render/gl/camera.h"
 #include "selection/cone/cone.h"
@@ -61,21 +60,6 @@ conus_status peer_surface_trace(struct peer_surface *surface, uint32_t *objects,
 /** The same by vtkCellPicker::Pick() at the pixels' centres, with that locator (AddLocator). */
 conus_status peer_surface_pick(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,
                                enum peer_locator kind);
-
-struct peer_tubes;
-
-/** Makes tubes of @p sides sides, in triangles, round all streamlines by vtkTubeFilter and vtkTriangleFilter: their
- * corners are as far from a streamline as its radius. Nothing to search them with is built yet. */
-conus_status peer_tubes_create(struct peer_tubes **out, const struct tractogram *tractogram, int sides);
-void peer_tubes_destroy(struct peer_tubes *tubes); /**< NULL is fine. */
-
-/** Builds a locator, as peer_surface_build() does. */
-conus_status peer_tubes_build(struct peer_tubes *tubes, enum peer_locator kind);
-
-/** Numbers, from 1, of the streamlines hit first within @p reach mm, [16 * 16], by a locator that has been built; 0 =
- * none. */
-conus_status peer_tubes_trace(struct peer_tubes *tubes, uint32_t *streamlines, const struct cone *cone, double reach,
-                              enum peer_locator kind);
 
 enum peer_caster { PEER_GPU, PEER_FIXED_POINT };
 

@@ -17,8 +17,3 @@ conus_status bench_peers_colour(struct bench *bench)
 {
     return leave_out(bench, "peers_colour");
 }
-
-conus_status bench_peers_streamlines(struct bench *bench)
-{
-    return leave_out(bench, "peers_streamlines");
-}

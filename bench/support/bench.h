@@ -120,6 +120,5 @@ conus_status bench_layers(struct bench *bench);
 /* What people use today; they leave themselves out where VTK was not there to build them. */
 conus_status bench_peers_mesh(struct bench *bench);
 conus_status bench_peers_colour(struct bench *bench);
-conus_status bench_peers_streamlines(struct bench *bench);
 
 #endif

@@ -143,46 +143,12 @@ static void the_selector_names_where_the_ray_ended(void **state)
     close_view(&view);
 }
 
-/* Two streamlines along z, at x = -5 (number 2) and x = 5 (number 1), as tubes of six sides: from the right the second
- * one hides the other. The corners of a cross-section are 0.5 mm from its middle and its sides 0.433 mm, however it is
- * turned: so a ray that passes at 0.42 mm hits, and one at 0.51 mm does not. A cone of 0.001 degrees is 0.9 um wide
- * there. */
-static void a_tube_is_as_thick_as_its_sides_are_far(void **state)
-{
-    (void)state;
-    static float points[] = {5, 0, -20, 5, 0, 20, -5, 0, -20, -5, 0, 20};
-    static uint64_t first[] = {0, 2, 4};
-    const struct tractogram two = {
-        .points = points, .first = first, .point_count = 4, .streamline_count = 2, .radius = 0.5};
-    static const struct {
-        double from, y;
-        uint32_t hit;
-    } cases[] = {{100, 0, 1}, {-100, 0, 2}, {100, 0.42, 1}, {-100, -0.42, 2}, {100, 0.51, 0}, {-100, -0.51, 0}};
-    struct peer_tubes *tubes = NULL;
-    assert_ok(peer_tubes_create(&tubes, &two, 6));
-    for (enum peer_locator kind = PEER_CELL_LOCATOR; kind < PEER_LOCATORS; kind++) {
-        assert_ok(peer_tubes_build(tubes, kind));
-        for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
-            uint32_t hits[PIXELS];
-            struct cone cone = {.angle = radians_from_degrees(0.001), .resolution = PEER_RESOLUTION};
-            const double from[3] = {cases[c].from, cases[c].y, 1};
-            assert_ok(conus_pose_along(&cone.pose, from, (double[]){-cases[c].from, 0, 0}, NULL));
-            assert_ok(peer_tubes_trace(tubes, hits, &cone, 400, kind));
-            for (size_t i = 0; i < PIXELS; i++) {
-                assert_int_equal(hits[i], cases[c].hit);
-            }
-        }
-    }
-    peer_tubes_destroy(tubes);
-}
-
 TEST_GROUP(peers)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(conus_answers_with_the_first_contact),
         cmocka_unit_test(pickers_stop_between_voxels),
         cmocka_unit_test(the_selector_names_where_the_ray_ended),
-        cmocka_unit_test(a_tube_is_as_thick_as_its_sides_are_far),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
