@@ -12,25 +12,18 @@
 
 enum { TIME_LIMIT = 900 }; /* seconds, of one scenario */
 
-/* {settings, driver, runs, ratios, left_out}, or {error}. */
-static json_t *run_here(struct bench *bench, const struct bench_scenario *scenario)
+/* Writes {settings, driver, runs, ratios, left_out}, or {error}; returns the exit code. */
+static int run_here(struct bench *bench, const struct bench_scenario *scenario, int out)
 {
+    alarm(TIME_LIMIT);
     double start = bench_wall();
     double load = report_load();
     conus_status status = bench->runs && bench->ratios && bench->left_out ? scenario->run(bench)
                                                                           : fail(CONUS_ERROR_MEMORY, "out of memory");
-    if (status) {
-        return json_pack("{s:s}", "error", conus_message());
-    }
-    return json_pack("{s:o, s:s, s:O, s:O, s:O}", "settings", report_settings(bench, bench_wall() - start, load),
-                     "driver", bench->driver, "runs", bench->runs, "ratios", bench->ratios, "left_out",
-                     bench->left_out);
-}
-
-static int child(struct bench *bench, const struct bench_scenario *scenario, int out)
-{
-    alarm(TIME_LIMIT);
-    json_t *result = run_here(bench, scenario);
+    json_t *result = status ? json_pack("{s:s}", "error", conus_message())
+                            : json_pack("{s:o, s:s, s:O, s:O, s:O}", "settings",
+                                        report_settings(bench, bench_wall() - start, load), "driver", bench->driver,
+                                        "runs", bench->runs, "ratios", bench->ratios, "left_out", bench->left_out);
     bool written = result && !json_dumpfd(result, out, JSON_REAL_PRECISION(17));
     json_decref(result);
     return written && !close(out) ? EXIT_SUCCESS : EXIT_FAILURE;
@@ -84,7 +77,7 @@ static json_t *run_apart(struct bench *bench, const struct bench_scenario *scena
                             .runs = json_array(),
                             .ratios = json_object(),
                             .left_out = json_object()};
-        exit(child(&own, scenario, ends[1]));
+        exit(run_here(&own, scenario, ends[1]));
     }
     close(ends[1]);
     json_t *result = pid > 0 ? read_result(ends[0], pid) : NULL;

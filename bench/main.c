@@ -183,39 +183,6 @@ static conus_status fill_in(struct bench *bench, char *phantom, size_t size)
     return status;
 }
 
-static conus_status run_scenarios(struct bench *bench, json_t *settings, const struct arguments *arguments)
-{
-    double load = report_load();
-    if (arguments->all) {
-        return bench_all(bench, settings, scenarios, SCENARIO_COUNT);
-    }
-    double start = bench_wall();
-    conus_status status = arguments->scenario->run(bench);
-    json_t *own = status ? NULL : report_settings(bench, bench_wall() - start, load);
-    return !status && json_object_set_new(settings, arguments->scenario->name, own)
-               ? fail(CONUS_ERROR_MEMORY, "out of memory")
-               : status;
-}
-
-/* Writes and checks; returns the program's exit code. */
-static int conclude(const struct bench *bench, const json_t *settings, const struct arguments *arguments, double load)
-{
-    json_t *root = report_create(bench, settings, load);
-    conus_status status = root ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "out of memory");
-    if (!status && arguments->all && !bench->options.check) {
-        report_print_holds(root);
-    }
-    if (!status && arguments->json) {
-        status = report_write(root, arguments->json);
-    }
-    int code = status ? EXIT_DATA : bench->options.check && report_check(root) ? EXIT_CHECK : EXIT_SUCCESS;
-    if (status) {
-        fprintf(stderr, "conus-bench: %s\n", conus_message());
-    }
-    json_decref(root);
-    return code;
-}
-
 static int run_benchmark(const struct arguments *arguments)
 {
     char folder[] = "/tmp/conus-bench.XXXXXX";
@@ -234,13 +201,26 @@ static int run_benchmark(const struct arguments *arguments)
     conus_status status = bench.runs && bench.ratios && bench.left_out && settings
                               ? fill_in(&bench, phantom, sizeof phantom)
                               : fail(CONUS_ERROR_MEMORY, "out of memory");
-    status = status ? status : run_scenarios(&bench, settings, arguments);
-    int code = EXIT_DATA;
+    double start = bench_wall();
+    if (!status && arguments->all) {
+        status = bench_all(&bench, settings, scenarios, SCENARIO_COUNT);
+    } else if (!status) {
+        status = arguments->scenario->run(&bench);
+        json_t *own = status ? NULL : report_settings(&bench, bench_wall() - start, load);
+        int error = !status && json_object_set_new(settings, arguments->scenario->name, own);
+        status = error ? fail(CONUS_ERROR_MEMORY, "out of memory") : status;
+    }
+    json_t *root = status ? NULL : report_create(&bench, settings, load);
+    status = status || root ? status : fail(CONUS_ERROR_MEMORY, "out of memory");
+    if (!status && arguments->all && !bench.options.check) {
+        report_print_holds(root);
+    }
+    status = status || !arguments->json ? status : report_write(root, arguments->json);
     if (status) {
         fprintf(stderr, "conus-bench: %s\n", conus_message());
-    } else {
-        code = conclude(&bench, settings, arguments, load);
     }
+    int code = status ? EXIT_DATA : bench.options.check && report_check(root) ? EXIT_CHECK : EXIT_SUCCESS;
+    json_decref(root);
     json_decref(settings);
     json_decref(bench.runs);
     json_decref(bench.ratios);

@@ -31,20 +31,14 @@ struct peer_surface {
 namespace
 {
 
-std::vector<uint32_t> objects_of_cells(const mesh_object *objects, size_t count)
-{
-    std::vector<uint32_t> out;
-    for (size_t i = 0; i < count; i++) {
-        out.insert(out.end(), objects[i].mesh ? objects[i].mesh->triangle_count : 0, static_cast<uint32_t>(i) + 1);
-    }
-    return out;
-}
-
 std::unique_ptr<peer_surface> make(const mesh_object *objects, size_t count, double reach)
 {
     auto out = std::make_unique<peer_surface>();
     out->surface = peers::make_surface(objects, count);
-    out->object_of_cell = objects_of_cells(objects, count);
+    for (size_t i = 0; i < count; i++) {
+        out->object_of_cell.insert(out->object_of_cell.end(), objects[i].mesh->triangle_count,
+                                   static_cast<uint32_t>(i) + 1);
+    }
     out->range[0] = reach * 1e-4;
     out->range[1] = reach;
     vtkNew<vtkPolyDataMapper> mapper;
@@ -56,47 +50,6 @@ std::unique_ptr<peer_surface> make(const mesh_object *objects, size_t count, dou
     out->window->SetSize(PEER_RESOLUTION, PEER_RESOLUTION);
     out->window->AddRenderer(out->renderer);
     return out;
-}
-
-void build(peer_surface &surface, peer_locator kind)
-{
-    vtkSmartPointer<vtkAbstractCellLocator> &locator = surface.locators[kind];
-    if (kind == PEER_CELL_LOCATOR) {
-        locator = vtkSmartPointer<vtkCellLocator>::New();
-    } else {
-        locator = vtkSmartPointer<vtkStaticCellLocator>::New();
-    }
-    locator->SetDataSet(surface.surface);
-    locator->BuildLocator();
-    surface.pickers[kind]->SetTolerance(0);
-    surface.pickers[kind]->AddLocator(locator);
-}
-
-void trace(peer_surface &surface, uint32_t *objects, const cone &cone, peer_locator kind)
-{
-    const double *origin = cone.pose.world_from_device + 12;
-    for (uint32_t i = 0; i < PEER_RESOLUTION * PEER_RESOLUTION; i++) {
-        double end[3], t, place[3], parameters[3];
-        int part;
-        vtkIdType cell = -1;
-        cone_ray(end, &cone, i % PEER_RESOLUTION, i / PEER_RESOLUTION);
-        vec3_add_scaled(end, origin, surface.range[1], end);
-        const int found =
-            surface.locators[kind]->IntersectWithLine(origin, end, 0, t, place, parameters, part, cell, surface.cell);
-        objects[i] = found ? surface.object_of_cell[static_cast<size_t>(cell)] : 0;
-    }
-}
-
-void pick(peer_surface &surface, uint32_t *objects, const cone &cone, peer_locator kind)
-{
-    vtkCellPicker *picker = surface.pickers[kind];
-    peers::aim_camera(surface.renderer, cone.pose.world_from_device, cone.angle, surface.range);
-    for (uint32_t i = 0; i < PEER_RESOLUTION * PEER_RESOLUTION; i++) {
-        const uint32_t column = i % PEER_RESOLUTION;
-        const uint32_t row = i / PEER_RESOLUTION;
-        const bool found = picker->Pick(column + 0.5, row + 0.5, 0, surface.renderer);
-        objects[i] = found ? surface.object_of_cell[static_cast<size_t>(picker->GetCellId())] : 0;
-    }
 }
 
 } // namespace
@@ -114,17 +67,49 @@ void peer_surface_destroy(struct peer_surface *surface)
 
 conus_status peer_surface_build(struct peer_surface *surface, enum peer_locator kind)
 {
-    return peers::guarded([&] { build(*surface, kind); });
+    return peers::guarded([&] {
+        vtkSmartPointer<vtkAbstractCellLocator> &locator = surface->locators[kind];
+        if (kind == PEER_CELL_LOCATOR) {
+            locator = vtkSmartPointer<vtkCellLocator>::New();
+        } else {
+            locator = vtkSmartPointer<vtkStaticCellLocator>::New();
+        }
+        locator->SetDataSet(surface->surface);
+        locator->BuildLocator();
+        surface->pickers[kind]->SetTolerance(0);
+        surface->pickers[kind]->AddLocator(locator);
+    });
 }
 
 conus_status peer_surface_trace(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,
                                 enum peer_locator kind)
 {
-    return peers::guarded([&] { trace(*surface, objects, *cone, kind); });
+    return peers::guarded([&] {
+        const double *origin = cone->pose.world_from_device + 12;
+        for (uint32_t i = 0; i < PEER_RESOLUTION * PEER_RESOLUTION; i++) {
+            double end[3], t, place[3], parameters[3];
+            int part;
+            vtkIdType cell = -1;
+            cone_ray(end, cone, i % PEER_RESOLUTION, i / PEER_RESOLUTION);
+            vec3_add_scaled(end, origin, surface->range[1], end);
+            const int found = surface->locators[kind]->IntersectWithLine(origin, end, 0, t, place, parameters, part,
+                                                                         cell, surface->cell);
+            objects[i] = found ? surface->object_of_cell[static_cast<size_t>(cell)] : 0;
+        }
+    });
 }
 
 conus_status peer_surface_pick(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,
                                enum peer_locator kind)
 {
-    return peers::guarded([&] { pick(*surface, objects, *cone, kind); });
+    return peers::guarded([&] {
+        vtkCellPicker *picker = surface->pickers[kind];
+        peers::aim_camera(surface->renderer, cone->pose.world_from_device, cone->angle, surface->range);
+        for (uint32_t i = 0; i < PEER_RESOLUTION * PEER_RESOLUTION; i++) {
+            const uint32_t column = i % PEER_RESOLUTION;
+            const uint32_t row = i / PEER_RESOLUTION;
+            const bool found = picker->Pick(column + 0.5, row + 0.5, 0, surface->renderer);
+            objects[i] = found ? surface->object_of_cell[static_cast<size_t>(picker->GetCellId())] : 0;
+        }
+    });
 }

@@ -105,22 +105,6 @@ std::unique_ptr<peer_picture> make(const struct volume &volume, const peer_trans
     return picture;
 }
 
-void draw(peer_picture &picture)
-{
-    picture.window->Render();
-    picture.window->WaitForCompletion();
-    picture.window->ReleaseCurrent();
-}
-
-void read(peer_picture &picture, float *rgba)
-{
-    vtkNew<vtkFloatArray> pixels;
-    picture.window->MakeCurrent();
-    picture.window->GetRGBAPixelData(0, 0, picture.size[0] - 1, picture.size[1] - 1, 0, pixels);
-    picture.window->ReleaseCurrent();
-    std::memcpy(rgba, pixels->GetPointer(0), sizeof(float) * static_cast<size_t>(pixels->GetNumberOfValues()));
-}
-
 } // namespace
 
 conus_status peer_picture_create(struct peer_picture **out, const struct volume *context,
@@ -137,10 +121,20 @@ void peer_picture_destroy(struct peer_picture *picture)
 
 conus_status peer_picture_draw(struct peer_picture *picture)
 {
-    return peers::guarded([&] { draw(*picture); });
+    return peers::guarded([&] {
+        picture->window->Render();
+        picture->window->WaitForCompletion();
+        picture->window->ReleaseCurrent();
+    });
 }
 
 conus_status peer_picture_read(struct peer_picture *picture, float *rgba)
 {
-    return peers::guarded([&] { read(*picture, rgba); });
+    return peers::guarded([&] {
+        vtkNew<vtkFloatArray> pixels;
+        picture->window->MakeCurrent();
+        picture->window->GetRGBAPixelData(0, 0, picture->size[0] - 1, picture->size[1] - 1, 0, pixels);
+        picture->window->ReleaseCurrent();
+        std::memcpy(rgba, pixels->GetPointer(0), sizeof(float) * static_cast<size_t>(pixels->GetNumberOfValues()));
+    });
 }

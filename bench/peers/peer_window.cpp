@@ -79,14 +79,14 @@ vtkSmartPointer<vtkPolyData> peers::make_surface(const mesh_object *objects, siz
     for (size_t i = 0; i < count; i++) {
         const struct mesh *mesh = objects[i].mesh;
         const vtkIdType first = points->GetNumberOfPoints();
-        for (size_t v = 0; mesh && v < mesh->vertex_count; v++) {
+        for (size_t v = 0; v < mesh->vertex_count; v++) {
             double place[3] = {mesh->positions[3 * v], mesh->positions[3 * v + 1], mesh->positions[3 * v + 2]};
             if (objects[i].world_from_mesh) {
                 mat4_point(place, objects[i].world_from_mesh, place);
             }
             points->InsertNextPoint(place);
         }
-        for (size_t t = 0; mesh && t < mesh->triangle_count; t++) {
+        for (size_t t = 0; t < mesh->triangle_count; t++) {
             const uint32_t *corner = mesh->triangles + 3 * t;
             cells->InsertNextCell({first + corner[0], first + corner[1], first + corner[2]});
         }

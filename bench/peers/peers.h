@@ -29,14 +29,14 @@ conus_status peer_check_display(void);
 
 struct peer_selector;
 
-/** Shows @p objects, a vtkActor each, within @p reach mm of every cone to come, in a window of width x height pixels,
- * both even; draws it once, along @p cone. Object number k is objects[k - 1]. */
+/** Shows placed @p objects, a vtkActor each, within @p reach mm of every cone to come, in a window of 16 x 16 pixels;
+ * draws it once, along @p cone. Object number k is objects[k - 1]. */
 conus_status peer_selector_create(struct peer_selector **out, const struct mesh_object *objects, size_t count,
-                                  const uint32_t size[2], double reach, const struct cone *cone);
+                                  double reach, const struct cone *cone);
 void peer_selector_destroy(struct peer_selector *selector); /**< NULL is fine. */
 
-/** Objects, [16 * 16], of the square of pixels in the window's middle, which @p cone just fills, by the pass that
- * distinguishes actors (vtkHardwareSelector::ActorPassOnly). */
+/** Objects, [16 * 16], of the pixels of the window, which @p cone just fills, by the pass that distinguishes actors
+ * (vtkHardwareSelector::ActorPassOnly). */
 conus_status peer_selector_trace(struct peer_selector *selector, uint32_t *objects, const struct cone *cone);
 
 /* vtkCellPicker and cell locators: rays into one merged surface. */

@@ -13,7 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { WIDTH = 1400, HEIGHT = 1050, MARGIN = 40, CHECK_PART = 10, ENTRIES = 256, WAYS = 5 };
+enum { MARGIN_PART = 35 /* of the width, on all sides */, ENTRIES = 256, WAYS = 5 };
 
 /* Of full opacity: how much pictures may differ in theirs (8 bits per pixel, samples at other places along the ray). In
  * a check pictures are a tenth as wide, and edges a larger part of them. */
@@ -23,8 +23,6 @@ enum { WIDTH = 1400, HEIGHT = 1050, MARGIN = 40, CHECK_PART = 10, ENTRIES = 256,
 struct scene {
     conus_atlas *atlas;
     conus_renderer *renderer;
-    struct gl_current previous;
-    bool is_current;
     struct target target;
     struct camera camera;
     struct colour_view view;
@@ -65,36 +63,11 @@ static void draw_picture(void *data)
     way->status = status ? status : way->status;
 }
 
-static conus_status read_ours(struct scene *scene, float *rgba)
-{
-    struct gl_current previous;
-    conus_status status = draw_ours(scene);
-    status = status ? status : gl_context_use(scene->renderer->context, &previous);
-    if (!status) {
-        status = target_read(&scene->target, "colour", rgba);
-        gl_current_restore(&previous);
-    }
-    return status;
-}
-
-/* Root mean square of the difference in the channels from `first` to `last`. */
-static double rms(const float *a, const float *b, size_t pixels, size_t first, size_t last)
-{
-    double sum = 0;
-    for (size_t i = 0; i < pixels; i++) {
-        for (size_t c = first; c <= last; c++) {
-            double difference = (double)a[4 * i + c] - (double)b[4 * i + c];
-            sum += difference * difference;
-        }
-    }
-    return sqrt(sum / (double)(pixels * (last - first + 1)));
-}
-
 static void describe(struct bench_variant *out, const struct way *way, const struct way *ours)
 {
     size_t pixels = way->scene->pixels;
-    double opacity = rms(way->rgba, ours->rgba, pixels, 3, 3);
-    double radiance = rms(way->rgba, ours->rgba, pixels, 0, 2);
+    double opacity = picture_rms(way->rgba, ours->rgba, pixels, 3, 3);
+    double radiance = picture_rms(way->rgba, ours->rgba, pixels, 0, 2);
     *out = (struct bench_variant){.name = way->name, .run = draw_picture, .data = (void *)way};
     out->equal = opacity <= way->scene->opacity_limit;
     if (way != ours) {
@@ -102,31 +75,6 @@ static void describe(struct bench_variant *out, const struct way *way, const str
                way->scene->opacity_limit, radiance);
         out->more = json_pack("{s:f, s:f}", "rms_opacity", opacity, "rms_light", radiance);
     }
-}
-
-static void fill_table(struct scene *scene)
-{
-    const struct transfer *transfer = &scene->renderer->transfer;
-    transfer_table(&scene->table[0][0], ENTRIES, transfer);
-    for (size_t i = 0; i < ENTRIES; i++) {
-        scene->table[i][3] = (float)(1 - exp2(-(double)scene->table[i][3]));
-    }
-    scene->transfer = (struct peer_transfer){.low = transfer->points[0].value,
-                                             .high = transfer->points[transfer->count - 1].value,
-                                             .rgba = (const float(*)[4])scene->table,
-                                             .count = ENTRIES};
-}
-
-static void aim_camera(struct scene *scene, const struct bench_options *options)
-{
-    const struct colour_pass *pass = &scene->renderer->colour;
-    uint32_t part = options->check ? CHECK_PART : 1;
-    const uint32_t edge = MARGIN / part;
-    const struct camera_frame frame = {WIDTH / part, HEIGHT / part, edge, edge, edge, edge};
-    picture_aim(&scene->camera, &scene->view, &frame, (const double(*)[3])pass->content, pass->content_count,
-                options->slices);
-    scene->pixels = (size_t)frame.width * frame.height;
-    scene->opacity_limit = options->check ? OPACITY_LIMIT_CHECK : OPACITY_LIMIT;
 }
 
 static conus_status scene_init(struct scene *scene, const struct bench_options *options, const char *transfer)
@@ -137,11 +85,28 @@ static conus_status scene_init(struct scene *scene, const struct bench_options *
     conus_status status = atlas_create_empty(&scene->atlas, "no areas");
     status = status ? status : conus_atlas_set_context(scene->atlas, options->context, NULL);
     status = status ? status : conus_renderer_create(&scene->renderer, scene->atlas, &renderer);
-    if (!status) {
-        fill_table(scene);
-        aim_camera(scene, options);
-        status = gl_context_use(scene->renderer->context, &previous);
+    if (status) {
+        return status;
     }
+    const struct transfer *points = &scene->renderer->transfer;
+    transfer_table(&scene->table[0][0], ENTRIES, points);
+    for (size_t i = 0; i < ENTRIES; i++) {
+        scene->table[i][3] = (float)(1 - exp2(-(double)scene->table[i][3]));
+    }
+    scene->transfer = (struct peer_transfer){.low = points->points[0].value,
+                                             .high = points->points[points->count - 1].value,
+                                             .rgba = (const float(*)[4])scene->table,
+                                             .count = ENTRIES};
+    const struct colour_pass *pass = &scene->renderer->colour;
+    uint32_t size[2];
+    frame_size(size, options->check);
+    const uint32_t edge = size[0] / MARGIN_PART;
+    const struct camera_frame frame = {size[0], size[1], edge, edge, edge, edge};
+    picture_aim(&scene->camera, &scene->view, &frame, (const double(*)[3])pass->content, pass->content_count,
+                options->slices);
+    scene->pixels = (size_t)size[0] * size[1];
+    scene->opacity_limit = options->check ? OPACITY_LIMIT_CHECK : OPACITY_LIMIT;
+    status = gl_context_use(scene->renderer->context, &previous);
     if (!status) {
         status = target_init(&scene->target, scene->view.width, scene->view.height, &colour, 1);
         gl_current_restore(&previous);
@@ -204,19 +169,18 @@ static conus_status make_ways(struct bench *bench, struct scene *scene, struct w
     return status;
 }
 
-static conus_status ratio(struct bench *bench, const char *peer, const char *suffix, const struct bench_variant *above,
-                          const struct bench_variant *below)
-{
-    char key[64];
-    snprintf(key, sizeof key, "%s_over_skipping%s", peer, suffix);
-    return bench_ratio(bench, key, above, below);
-}
-
 static conus_status measure_pictures(struct bench *bench, struct way ways[WAYS], const char *suffix)
 {
     static const char *const peers[WAYS] = {NULL, "vtkgpu", "vtkgpu_shaded", "vtkfixed", "vtkfixed_shaded"};
     struct bench_variant variants[WAYS];
-    conus_status status = read_ours(ways[0].scene, ways[0].rgba);
+    struct scene *scene = ways[0].scene;
+    struct gl_current previous;
+    conus_status status = draw_ours(scene);
+    status = status ? status : gl_context_use(scene->renderer->context, &previous);
+    if (!status) {
+        status = target_read(&scene->target, "colour", ways[0].rgba);
+        gl_current_restore(&previous);
+    }
     for (size_t w = 1; w < WAYS && !status; w++) {
         status = peer_picture_read(ways[w].peer, ways[w].rgba);
     }
@@ -228,7 +192,9 @@ static conus_status measure_pictures(struct bench *bench, struct way ways[WAYS],
         status = ways[w].status;
     }
     for (size_t w = 1; w < WAYS && !status; w++) {
-        status = ratio(bench, peers[w], suffix, &variants[w], &variants[0]);
+        char key[64];
+        snprintf(key, sizeof key, "%s_over_skipping%s", peers[w], suffix);
+        status = bench_ratio(bench, key, &variants[w], &variants[0]);
     }
     return status;
 }

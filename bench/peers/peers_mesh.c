@@ -87,7 +87,6 @@ static conus_status make_way(struct bench *bench, struct scene *scene, enum way 
     static const char *const keys[WAYS] = {
         "rays_ready_ms",       "rays_placed_ready_ms", "vtkcelllocator_ready_ms", "vtkstaticlocator_ready_ms", NULL,
         "vtkselector_ready_ms"};
-    static const uint32_t size[2] = {PEER_RESOLUTION, PEER_RESOLUTION};
     double start = bench_cpu();
     conus_status status = CONUS_OK;
     switch (way) {
@@ -108,7 +107,7 @@ static conus_status make_way(struct bench *bench, struct scene *scene, enum way 
     case ACTORS:
         status = peer_check_display();
         status = status ? status
-                        : peer_selector_create(&scene->selector, scene->placed, scene->tori.count, size, scene->reach,
+                        : peer_selector_create(&scene->selector, scene->placed, scene->tori.count, scene->reach,
                                                scene->cones);
         break;
     default:

@@ -36,26 +36,24 @@ struct contender {
     conus_status status;
 };
 
-/* The selector takes over the plain engine in the place of its own. */
-static conus_status make_plain(struct scene *scene)
+/* A selector that takes over `engine` in the place of its own. */
+static conus_status create_with(conus_selector **out, const conus_atlas *atlas, conus_layers layers,
+                                struct engine *engine)
 {
-    struct engine *engine = NULL;
-    conus_status status = conus_selector_create(&scene->plain, scene->atlas, NULL);
-    status = status ? status : plain_engine_create(&engine, scene->atlas);
-    if (!status) {
-        engine_destroy(scene->plain->engine);
-        scene->plain->engine = engine;
+    conus_status status = conus_selector_create(out, atlas, &(conus_selector_options){.layers = layers});
+    if (status) {
+        engine_destroy(engine);
+        return status;
     }
-    return status;
+    engine_destroy((*out)->engine);
+    (*out)->engine = engine;
+    return CONUS_OK;
 }
 
 /* The labelled volume, and poses around it. */
 static conus_status make_scene(struct scene *scene, const struct bench *bench)
 {
-    conus_status status = conus_atlas_load(&scene->atlas, bench->options.atlas, NULL);
-    if (!status && !atlas_parcellation(scene->atlas)) {
-        status = fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", bench->options.atlas);
-    }
+    conus_status status = bench_load_labels(&scene->atlas, bench->options.atlas);
     if (!status) {
         snprintf(scene->path, sizeof scene->path, "%s/poses-%ld.tsv", bench->folder, (long)getpid());
         status = program_write_poses(scene->path, bench->options.poses, &scene->atlas->volumes[0].info,
@@ -64,13 +62,6 @@ static conus_status make_scene(struct scene *scene, const struct bench *bench)
     status = status ? status : conus_selector_create(&scene->selector, scene->atlas, NULL);
     scene->angle = radians_from_degrees(bench->options.angle);
     return status;
-}
-
-static conus_status make_gl(struct scene *scene, struct bench *bench)
-{
-    const conus_selector_options options = {.engine = CONUS_ENGINE_GL};
-    conus_status status = conus_selector_create(&scene->gl, scene->atlas, &options);
-    return status == CONUS_ERROR_GL ? bench_leave_out(bench, "batches by OpenGL") : status;
 }
 
 static void scene_finish(struct scene *scene)
@@ -84,26 +75,6 @@ static void scene_finish(struct scene *scene)
     conus_selector_destroy(scene->surface);
     conus_atlas_destroy(scene->surfaces);
     conus_atlas_destroy(scene->atlas);
-}
-
-/* @p selector NULL = only the plain traversal. */
-static conus_status contender_init(struct contender *out, const struct scene *scene, conus_selector *selector,
-                                   uint32_t threads, bool one_by_one)
-{
-    const conus_batch_options options = {.threads = threads,
-                                         .block = one_by_one,
-                                         .angle = scene->angle,
-                                         .report = {.format = CONUS_FORMAT_TSV, .no_voxels = true}};
-    out->scene = scene;
-    return selector ? conus_batch_create(&out->batch, selector, &options)
-                    : conus_pose_list_load(&out->list, scene->path, NULL);
-}
-
-static void contender_finish(struct contender *contender)
-{
-    conus_batch_destroy(contender->batch);
-    conus_pose_list_destroy(contender->list);
-    buffer_finish(&contender->rows);
 }
 
 static bool keep_rows(void *user, const conus_batch_block *block)
@@ -127,27 +98,20 @@ static conus_status trace_all_plainly(const struct contender *contender)
     return status;
 }
 
-static conus_status answer_all(struct contender *contender)
-{
-    conus_pose_stream *poses = NULL;
-    buffer_clear(&contender->rows);
-    conus_status status = conus_pose_stream_open(&poses, contender->scene->path, NULL);
-    status = status ? status : conus_batch_run(contender->batch, poses, UINT64_MAX, keep_rows, contender);
-    conus_pose_stream_destroy(poses);
-    return status;
-}
-
 static void run_contender(void *data)
 {
     struct contender *contender = data;
-    conus_status status = contender->batch ? answer_all(contender) : trace_all_plainly(contender);
+    conus_pose_stream *poses = NULL;
+    conus_status status;
+    if (contender->batch) {
+        buffer_clear(&contender->rows);
+        status = conus_pose_stream_open(&poses, contender->scene->path, NULL);
+        status = status ? status : conus_batch_run(contender->batch, poses, UINT64_MAX, keep_rows, contender);
+        conus_pose_stream_destroy(poses);
+    } else {
+        status = trace_all_plainly(contender);
+    }
     contender->status = status ? status : contender->status;
-}
-
-static bool gives_the_same(const struct contender *contender, const struct contender *reference)
-{
-    return !contender->status && contender->rows.size == reference->rows.size &&
-           memcmp(contender->rows.data, reference->rows.data, reference->rows.size) == 0;
 }
 
 static conus_status add_speed(struct bench *bench, const char *key, const struct bench_variant *variant)
@@ -171,7 +135,13 @@ static conus_status measure_ways(struct bench *bench, const char *scenario, cons
     struct contender contenders[VARIANTS] = {0};
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
-        status = contender_init(&contenders[i], scene, ways[i].selector, ways[i].threads, ways[i].one_by_one);
+        const conus_batch_options options = {.threads = ways[i].threads,
+                                             .block = ways[i].one_by_one,
+                                             .angle = scene->angle,
+                                             .report = {.format = CONUS_FORMAT_TSV, .no_voxels = true}};
+        contenders[i].scene = scene;
+        status = ways[i].selector ? conus_batch_create(&contenders[i].batch, ways[i].selector, &options)
+                                  : conus_pose_list_load(&contenders[i].list, scene->path, NULL);
         if (!status) {
             run_contender(&contenders[i]);
         }
@@ -179,24 +149,32 @@ static conus_status measure_ways(struct bench *bench, const char *scenario, cons
     for (size_t i = 0; i < count && !status; i++) {
         variants[i] = (struct bench_variant){.name = ways[i].name, .run = run_contender, .data = &contenders[i]};
         variants[i].other_by_design = ways[i].other_by_design;
+        const struct buffer *rows = &contenders[i].rows, *wanted = &contenders[reference].rows;
         variants[i].equal =
-            ways[i].selector ? gives_the_same(&contenders[i], &contenders[reference]) : !contenders[i].status;
+            !contenders[i].status &&
+            (!ways[i].selector || (rows->size == wanted->size && memcmp(rows->data, wanted->data, wanted->size) == 0));
     }
     status =
         status ? status : bench_measure(bench, scenario, variants, count, bench->options.poses, bench->options.angle);
     for (size_t i = 0; i < count; i++) {
-        contender_finish(&contenders[i]);
+        conus_batch_destroy(contenders[i].batch);
+        conus_pose_list_destroy(contenders[i].list);
+        buffer_finish(&contenders[i].rows);
     }
     return status;
 }
 
 conus_status bench_batch(struct bench *bench)
 {
+    const conus_selector_options by_gl = {.engine = CONUS_ENGINE_GL};
     struct scene scene = {0};
+    struct engine *plain = NULL;
     struct bench_variant v[VARIANTS];
     conus_status status = make_scene(&scene, bench);
-    status = status ? status : make_plain(&scene);
-    status = status ? status : make_gl(&scene, bench);
+    status = status ? status : plain_engine_create(&plain, scene.atlas);
+    status = status ? status : create_with(&scene.plain, scene.atlas, CONUS_LAYERS_VISIBLE, plain);
+    status = status ? status : conus_selector_create(&scene.gl, scene.atlas, &by_gl);
+    status = status == CONUS_ERROR_GL ? bench_leave_out(bench, "batches by OpenGL") : status;
     const struct way ways[VARIANTS] = {{"plain scalar traversal, no rows", NULL, 1, false, false},
                                        {"plain scalar traversal, batch", scene.plain, 1, false, false},
                                        {"rays, batch, 1 thread", scene.selector, 1, false, false},
@@ -216,34 +194,22 @@ conus_status bench_batch(struct bench *bench)
     return status;
 }
 
-/* A selector of all layers whose rays list their intervals one after another, without a kernel. */
-static conus_status make_single(conus_selector **out, const conus_atlas *atlas)
-{
-    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL};
-    const struct engine_options exact = {.sampling = CONUS_SAMPLING_EXACT};
-    struct engine *engine = NULL;
-    size_t last = 0;
-    while (traverse_kernel(last + 1)) {
-        last++;
-    }
-    conus_status status = conus_selector_create(out, atlas, &options);
-    status = status ? status : engine_rays_create_with(&engine, atlas, &exact, traverse_kernel(last));
-    if (!status) {
-        engine_destroy((*out)->engine);
-        (*out)->engine = engine;
-    }
-    return status;
-}
-
 conus_status bench_batch_layers(struct bench *bench)
 {
     enum { SINGLE_RAYS, ALL, VISIBLE, WAYS };
     const conus_selector_options all = {.layers = CONUS_LAYERS_ALL};
     struct scene scene = {0};
     struct bench_variant v[WAYS];
+    struct engine *scalar = NULL; /* lists intervals ray by ray, without a kernel */
     conus_selector *single = NULL, *layers = NULL;
+    size_t last = 0;
+    while (traverse_kernel(last + 1)) {
+        last++;
+    }
     conus_status status = make_scene(&scene, bench);
-    status = status ? status : make_single(&single, scene.atlas);
+    status = status ? status
+                    : engine_rays_create_with(&scalar, scene.atlas, &(struct engine_options){0}, traverse_kernel(last));
+    status = status ? status : create_with(&single, scene.atlas, CONUS_LAYERS_ALL, scalar);
     status = status ? status : conus_selector_create(&layers, scene.atlas, &all);
     const struct way ways[WAYS] = {{"all layers, ray by ray, batch, 1 thread", single, 1, false, false},
                                    {"all layers, batch, 1 thread", layers, 1, false, false},
@@ -262,27 +228,21 @@ conus_status bench_batch_layers(struct bench *bench)
     return status;
 }
 
-/* The areas' surfaces, as `conus mesh` makes them, in a folder of their own. */
-static conus_status make_surfaces(struct scene *scene, const struct bench *bench)
+conus_status bench_batch_mesh(struct bench *bench)
 {
+    enum { ONE, TWO, VOLUME, WAYS };
     char folder[96], program[320];
+    struct scene scene = {0};
+    struct bench_variant v[WAYS];
+    conus_status status = make_scene(&scene, bench);
     if (program_find(program, sizeof program, "conus-mesh", "CONUS_MESH") == CONUS_OK) {
         setenv("CONUS_MESH", program, 0);
     }
     setenv("XDG_CACHE_HOME", bench->folder, 1);
     snprintf(folder, sizeof folder, "%s/surfaces", bench->folder);
-    conus_status status = conus_atlas_write_meshes(scene->atlas, folder, NULL);
-    status = status ? status : conus_atlas_load(&scene->surfaces, folder, NULL);
-    return status ? status : conus_selector_create(&scene->surface, scene->surfaces, NULL);
-}
-
-conus_status bench_batch_mesh(struct bench *bench)
-{
-    enum { ONE, TWO, VOLUME, WAYS };
-    struct scene scene = {0};
-    struct bench_variant v[WAYS];
-    conus_status status = make_scene(&scene, bench);
-    status = status ? status : make_surfaces(&scene, bench);
+    status = status ? status : conus_atlas_write_meshes(scene.atlas, folder, NULL); /* as `conus mesh` makes them */
+    status = status ? status : conus_atlas_load(&scene.surfaces, folder, NULL);
+    status = status ? status : conus_selector_create(&scene.surface, scene.surfaces, NULL);
     const struct way ways[WAYS] = {{"surfaces, rays, batch, 1 thread", scene.surface, 1, false, false},
                                    {"surfaces, rays, batch, 2 threads", scene.surface, 2, false, false},
                                    /* surfaces cut corners */

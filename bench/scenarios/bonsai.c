@@ -8,6 +8,7 @@
 #include "bench/support/frame.h"
 #include "bench/support/slicing.h"
 #include "bench/support/trace.h"
+#include "render/colour/renderer.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -22,6 +23,9 @@ enum { BYTES_PER_VOXEL = 8 };
 /* From copy to copy, in edges of one. */
 #define SPACING 1.1
 
+/* Of white: how much pictures may differ. Blending in 8 bits makes no more than one step of it. */
+#define PICTURE_RMS_LIMIT (1 / 255.0)
+
 /* Ways to select. GL's slices are compared with the slices of the CPU, which is why they are here. */
 enum { GL_SLICES, GL_EXACT, RAYS_EXACT, RAYS_SLICES, ENGINES };
 
@@ -33,7 +37,12 @@ struct scene {
     size_t copies;
     double (*places)[3]; /* [copies] of their middles, farthest from the camera first */
     conus_atlas *one;    /* a context: what is drawn at each place */
-    struct picture picture;
+    conus_renderer *renderer;
+    struct gl_current previous;
+    bool is_current; /* the renderer's context; what was current before it is `previous` */
+    struct camera camera;
+    struct colour_view view;
+    struct frame frame;
     struct colour_volume at_home; /* the renderer's context */
     struct slicing slicing;
     conus_atlas *atlas; /* of all copies, a pathway each: what is selected from */
@@ -51,7 +60,7 @@ static const conus_transfer_point transfer[] = {
 /* The context as if it lay around `place`. */
 static void move_to(struct scene *scene, const double place[3])
 {
-    struct colour_volume *context = &scene->picture.renderer->colour.context;
+    struct colour_volume *context = &scene->renderer->colour.context;
     double back[16];
     *context = scene->at_home;
     for (int a = 0; a < 3; a++) {
@@ -65,17 +74,17 @@ static void move_to(struct scene *scene, const double place[3])
 /* Limits drawing to the pixels of the copy's box; what lies behind the camera is all of the frame. */
 static void limit_to(const struct scene *scene, const double place[3])
 {
-    const struct camera_frame whole = {scene->picture.view.width, scene->picture.view.height, 0, 0, 0, 0};
+    const struct camera_frame whole = {scene->view.width, scene->view.height, 0, 0, 0, 0};
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (int n = 0; n < 8; n++) {
         double p[3], at[2], depth;
         for (int a = 0; a < 3; a++) {
             p[a] = place[a] + (n >> a & 1 ? 0.5 : -0.5) * (double)scene->bonsai->edge;
         }
-        if (!camera_project(&at[0], &at[1], &depth, &scene->picture.camera, &whole, p)) {
+        if (!camera_project(&at[0], &at[1], &depth, &scene->camera, &whole, p)) {
             return;
         }
-        at[1] = scene->picture.view.height - at[1]; /* from below */
+        at[1] = scene->view.height - at[1]; /* from below */
         for (int a = 0; a < 2; a++) {
             low[a] = fmin(low[a], floor(at[a]) - 1);
             high[a] = fmax(high[a], ceil(at[a]) + 1);
@@ -87,29 +96,24 @@ static void limit_to(const struct scene *scene, const double place[3])
     glEnable(GL_SCISSOR_TEST);
 }
 
-static conus_status draw_copy(struct scene *scene, int way, const double place[3])
-{
-    struct colour_pass *pass = &scene->picture.renderer->colour;
-    struct colour_view view = scene->picture.view;
-    move_to(scene, place);
-    limit_to(scene, place);
-    if (way == SLICED) {
-        slicing_draw(&scene->slicing, pass, &view);
-        return CONUS_OK;
-    }
-    view.no_skipping = way == ALL_SAMPLES;
-    glEnable(GL_BLEND);
-    glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    return colour_pass_draw(pass, &view);
-}
-
 static conus_status draw_frame(void *data, int way)
 {
     struct scene *scene = data;
+    struct colour_pass *pass = &scene->renderer->colour;
+    struct colour_view view = scene->view;
     conus_status status = CONUS_OK;
-    frame_begin(&scene->picture.frame, false);
+    view.no_skipping = way == ALL_SAMPLES;
+    frame_begin(&scene->frame, false);
     for (size_t i = 0; i < scene->copies && !status; i++) {
-        status = draw_copy(scene, way, scene->places[i]);
+        move_to(scene, scene->places[i]);
+        limit_to(scene, scene->places[i]);
+        if (way == SLICED) {
+            slicing_draw(&scene->slicing, pass, &view);
+        } else {
+            glEnable(GL_BLEND);
+            glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+            status = colour_pass_draw(pass, &view);
+        }
     }
     glDisable(GL_SCISSOR_TEST);
     glDisable(GL_BLEND);
@@ -153,16 +157,15 @@ static conus_status make_renderer(struct scene *scene)
         memory_free(values);
         return status;
     }
-    status = conus_renderer_create(&scene->picture.renderer, scene->one, NULL);
-    return status ? status
-                  : conus_renderer_set_transfer(scene->picture.renderer, transfer, sizeof transfer / sizeof *transfer);
+    status = conus_renderer_create(&scene->renderer, scene->one, NULL);
+    return status ? status : conus_renderer_set_transfer(scene->renderer, transfer, sizeof transfer / sizeof *transfer);
 }
 
 static double depth_of(const struct scene *scene, const double place[3])
 {
     double from[3];
-    vec3_sub(from, place, scene->picture.camera.world_from_camera + 12);
-    return -vec3_dot(from, scene->picture.camera.world_from_camera + 8);
+    vec3_sub(from, place, scene->camera.world_from_camera + 12);
+    return -vec3_dot(from, scene->camera.world_from_camera + 8);
 }
 
 /* Farthest first, as blending wants it. */
@@ -192,27 +195,10 @@ static conus_status aim_camera(struct scene *scene, const struct bench_options *
     }
     frame_size(size, options->check);
     const struct camera_frame frame = {size[0], size[1], 0, 0, 0, 0};
-    picture_aim(&scene->picture.camera, &scene->picture.view, &frame, (const double(*)[3])corners, 8 * scene->copies,
-                options->slices);
+    picture_aim(&scene->camera, &scene->view, &frame, (const double(*)[3])corners, 8 * scene->copies, options->slices);
     memory_free(corners);
     sort_places(scene);
     return CONUS_OK;
-}
-
-/* The values are not needed once it is known which voxels they make the copy's. */
-static conus_status add_copy(struct scene *scene, size_t index)
-{
-    conus_volume_info info;
-    char name[32];
-    float *values = bonsai_values(scene->bonsai);
-    bonsai_info(&info, scene->bonsai, scene->places[index], BONSAI_AIR + 1);
-    snprintf(name, sizeof name, "copy %zu", index + 1);
-    conus_status status = values ? atlas_add_pathway(scene->atlas, &info, values, name) : CONUS_ERROR_MEMORY;
-    memory_free(values);
-    if (!status) {
-        scene->atlas->volumes[scene->atlas->volume_count - 1].values = NULL;
-    }
-    return status;
 }
 
 /* From where the camera is, and around it, towards the copies' inner halves. */
@@ -225,7 +211,7 @@ static conus_status aim_cones(struct scene *scene, double angle_deg)
         double from[3], to[3];
         for (int a = 0; a < 3; a++) {
             double half = 0.25 * (double)scene->bonsai->edge;
-            from[a] = scene->picture.camera.world_from_camera[12 + a] + bench_random(&random, -half, half);
+            from[a] = scene->camera.world_from_camera[12 + a] + bench_random(&random, -half, half);
             to[a] = place[a] + bench_random(&random, -half, half);
         }
         scene->cones[i] = (struct cone){.angle = radians_from_degrees(angle_deg), .resolution = 16};
@@ -241,7 +227,16 @@ static conus_status make_engines(struct scene *scene, const struct bench_options
     snprintf(planes, sizeof planes, "%zu slices", options->slices / 5);
     conus_status status = atlas_create_empty(&scene->atlas, "bonsai");
     for (size_t i = 0; i < scene->copies && !status; i++) {
-        status = add_copy(scene, i);
+        conus_volume_info info;
+        char name[32];
+        float *values = bonsai_values(scene->bonsai);
+        bonsai_info(&info, scene->bonsai, scene->places[i], BONSAI_AIR + 1);
+        snprintf(name, sizeof name, "copy %zu", i + 1);
+        status = values ? atlas_add_pathway(scene->atlas, &info, values, name) : CONUS_ERROR_MEMORY;
+        memory_free(values);
+        if (!status) { /* the values are not needed once it is known which voxels they make the copy's */
+            scene->atlas->volumes[scene->atlas->volume_count - 1].values = NULL;
+        }
     }
     status = status ? status : aim_cones(scene, options->angle);
     for (int e = 0; e < ENGINES && !status; e++) {
@@ -266,12 +261,14 @@ static conus_status scene_init(struct scene *scene, const struct bonsai *bonsai,
     status = status ? status : make_renderer(scene);
     status = status ? status : aim_camera(scene, options);
     status = status ? status : make_engines(scene, options);
-    status = status ? status : picture_begin(&scene->picture);
+    status = status ? status : gl_context_use(scene->renderer->context, &scene->previous);
+    scene->is_current = !status;
+    status = status ? status : frame_resize(&scene->frame, (uint32_t[]){scene->view.width, scene->view.height});
     if (status) {
         return status;
     }
-    scene->at_home = scene->picture.renderer->colour.context;
-    return slicing_init(&scene->slicing, scene->picture.view.slices);
+    scene->at_home = scene->renderer->colour.context;
+    return slicing_init(&scene->slicing, scene->view.slices);
 }
 
 static void scene_finish(struct scene *scene)
@@ -280,10 +277,12 @@ static void scene_finish(struct scene *scene)
         trace_finish(&scene->traces[e]);
         engine_destroy(scene->engines[e]);
     }
-    if (scene->picture.is_current) {
+    if (scene->is_current) {
         slicing_finish(&scene->slicing);
+        frame_finish(&scene->frame);
+        gl_current_restore(&scene->previous);
     }
-    picture_finish(&scene->picture);
+    conus_renderer_destroy(scene->renderer);
     conus_atlas_destroy(scene->one);
     conus_atlas_destroy(scene->atlas);
     memory_free(scene->places);
@@ -293,18 +292,18 @@ static void scene_finish(struct scene *scene)
 static conus_status compare_pictures(bool equal[PICTURES], double *sliced_ms, struct scene *scene)
 {
     float *pictures[PICTURES] = {NULL};
-    size_t count = (size_t)scene->picture.view.width * scene->picture.view.height * 4;
+    size_t count = (size_t)scene->view.width * scene->view.height * 4;
     conus_status status = CONUS_OK;
     double start = bench_wall();
     for (int way = 0; way < PICTURES && !status; way++) {
         pictures[way] = memory_raw(count, sizeof *pictures[way]);
         status = pictures[way] ? draw_frame(scene, way) : CONUS_ERROR_MEMORY;
-        status = status ? status : frame_read(&scene->picture.frame, pictures[way]);
+        status = status ? status : frame_read(&scene->frame, pictures[way]);
         *sliced_ms = way == SLICED ? 1e3 * (bench_wall() - start) : *sliced_ms;
     }
     if (!status) {
-        double coverage = 0, rms = picture_rms(pictures[SLICED], pictures[ALL_SAMPLES], count);
-        status = frame_coverage(&coverage, &scene->picture.frame);
+        double coverage = 0, rms = picture_rms(pictures[SLICED], pictures[ALL_SAMPLES], count / 4, 0, 3);
+        status = frame_coverage(&coverage, &scene->frame);
         equal[SLICED] = equal[ALL_SAMPLES] = rms <= PICTURE_RMS_LIMIT && coverage >= FRAME_COVERAGE;
         equal[SKIPPING] =
             equal[ALL_SAMPLES] && memcmp(pictures[ALL_SAMPLES], pictures[SKIPPING], count * sizeof(float)) == 0;
@@ -315,20 +314,6 @@ static conus_status compare_pictures(bool equal[PICTURES], double *sliced_ms, st
         memory_free(pictures[way]);
     }
     return status;
-}
-
-/* Slices are right if they are the other engine's slices; how often they name something else is said beside. */
-static void fill_in_traces(struct bench_variant *out, struct scene *scene)
-{
-    struct trace *traces = scene->traces;
-    for (int e = 0; e < RAYS_SLICES; e++) {
-        int like = e == GL_SLICES ? RAYS_SLICES : RAYS_EXACT;
-        out[e] = (struct bench_variant){.name = traces[e].name, .run = trace_all, .data = &traces[e], .per = CONES};
-        out[e].equal = trace_same(&traces[e], &traces[like]);
-        out[e].more =
-            json_pack("{s:I, s:I}", "wrong_pixels", (json_int_t)trace_differences(&traces[e], &traces[RAYS_EXACT]),
-                      "pixels", (json_int_t)trace_pixels(&traces[e]));
-    }
 }
 
 /* Selections alone; then frames, with a selection in some. The last two are left out where frames are slow. */
@@ -345,15 +330,6 @@ static const struct {
                    {SLICED, GL_SLICES, " slices and gl, a fifth of them"},
                    {ALL_SAMPLES, -1, "rays, all samples"}};
 
-static void name_frame(char *out, size_t size, const struct scene *scene, size_t kind)
-{
-    char slices[16] = "";
-    if (kinds[kind].way == SLICED) {
-        snprintf(slices, sizeof slices, "%u", scene->picture.view.slices);
-    }
-    snprintf(out, size, "%zu copies, frame, %s%s", scene->copies, slices, kinds[kind].name);
-}
-
 static conus_status measure_copies(struct bench *bench, struct scene *scene, struct bench_variant variants[VARIANTS])
 {
     struct shot shots[FRAMES];
@@ -362,12 +338,26 @@ static conus_status measure_copies(struct bench *bench, struct scene *scene, str
     double sliced_ms = 0;
     conus_status status = compare_pictures(equal, &sliced_ms, scene);
     size_t frames = sliced_ms > SLOW_MS ? SLOW_FRAMES : FRAMES;
-    fill_in_traces(variants, scene);
+    /* Slices are right if they are the other engine's slices; how often they name something else is said beside. */
+    struct trace *traces = scene->traces;
+    for (int e = 0; e < TRACES; e++) {
+        int like = e == GL_SLICES ? RAYS_SLICES : RAYS_EXACT;
+        variants[e] =
+            (struct bench_variant){.name = traces[e].name, .run = trace_all, .data = &traces[e], .per = CONES};
+        variants[e].equal = trace_same(&traces[e], &traces[like]);
+        variants[e].more =
+            json_pack("{s:I, s:I}", "wrong_pixels", (json_int_t)trace_differences(&traces[e], &traces[RAYS_EXACT]),
+                      "pixels", (json_int_t)trace_pixels(&traces[e]));
+    }
     for (size_t f = 0; f < frames; f++) {
         struct trace *trace = kinds[f].trace < 0 ? NULL : &scene->traces[kinds[f].trace];
         shots[f] =
             (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .way = kinds[f].way, .trace = trace};
-        name_frame(names[f], sizeof names[f], scene, f);
+        char slices[16] = "";
+        if (kinds[f].way == SLICED) {
+            snprintf(slices, sizeof slices, "%u", scene->view.slices);
+        }
+        snprintf(names[f], sizeof names[f], "%zu copies, frame, %s%s", scene->copies, slices, kinds[f].name);
         variants[TRACES + f] =
             (struct bench_variant){.name = names[f], .run = shoot, .data = &shots[f], .equal = equal[kinds[f].way]};
     }
@@ -379,29 +369,27 @@ static conus_status measure_copies(struct bench *bench, struct scene *scene, str
     return status;
 }
 
-static conus_status add_ratios(struct bench *bench, const struct bench_variant *v, size_t copies)
-{
-    const struct bench_variant *sliced = &v[TRACES], *skipping = &v[TRACES + 1];
-    char key[64];
-    snprintf(key, sizeof key, "bonsai_slicing_over_skipping_%zu", copies);
-    conus_status status = bench_ratio(bench, key, sliced, skipping);
-    snprintf(key, sizeof key, "bonsai_slices72_over_exact_%zu", copies);
-    status = status ? status : bench_ratio(bench, key, &v[GL_SLICES], &v[GL_EXACT]);
-    snprintf(key, sizeof key, "bonsai_slices72_over_rays_%zu", copies);
-    return status ? status : bench_ratio(bench, key, &v[GL_SLICES], &v[RAYS_EXACT]);
-}
-
 static conus_status run_copies(struct bench *bench, const struct bonsai *bonsai, size_t copies)
 {
     struct scene scene;
-    struct bench_variant variants[VARIANTS];
+    struct bench_variant v[VARIANTS];
+    const struct {
+        const char *key;
+        int above, below;
+    } ratios[] = {{"bonsai_slicing_over_skipping", TRACES, TRACES + 1},
+                  {"bonsai_slices72_over_exact", GL_SLICES, GL_EXACT},
+                  {"bonsai_slices72_over_rays", GL_SLICES, RAYS_EXACT}};
     conus_status status = scene_init(&scene, bonsai, copies, &bench->options);
     if (!status) {
-        snprintf(bench->driver, sizeof bench->driver, "gl, %s; %s", conus_renderer_device(scene.picture.renderer),
+        snprintf(bench->driver, sizeof bench->driver, "gl, %s; %s", conus_renderer_device(scene.renderer),
                  scene.engines[RAYS_EXACT]->name);
-        status = measure_copies(bench, &scene, variants);
+        status = measure_copies(bench, &scene, v);
     }
-    status = status ? status : add_ratios(bench, variants, copies);
+    for (size_t i = 0; i < sizeof ratios / sizeof *ratios && !status; i++) {
+        char key[64];
+        snprintf(key, sizeof key, "%s_%zu", ratios[i].key, copies);
+        status = bench_ratio(bench, key, &v[ratios[i].above], &v[ratios[i].below]);
+    }
     scene_finish(&scene);
     return status;
 }
@@ -424,20 +412,6 @@ static uint64_t available_memory(void)
     return bytes;
 }
 
-static conus_status run_if_it_fits(struct bench *bench, const struct bonsai *bonsai, size_t copies)
-{
-    uint64_t needed = (uint64_t)BYTES_PER_VOXEL * copies * bonsai->edge * bonsai->edge * bonsai->edge;
-    uint64_t available = available_memory();
-    char what[64];
-    if (needed <= available) {
-        return run_copies(bench, bonsai, copies);
-    }
-    snprintf(what, sizeof what, "bonsai, %zu copies", copies);
-    (void)fail(CONUS_ERROR_MEMORY, "it takes about %" PRIu64 " MiB of memory, there are %" PRIu64, needed >> 20,
-               available >> 20);
-    return bench_leave_out(bench, what);
-}
-
 conus_status bench_bonsai(struct bench *bench)
 {
     static const size_t counts[] = {1, 5, 15, 45};
@@ -449,7 +423,17 @@ conus_status bench_bonsai(struct bench *bench)
     bench->note = bonsai.is_papers ? "the paper's volume" : "a stand-in for the paper's volume";
     printf("volume: %s\n", bench->note);
     for (size_t i = 0; i < count && !status; i++) {
-        status = run_if_it_fits(bench, &bonsai, counts[i]);
+        uint64_t needed = (uint64_t)BYTES_PER_VOXEL * counts[i] * bonsai.edge * bonsai.edge * bonsai.edge;
+        uint64_t available = available_memory();
+        char what[64];
+        if (needed <= available) {
+            status = run_copies(bench, &bonsai, counts[i]);
+            continue;
+        }
+        snprintf(what, sizeof what, "bonsai, %zu copies", counts[i]);
+        (void)fail(CONUS_ERROR_MEMORY, "it takes about %" PRIu64 " MiB of memory, there are %" PRIu64, needed >> 20,
+                   available >> 20);
+        status = bench_leave_out(bench, what);
     }
     bonsai_finish(&bonsai);
     return status;

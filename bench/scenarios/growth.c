@@ -71,13 +71,6 @@ static conus_status growth_add(struct growth_curve *curve, const double *x, stru
     return status;
 }
 
-/* Whether the run belongs to the curve. */
-static bool is_of(const json_t *run, const struct growth_curve *curve)
-{
-    const char *name = json_string_value(json_object_get(run, "curve"));
-    return name && strcmp(name, curve->name) == 0;
-}
-
 /* Adds the exponent of all points as `growth_NAME`, and to each run but the first its slope from the one before. */
 static conus_status growth_end(struct growth_curve *curve)
 {
@@ -87,7 +80,8 @@ static conus_status growth_end(struct growth_curve *curve)
     json_t *run;
     json_array_foreach(curve->bench->runs, index, run)
     {
-        if (is_of(run, curve) && point++ > 0) {
+        const char *name = json_string_value(json_object_get(run, "curve"));
+        if (name && strcmp(name, curve->name) == 0 && point++ > 0) {
             double slope = bench_exponent(curve->x + point - 2, curve->ms + point - 2, 2);
             if (json_object_set_new(run, "slope", json_real(slope))) {
                 return fail(CONUS_ERROR_MEMORY, "out of memory");
@@ -165,8 +159,9 @@ static struct bench_variant variant_of(struct tori *tori)
     return (struct bench_variant){.run = trace_all, .data = &tori->trace, .equal = tori->equal};
 }
 
-static conus_status measure_sizes(struct bench *bench, const char *name, const size_t *sizes, size_t count, bool own)
+static conus_status measure_sizes(struct bench *bench, const char *name, const size_t *sizes, size_t all, bool own)
 {
+    size_t count = growth_sizes(bench, all);
     struct growth_curve curve = growth_begin(bench, name, bench->options.angle);
     struct tori tori[SIZES] = {0};
     struct bench_variant variants[SIZES];
@@ -184,15 +179,6 @@ static conus_status measure_sizes(struct bench *bench, const char *name, const s
         tori_finish(&tori[i]);
     }
     return status;
-}
-
-static conus_status growth_objects(struct bench *bench)
-{
-    static const size_t shared[SIZES] = {1000, 3000, 10000, 30000, 100000, 300000, 1000000};
-    static const size_t own[] = {1000, 2000, 5000, 10000, 20000};
-    conus_status status = measure_sizes(bench, "objects", shared, growth_sizes(bench, SIZES), false);
-    size_t count = growth_sizes(bench, sizeof own / sizeof *own);
-    return status ? status : measure_sizes(bench, "objects_own", own, count, true);
 }
 
 static conus_status growth_torus_angle(struct bench *bench)
@@ -395,10 +381,7 @@ static conus_status growth_voxels(struct bench *bench)
     conus_atlas *atlas = NULL;
     struct growth_curve curves[] = {growth_begin(bench, "voxels", angle), growth_begin(bench, "voxels_layers", angle),
                                     growth_begin(bench, "voxels_open", 0)};
-    conus_status status = conus_atlas_load(&atlas, bench->options.atlas, NULL);
-    if (!status && !atlas_parcellation(atlas)) {
-        status = fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", bench->options.atlas);
-    }
+    conus_status status = bench_load_labels(&atlas, bench->options.atlas);
     for (size_t i = 0; i < growth_sizes(bench, sizeof times / sizeof *times) && !status; i++) {
         struct work work = {0};
         status = enlarge_atlas(&work.atlas, atlas, times[i]);
@@ -414,11 +397,11 @@ static conus_status growth_voxels(struct bench *bench)
 
 conus_status bench_growth(struct bench *bench)
 {
-    conus_status (*const curves[])(struct bench *) = {growth_objects, growth_torus_angle, growth_voxels};
-    conus_status status = CONUS_OK;
+    static const size_t shared[SIZES] = {1000, 3000, 10000, 30000, 100000, 300000, 1000000};
+    static const size_t own[] = {1000, 2000, 5000, 10000, 20000};
     bench->one_thread = true;
-    for (size_t i = 0; i < sizeof curves / sizeof *curves && !status; i++) {
-        status = curves[i](bench);
-    }
-    return status;
+    conus_status status = measure_sizes(bench, "objects", shared, SIZES, false);
+    status = status ? status : measure_sizes(bench, "objects_own", own, sizeof own / sizeof *own, true);
+    status = status ? status : growth_torus_angle(bench);
+    return status ? status : growth_voxels(bench);
 }

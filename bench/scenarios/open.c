@@ -40,21 +40,6 @@ static void write_header(FILE *file, const struct enlarged *enlarged)
     fprintf(file, "\nspace origin: (%.17g,%.17g,%.17g)\n\n", origin[0], origin[1], origin[2]);
 }
 
-/* Row j of plane k of the atlas, as bytes. */
-static void enlarge_row(uint8_t *out, const struct enlarged *enlarged, size_t j, size_t k)
-{
-    const struct volume *volume = enlarged->volume;
-    const size_t *dim = volume->info.dim;
-    for (size_t i = 0; i < dim[0]; i++) {
-        uint32_t number = volume_object(volume, i + dim[0] * (j + dim[1] * k));
-        uint32_t label = number ? enlarged->atlas->objects[number - 1].label : 0;
-        for (size_t t = 0; t < enlarged->times; t++, out += 2) {
-            out[0] = (uint8_t)label;
-            out[1] = (uint8_t)(label >> 8);
-        }
-    }
-}
-
 /* Plane by plane, so that this process stays small: its memory counts as the start of the one that is measured. */
 static bool write_voxels(gzFile file, const struct enlarged *enlarged, uint8_t *plane)
 {
@@ -63,8 +48,13 @@ static bool write_voxels(gzFile file, const struct enlarged *enlarged, uint8_t *
     size_t row = 2 * times * dim[0];
     bool written = true;
     for (size_t k = 0; k < dim[2] && written; k++) {
-        for (size_t j = 0; j < dim[1] * times; j++) {
-            enlarge_row(plane + j * row, enlarged, j / times, k);
+        uint8_t *out = plane;
+        for (size_t v = 0; v < dim[0] * times * dim[1] * times; v++, out += 2) {
+            size_t i = v % (dim[0] * times) / times, j = v / (dim[0] * times) / times;
+            uint32_t number = volume_object(enlarged->volume, i + dim[0] * (j + dim[1] * k));
+            uint32_t label = number ? enlarged->atlas->objects[number - 1].label : 0;
+            out[0] = (uint8_t)label;
+            out[1] = (uint8_t)(label >> 8);
         }
         for (size_t t = 0; t < times && written; t++) {
             written = gzfwrite(plane, row, dim[1] * times, file) == dim[1] * times;
@@ -141,12 +131,9 @@ conus_status bench_open(struct bench *bench)
 {
     struct enlarged enlarged = {.times = bench->options.check ? 1 : ENLARGED};
     conus_atlas *atlas = NULL;
-    conus_status status = conus_atlas_load(&atlas, bench->options.atlas, NULL);
+    conus_status status = bench_load_labels(&atlas, bench->options.atlas);
     enlarged.atlas = atlas;
     enlarged.volume = status ? NULL : atlas_parcellation(atlas);
-    if (!status && !enlarged.volume) {
-        status = fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", bench->options.atlas);
-    }
     snprintf(enlarged.path, sizeof enlarged.path, "%s/enlarged.nrrd", bench->folder);
     status = status ? status : write_enlarged(&enlarged);
     if (!status && program_find(enlarged.program, sizeof enlarged.program, "conus", "CONUS")) {

@@ -126,10 +126,7 @@ static conus_status prepare(struct scene *scene, const struct bench *bench)
     snprintf(scene->angle, sizeof scene->angle, "%.17g", bench->options.angle);
     snprintf(scene->poses, sizeof scene->poses, "%s/poses.tsv", bench->folder);
     snprintf(scene->rows, sizeof scene->rows, "%s/rows.tsv", bench->folder);
-    conus_status status = conus_atlas_load(&atlas, scene->atlas, NULL);
-    if (!status && !atlas_parcellation(atlas)) {
-        status = fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", scene->atlas);
-    }
+    conus_status status = bench_load_labels(&atlas, scene->atlas);
     if (!status) {
         status = program_write_poses(scene->poses, bench->options.poses, &atlas->volumes[0].info, bench->options.angle);
     }

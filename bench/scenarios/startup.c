@@ -177,7 +177,8 @@ conus_status bench_startup(struct bench *bench)
     char path[PATH_SIZE];
     struct job labels = {.path = bench->options.atlas};
     struct job brain = {.path = path, .folder = bench->folder};
-    conus_status status = bench_brain(path, sizeof path, bench);
+    snprintf(path, sizeof path, "%s/brain.atlas.json", bench->folder);
+    conus_status status = conus_phantom_write("brain", bench->folder, NULL);
     status = status ? status : conus_atlas_load(&labels.atlas, labels.path, NULL);
     status = status ? status : measure_loading(bench, &labels, &brain);
     status = status ? status : measure_query(bench, &labels);

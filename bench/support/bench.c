@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 #ifdef __GLIBC__
@@ -26,22 +25,6 @@ static double clock_ms(clockid_t clock)
     struct timespec now;
     clock_gettime(clock, &now);
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
-}
-
-static double ms_of(const struct timeval *time)
-{
-    return (double)time->tv_sec * 1e3 + (double)time->tv_usec * 1e-3;
-}
-
-/* Milliseconds: of the CPU time of processes that ended or of this thread, or of the wall clock. */
-static double now_ms(const struct bench *bench)
-{
-    struct rusage usage;
-    if (bench->children) {
-        getrusage(RUSAGE_CHILDREN, &usage);
-        return ms_of(&usage.ru_utime) + ms_of(&usage.ru_stime);
-    }
-    return clock_ms(bench->one_thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC);
 }
 
 void bench_draw_on_this_thread(void)
@@ -89,10 +72,16 @@ size_t bench_size(const struct bench_options *options, size_t full)
     return options->check ? (full + 49) / 50 : full;
 }
 
-conus_status bench_brain(char *path, size_t size, const struct bench *bench)
+conus_status bench_load_labels(conus_atlas **out, const char *path)
 {
-    snprintf(path, size, "%s/brain.atlas.json", bench->folder);
-    return access(path, R_OK) == 0 ? CONUS_OK : conus_phantom_write("brain", bench->folder, NULL);
+    conus_atlas *atlas = NULL;
+    conus_status status = conus_atlas_load(&atlas, path, NULL);
+    if (!status && !atlas_parcellation(atlas)) {
+        conus_atlas_destroy(atlas);
+        return fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", path);
+    }
+    *out = status ? *out : atlas;
+    return status;
 }
 
 static int compare_times(const void *a, const void *b)
@@ -128,11 +117,6 @@ static double summarise(struct bench_variant *variant, const struct times *times
     return variant->median_ms > 0 ? spread / variant->median_ms : 0;
 }
 
-static const char *clock_name(const struct bench *bench)
-{
-    return bench->children ? "CPU time of processes" : bench->one_thread ? "CPU time of one thread" : "wall";
-}
-
 static void print_run(const char *scenario, const struct bench_variant *variant)
 {
     char cold[32] = "";
@@ -151,21 +135,19 @@ static conus_status add_run(struct bench *bench, const char *scenario, struct be
 {
     double spread = summarise(variant, times, rounds);
     json_t *cold = times->has_cold ? json_real(variant->cold_ms) : json_null();
-    json_t *run =
-        json_pack("{s:s, s:s, s:I, s:f, s:f, s:f, s:f, s:o, s:f, s:f, s:I, s:b, s:b, s:s}", "scenario", scenario,
-                  "variant", variant->name, "count", (json_int_t)per, "angle_deg", angle_deg, "median_ms",
-                  variant->median_ms, "min_ms", variant->min_ms, "p90_ms", variant->p90_ms, "cold_ms", cold, "cpu_ms",
-                  median(times->cpu, rounds), "spread", spread, "repeats", (json_int_t)rounds, "equal", variant->equal,
-                  "other_by_design", variant->other_by_design, "clock", clock_name(bench));
+    json_t *run = json_pack("{s:s, s:s, s:I, s:f, s:f, s:f, s:f, s:o, s:f, s:f, s:I, s:b, s:b, s:s}", "scenario",
+                            scenario, "variant", variant->name, "count", (json_int_t)per, "angle_deg", angle_deg,
+                            "median_ms", variant->median_ms, "min_ms", variant->min_ms, "p90_ms", variant->p90_ms,
+                            "cold_ms", cold, "cpu_ms", median(times->cpu, rounds), "spread", spread, "repeats",
+                            (json_int_t)rounds, "equal", variant->equal, "other_by_design", variant->other_by_design,
+                            "clock", bench->one_thread ? "CPU time of one thread" : "wall");
     int error = !run || (variant->more && json_object_update(run, variant->more));
+    error = error || json_array_append(bench->runs, run);
     json_decref(variant->more);
     variant->more = NULL;
     print_run(scenario, variant);
-    if (error) {
-        json_decref(run);
-        return fail(CONUS_ERROR_MEMORY, "out of memory");
-    }
-    return json_array_append_new(bench->runs, run) ? fail(CONUS_ERROR_MEMORY, "out of memory") : CONUS_OK;
+    json_decref(run);
+    return error ? fail(CONUS_ERROR_MEMORY, "out of memory") : CONUS_OK;
 }
 
 static double time_once(const struct bench *bench, const struct bench_variant *variant, double *cpu)
@@ -174,22 +156,12 @@ static double time_once(const struct bench *bench, const struct bench_variant *v
         variant->prepare(variant->data);
     }
     double cpu_start = clock_ms(CLOCK_PROCESS_CPUTIME_ID);
-    double start = now_ms(bench);
+    clockid_t clock = bench->one_thread ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
+    double start = clock_ms(clock);
     variant->run(variant->data);
-    double time = now_ms(bench) - start;
+    double time = clock_ms(clock) - start;
     *cpu = clock_ms(CLOCK_PROCESS_CPUTIME_ID) - cpu_start;
     return time;
-}
-
-/* The median of three more runs, with the processor time of one of them. */
-static double time_again(const struct bench *bench, const struct bench_variant *variant, double *cpu)
-{
-    double runs[AGAIN];
-    for (int i = 0; i < AGAIN; i++) {
-        runs[i] = time_once(bench, variant, cpu);
-    }
-    qsort(runs, AGAIN, sizeof *runs, compare_times);
-    return median(runs, AGAIN);
 }
 
 static void take_round(const struct bench *bench, const struct bench_variant *variant, struct times *times,
@@ -200,7 +172,13 @@ static void take_round(const struct bench *bench, const struct bench_variant *va
     double warm = first;
     times->has_cold = first < LONG_RUN && !bench->options.check;
     if (times->has_cold) {
-        warm = first < SHORT_RUN ? time_again(bench, variant, &cpu) : time_once(bench, variant, &cpu);
+        double runs[AGAIN];
+        int count = first < SHORT_RUN ? AGAIN : 1;
+        for (int i = 0; i < count; i++) {
+            runs[i] = time_once(bench, variant, &cpu);
+        }
+        qsort(runs, (size_t)count, sizeof *runs, compare_times);
+        warm = median(runs, (size_t)count);
     }
     times->cold[round] = first / (double)per;
     times->warm[round] = warm / (double)per;

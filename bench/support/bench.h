@@ -33,7 +33,6 @@ struct bench {
     const char *note; /**< What a reader of the figures must know; NULL = nothing. A literal. */
     bool one_thread;  /**< Set by a scenario whose variants all run on the calling thread: then its CPU
                            time is taken, which other programs on the machine hardly disturb.        */
-    bool children;    /**< Its variants are processes: the CPU time of those that ended is taken.    */
 };
 
 /** Something to time. */
@@ -89,8 +88,8 @@ double bench_random(uint64_t *state, double low, double high);
 /** @p full, or in a check the fiftieth part of it: how many objects, say. */
 size_t bench_size(const struct bench_options *options, size_t full);
 
-/** Path of the brain phantom's manifest, which is written if it is not there yet. */
-conus_status bench_brain(char *path, size_t size, const struct bench *bench);
+/** Loads the atlas at @p path, which must have labelled voxels. */
+conus_status bench_load_labels(conus_atlas **out, const char *path);
 
 /** b of y = a x^b through @p count points by least squares in the logarithms; all x and y are above 0. NAN unless there
  * are two different x. */

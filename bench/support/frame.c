@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A frame, and the renderer and camera of the scenarios with pictures. */
+/* A frame, and the camera of the scenarios with pictures. */
 #include "bench/support/frame.h"
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "render/gl/context.h"
 
-static const uint32_t check_part = 10; /* of the edges */
-
 void frame_size(uint32_t size[2], bool check)
 {
-    size[0] = FRAME_WIDTH / (check ? check_part : 1);
-    size[1] = FRAME_HEIGHT / (check ? check_part : 1);
+    const uint32_t part = check ? 10 : 1; /* of the edges */
+    size[0] = FRAME_WIDTH / part;
+    size[1] = FRAME_HEIGHT / part;
 }
 
 conus_status frame_resize(struct frame *frame, const uint32_t size[2])
@@ -80,8 +79,6 @@ conus_status frame_coverage(double *out, const struct frame *frame)
     return status;
 }
 
-enum { MARGIN_PART = 35 }; /* of the picture's width, on all sides */
-
 void picture_aim(struct camera *camera, struct colour_view *view, const struct camera_frame *frame,
                  const double (*points)[3], size_t count, size_t slices)
 {
@@ -92,30 +89,14 @@ void picture_aim(struct camera *camera, struct colour_view *view, const struct c
         .camera = camera, .width = frame->width, .height = frame->height, .slices = (uint32_t)slices};
 }
 
-void picture_aim_at_all(struct picture *picture, const struct bench_options *options, size_t slices)
+double picture_rms(const float *a, const float *b, size_t pixels, size_t first, size_t last)
 {
-    const struct colour_pass *pass = &picture->renderer->colour;
-    uint32_t size[2];
-    frame_size(size, options->check);
-    uint32_t margin = size[0] / MARGIN_PART;
-    const struct camera_frame frame = {size[0], size[1], margin, margin, margin, margin};
-    picture_aim(&picture->camera, &picture->view, &frame, (const double(*)[3])pass->content, pass->content_count,
-                slices);
-}
-
-conus_status picture_begin(struct picture *picture)
-{
-    conus_status status = gl_context_use(picture->renderer->context, &picture->previous);
-    picture->is_current = !status;
-    return status ? status : frame_resize(&picture->frame, (uint32_t[]){picture->view.width, picture->view.height});
-}
-
-void picture_finish(struct picture *picture)
-{
-    if (picture->is_current) {
-        frame_finish(&picture->frame);
-        gl_current_restore(&picture->previous);
+    double sum = 0;
+    for (size_t i = 0; i < pixels; i++) {
+        for (size_t c = first; c <= last; c++) {
+            double difference = (double)a[4 * i + c] - (double)b[4 * i + c];
+            sum += difference * difference;
+        }
     }
-    conus_renderer_destroy(picture->renderer);
-    *picture = (struct picture){0};
+    return sqrt(sum / (double)(pixels * (last - first + 1)));
 }

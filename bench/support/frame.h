@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A frame as screens have it, 8 bits a channel and a depth; and a renderer whose context is current, with a
- * camera that frames what shows. Frames need a current context throughout. */
+/** @file A frame as screens have it, 8 bits a channel and a depth, which needs a current context throughout; and what
+ * scenarios with pictures share. */
 #ifndef CONUS_BENCH_SUPPORT_FRAME_H
 #define CONUS_BENCH_SUPPORT_FRAME_H
 
 #include "bench/support/bench.h"
-#include "render/colour/renderer.h"
+#include "render/colour/colour_view.h"
+#include "render/gl/camera.h"
 
 #include <epoxy/gl.h>
 
@@ -35,26 +36,11 @@ conus_status frame_coverage(double *out, const struct frame *frame);
 /** Least part that the subject of a frame must cover, or something is wrong with it. */
 #define FRAME_COVERAGE 0.05
 
-struct picture {
-    conus_renderer *renderer; /**< Created by the scenario; picture_finish() destroys it. */
-    struct gl_current previous;
-    bool is_current; /**< Between picture_begin() and picture_finish(). */
-    struct camera camera;
-    struct colour_view view;
-    struct frame frame;
-};
-
 /** Points the camera at @p points [count] from the default direction, so that they fill @p frame. */
 void picture_aim(struct camera *camera, struct colour_view *view, const struct camera_frame *frame,
                  const double (*points)[3], size_t count, size_t slices);
 
-/** The same at everything that the renderer shows, in the paper's size with a margin of 1/35 of the width. */
-void picture_aim_at_all(struct picture *picture, const struct bench_options *options, size_t slices);
-
-/** Makes the renderer's context current and gives the frame the size of the view. */
-conus_status picture_begin(struct picture *picture);
-
-/** Ends what picture_begin() began, even if it failed, and destroys the renderer. */
-void picture_finish(struct picture *picture);
+/** Root mean square of the difference of two RGBA pictures in the channels from @p first to @p last. */
+double picture_rms(const float *a, const float *b, size_t pixels, size_t first, size_t last);
 
 #endif

@@ -34,7 +34,7 @@ void program_folder(char *out, size_t size)
 
 conus_status program_find(char *out, size_t size, const char *program, const char *given)
 {
-    static const char *const places[] = {"", "../apps/cli/", "../apps/mpi/"};
+    static const char *const places[] = {"", "../apps/cli/"};
     char folder[256];
     if (getenv(given)) {
         snprintf(out, size, "%s", getenv(given));

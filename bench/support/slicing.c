@@ -11,11 +11,6 @@
 
 enum { SLICE_CORNERS = 6 };
 
-/* A parallelepiped: corner n differs from corner 0 along the axes whose bits n has. */
-struct slice_box {
-    double corners[8][3]; /* to the right, up and ahead of the eye */
-};
-
 struct slicing_vertex {
     float x, y, depth, plane; /* in camera space */
 };
@@ -80,15 +75,17 @@ static void sort_around(double (*points)[2], size_t count)
     }
 }
 
-/* Cuts the box at `depth` ahead: a convex polygon, its last corner repeated. False where the plane misses the box. */
-static bool slice_polygon(double out[SLICE_CORNERS][2], const struct slice_box *box, double depth)
+/* Cuts the box at the depth of plane number `plane`: a convex polygon, its last corner repeated; all corners are zero
+ * where the plane misses the box. */
+static void cut_plane(struct slicing_vertex out[SLICE_CORNERS], const double corners[8][3], double depth,
+                      uint32_t plane)
 {
     double points[12][2];
     size_t count = 0;
     for (int n = 0; n < 8; n++) {
         for (int a = 0; a < 3; a++) {
-            const double *p = box->corners[n];
-            const double *q = box->corners[n | 1 << a];
+            const double *p = corners[n];
+            const double *q = corners[n | 1 << a];
             if (!(n >> a & 1) && (p[2] < depth) != (q[2] < depth)) {
                 double part = (depth - p[2]) / (q[2] - p[2]);
                 points[count][0] = p[0] + part * (q[0] - p[0]);
@@ -98,14 +95,16 @@ static bool slice_polygon(double out[SLICE_CORNERS][2], const struct slice_box *
         }
     }
     sort_around(points, count);
-    for (size_t i = 0; i < SLICE_CORNERS && count; i++) {
-        memcpy(out[i], points[i < count ? i : count - 1], sizeof out[i]);
+    for (size_t i = 0; i < SLICE_CORNERS; i++) {
+        const double *corner = points[i < count ? i : count ? count - 1 : 0];
+        out[i] = count ? (struct slicing_vertex){(float)corner[0], (float)corner[1], (float)depth, (float)plane}
+                       : (struct slicing_vertex){0};
     }
-    return count > 0;
 }
 
-/* Around both volumes, along the axes of the areas' grid, or around the context alone, along its own. */
-static void find_box(struct slice_box *out, const struct colour_pass *pass, const struct camera *camera)
+/* Corners of the box around both volumes, along the axes of the areas' grid, or around the context alone, along its
+ * own: to the right, up and ahead of the eye. Corner n differs from corner 0 along the axes whose bits n has. */
+static void find_box(double out[8][3], const struct colour_pass *pass, const struct camera *camera)
 {
     double low[3] = {0, 0, 0};
     double high[3] = {1, 1, 1};
@@ -128,7 +127,7 @@ static void find_box(struct slice_box *out, const struct colour_pass *pass, cons
     mat4_invert_affine(world_from_texture, texture_from_world);
     mat4_invert_affine(camera_from_world, camera->world_from_camera);
     for (int n = 0; n < 8; n++) {
-        double *p = out->corners[n];
+        double *p = out[n];
         for (int a = 0; a < 3; a++) {
             p[a] = n >> a & 1 ? high[a] : low[a];
         }
@@ -138,27 +137,15 @@ static void find_box(struct slice_box *out, const struct colour_pass *pass, cons
     }
 }
 
-/* The polygon of one plane; nothing where it misses the box. */
-static void cut_plane(struct slicing_vertex out[SLICE_CORNERS], const struct slice_box *box, double depth,
-                      uint32_t plane)
-{
-    double polygon[SLICE_CORNERS][2];
-    bool is_cut = slice_polygon(polygon, box, depth);
-    for (size_t i = 0; i < SLICE_CORNERS; i++) {
-        out[i] = is_cut
-                     ? (struct slicing_vertex){(float)polygon[i][0], (float)polygon[i][1], (float)depth, (float)plane}
-                     : (struct slicing_vertex){0};
-    }
-}
-
 void slicing_draw(struct slicing *slicing, const struct colour_pass *pass, const struct colour_view *view)
 {
     struct slices slices = colour_pass_slices(pass, view->camera, slicing->slices);
-    struct slice_box box;
-    find_box(&box, pass, view->camera);
+    double box[8][3];
+    find_box(box, pass, view->camera);
     for (uint32_t n = 0; n < slices.count; n++) {
         uint32_t plane = slices.count - 1 - n;
-        cut_plane(slicing->polygons + (size_t)n * SLICE_CORNERS, &box, slices_depth(&slices, plane), plane);
+        cut_plane(slicing->polygons + (size_t)n * SLICE_CORNERS, (const double(*)[3])box, slices_depth(&slices, plane),
+                  plane);
     }
     colour_pass_prepare(pass, view);
     glEnable(GL_BLEND);
@@ -174,14 +161,4 @@ void slicing_draw(struct slicing *slicing, const struct colour_pass *pass, const
         glDrawArrays(GL_TRIANGLE_FAN, n * SLICE_CORNERS, SLICE_CORNERS);
     }
     glDisable(GL_BLEND);
-}
-
-double picture_rms(const float *a, const float *b, size_t count)
-{
-    double sum = 0;
-    for (size_t i = 0; i < count; i++) {
-        double difference = (double)a[i] - (double)b[i];
-        sum += difference * difference;
-    }
-    return sqrt(sum / (double)count);
 }

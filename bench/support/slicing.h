@@ -19,10 +19,4 @@ void slicing_finish(struct slicing *slicing);
 /** Draws into the framebuffer that is bound, over what is there. @p view is one of @p pass with as many slices. */
 void slicing_draw(struct slicing *slicing, const struct colour_pass *pass, const struct colour_view *view);
 
-/** Of white: how much pictures of @p count channels differ. */
-double picture_rms(const float *a, const float *b, size_t count);
-
-/** What blending in 8 bits may make of that: no more than one step. */
-#define PICTURE_RMS_LIMIT (1 / 255.0)
-
 #endif

@@ -85,12 +85,6 @@ size_t trace_differences(const struct trace *a, const struct trace *b)
     return differences;
 }
 
-/* Pixels in which a picture of identifiers differs from the rays' hits. */
-struct differences {
-    size_t at_edges; /* a ray within EDGE_PIXELS of the pixel's centre hits the object that was named */
-    size_t elsewhere;
-};
-
 /* Pixels by which a driver's vertex grid may move an edge. */
 #define EDGE_PIXELS (1 / 128.0)
 
@@ -119,22 +113,22 @@ static bool is_near(struct engine *rays, const struct cone *cone, uint32_t pixel
 
 bool trace_same_but_edges(const struct trace *trace, const struct trace *rays)
 {
-    struct differences sum = {0};
+    size_t at_edges = 0, elsewhere = 0;
     for (size_t i = 0; i < trace->count; i++) {
         const uint32_t *named = trace->answers[i].object, *hits = rays->answers[i].object;
         for (uint32_t pixel = 0; pixel < pixels_of(&trace->answers[i]); pixel++) {
             if (named[pixel] != hits[pixel]) {
                 bool near = is_near(rays->engine, &trace->cones[i], pixel, named[pixel]);
-                sum.at_edges += near;
-                sum.elsewhere += !near;
+                at_edges += near;
+                elsewhere += !near;
             }
         }
     }
-    if (sum.at_edges || sum.elsewhere) {
-        printf("%s: %zu of %zu pixels differ from the rays' at edges, %zu elsewhere\n", trace->name, sum.at_edges,
-               trace_pixels(trace), sum.elsewhere);
+    if (at_edges || elsewhere) {
+        printf("%s: %zu of %zu pixels differ from the rays' at edges, %zu elsewhere\n", trace->name, at_edges,
+               trace_pixels(trace), elsewhere);
     }
-    return !sum.elsewhere && !trace->status;
+    return !elsewhere && !trace->status;
 }
 
 void shoot(void *data)
@@ -235,58 +229,40 @@ conus_status mesh_engine_create(struct engine **out, struct mesh_rays *rays, uns
     return CONUS_OK;
 }
 
-/* What cones go round: a point in the middle, three edges, and from how far. */
-struct block {
-    double middle[3], edge[3][3];
-    double from, to; /* mm */
-};
-
-static void make_cone(struct cone *out, const struct block *block, double angle_deg, uint64_t *random)
-{
-    double from[3], target[3];
-    memcpy(target, block->middle, sizeof target);
-    for (int a = 0; a < 3; a++) {
-        vec3_add_scaled(target, target, bench_random(random, -0.25, 0.25), block->edge[a]);
-    }
-    double z = bench_random(random, -1, 1);
-    double turn = bench_random(random, 0, 2 * MATH3_PI);
-    const double outward[3] = {sqrt(1 - z * z) * cos(turn), sqrt(1 - z * z) * sin(turn), z};
-    vec3_add_scaled(from, block->middle, bench_random(random, block->from, block->to), outward);
-    *out = (struct cone){.angle = radians_from_degrees(angle_deg), .resolution = RESOLUTION};
-    conus_status status = conus_pose_toward(&out->pose, from, target, NULL);
-    assert(!status);
-    (void)status;
-}
-
 void cones_round_grid(struct cone *out, size_t count, const conus_volume_info *info, double angle_deg, uint64_t seed)
 {
-    struct block block = {.from = 200, .to = 300};
+    double middle[3], edge[3][3];
     for (int a = 0; a < 3; a++) {
-        block.middle[a] = 0.5 * (double)(info->dim[a] - 1);
-        vec3_scale(block.edge[a], info->world_from_voxel + 4 * a, (double)info->dim[a]);
+        middle[a] = 0.5 * (double)(info->dim[a] - 1);
+        vec3_scale(edge[a], info->world_from_voxel + 4 * a, (double)info->dim[a]);
     }
-    mat4_point(block.middle, info->world_from_voxel, block.middle);
+    mat4_point(middle, info->world_from_voxel, middle);
     for (size_t i = 0; i < count; i++) {
-        make_cone(&out[i], &block, angle_deg, &seed);
+        double from[3], target[3];
+        memcpy(target, middle, sizeof target);
+        for (int a = 0; a < 3; a++) {
+            vec3_add_scaled(target, target, bench_random(&seed, -0.25, 0.25), edge[a]);
+        }
+        double z = bench_random(&seed, -1, 1);
+        double turn = bench_random(&seed, 0, 2 * MATH3_PI);
+        const double outward[3] = {sqrt(1 - z * z) * cos(turn), sqrt(1 - z * z) * sin(turn), z};
+        vec3_add_scaled(from, middle, bench_random(&seed, 200, 300), outward);
+        out[i] = (struct cone){.angle = radians_from_degrees(angle_deg), .resolution = RESOLUTION};
+        conus_status status = conus_pose_toward(&out[i].pose, from, target, NULL);
+        assert(!status);
+        (void)status;
     }
 }
 
 conus_status contest_load(struct contest *out, const char *path, size_t count, double angle_deg, uint64_t seed)
 {
     *out = (struct contest){.cone_count = count};
-    conus_status status = conus_atlas_load(&out->atlas, path, NULL);
-    if (status) {
-        return status;
-    }
-    const struct volume *volume = atlas_parcellation(out->atlas);
-    if (!volume) {
-        return fail(CONUS_ERROR_DATA, "%s: has no labelled voxels", path);
-    }
-    out->cones = memory_zeroed(count, sizeof *out->cones);
+    conus_status status = bench_load_labels(&out->atlas, path);
+    out->cones = status ? NULL : memory_zeroed(count, sizeof *out->cones);
     if (!out->cones) {
-        return CONUS_ERROR_MEMORY;
+        return status ? status : CONUS_ERROR_MEMORY;
     }
-    cones_round_grid(out->cones, count, &volume->info, angle_deg, seed);
+    cones_round_grid(out->cones, count, &atlas_parcellation(out->atlas)->info, angle_deg, seed);
     return CONUS_OK;
 }
 

@@ -33,11 +33,6 @@ static conus_status wait_for(void *data)
     return torus_pass_wait(((struct scene *)data)->round.pass);
 }
 
-static bool has_way(const struct scene *scene, int way)
-{
-    return scene->traces[way].engine != NULL;
-}
-
 static conus_status scene_init(struct scene *scene, const struct bench *bench, size_t tori, bool placed)
 {
     frame_size(scene->size, bench->options.check);
@@ -62,17 +57,6 @@ static void scene_finish(struct scene *scene)
     torus_round_finish(&scene->round);
 }
 
-/* Whether a frame shows what it should. */
-static conus_status check_frame(bool *equal, struct scene *scene)
-{
-    double coverage = 0;
-    conus_status status = torus_pass_frame(scene->round.pass, scene->size);
-    status = status ? status : torus_pass_coverage(&coverage, scene->round.pass);
-    printf("%zu tori cover %.0f %% of a frame\n", scene->round.scene.count, 100 * coverage);
-    *equal = !status && coverage >= FRAME_COVERAGE;
-    return status;
-}
-
 /* Of one number of tori; beyond the paper's, a frame and selections alone. Fills in those of `out` that there are. */
 static conus_status measure_scene(struct bench *bench, struct scene *scene, struct bench_variant out[VARIANTS])
 {
@@ -81,13 +65,16 @@ static conus_status measure_scene(struct bench *bench, struct scene *scene, stru
     char names[TORUS_WAYS][144];
     int place[VARIANTS];
     size_t count = 0;
-    bool shown;
-    conus_status status = check_frame(&shown, scene);
+    double coverage = 0;
+    conus_status status = torus_pass_frame(scene->round.pass, scene->size);
+    status = status ? status : torus_pass_coverage(&coverage, scene->round.pass);
+    printf("%zu tori cover %.0f %% of a frame\n", scene->round.scene.count, 100 * coverage);
+    bool shown = !status && coverage >= FRAME_COVERAGE;
     variants[count] = (struct bench_variant){.name = "colour", .run = shoot, .data = &shots[0], .equal = shown};
     place[count++] = FRAME;
     for (int way = 0; way < TORUS_WAYS; way++) {
         struct trace *trace = &scene->traces[way];
-        if (has_way(scene, way)) {
+        if (trace->engine) {
             bool equal = trace_same_but_edges(trace, &scene->traces[TORUS_RAYS]);
             shots[1 + way] = (struct shot){.draw = draw_frame, .wait = wait_for, .scene = scene, .trace = trace};
             snprintf(names[way], sizeof names[way], "%s, in a frame", trace->name);

@@ -76,19 +76,15 @@ static conus_status ask_engine(struct layer_way *way, size_t cone)
     return status ? status : layers_sort(all_hits, TORUS_PIXELS);
 }
 
-static conus_status ask_selector(const struct layer_way *way, size_t cone)
-{
-    conus_selection *selection = NULL;
-    conus_status status = conus_select(&selection, way->selector, &way->cones[cone].pose, way->cones[cone].angle);
-    conus_selection_destroy(selection);
-    return status;
-}
-
 static void answer_all(void *data)
 {
     struct layer_way *way = data;
     for (size_t i = 0; i < way->cone_count; i++) {
-        conus_status status = way->engine ? ask_engine(way, i) : ask_selector(way, i);
+        conus_selection *selection = NULL;
+        conus_status status = way->engine
+                                  ? ask_engine(way, i)
+                                  : conus_select(&selection, way->selector, &way->cones[i].pose, way->cones[i].angle);
+        conus_selection_destroy(selection);
         way->status = status ? status : way->status;
     }
 }
@@ -117,16 +113,6 @@ static void layer_round_finish(struct layer_round *round)
     conus_atlas_destroy(round->atlas);
     memory_free(round->cones);
     torus_scene_finish(&round->scene);
-}
-
-static void layer_round_variants(struct bench_variant variants[LAYER_WAYS], struct layer_round *round,
-                                 const char *const names[LAYER_WAYS])
-{
-    for (int w = 0; w < LAYER_WAYS; w++) {
-        answer_all(&round->ways[w]);
-        variants[w] = (struct bench_variant){.name = names[w], .run = answer_all, .data = &round->ways[w]};
-        variants[w].equal = !round->ways[w].status;
-    }
 }
 
 /* Pixels whose first interval is not what is visible, to the bit. */
@@ -232,7 +218,11 @@ static conus_status measure_layers(struct bench *bench, struct layer_round *roun
     if (status) {
         return status;
     }
-    layer_round_variants(variants, round, names);
+    for (int w = 0; w < LAYER_WAYS; w++) {
+        answer_all(&round->ways[w]);
+        variants[w] = (struct bench_variant){.name = names[w], .run = answer_all, .data = &round->ways[w]};
+        variants[w].equal = !round->ways[w].status;
+    }
     status = check_layers(&equal, round);
     variants[1].equal = variants[1].equal && equal;
     variants[3].equal = variants[3].equal && equal;

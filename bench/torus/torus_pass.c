@@ -130,22 +130,6 @@ static conus_status make_programs(struct torus_pass *pass)
     return status;
 }
 
-/* With the context current. */
-static conus_status create_gl_objects(struct torus_pass *pass, const struct torus_scene *scene)
-{
-    static const struct target_attachment attachments[] = {
-        {"identifier", TARGET_UINT}, {"contact", TARGET_FLOAT4}, {"depth", TARGET_DEPTH}};
-    pass->side = scene->side;
-    pass->count = (GLsizei)scene->count;
-    conus_status status = make_programs(pass);
-    status = status ? status : upload_places(pass, scene);
-    if (!status) {
-        make_vertices(pass, &scene->torus);
-        status = gl_check("tori");
-    }
-    return status ? status : target_init(&pass->buffer, TORUS_RESOLUTION, TORUS_RESOLUTION, attachments, 3);
-}
-
 static void destroy_pass(struct torus_pass *pass)
 {
     struct gl_current previous;
@@ -163,6 +147,8 @@ static void destroy_pass(struct torus_pass *pass)
 
 static conus_status create_pass(struct torus_pass **out, const struct torus_scene *scene)
 {
+    static const struct target_attachment attachments[] = {
+        {"identifier", TARGET_UINT}, {"contact", TARGET_FLOAT4}, {"depth", TARGET_DEPTH}};
     struct torus_pass *pass = memory_zeroed(1, sizeof *pass);
     struct gl_current previous;
     if (!pass) {
@@ -171,7 +157,15 @@ static conus_status create_pass(struct torus_pass **out, const struct torus_scen
     conus_status status = gl_context_create(&pass->context, NULL, NULL);
     status = status ? status : gl_context_use(pass->context, &previous);
     if (!status) {
-        status = create_gl_objects(pass, scene);
+        pass->side = scene->side;
+        pass->count = (GLsizei)scene->count;
+        status = make_programs(pass);
+        status = status ? status : upload_places(pass, scene);
+        if (!status) {
+            make_vertices(pass, &scene->torus);
+            status = gl_check("tori");
+        }
+        status = status ? status : target_init(&pass->buffer, TORUS_RESOLUTION, TORUS_RESOLUTION, attachments, 3);
         gl_current_restore(&previous);
     }
     if (status) {
@@ -204,18 +198,6 @@ static void clip_matrix(float out[16], const double world_from_camera[16], const
     }
 }
 
-static void draw_identifiers(struct torus_pass *pass, const struct cone *cone)
-{
-    float matrix[16];
-    double slope = tan(cone->angle / 2);
-    clip_matrix(matrix, cone->pose.world_from_device, (double[]){slope, slope});
-    target_clear(&pass->buffer);
-    glUseProgram(pass->identify);
-    glUniformMatrix4fv(pass->identify_matrix, 1, GL_FALSE, matrix);
-    glBindVertexArray(pass->vertices);
-    glDrawElementsInstanced(GL_TRIANGLES, pass->index_count, GL_UNSIGNED_INT, NULL, pass->count);
-}
-
 struct pass_engine {
     struct engine base;
     struct torus_pass *pass;
@@ -226,11 +208,18 @@ static conus_status trace_by_drawing(struct engine *engine, struct evidence *out
     const struct pass_engine *own = (struct pass_engine *)engine;
     struct torus_pass *pass = own->pass;
     struct gl_current previous;
+    float matrix[16];
+    double slope = tan(cone->angle / 2);
     conus_status status = gl_context_use(pass->context, &previous);
     if (status) {
         return status;
     }
-    draw_identifiers(pass, cone);
+    clip_matrix(matrix, cone->pose.world_from_device, (double[]){slope, slope});
+    target_clear(&pass->buffer);
+    glUseProgram(pass->identify);
+    glUniformMatrix4fv(pass->identify_matrix, 1, GL_FALSE, matrix);
+    glBindVertexArray(pass->vertices);
+    glDrawElementsInstanced(GL_TRIANGLES, pass->index_count, GL_UNSIGNED_INT, NULL, pass->count);
     status = target_read(&pass->buffer, "identifier", out->object);
     status = status ? status : target_read(&pass->buffer, "contact", pass->contacts);
     gl_current_restore(&previous);
@@ -314,27 +303,20 @@ conus_status torus_pass_coverage(double *out, struct torus_pass *pass)
     return status;
 }
 
-static conus_status add_engines(struct torus_round *round)
-{
-    const struct engine_options options = {0};
-    conus_status status = torus_scene_atlas(&round->atlas, &round->scene);
-    status = status ? status : engine_gl_create(&round->engines[TORUS_GL], round->atlas, &options);
-    return status ? status : engine_rays_create(&round->engines[TORUS_RAYS], round->atlas, &options);
-}
-
-static conus_status add_placed(struct torus_round *round)
-{
-    conus_status status = torus_scene_rays(&round->rays, &round->scene);
-    return status ? status : mesh_engine_create(&round->engines[TORUS_RAYS], round->rays, 0);
-}
-
 conus_status torus_round_init(struct torus_round *out, size_t count, bool placed)
 {
+    const struct engine_options options = {0};
     *out = (struct torus_round){0};
     conus_status status = torus_scene_init(&out->scene, count);
     status = status ? status : create_pass(&out->pass, &out->scene);
     status = status ? status : create_pass_engine(&out->engines[TORUS_ALL_DRAWN], out->pass);
-    return status ? status : placed ? add_placed(out) : add_engines(out);
+    if (!status && placed) {
+        status = torus_scene_rays(&out->rays, &out->scene);
+        return status ? status : mesh_engine_create(&out->engines[TORUS_RAYS], out->rays, 0);
+    }
+    status = status ? status : torus_scene_atlas(&out->atlas, &out->scene);
+    status = status ? status : engine_gl_create(&out->engines[TORUS_GL], out->atlas, &options);
+    return status ? status : engine_rays_create(&out->engines[TORUS_RAYS], out->atlas, &options);
 }
 
 void torus_round_finish(struct torus_round *round)

@@ -35,19 +35,6 @@ static conus_status make_torus(struct mesh *out)
     return status;
 }
 
-static void place_torus(double out[16], const double centre[3], uint64_t *random)
-{
-    double wxyz[4];
-    conus_pose pose;
-    for (int i = 0; i < 4; i++) {
-        wxyz[i] = bench_random(random, -0.5, 0.5);
-    }
-    conus_status status = conus_pose_from_quaternion(&pose, centre, wxyz);
-    assert(!status);
-    (void)status;
-    memcpy(out, pose.world_from_device, sizeof pose.world_from_device);
-}
-
 conus_status torus_scene_init(struct torus_scene *out, size_t count)
 {
     struct torus_scene scene = {.count = count};
@@ -62,11 +49,18 @@ conus_status torus_scene_init(struct torus_scene *out, size_t count)
     scene.side = (double)edge * TORUS_SPACING;
     for (size_t i = 0; i < count; i++) {
         const size_t at[3] = {i % edge, i / edge % edge, i / edge / edge};
-        double centre[3];
+        double centre[3], wxyz[4];
+        conus_pose pose;
         for (int a = 0; a < 3; a++) {
             centre[a] = ((double)at[a] - 0.5 * (double)(edge - 1)) * TORUS_SPACING;
         }
-        place_torus(scene.places[i], centre, &random);
+        for (int k = 0; k < 4; k++) {
+            wxyz[k] = bench_random(&random, -0.5, 0.5);
+        }
+        conus_status placed = conus_pose_from_quaternion(&pose, centre, wxyz);
+        assert(!placed);
+        (void)placed;
+        memcpy(scene.places[i], pose.world_from_device, sizeof pose.world_from_device);
     }
     *out = scene;
     return CONUS_OK;

@@ -8,8 +8,6 @@
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
-#include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 static struct bench make_bench(void)
@@ -251,35 +249,6 @@ static void an_exponent_is_the_slope_of_the_logarithms(void **state)
     assert_true(isnan(bench_exponent(x, root, 0)));
 }
 
-/* A process that ends once it has taken 10 ms of its own. */
-static void run_process(void *data)
-{
-    (void)data;
-    int how = 0;
-    pid_t pid = fork();
-    if (pid == 0) {
-        while (clock() < CLOCKS_PER_SEC / 100) {
-        }
-        _exit(0);
-    }
-    assert_true(pid > 0 && waitpid(pid, &how, 0) == pid);
-}
-
-static void time_of_processes_is_theirs(void **state)
-{
-    (void)state;
-    struct bench bench = make_bench();
-    struct counts counts = {0};
-    struct bench_variant variants[] = {{.name = "none", .run = run_variant, .data = &counts, .equal = true},
-                                       {.name = "one", .run = run_process, .equal = true}};
-    bench.children = true;
-    assert_ok(bench_measure(&bench, "test", variants, 2, 1, 0));
-    assert_true(variants[0].median_ms == 0);
-    assert_true(variants[1].median_ms >= 9); /* with what a clock rounds */
-    assert_string_equal(json_string_value(run_at(&bench, 0, "clock")), "CPU time of processes");
-    finish_bench(&bench);
-}
-
 TEST_GROUP(bench)
 {
     const struct CMUnitTest tests[] = {
@@ -290,7 +259,6 @@ TEST_GROUP(bench)
         cmocka_unit_test(what_is_held_is_compared),
         cmocka_unit_test(what_one_scenario_does_is_its_own),
         cmocka_unit_test(an_exponent_is_the_slope_of_the_logarithms),
-        cmocka_unit_test(time_of_processes_is_theirs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
