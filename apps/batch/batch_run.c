@@ -22,11 +22,12 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
         return false;
     }
     if (settings->atlas.more.count && *format > CONUS_FORMAT_NDJSON) {
-        print_error_line("--format: other programs' have no column for the atlas, tsv, csv and ndjson do");
+        print_error_line(
+            "--format: formats of other programs have no column for the atlas; tsv, csv and ndjson have one");
         return false;
     }
     if (settings->of_segments && *format > CONUS_FORMAT_NDJSON) {
-        print_error_line("--format: other programs' are not of segments, tsv, csv and ndjson are");
+        print_error_line("--format: formats of other programs hold no segments; tsv, csv and ndjson do");
         return false;
     }
     if (settings->of_segments && !option_given(arguments, "output") && (settings->summary || settings->axis.order)) {
@@ -35,7 +36,7 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
         return false;
     }
     if (settings->summary && *format > CONUS_FORMAT_NDJSON) {
-        print_error_line("--summary: other programs' formats have none, tsv, csv and ndjson do");
+        print_error_line("--summary: formats of other programs have no summary; tsv, csv and ndjson have one");
         return false;
     }
     if ((settings->force || settings->resume) && output_is_stdout(settings->output)) {

@@ -217,7 +217,7 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
     conus_format format;
     if (settings->voxels && output_format(&format, settings->voxels) && format != CONUS_FORMAT_TSV &&
         format != CONUS_FORMAT_TABLE) {
-        print_error_line("--voxels: %s ends as what it will not be: TSV is written", settings->voxels);
+        print_error_line("%s: --voxels writes TSV; end the name in .tsv", settings->voxels);
         return false;
     }
     if (settings->deep && settings->request.engine.layers != CONUS_LAYERS_ALL) {
@@ -252,13 +252,14 @@ static bool check_format(const struct request *request)
 {
     conus_format format = request->format;
     if (format > CONUS_FORMAT_NDJSON && option_given(request->arguments, "atlas")) {
-        print_error_line("--format: other programs' have no column for the atlas, table, tsv, csv, json and ndjson do");
+        print_error_line("--format: formats of other programs have no column for the atlas; table, tsv, csv, json and "
+                         "ndjson have one");
         return false;
     }
     bool of_contacts =
         format == CONUS_FORMAT_BIDS || (is_of_probe(format) && option_given(request->arguments, "point"));
     if (of_contacts && !request->settings->aim.pose) {
-        print_error_line("--format: this one is of contacts, --pose FILE names them");
+        print_error_line("--format: this format lists contacts; --pose FILE names them");
         return false;
     }
     return true;

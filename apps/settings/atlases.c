@@ -215,7 +215,7 @@ void atlases_say_spaces(const struct atlases *atlases, const struct common_setti
             print_error_line("note: %s (%s) and %s (%s) name different spaces: one pose may not fit both", first->name,
                              a->transform, other->name, b->transform);
         } else if (!overlap(first->atlas, other->atlas)) {
-            print_error_line("note: %s and %s do not overlap: they are hardly in one space", first->name, other->name);
+            print_error_line("note: %s and %s do not overlap: are they in one space?", first->name, other->name);
         }
     }
 }

@@ -253,9 +253,10 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
     conus_status status = read_poses(block, run->poses, run->left);
     bool is_all = block->first == 0 && block->count < block->capacity && block->count < run->left;
     if (!status && block->count && !is_all && report_is_of_probe(run->batch->options.report.format)) {
-        status = fail(CONUS_ERROR_ARGUMENT,
-                      "format: a probe is one whole, but these are contacts %llu to %llu, and there may be more",
-                      (unsigned long long)block->first + 1, (unsigned long long)block->first + block->count);
+        status =
+            fail(CONUS_ERROR_ARGUMENT,
+                 "format: a probe is written as a whole, but these are contacts %llu to %llu, and there may be more",
+                 (unsigned long long)block->first + 1, (unsigned long long)block->first + block->count);
     }
     run->left -= block->count;
     *may_follow = block->count == block->capacity;

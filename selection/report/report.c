@@ -31,10 +31,10 @@ static conus_status check_options(const conus_report_options *options)
         return fail(CONUS_ERROR_ARGUMENT, "format: summaries are not written as a table for people");
     }
     if (foreign && (options->rows != CONUS_ROWS_ANSWERS || options->tracker)) {
-        return fail(CONUS_ERROR_ARGUMENT, "format: other programs' are only of answers, and not of a track");
+        return fail(CONUS_ERROR_ARGUMENT, "format: formats of other programs hold answers, not tracks");
     }
     if (options->order && (foreign || options->rows != CONUS_ROWS_ANSWERS || options->tracker)) {
-        return fail(CONUS_ERROR_ARGUMENT, "order: by depth are answers only, not of a track, in formats up to NDJSON");
+        return fail(CONUS_ERROR_ARGUMENT, "order: by depth: only answers have it, in formats up to NDJSON, not tracks");
     }
     if (options->atlas && (foreign || !*options->atlas)) {
         return fail(CONUS_ERROR_ARGUMENT,

@@ -102,7 +102,7 @@ conus_status conus_report_text(const char **text, size_t *size, conus_report *re
 conus_status conus_report_take(const char **text, size_t *size, conus_report *report)
 {
     if (report->options.format == CONUS_FORMAT_JSON || report_is_of_probe(report->options.format)) {
-        return fail(CONUS_ERROR_ARGUMENT, "format: this one is one whole, NDJSON can be taken in parts");
+        return fail(CONUS_ERROR_ARGUMENT, "format: this one is written as a whole; NDJSON can be taken in parts");
     }
     conus_status status = hand_out(report, write_text(report), text, size);
     for (conus_report *of = report; of && !status; of = of->next) {

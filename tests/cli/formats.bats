@@ -104,7 +104,7 @@ contacts() {
         [ "$(jq -r .Batch.errors "merged.$format.json")" -eq 43 ]
     done
     fails 2 '--shard: a probe' batch slabs.nii.gz --poses probe.tsv --radius 4 --format spikeglx --shard 0/2
-    fails 2 '--summary: other programs' batch slabs.nii.gz --poses probe.tsv --radius 4 --format bids --summary
+    fails 2 '--summary: formats of other programs' batch slabs.nii.gz --poses probe.tsv --radius 4 --format bids --summary
 }
 
 @test "a batch in another program's format goes on where it was killed, and only as the same" {
@@ -128,7 +128,7 @@ contacts() {
 
 @test "a probe of a batch is what fits into one block" {
     contacts 70000
-    fails 2 'format: a probe is one whole, but these are contacts 1 to 65536, and there may be more' \
+    fails 2 'format: a probe is written as a whole, but these are contacts 1 to 65536, and there may be more' \
         batch slabs.nii.gz --poses probe.tsv --radius 1 --format open-ephys --quiet -o probe.txt
     [ ! -e probe.txt ]
     printf '0 9 0\n' >points.txt
@@ -221,7 +221,7 @@ PYTHON
     fails 2 'rows.json: --output ends in none of' batch slabs.nii.gz --poses poses.csv -o rows.json
     fails 2 'rows.txt: --output ends in none of' batch slabs.nii.gz --poses poses.csv -o rows.txt
     # shellcheck disable=SC2086
-    fails 2 '--voxels: voxels.csv ends as what it will not be: TSV is written' query $aim --voxels voxels.csv --voxels-of all
+    fails 2 'voxels.csv: --voxels writes TSV; end the name in .tsv' query $aim --voxels voxels.csv --voxels-of all
     nothing_left slabs.nii.gz slabs.tsv slabs.json poses.csv
     # shellcheck disable=SC2086
     answers query $aim --format csv -o answer.xlsx

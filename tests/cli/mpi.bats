@@ -379,7 +379,7 @@ END
         cmp "rows.$format" "ranks.$format"
     done
     ranks 2 sphere.nii.gz --poses probe.tsv --radius 3 --quiet --format spikeglx --block 8 -o short.txt 2>said && return 1 || [ $? -eq 2 ]
-    grep -q 'a probe is one whole, but these are contacts 1 to 128' said
+    grep -q 'a probe is written as a whole, but these are contacts 1 to 128' said
     [ ! -e short.txt ]
 }
 

@@ -71,7 +71,7 @@ shanks() {
 @test "what cannot be written is refused with a line" {
     u_shape
     fails 2 'ends in none of .tsv, .csv' query $AXIS --segments rows.xlsx
-    fails 2 "other programs' are not of segments" query $AXIS --segments - --format afni
+    fails 2 "formats of other programs hold no segments" query $AXIS --segments - --format afni
     fails 2 '--point and --segments exclude each other' query u-shape.nii.gz --point 0,0,0 --radius 2 --segments rows.tsv
     fails 2 'the same file' query $AXIS -o rows.tsv --segments rows.tsv
     fails 2 '--segments would overwrite' query $AXIS --segments u-shape.tsv
@@ -88,7 +88,7 @@ shanks() {
     fails 2 '--order has no effect without --output' batch u-shape.nii.gz --poses poses.tsv --segments rows.tsv --order depth
     fails 2 '--jobs and --segments exclude each other' batch --jobs poses.tsv --segments rows.tsv
     fails 2 'needs a file of poses, not standard input' batch u-shape.nii.gz --poses - -o a.tsv --segments b.tsv <poses.tsv
-    fails 2 "other programs' are not of segments" batch u-shape.nii.gz --poses poses.tsv --segments rows.txt --format bids
+    fails 2 "formats of other programs hold no segments" batch u-shape.nii.gz --poses poses.tsv --segments rows.txt --format bids
     [ ! -e rows.tsv ]
 }
 

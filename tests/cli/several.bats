@@ -203,7 +203,7 @@ struct.pack_into("<h", bytes, 252, 0)
 gzip.open("far.nii.gz", "wb").write(bytes)
 END
     run --separate-stderr conus batch ball.nii.gz --atlas far.nii.gz --poses poses.tsv
-    [[ "$stderr" == *"conus: note: ball and far do not overlap: they are hardly in one space"* ]]
+    [[ "$stderr" == *"conus: note: ball and far do not overlap: are they in one space?"* ]]
 }
 
 @test "bad input is one line" {
@@ -226,9 +226,9 @@ END
     fails 2 '--atlas and --deep exclude each other' \
         query ball.nii.gz --atlas slabs.nii.gz "${aim[@]}" --layers all --deep deep.exr
     for format in afni bids spikeglx open-ephys; do
-        fails 2 "--format: other programs' have no column for the atlas" \
+        fails 2 "--format: formats of other programs have no column for the atlas" \
             query ball.nii.gz --atlas slabs.nii.gz --pose poses.tsv --format "$format"
-        fails 2 "--format: other programs' have no column for the atlas" \
+        fails 2 "--format: formats of other programs have no column for the atlas" \
             batch ball.nii.gz --atlas slabs.nii.gz --poses poses.tsv --format "$format"
     done
     fails 2 '--output would overwrite the atlas slabs.nii.gz' \

@@ -201,17 +201,16 @@ static void add(conus_atlas *atlas, struct mesh mesh)
 }
 
 /* The share of a ball of 20 mm, `away` mm from the apex and `beside` off the axis, in n x n pixels. */
-static double share_of_ball(const conus_atlas *atlas, double away, double beside, double half, uint32_t n)
+static double share_of_ball(conus_selector *selector, double away, double beside, double half, uint32_t n)
 {
+    conus_selection *selection = NULL;
     struct cone cone = mesh_scene_cone((double[]){0, 0, 0}, (double[]){1, 2, 3}, 90, n);
     double m[16];
     memcpy(m, cone.pose.world_from_device, sizeof m);
     for (int a = 0; a < 3; a++) {
         cone.pose.world_from_device[12 + a] = away * (cos(beside) * m[8 + a] - sin(beside) * m[a]);
     }
-    cone.angle = 2 * half;
-    const conus_selector_options options = {.resolution = n};
-    conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
+    assert_ok(conus_select(&selection, selector, &cone.pose, 2 * half));
     double share = share_of(selection, 1);
     conus_selection_destroy(selection);
     return share;
@@ -222,20 +221,24 @@ static double share_of_ball(const conus_atlas *atlas, double away, double beside
  * it is. */
 static double error_of_ball(const conus_atlas *atlas, int first, int last, uint32_t n, double *most)
 {
+    const conus_selector_options options = {.resolution = n};
+    conus_selector *selector = NULL;
     uint64_t random = 5;
     double square = 0;
     int count = 0;
     *most = 0;
+    assert_ok(conus_selector_create(&selector, atlas, &options));
     for (int degrees = first; degrees <= last; degrees += 4) {
         for (int k = 0; k < 6; k++, count++) {
             double half = radians_from_degrees(degrees) / 2;
             double beside = test_random(&random, 0, half - MATH3_PI / 6); /* all of it is in the cone */
             double wanted = (1 - sqrt(3) / 2) / (1 - cos(half));
-            double off = share_of_ball(atlas, 40, beside, half, n) - wanted;
+            double off = share_of_ball(selector, 40, beside, half, n) - wanted;
             square += off * off;
             *most = fmax(*most, fabs(off));
         }
     }
+    conus_selector_destroy(selector);
     return sqrt(square / count);
 }
 
@@ -445,19 +448,16 @@ static void nothing_is_hit_outside_the_aperture(void **state)
 
 enum { POSES = 12 };
 
-/* The largest difference of a share between 16 x 16 and 512 x 512 pixels. */
-static double largest_difference(const conus_atlas *atlas, const conus_pose *pose, double degrees)
+/* The largest difference of a share between the two selectors' pixels. */
+static double largest_difference(conus_selector *const selectors[2], size_t objects, const conus_pose *pose,
+                                 double degrees)
 {
     conus_selection *selections[2];
     double most = 0;
     for (int fine = 0; fine < 2; fine++) {
-        conus_selector *selector = NULL;
-        const conus_selector_options options = {.resolution = fine ? 512 : 16};
-        assert_ok(conus_selector_create(&selector, atlas, &options));
-        assert_ok(conus_select(&selections[fine], selector, pose, radians_from_degrees(degrees)));
-        conus_selector_destroy(selector);
+        assert_ok(conus_select(&selections[fine], selectors[fine], pose, radians_from_degrees(degrees)));
     }
-    for (uint32_t object = 0; object <= conus_atlas_object_count(atlas); object++) {
+    for (uint32_t object = 0; object <= objects; object++) {
         most = fmax(most, fabs(share_of(selections[0], object) - share_of(selections[1], object)));
     }
     conus_selection_destroy(selections[0]);
@@ -477,10 +477,16 @@ static int ascending(const void *a, const void *b)
 static void few_pixels_say_what_many_do(void **state)
 {
     (void)state;
+    static const uint32_t resolutions[2] = {16, 512};
+    conus_selector *selectors[2];
     conus_atlas *atlas = NULL;
     conus_pose poses[POSES];
     uint64_t random = 17;
     assert_ok(conus_atlas_load(&atlas, test_mricron("aal.nii.gz"), NULL));
+    for (int fine = 0; fine < 2; fine++) {
+        const conus_selector_options options = {.resolution = resolutions[fine]};
+        assert_ok(conus_selector_create(&selectors[fine], atlas, &options));
+    }
     for (int p = 0; p < POSES; p++) {
         const double target[3] = {test_random(&random, -20, 20), test_random(&random, -40, 20),
                                   test_random(&random, -10, 30)};
@@ -494,7 +500,7 @@ static void few_pixels_say_what_many_do(void **state)
     for (size_t a = 0; a < sizeof angles / sizeof angles[0]; a++) {
         double worst[POSES];
         for (int p = 0; p < POSES; p++) {
-            worst[p] = largest_difference(atlas, &poses[p], angles[a]);
+            worst[p] = largest_difference(selectors, conus_atlas_object_count(atlas), &poses[p], angles[a]);
         }
         double first = worst[0];
         qsort(worst, POSES, sizeof *worst, ascending);
@@ -504,6 +510,8 @@ static void few_pixels_say_what_many_do(void **state)
         assert_true(worst[POSES / 2] < 0.02);
         assert_true(worst[POSES - 1] < 0.035);
     }
+    conus_selector_destroy(selectors[0]);
+    conus_selector_destroy(selectors[1]);
     conus_atlas_destroy(atlas);
 }
 

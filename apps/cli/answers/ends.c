@@ -21,7 +21,7 @@ int rows_file_init(struct rows_file *out, const char *option, conus_rows rows, c
                                  path, option);
     }
     if (out->format > CONUS_FORMAT_NDJSON) {
-        return print_usage_error("--format: other programs' are not of %s, table, tsv, csv, json and ndjson are",
+        return print_usage_error("--format: formats of other programs hold no %s; table, tsv, csv, json and ndjson do",
                                  option);
     }
     return answer_sidecar(&out->sidecar, out->format, &(struct answer_settings){.output = path});

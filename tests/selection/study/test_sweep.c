@@ -233,23 +233,27 @@ static void a_ball_is_admitted_at_its_tangent(void **state)
     conus_atlas *atlas = mesh_scene_atlas();
     struct mesh mesh = mesh_scene_sphere((double[]){0, 0, 0}, 20, 400, 800);
     mesh_scene_add(atlas, &mesh);
+    conus_selector *selector = NULL;
+    conus_sweep *sweep = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, NULL));
     for (int beside = 21; beside < 60; beside += 7) {
         conus_pose pose = pose_of((double[]){-100, beside, 0}, (double[]){1, 0, 0});
-        conus_sweep *sweep = sweep_of(atlas, NULL, &pose, 170);
         double wanted = 2 * (atan2(beside, 100) - asin(20 / hypot(beside, 100)));
+        assert_ok(conus_sweep_create(&sweep, selector, &pose, radians_from_degrees(170)));
         assert_near(find(sweep, 1)->angle, wanted, 1e-4);
         conus_sweep_destroy(sweep);
     }
     conus_pose through = pose_of((double[]){-100, 19, 0}, (double[]){1, 0, 0});
     conus_pose inside = pose_of((double[]){3, 4, 5}, (double[]){0, 0.6, 0.8});
-    conus_sweep *sweep = sweep_of(atlas, NULL, &through, 1);
+    assert_ok(conus_sweep_create(&sweep, selector, &through, radians_from_degrees(1)));
     assert_true(find(sweep, 1)->angle == 0);
     assert_near(find(sweep, 1)->distance, 100 - sqrt(400 - 19 * 19), 1); /* where the axis meets it, or leaves */
     conus_sweep_destroy(sweep);
-    sweep = sweep_of(atlas, NULL, &inside, 1);
+    assert_ok(conus_sweep_create(&sweep, selector, &inside, radians_from_degrees(1)));
     assert_true(find(sweep, 1)->angle == 0);
     assert_true(find(sweep, 1)->distance == 0); /* the apex is in it */
     conus_sweep_destroy(sweep);
+    conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
 
@@ -321,8 +325,6 @@ static void an_open_surface_does_not_hold_the_axis(void **state)
     conus_sweep_destroy(sweep);
     conus_atlas_destroy(atlas);
 }
-
-/* ---- */
 
 /* Voxel centres at x = -5, 0 and 5 and z = -20 and -10, seen from the origin along -z: 1 and 2 on the axis, 3 and 4
  * both at atan(5 / 10) to its sides. Of equal angles the nearer comes first, then the lower number. The widest cone

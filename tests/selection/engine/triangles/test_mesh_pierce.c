@@ -21,6 +21,24 @@ static conus_selection *select_all(const conus_atlas *atlas, const struct cone *
     return mesh_scene_select(atlas, &options, cone);
 }
 
+enum { SIDE = 8 };
+
+/* A selector of an atlas of which several poses are asked, in SIDE x SIDE pixels. */
+static conus_selector *selector_of_all(const conus_atlas *atlas)
+{
+    const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .resolution = SIDE};
+    conus_selector *selector = NULL;
+    assert_ok(conus_selector_create(&selector, atlas, &options));
+    return selector;
+}
+
+static conus_selection *select_by(conus_selector *selector, const struct cone *cone)
+{
+    conus_selection *selection = NULL;
+    assert_ok(conus_select(&selection, selector, &cone->pose, cone->angle));
+    return selection;
+}
+
 static void random_point(uint64_t *random, double out[3], double size)
 {
     for (int a = 0; a < 3; a++) {
@@ -378,23 +396,25 @@ static void compare_open(const conus_selection *selection, uint32_t pixel, uint3
 
 static void compare_poses(uint64_t *random, const conus_atlas *atlas, int poses, struct compared *tally)
 {
+    conus_selector *selector = selector_of_all(atlas);
     for (int k = 0; k < poses; k++) {
         double origin[3], target[3];
         random_point(random, origin, k % 2 ? 60 : 250);
         random_point(random, target, 40);
-        struct cone cone = mesh_scene_cone(origin, target, k % 2 ? 60 : 15, 8);
-        conus_selection *selection = select_all(atlas, &cone);
-        for (uint32_t i = 0; i < 64 * atlas->object_count; i++) {
-            uint32_t object = 1 + i / 64;
+        struct cone cone = mesh_scene_cone(origin, target, k % 2 ? 60 : 15, SIDE);
+        conus_selection *selection = select_by(selector, &cone);
+        for (uint32_t i = 0; i < SIDE * SIDE * atlas->object_count; i++) {
+            uint32_t object = 1 + i / (SIDE * SIDE);
             if (atlas_object_mesh(atlas, object)->shape.closed) {
-                compare_object(selection, i % 64, object, 100, tally);
+                compare_object(selection, i % (SIDE * SIDE), object, 100, tally);
             } else {
-                compare_open(selection, i % 64, object, tally);
+                compare_open(selection, i % (SIDE * SIDE), object, tally);
             }
         }
         compare_visible(selection);
         conus_selection_destroy(selection);
     }
+    conus_selector_destroy(selector);
 }
 
 static void the_brain_phantom_s_areas(void **state)
@@ -437,9 +457,9 @@ static void julich_brain_s_areas(void **state)
 
 /* The Allen atlas's meshes: every one bounds a solid, though most have edges with four triangles. From places inside
  * and beside each of them. */
-static void compare_allen(uint64_t *random, const conus_atlas *atlas, uint32_t object, struct compared *tally)
+static void compare_allen(uint64_t *random, conus_selector *selector, const struct mesh *mesh, uint32_t object,
+                          struct compared *tally)
 {
-    const struct mesh *mesh = atlas_object_mesh(atlas, object);
     for (int k = 0; k < 2; k++) {
         size_t vertex = mesh->triangles[3 * (size_t)test_random(random, 0, (double)mesh->triangle_count)];
         double origin[3], target[3];
@@ -447,9 +467,9 @@ static void compare_allen(uint64_t *random, const conus_atlas *atlas, uint32_t o
             origin[a] = (double)mesh->positions[3 * vertex + (size_t)a] + test_random(random, -0.1, 0.1);
             target[a] = test_random(random, mesh->shape.low[a], mesh->shape.high[a]);
         }
-        struct cone cone = mesh_scene_cone(origin, target, 60, 8);
-        conus_selection *selection = select_all(atlas, &cone);
-        for (uint32_t pixel = 0; pixel < 64; pixel++) {
+        struct cone cone = mesh_scene_cone(origin, target, 60, SIDE);
+        conus_selection *selection = select_by(selector, &cone);
+        for (uint32_t pixel = 0; pixel < SIDE * SIDE; pixel++) {
             compare_object(selection, pixel, object, 10, tally);
         }
         conus_selection_destroy(selection);
@@ -464,13 +484,16 @@ static void allen_areas(void **state)
     conus_atlas *atlas = NULL;
     assert_ok(conus_atlas_load(&atlas, test_shared("meshes/brainglobe-allen-ccf2017-subset"), NULL));
     size_t meshes = 0;
+    conus_selector *selector = selector_of_all(atlas);
     for (uint32_t object = 1; object <= atlas->object_count; object++) {
-        if (atlas_object_mesh(atlas, object)) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, object);
+        if (mesh) {
             meshes++;
-            assert_true(atlas_object_mesh(atlas, object)->shape.closed);
-            compare_allen(&random, atlas, object, &tally);
+            assert_true(mesh->shape.closed);
+            compare_allen(&random, selector, mesh, object, &tally);
         }
     }
+    conus_selector_destroy(selector);
     print_message("Allen: %zu areas; %zu rays x areas, %zu intervals, %zu from an apex inside, %zu at edges\n", meshes,
                   tally.rays, tally.intervals, tally.inside, tally.at_edges);
     assert_int_equal(meshes, 55);
