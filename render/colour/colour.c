@@ -108,7 +108,7 @@ static conus_status colour_upload_texels(const struct colour_volume *volume, str
     return gl_check("texels of a volume");
 }
 
-/* Copies the object numbers of `count` voxels from `at` on, each as so many bytes. */
+/* Copies the object numbers of `count` voxels from `at` on, `bytes` bytes each. */
 static void copy_numbers(void *out, const struct volume *volume, size_t bytes, size_t at, size_t count)
 {
     if (bytes == 1) {
@@ -190,7 +190,7 @@ static bool is_joint(const conus_atlas *atlas)
            (atlas_parcellation_count(atlas) && pathways_shown(atlas));
 }
 
-/* The field that colour_upload_objects() needs; empty where it depends on what is drawn. */
+/* The field that colour_upload_objects() needs; empty where the field depends on which areas are drawn. */
 static struct field_task colour_objects_task(const conus_atlas *atlas)
 {
     bool one = atlas_parcellation_count(atlas) && !is_joint(atlas);

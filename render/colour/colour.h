@@ -51,7 +51,7 @@ struct colour_pass {
     float *around;        /**< [around_count] opacities of the surfaces around the areas.                      */
     double (*content)[3]; /**< [content_count] world points around everything visible. */
     size_t content_count;
-    size_t object_points; /**< So many of them, the first ones, come from voxels. */
+    size_t object_points; /**< The first of them, which come from voxels. */
     uint8_t *drawn;       /**< [object_count + 1] of enum pathways_area: areas that are drawn beside pathways. */
 };
 

@@ -561,7 +561,7 @@ conus_status field_bricks(struct bricks *out, const struct field *field, const b
     return CONUS_OK;
 }
 
-/* Slabs of so many texels stay in the processor's cache. So many slabs are made ahead. */
+/* A slab of SLAB_TEXELS stays in the processor's cache. Up to SLABS of them are made ahead. */
 enum { SLAB_TEXELS = 1 << 17, SLABS = 16 };
 
 static size_t slice_of(const struct field *field)

@@ -48,7 +48,7 @@ static bool has_edge(const float *rgba, const struct target *target, struct tile
     return false;
 }
 
-static conus_status find_tiles(struct tiles *out, const float *rgba, const struct target *target)
+static conus_status find_edge_tiles(struct tiles *out, const float *rgba, const struct target *target)
 {
     size_t across = (target->width + TILE - 1) / TILE;
     size_t upward = (target->height + TILE - 1) / TILE;
@@ -103,7 +103,7 @@ static conus_status smooth_edges(float *rgba, const struct target *target, const
 {
     struct tiles tiles = {0};
     float *smooth = memory_raw((size_t)target->width * target->height, 4 * sizeof *smooth);
-    conus_status status = smooth ? find_tiles(&tiles, rgba, target) : CONUS_ERROR_MEMORY;
+    conus_status status = smooth ? find_edge_tiles(&tiles, rgba, target) : CONUS_ERROR_MEMORY;
     if (!status && tiles.count) {
         target_bind(target);
         target_clear(target);

@@ -17,54 +17,45 @@ enum { SAMPLE_LIMIT = 1 << 16, FILE_LIMIT = 1 << 20 };
 
 /* A preset; its values are relative. */
 struct transfer_preset {
-    const char *name, *description;
+    const char *name;
     conus_transfer_point points[8];
     size_t count;
 };
 
 static const struct transfer_preset presets[] = {
+    /* T1: a translucent shell, through which the areas show */
     {"brain",
-     "T1: a translucent shell, through which the areas show",
      {{0.12, {0.72, 0.66, 0.60, 0}},
       {0.25, {0.74, 0.68, 0.62, 0.035}},
       {0.45, {0.78, 0.72, 0.66, 0.025}},
       {0.65, {0.84, 0.79, 0.73, 0.010}},
       {1.00, {0.97, 0.95, 0.92, 0.008}}},
      5},
+    /* T1 without skull: the opaque surface of the brain */
     {"surface",
-     "T1 without skull: the opaque surface of the brain",
      {{0.28, {0.80, 0.70, 0.62, 0}},
       {0.42, {0.84, 0.74, 0.66, 0.7}},
       {0.70, {0.88, 0.80, 0.73, 0.95}},
       {1.00, {0.98, 0.95, 0.91, 0.98}}},
      4},
-    {"grey",
-     "every value in its own grey, brighter ones denser",
-     {{0.05, {0, 0, 0, 0}}, {0.30, {0.30, 0.30, 0.30, 0.01}}, {1.00, {1, 1, 1, 0.12}}},
-     3},
+    /* every value in its own grey, brighter ones denser */
+    {"grey", {{0.05, {0, 0, 0, 0}}, {0.30, {0.30, 0.30, 0.30, 0.01}}, {1.00, {1, 1, 1, 0.12}}}, 3},
+    /* values as heat, from thin dark red to dense yellow: probabilities */
     {"heat",
-     "values as heat, from thin dark red to dense yellow: probabilities",
      {{0.00, {0.45, 0.02, 0.03, 0}},
       {0.35, {0.85, 0.12, 0.03, 0.05}},
       {0.70, {1, 0.62, 0.05, 0.2}},
       {1.00, {1, 0.97, 0.75, 0.6}}},
      4},
-    {"bright",
-     "only the brightest tissue: white matter in T1, vessels in angiography, bone in CT",
-     {{0.78, {0.90, 0.86, 0.78, 0}}, {0.90, {0.95, 0.92, 0.85, 0.35}}, {1.00, {1, 0.99, 0.96, 0.9}}},
-     3},
+    /* only the brightest tissue: white matter in T1, vessels in angiography, bone in CT */
+    {"bright", {{0.78, {0.90, 0.86, 0.78, 0}}, {0.90, {0.95, 0.92, 0.85, 0.35}}, {1.00, {1, 0.99, 0.96, 0.9}}}, 3},
 };
 
-/* NULL past the last. */
-static const struct transfer_preset *find_preset(size_t index)
-{
-    return index < sizeof presets / sizeof *presets ? &presets[index] : NULL;
-}
+enum { PRESETS = sizeof presets / sizeof *presets };
 
 const char *conus_transfer_preset(size_t index)
 {
-    const struct transfer_preset *preset = find_preset(index);
-    return preset ? preset->name : NULL;
+    return index < PRESETS ? presets[index].name : NULL;
 }
 
 void transfer_finish(struct transfer *transfer)
@@ -179,9 +170,9 @@ conus_status transfer_copy(struct transfer *out, const conus_transfer_point *poi
 
 conus_status transfer_load(struct transfer *out, const char *name)
 {
-    for (size_t i = 0; find_preset(i); i++) {
-        if (strcmp(name, find_preset(i)->name) == 0) {
-            const struct transfer_preset *preset = find_preset(i);
+    for (size_t i = 0; i < PRESETS; i++) {
+        const struct transfer_preset *preset = &presets[i];
+        if (strcmp(name, preset->name) == 0) {
             struct transfer transfer = {.relative = true};
             for (size_t k = 0; k < preset->count; k++) {
                 if (append(&transfer, &preset->points[k])) {

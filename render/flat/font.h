@@ -11,7 +11,7 @@ struct font;
 conus_status font_create(struct font **out);
 void font_destroy(struct font *font);
 
-/** Width in pixels of @p text (UTF-8; what is not becomes U+FFFD) at @p size pixels per em. */
+/** Width in pixels of @p text (UTF-8; other bytes become U+FFFD) at @p size pixels per em. */
 double font_width(struct font *font, double size, const char *text);
 
 /** Draws @p text from @p x on, its baseline at @p y (coordinates and colour as in draw.h). */

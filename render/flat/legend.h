@@ -23,7 +23,7 @@ struct legend {
     const char *header[LEGEND_DETAILS]; /**< Those of the detail columns; all NULL = no header. */
     const struct legend_row *rows;
     size_t count;
-    size_t tail; /**< So many last rows are shown even if there is no space for all: a key. */
+    size_t tail; /**< The last rows, which are shown even if there is no space for all: a key. */
     enum legend_corner corner;
     const double *at; /**< Left and top, pixels, in place of a corner; NULL = the corner.                           */
     const float *ink; /**< Linear colour and opacity of its letters where it has no panel; NULL = a dark panel.     */

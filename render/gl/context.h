@@ -23,7 +23,7 @@ struct gl_current {
     EGLenum api;
 };
 
-/** Makes a context; it is not current afterwards. What the driver has to say about our calls (KHR_debug) goes to
+/** Makes a context; it is not current afterwards. The driver's messages about our calls (KHR_debug) go to
  * @p log, one line each; NULL asks for no such messages. CONUS_ERROR_GL: the message says what was tried. */
 conus_status gl_context_create(struct gl_context **out, conus_log log, void *log_user);
 

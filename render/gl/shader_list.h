@@ -27,7 +27,7 @@ struct shader_list_job {
     GLuint binding;
     /** Draws pixels number @p first to @p end - 1; nothing else may write to the list. */
     conus_status (*draw)(void *user, uint32_t first, uint32_t end);
-    /** Takes what these pixels appended: any order, but that of each shader's own. */
+    /** Takes the records of these pixels in any order; those of one shader keep theirs. */
     conus_status (*take)(void *user, const void *records, uint32_t count);
     void *user;
     uint32_t pixels;    /**< Number of pixels.                                  */

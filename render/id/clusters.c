@@ -169,8 +169,8 @@ static void add_clusters(struct clusters *clusters, size_t mesh, uint32_t object
     clusters->first_cluster[mesh + 1] = next;
 }
 
-static conus_status reserve(struct clusters *clusters, struct scratch *scratch, const struct mesh *const *meshes,
-                            size_t count)
+static conus_status reserve_clusters(struct clusters *clusters, struct scratch *scratch,
+                                     const struct mesh *const *meshes, size_t count)
 {
     size_t mesh_count = 0, cluster_count = 0, triangles = 0, vertices = 0;
     size_t most_triangles = 0, most_vertices = 0; /* of one mesh */
@@ -211,7 +211,7 @@ conus_status clusters_init(struct clusters *out, const struct mesh *const *meshe
 {
     struct clusters clusters = {0};
     struct scratch scratch = {0};
-    conus_status status = reserve(&clusters, &scratch, meshes, count);
+    conus_status status = reserve_clusters(&clusters, &scratch, meshes, count);
     for (size_t i = 0; i < count && !status; i++) {
         if (meshes[i]) {
             for (size_t t = 0; t < meshes[i]->triangle_count; t++) {

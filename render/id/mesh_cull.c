@@ -11,8 +11,7 @@
 /* Relative error of distances that comparisons allow for. */
 #define ROUNDING 1e-9
 
-/* The buffer is divided into at most so many tiles a side. */
-enum { TILE_LIMIT = 16, MESH = 1 };
+enum { TILE_LIMIT = 16 }; /* tiles along a side of the buffer, at most */
 
 /* An entry of the heap: a mesh, or a cluster of one. */
 struct waiting {
@@ -246,7 +245,7 @@ void mesh_cull_begin(struct mesh_cull *cull, const struct mesh_view *view)
         struct seen ball =
             see(cull, clusters->ball[0][i], clusters->ball[1][i], clusters->ball[2][i], clusters->ball[3][i]);
         if (is_in_pyramid(cull, &ball)) {
-            cull->heap[cull->count++] = (struct waiting){key_of(cull, nearest_of(cull, &ball)), (uint32_t)i, MESH};
+            cull->heap[cull->count++] = (struct waiting){key_of(cull, nearest_of(cull, &ball)), (uint32_t)i, true};
         }
     }
     for (size_t i = cull->count / 2; i > 0; i--) {
@@ -307,7 +306,7 @@ size_t mesh_cull_batch(const uint32_t **out, struct mesh_cull *cull, size_t tria
                     struct seen cluster = see_cluster(cull, (uint32_t)i);
                     double distance = nearest_of(cull, &cluster);
                     if (is_in_pyramid(cull, &cluster) && is_open(cull, &cluster, distance)) {
-                        push_waiting(cull, (struct waiting){key_of(cull, distance), (uint32_t)i, 0});
+                        push_waiting(cull, (struct waiting){key_of(cull, distance), (uint32_t)i, false});
                     }
                 }
             }

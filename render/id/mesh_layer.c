@@ -32,8 +32,8 @@ struct mesh_layer {
     GLuint vertices, vertex_buffer, index_buffer;
     size_t part_count;
     struct part *parts;   /* [part_count] */
-    GLsizei *counts;      /* [part_count] The parts that are drawn, one after the other: Mesa 22.3 draws nothing */
-    const void **offsets; /* behind an empty one.                                                                   */
+    GLsizei *counts;      /* [part_count] The drawn parts, without gaps: Mesa 22.3 draws nothing behind one. */
+    const void **offsets; /* [part_count] Likewise. */
     GLsizei drawn_count;
     bool *shown; /* [part_count] Parts that are not hidden. */
     struct target target;
@@ -242,7 +242,7 @@ void mesh_layer_destroy(struct mesh_layer *layer)
     }
 }
 
-static conus_status resize(struct target *target, uint32_t width, uint32_t height)
+static conus_status resize_target(struct target *target, uint32_t width, uint32_t height)
 {
     static const struct target_attachment attachments[] = {
         {"surface", TARGET_FLOAT4}, {"object", TARGET_UINT}, {"depth", TARGET_DEPTH}};
@@ -342,7 +342,7 @@ static conus_status resize_peels(struct mesh_layer *layer, const struct mesh_lay
 {
     const struct target *peeled = &layer->peeled;
     bool same = peeled->width == view->width && peeled->height == view->height && layer->peel_capacity >= count;
-    conus_status status = resize(&layer->peeled, view->width, view->height);
+    conus_status status = resize_target(&layer->peeled, view->width, view->height);
     if (!status && !same) {
         const GLuint textures[] = {layer->peels.surface, layer->peels.object};
         glDeleteTextures(2, textures);
@@ -387,7 +387,7 @@ static conus_status draw_peels(struct mesh_layer *layer, const struct mesh_layer
 
 conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_view *view)
 {
-    conus_status status = resize(&layer->target, view->width, view->height);
+    conus_status status = resize_target(&layer->target, view->width, view->height);
     if (status) {
         return status;
     }

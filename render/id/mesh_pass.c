@@ -20,11 +20,11 @@ enum { FIRST_CAPACITY = 6, CAPACITY_STEP = 8 };
 enum { BATCH = 4096, SOFTWARE_BATCH = 1024, PIERCE_BATCH = 65536, FIRST_HITS = 1024 };
 
 /* llvmpipe keeps triangles until it rasterises, in memory that it returns to the system afterwards. By page faults
- * thousands of them cost two to three times as much each as hundreds. So it is made to begin after that many. */
+ * thousands of them cost two to three times as much each as hundreds. So it is made to begin after SOFTWARE_PORTION. */
 enum { SOFTWARE_PORTION = 1024 };
 
-/* Queries are under way side by side as long as their culling takes no more than so many bytes, and are drawn and read
- * at once as long as their pixels do not. */
+/* Queries are under way side by side while their culling takes at most SLOT_MEMORY bytes. They are drawn and read at
+ * once while their pixels take at most PIXEL_MEMORY bytes. */
 enum { SLOT_LIMIT = 256, SLOT_MEMORY = 1 << 28, PIXEL_MEMORY = 1 << 24 };
 
 /* A query under way. */
@@ -160,7 +160,7 @@ static conus_status upload_triangles(struct mesh_pass *pass, uint64_t *memory_le
     return gl_check("meshes");
 }
 
-/* Makes slots for @p wanted queries, or as many as are allowed. */
+/* Makes slots for `wanted` queries, or as many as are allowed. */
 static conus_status make_slots(struct mesh_pass *pass, size_t wanted)
 {
     conus_status status = CONUS_OK;
@@ -171,7 +171,7 @@ static conus_status make_slots(struct mesh_pass *pass, size_t wanted)
     return status;
 }
 
-static conus_status reserve(struct mesh_pass *pass, const struct mesh *const *meshes, size_t count)
+static conus_status allocate_pass(struct mesh_pass *pass, const struct mesh *const *meshes, size_t count)
 {
     const struct mesh **copy = memory_raw(count, sizeof(void *));
     if (!copy) {
@@ -203,7 +203,7 @@ conus_status mesh_pass_create(struct mesh_pass **out, const struct mesh *const *
     if (!pass) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status = reserve(pass, meshes, count);
+    conus_status status = allocate_pass(pass, meshes, count);
     status = status ? status : create_first(pass, FIRST_CAPACITY);
     status = status ? status : upload_triangles(pass, memory_left);
     if (status) {
@@ -250,13 +250,13 @@ static uint32_t *pixel_at(const struct mesh_pass *pass, size_t place, size_t pix
     return pass->pixels + (place * pixel_count(pass) + pixel) * (2 + (size_t)pass->capacity);
 }
 
-/* Bytes of the pixels of so many slots. */
+/* Bytes of the pixels of `slots` slots. */
 static size_t pixels_size(const struct mesh_pass *pass, size_t slots)
 {
     return slots * pixel_count(pass) * (2 + (size_t)pass->capacity) * sizeof *pass->pixels;
 }
 
-/* Reserves pixels of so many slots, or as many as are allowed. */
+/* Reserves the pixels of `slots` slots, or of as many as are allowed. */
 static conus_status make_pixels(struct mesh_pass *pass, size_t slots)
 {
     size_t fitting = PIXEL_MEMORY / pixels_size(pass, 1);
@@ -275,7 +275,7 @@ static conus_status make_pixels(struct mesh_pass *pass, size_t slots)
     return gl_check("pixels");
 }
 
-static conus_status resize(struct mesh_pass *pass, uint32_t resolution)
+static conus_status set_resolution(struct mesh_pass *pass, uint32_t resolution)
 {
     if (pass->target.width == resolution) {
         return CONUS_OK;
@@ -442,7 +442,7 @@ static conus_status settle_batches(struct mesh_pass *pass, struct slot *slots, s
 conus_status mesh_pass_render(struct mesh_pass *pass, const struct mesh_query *queries, size_t count)
 {
     struct queue queue = {queries, queries + count};
-    conus_status status = count ? resize(pass, queries->view.resolution) : CONUS_OK;
+    conus_status status = count ? set_resolution(pass, queries->view.resolution) : CONUS_OK;
     status = status ? status : make_slots(pass, count);
     size_t slots = count < pass->slot_count ? count : pass->slot_count;
     if (!status && pass->pixel_slots < slots) {
@@ -503,7 +503,7 @@ conus_status mesh_pass_pierce(struct mesh_pass *pass, const struct mesh_view *vi
     size_t countable = UINT32_MAX / pixels - CLUSTER_TRIANGLES; /* at once for all pixels, see shader_list.h */
     size_t triangles = countable < PIERCE_BATCH ? countable : PIERCE_BATCH;
     conus_status status = pass->all.program ? CONUS_OK : create_all(pass);
-    status = status ? status : resize(pass, view->resolution);
+    status = status ? status : set_resolution(pass, view->resolution);
     struct mesh_cull *cull = pass->slots[0].cull;
     mesh_cull_begin(cull, view);
     mesh_cull_hide(cull, NULL);

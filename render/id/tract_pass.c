@@ -133,7 +133,8 @@ enum { NEAREST_BUFFER, HIT_BUFFER };
 enum { BOX_CORNERS = 4, BOX_INDICES = 6, RAY_TEXELS = 2, FIRST_HITS = 4096 };
 /* Runs of a batch. On a GPU each batch is waited for. */
 enum { BATCH = 16384, SOFTWARE_BATCH = 1024 };
-/* Queries are under way side by side as long as they have no more pixels, and their culling takes no more bytes. */
+/* Queries are under way side by side while they have at most SLOT_PIXELS pixels, and their culling takes at most
+ * SLOT_MEMORY bytes. */
 enum { SLOT_LIMIT = 256, SLOT_PIXELS = 1 << 18, SLOT_MEMORY = 1 << 28 };
 
 /* Leaves whose vertices' numbers, which are signed, do not overflow. */

@@ -31,7 +31,7 @@ conus_status tract_clusters_init(struct clusters *out, const struct tract_source
 /** Bytes of the leaves' texels. */
 uint64_t tract_texels_size(const struct tractogram *tractogram);
 
-/** The texels of the leaf @p number: what is not shown has a 0 where others have TRACT_SHOWN. */
+/** The texels of the leaf @p number; hidden runs have 0 where others have TRACT_SHOWN. */
 void tract_texels_fill(uint32_t out[TRACT_LEAF_TEXELS][4], const struct tract_source *source, size_t number);
 enum { TRACT_SHOWN = 1 << 24 };
 
@@ -58,7 +58,7 @@ struct tract_proposal {
 /** Receives proposals, those of near leaves before those of far ones. */
 typedef conus_status (*tract_pass_take)(void *user, const struct tract_proposal *proposal);
 
-/** Whether the driver takes so many, within @p memory_left. */
+/** Whether the driver takes all @p sources, within @p memory_left. */
 bool tract_pass_fits(const struct tract_source *sources, size_t count, uint64_t memory_left);
 
 /** Uploads the runs of tractograms, which must outlive the pass; @p sources is copied, but `shown` need not live on.

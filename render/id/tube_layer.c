@@ -158,8 +158,8 @@ uint32_t tube_colour(const struct tube_colouring *colouring, const struct tracto
 
 #define TUBE_BALL 0x20000000U /* as in tube.vert.glsl */
 
-/* Streamlines are taken in so many turns, a prime, so that no order of a file repeats with them. Each turn begins a
- * golden section of them behind the one before. */
+/* Streamlines are taken in TURNS turns, a prime, so that no order of a file repeats with them. Each turn begins
+ * SECTION, a golden section of them, behind the one before. */
 enum { TURNS = 67, SECTION = 41 };
 
 /* Instances that are drawn before the listener may cancel. */
@@ -184,7 +184,7 @@ struct tube_layer {
 };
 
 /* Many files have a point every tenth of a millimetre. Points are left out where the straight line past them stays
- * within so many radii and is no longer than so many: the form and the colours do not suffer. */
+ * within FLATNESS radii and is no longer than LONGEST radii: the form and the colours do not suffer. */
 static const double FLATNESS = 0.04;
 static const double LONGEST = 4;
 

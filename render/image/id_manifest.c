@@ -13,8 +13,8 @@ enum {
     LIFETIME_STABLE = 2,
     STORE_U32 = 1,
     STORE_VARINT = 2,
-    LONG_TEXT = 255,          /* what follows a longer one counts shared bytes in two bytes */
-    SHARED_LIMIT = 65535,     /* which hold no more than this */
+    LONG_TEXT = 255,          /* the text after a longer one counts shared bytes in two bytes */
+    SHARED_LIMIT = 65535,     /* the most that two bytes hold */
     SIZE_LIMIT = 1 << 30,     /* readers count in 32 bits */
     VARINT_CLASS_LIMIT = 128, /* the largest rank of one byte, and each further byte makes it 128 times as large */
 };
