@@ -508,25 +508,19 @@ const struct key *keys_row(size_t index)
     return index < KEYS ? &keys[index] : NULL;
 }
 
-/* Writes a key as it stands on the keyboard: "ctrl+o" as Ctrl+O. */
-static void write_key(char out[KEY_LIMIT], const char *key)
-{
-    bool first = true;
-    size_t used = 0;
-    for (; key[used] && used + 1 < KEY_LIMIT; used++) {
-        bool is_small = key[used] >= 'a' && key[used] <= 'z';
-        out[used] = (char)(key[used] + (first && is_small ? 'A' - 'a' : 0));
-        first = key[used] == '+';
-    }
-    out[used] = '\0';
-}
-
 const char *keys_shown(char out[KEY_LIMIT], const struct key *key)
 {
     if (key->shown) {
         return key->shown;
     }
-    write_key(out, key->key);
+    bool first = true; /* "ctrl+o" is Ctrl+O */
+    size_t used = 0;
+    for (; key->key[used] && used + 1 < KEY_LIMIT; used++) {
+        bool is_small = key->key[used] >= 'a' && key->key[used] <= 'z';
+        out[used] = (char)(key->key[used] + (first && is_small ? 'A' - 'a' : 0));
+        first = key->key[used] == '+';
+    }
+    out[used] = '\0';
     return out;
 }
 
@@ -638,22 +632,6 @@ bool keys_press(struct window *window, const char *key)
     return false;
 }
 
-/* In two columns where there is room. */
-static void show_keys(float at)
-{
-    for (size_t i = 0; i < KEYS; i++) {
-        char text[KEY_LIMIT];
-        if (keys[i].help) {
-            ui_text_coloured(theme_texts[THEME_AMBER], "%s", keys_shown(text, &keys[i]));
-            ui_same_line_at(at);
-            ui_text_wrapped(keys[i].help);
-        }
-        if (keys[i].ends_column) {
-            ui_next_column();
-        }
-    }
-}
-
 void keys_draw_help(struct window *window)
 {
     bool is_wide = (float)window->screen.width >= 1240 * window->screen.scale;
@@ -664,7 +642,17 @@ void keys_draw_help(struct window *window)
                              width, height},
              UI_IN_FRONT);
     ui_columns(is_wide ? 2 : 1);
-    show_keys(120 * window->screen.scale);
+    for (size_t i = 0; i < KEYS; i++) {
+        char text[KEY_LIMIT];
+        if (keys[i].help) {
+            ui_text_coloured(theme_texts[THEME_AMBER], "%s", keys_shown(text, &keys[i]));
+            ui_same_line_at(120 * window->screen.scale);
+            ui_text_wrapped(keys[i].help);
+        }
+        if (keys[i].ends_column) {
+            ui_next_column();
+        }
+    }
     ui_columns(1);
     ui_separator();
     ui_text_wrapped(

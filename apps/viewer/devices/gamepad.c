@@ -40,18 +40,6 @@ static void move(const struct gamepad *gamepad, const struct gamepad_reading *re
     out->widen = wider != 0 ? exp2(wider * seconds / doubling_s) : 0;
 }
 
-static void say(const struct gamepad *gamepad, const struct gamepad_reading *reading, struct source_news *out)
-{
-    if (reading->presence == GAMEPAD_THERE) {
-        out->state = SOURCE_WELL;
-        return;
-    }
-    out->state = SOURCE_ABSENT;
-    out->text = reading->presence == GAMEPAD_UNKNOWN ? "a joystick of unknown layout"
-                : gamepad->was_there                 ? "the gamepad is unplugged"
-                                                     : "no gamepad is plugged in";
-}
-
 static bool ask(struct source *source, double now_s, struct source_news *out, double said[SOURCE_VALUES])
 {
     struct gamepad *gamepad = (struct gamepad *)source;
@@ -59,11 +47,15 @@ static bool ask(struct source *source, double now_s, struct source_news *out, do
     double seconds = fmin(fmax(now_s - gamepad->asked_s, 0), longest_s);
     gamepad->asked_s = now_s;
     gamepad->read(&reading);
-    say(gamepad, &reading, out);
     if (reading.presence != GAMEPAD_THERE) {
+        out->state = SOURCE_ABSENT;
+        out->text = reading.presence == GAMEPAD_UNKNOWN ? "a joystick of unknown layout"
+                    : gamepad->was_there                ? "the gamepad is unplugged"
+                                                        : "no gamepad is plugged in";
         gamepad->pressed = 0;
         return false;
     }
+    out->state = SOURCE_WELL;
     const double values[] = {reading.left[0],     reading.left[1],     reading.right[0], reading.right[1],
                              reading.triggers[0], reading.triggers[1], reading.up,       reading.down};
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {
@@ -82,29 +74,25 @@ void gamepad_init(struct gamepad *out, void (*read)(struct gamepad_reading *read
     *out = (struct gamepad){.source.ask = ask, .read = read};
 }
 
-static void take(struct gamepad_reading *out, const GLFWgamepadstate *state)
-{
-    const unsigned char *buttons = state->buttons;
-    *out = (struct gamepad_reading){
-        .presence = GAMEPAD_THERE,
-        .left = {(double)state->axes[GLFW_GAMEPAD_AXIS_LEFT_X], (double)state->axes[GLFW_GAMEPAD_AXIS_LEFT_Y]},
-        .right = {(double)state->axes[GLFW_GAMEPAD_AXIS_RIGHT_X], (double)state->axes[GLFW_GAMEPAD_AXIS_RIGHT_Y]},
-        .triggers = {(1 + (double)state->axes[GLFW_GAMEPAD_AXIS_LEFT_TRIGGER]) / 2,
-                     (1 + (double)state->axes[GLFW_GAMEPAD_AXIS_RIGHT_TRIGGER]) / 2},
-        .up = buttons[GLFW_GAMEPAD_BUTTON_RIGHT_BUMPER],
-        .down = buttons[GLFW_GAMEPAD_BUTTON_LEFT_BUMPER],
-        .pressed = (buttons[GLFW_GAMEPAD_BUTTON_A] ? SOURCE_HOLD : 0U) |
-                   (buttons[GLFW_GAMEPAD_BUTTON_B] ? SOURCE_RESET : 0U) |
-                   (buttons[GLFW_GAMEPAD_BUTTON_X] ? SOURCE_CONFIRM : 0U)};
-}
-
 void gamepad_read(struct gamepad_reading *out)
 {
     GLFWgamepadstate state;
     *out = (struct gamepad_reading){.presence = GAMEPAD_NONE};
     for (int joystick = GLFW_JOYSTICK_1; joystick <= GLFW_JOYSTICK_LAST; joystick++) {
         if (glfwJoystickIsGamepad(joystick) && glfwGetGamepadState(joystick, &state)) {
-            take(out, &state);
+            const float *axes = state.axes;
+            const unsigned char *buttons = state.buttons;
+            *out = (struct gamepad_reading){
+                .presence = GAMEPAD_THERE,
+                .left = {(double)axes[GLFW_GAMEPAD_AXIS_LEFT_X], (double)axes[GLFW_GAMEPAD_AXIS_LEFT_Y]},
+                .right = {(double)axes[GLFW_GAMEPAD_AXIS_RIGHT_X], (double)axes[GLFW_GAMEPAD_AXIS_RIGHT_Y]},
+                .triggers = {(1 + (double)axes[GLFW_GAMEPAD_AXIS_LEFT_TRIGGER]) / 2,
+                             (1 + (double)axes[GLFW_GAMEPAD_AXIS_RIGHT_TRIGGER]) / 2},
+                .up = buttons[GLFW_GAMEPAD_BUTTON_RIGHT_BUMPER],
+                .down = buttons[GLFW_GAMEPAD_BUTTON_LEFT_BUMPER],
+                .pressed = (buttons[GLFW_GAMEPAD_BUTTON_A] ? SOURCE_HOLD : 0U) |
+                           (buttons[GLFW_GAMEPAD_BUTTON_B] ? SOURCE_RESET : 0U) |
+                           (buttons[GLFW_GAMEPAD_BUTTON_X] ? SOURCE_CONFIRM : 0U)};
             return;
         }
         if (glfwJoystickPresent(joystick)) {

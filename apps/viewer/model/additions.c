@@ -157,17 +157,6 @@ static void describe_streamlines(json_t *entry, struct taken *taken, const conus
     }
 }
 
-/* Bands of a volume follow each other. */
-static void put_pathways(json_t *entry, const conus_atlas *atlas, size_t volume)
-{
-    for (size_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
-        const conus_object *object = conus_atlas_object(atlas, number);
-        if (object->kind == CONUS_KIND_PATHWAY && object->volume == volume) {
-            put_numbers(entry, number, 1);
-        }
-    }
-}
-
 /* In a 4-D file it is the volume that ",volume=K" names, or the first. */
 static void describe_volume(json_t *entry, struct taken *taken, const conus_atlas *atlas, conus_role role,
                             const char *value, const char *path)
@@ -177,14 +166,19 @@ static void describe_volume(json_t *entry, struct taken *taken, const conus_atla
     uint64_t index = named ? strtoull(named + sizeof key - 1, NULL, 10) : 0;
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
-        if (!taken->volumes[i] && info->role == role && info->volume == index && paths_equal(info->path, path)) {
-            taken->volumes[i] = true;
-            put_sum(entry, info->sha256, path);
-            if (role == CONUS_ROLE_SCALAR) {
-                put_pathways(entry, atlas, i);
-            }
-            return;
+        if (taken->volumes[i] || info->role != role || info->volume != index || !paths_equal(info->path, path)) {
+            continue;
         }
+        taken->volumes[i] = true;
+        put_sum(entry, info->sha256, path);
+        size_t objects = role == CONUS_ROLE_SCALAR ? conus_atlas_object_count(atlas) : 0;
+        for (size_t number = 1; number <= objects; number++) { /* bands of a volume follow each other */
+            const conus_object *object = conus_atlas_object(atlas, number);
+            if (object->kind == CONUS_KIND_PATHWAY && object->volume == i) {
+                put_numbers(entry, number, 1);
+            }
+        }
+        return;
     }
 }
 

@@ -247,12 +247,6 @@ static double value_of(const struct viewer *viewer, const struct view_atlas *vie
     }
 }
 
-/* As conus query's table: a hundredth of a mm, but a tenth of a micrometre. */
-static int digits_of(const struct viewer *viewer, const struct column *of)
-{
-    return of->kind != PLACE ? of->digits : viewer->frame.space == CONUS_SPACE_CCF ? 1 : 2;
-}
-
 const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *view,
                         size_t column, const conus_result *result)
 {
@@ -264,7 +258,9 @@ const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, cons
     double value = value_of(viewer, view, of, result);
     if (isfinite(value)) {
         bool is_part = of->kind == PART;
-        snprintf(out, RESULT_TEXT, "%.*f%s", digits_of(viewer, of), is_part ? 100 * value : value, is_part ? " %" : "");
+        /* As conus query's table: a hundredth of a mm, but a tenth of a micrometre. */
+        int digits = of->kind != PLACE ? of->digits : viewer->frame.space == CONUS_SPACE_CCF ? 1 : 2;
+        snprintf(out, RESULT_TEXT, "%.*f%s", digits, is_part ? 100 * value : value, is_part ? " %" : "");
     } else {
         snprintf(out, RESULT_TEXT, "-");
     }
@@ -320,28 +316,20 @@ static int compare_rows(const void *left, const void *right)
     return order ? order : (a->index > b->index) - (a->index < b->index);
 }
 
-static struct row row_of(const struct viewer *viewer, const struct view_atlas *view, const conus_selection *selection,
-                         size_t index)
-{
-    const struct column *of = &columns[viewer->list.order];
-    const conus_result *result = conus_selection_result(selection, index);
-    struct row row = {.index = index, .value = NAN, .is_unassigned = !result->object};
-    if (result_is_text(viewer->list.order)) {
-        row.text = text_of(view, of, result);
-    } else {
-        row.value = value_of(viewer, view, of, result);
-    }
-    row.falls = of->falls != viewer->list.reversed;
-    return row;
-}
-
 size_t *result_order(const struct viewer *viewer, const struct view_atlas *view, const conus_selection *selection)
 {
+    const struct column *of = &columns[viewer->list.order];
     size_t count = conus_selection_count(selection);
     struct row *rows = calloc(count + 1, sizeof *rows);
     size_t *order = calloc(count + 1, sizeof *order);
     for (size_t i = 0; rows && order && i < count; i++) {
-        rows[i] = row_of(viewer, view, selection, i);
+        const conus_result *result = conus_selection_result(selection, i);
+        bool is_text = result_is_text(viewer->list.order);
+        rows[i] = (struct row){.index = i,
+                               .text = is_text ? text_of(view, of, result) : NULL,
+                               .value = is_text ? NAN : value_of(viewer, view, of, result),
+                               .is_unassigned = !result->object,
+                               .falls = of->falls != viewer->list.reversed};
     }
     if (rows && order) {
         qsort(rows, count, sizeof *rows, compare_rows);

@@ -56,17 +56,6 @@ void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, u
     }
 }
 
-/* By a pixel to each side, above and below. */
-static void grow(uint8_t *out, const uint8_t *mask, uint32_t width, uint32_t height)
-{
-    for (uint32_t y = 0; y < height; y++) {
-        for (uint32_t x = 0; x < width; x++) {
-            size_t pixel = (size_t)y * width + x;
-            out[pixel] = mask[pixel] || is_edge(mask, width, height, x, y);
-        }
-    }
-}
-
 uint8_t *outline_cut(struct outline_top *top, const uint8_t *rgba, const uint32_t *objects, uint32_t width,
                      uint32_t height, const bool *wanted)
 {
@@ -84,7 +73,12 @@ uint8_t *outline_cut(struct outline_top *top, const uint8_t *rgba, const uint32_
         mask[pixel] = wanted[objects[pixel]];
     }
     find_top(top, mask, width, height);
-    grow(mask + pixels, mask, width, height);
+    for (uint32_t y = 0; y < height; y++) { /* grown by a pixel to each side, above and below */
+        for (uint32_t x = 0; x < width; x++) {
+            size_t pixel = (size_t)y * width + x;
+            mask[pixels + pixel] = mask[pixel] || is_edge(mask, width, height, x, y);
+        }
+    }
     outline_draw(copy, &grown, mask + pixels, width, height);
     for (uint32_t y = 0; y < height; y++) { /* a pixel to each side of the edge */
         for (uint32_t x = 0; x < width; x++) {

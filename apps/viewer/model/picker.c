@@ -22,17 +22,6 @@ struct context_ray {
     double thinned; /* what the fade leaves of it */
 };
 
-static bool context_ray_init(struct context_ray *out, const struct viewer *viewer)
-{
-    *out = (struct context_ray){.atlas = viewer->drawn->atlas,
-                                .volume = view_atlas_context(viewer->drawn),
-                                .thinned = 1 - viewer->display.fade};
-    if (out->volume < conus_atlas_volume_count(viewer->drawn->atlas) && viewer->painter) {
-        out->count = painter_transfer(viewer->painter, out->points, EDITOR_POINTS);
-    }
-    return out->count > 0;
-}
-
 /* Opacity of 1 mm at a grey value. */
 static double opacity_of(const struct context_ray *context_ray, double value)
 {
@@ -68,8 +57,13 @@ static double depth_of(const struct context_ray *context_ray, const double origi
 static double depth_of_surface(const struct viewer *viewer, const double origin[3], const double along[3], double most)
 {
     static const double dark = 0.1, half = 0.5;
-    struct context_ray context_ray;
-    bool hides = context_ray_init(&context_ray, viewer) && depth_of(&context_ray, origin, along, most, dark) < most;
+    struct context_ray context_ray = {.atlas = viewer->drawn->atlas,
+                                      .volume = view_atlas_context(viewer->drawn),
+                                      .thinned = 1 - viewer->display.fade};
+    if (context_ray.volume < conus_atlas_volume_count(viewer->drawn->atlas) && viewer->painter) {
+        context_ray.count = painter_transfer(viewer->painter, context_ray.points, EDITOR_POINTS);
+    }
+    bool hides = context_ray.count > 0 && depth_of(&context_ray, origin, along, most, dark) < most;
     return hides ? depth_of(&context_ray, origin, along, most, half) : INFINITY;
 }
 
@@ -99,13 +93,6 @@ static bool is_hit(const struct view_atlas *view, uint32_t number)
     return false;
 }
 
-/* Areas of voxels would hide pathways and bundles: where there are any, the picture has the areas that are hit. */
-static bool is_drawn(const struct view_atlas *view, uint32_t number)
-{
-    const conus_object *object = conus_atlas_object(view->atlas, number);
-    return object->kind != CONUS_KIND_AREA || object->triangles > 0 || !has_pathways(view) || is_hit(view, number);
-}
-
 /* How far it is to the first that is drawn; INFINITY and 0 where there is none. */
 static double find_first(uint32_t *object, struct view_atlas *view, const conus_pose *pose)
 {
@@ -118,8 +105,11 @@ static double find_first(uint32_t *object, struct view_atlas *view, const conus_
     }
     const conus_interval *intervals = conus_selection_intervals(&count, selection);
     for (size_t i = 0; i < count && !*object; i++) {
-        if (is_drawn(view, intervals[i].object)) {
-            *object = intervals[i].object;
+        /* Areas of voxels would hide pathways and bundles: where these are, the picture has the areas that are hit. */
+        uint32_t number = intervals[i].object;
+        const conus_object *info = conus_atlas_object(view->atlas, number);
+        if (info->kind != CONUS_KIND_AREA || info->triangles > 0 || !has_pathways(view) || is_hit(view, number)) {
+            *object = number;
             depth = intervals[i].entry;
         }
     }

@@ -154,15 +154,6 @@ static const char *find_score(const char *name)
     return info ? info->name : NULL;
 }
 
-static bool check(const struct ask_settings *settings, const struct arguments *arguments)
-{
-    if (option_given(arguments, "segments") || option_given(arguments, "contacts")) {
-        print_error_line("ask: --segments and --contacts are of files, not of the window");
-        return false;
-    }
-    return settings_check_score(&settings->engine, false);
-}
-
 static bool use(struct viewer *viewer, const struct ask_settings *settings)
 {
     conus_selector_options options = settings_engine(&settings->engine, &settings->common);
@@ -186,8 +177,12 @@ bool ask_words(struct viewer *viewer, char **words, int count)
 {
     struct ask_settings settings = {0};
     struct arguments arguments;
-    bool fine =
-        options_parse(&arguments, &settings, &command, NULL, count, words, 1) < 0 && check(&settings, &arguments);
+    bool fine = options_parse(&arguments, &settings, &command, NULL, count, words, 1) < 0;
+    if (fine && (option_given(&arguments, "segments") || option_given(&arguments, "contacts"))) {
+        print_error_line("ask: --segments and --contacts are of files, not of the window");
+        fine = false;
+    }
+    fine = fine && settings_check_score(&settings.engine, false);
     conus_order before = viewer->cone.order;
     if (fine && !use(viewer, &settings)) {
         viewer->cone.order = before;

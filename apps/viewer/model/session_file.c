@@ -31,18 +31,12 @@ static bool is_of_texts(const json_t *list)
     return is;
 }
 
-/* A regular file of an allowed size; NULL = it is none, or no JSON. */
-static json_t *load(const char *path)
-{
-    struct stat info;
-    bool fine =
-        path_ends(path, ".json") && stat(path, &info) == 0 && S_ISREG(info.st_mode) && info.st_size <= FILE_LIMIT;
-    return fine ? json_load_file(path, JSON_REJECT_DUPLICATES, NULL) : NULL;
-}
-
 bool session_file_read(struct session_file *out, const char *path)
 {
-    json_t *root = load(path);
+    struct stat info;
+    bool may_be =
+        path_ends(path, ".json") && stat(path, &info) == 0 && S_ISREG(info.st_mode) && info.st_size <= FILE_LIMIT;
+    json_t *root = may_be ? json_load_file(path, JSON_REJECT_DUPLICATES, NULL) : NULL;
     const json_t *opened = json_object_get(root, "opened");
     const json_t *options = json_object_get(opened, "options");
     const char *atlas = text_or_none(root, "atlas");
@@ -112,12 +106,6 @@ static bool find_in_folder(char out[PATH_MAX], const struct session_file *file, 
     return found;
 }
 
-/* Where it was; an installed atlas may have been given by its name, which is kept. */
-static bool find_where_it_was(char out[PATH_MAX], const struct session_file *file)
-{
-    return put_path(out, file->folder, file->atlas) && is_there(out);
-}
-
 /* A file beside the session, by the same name or relative path, or with the same bytes. */
 static bool find_beside(char out[PATH_MAX], const struct session_file *file, const char *session)
 {
@@ -133,7 +121,8 @@ static bool find_beside(char out[PATH_MAX], const struct session_file *file, con
 bool session_file_find(char out[PATH_MAX], const struct session_file *file, const char *session,
                        const char *const *others, size_t count)
 {
-    bool found = find_where_it_was(out, file) || find_beside(out, file, session);
+    bool found = (put_path(out, file->folder, file->atlas) && is_there(out)) || /* where it was, */
+                 find_beside(out, file, session);
     for (size_t i = 0; i < count && !found; i++) {
         found = put_path(out, "", others[i]) && is_same_file(file, out);
     }

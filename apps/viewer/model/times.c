@@ -48,18 +48,6 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void write_kind(FILE *out, struct times *times, enum timed kind)
-{
-    size_t count = times->counts[kind] < TIMES_KEPT ? times->counts[kind] : TIMES_KEPT;
-    double *samples = times->samples[kind];
-    if (count) {
-        qsort(samples, count, sizeof *samples, by_size);
-        fprintf(out, ",\n \"%s\": {\"count\": %zu, \"median\": %.3f, \"p90\": %.3f, \"max\": %.3f}", names[kind], count,
-                samples[count / 2], samples[count * 9 / 10], samples[count - 1]);
-    }
-    times->counts[kind] = 0;
-}
-
 conus_status times_write(struct times *times, const char *path)
 {
     char *text = NULL;
@@ -75,7 +63,14 @@ conus_status times_write(struct times *times, const char *path)
     times->written = now;
     times->used = used;
     for (int kind = 0; kind < TIMED_KINDS; kind++) {
-        write_kind(out, times, (enum timed)kind);
+        size_t count = times->counts[kind] < TIMES_KEPT ? times->counts[kind] : TIMES_KEPT;
+        double *samples = times->samples[kind];
+        if (count) {
+            qsort(samples, count, sizeof *samples, by_size);
+            fprintf(out, ",\n \"%s\": {\"count\": %zu, \"median\": %.3f, \"p90\": %.3f, \"max\": %.3f}", names[kind],
+                    count, samples[count / 2], samples[count * 9 / 10], samples[count - 1]);
+        }
+        times->counts[kind] = 0;
     }
     fputs("}\n", out);
     bool written = fclose(out) == 0;

@@ -41,25 +41,19 @@ static void forget(struct viewer *viewer, enum tool_number number)
     viewer->tools[number].answer_number++;
 }
 
-/* Where nothing is hit, there is no contact to go to. */
-static void follow_cone(struct viewer *viewer)
-{
-    const conus_result *best = conus_selection_result(viewer_selection(viewer), 0);
-    if (viewer->cone.follow == FOLLOW_TIP) {
-        viewer_cross(viewer, viewer->tools[FIRST_TOOL].pose.world_from_device + 12);
-    } else if (viewer->cone.follow == FOLLOW_CONTACT && best && best->object && best->pixels) {
-        viewer_cross(viewer, best->contact);
-    }
-}
-
 void tool_reselect(struct viewer *viewer)
 {
     viewer->version++;
-    if (viewer->tools[FIRST_TOOL].has_pose) {
-        ask(viewer, FIRST_TOOL);
-        follow_cone(viewer);
-    } else {
+    if (!viewer->tools[FIRST_TOOL].has_pose) {
         forget(viewer, FIRST_TOOL);
+        return;
+    }
+    ask(viewer, FIRST_TOOL);
+    const conus_result *best = conus_selection_result(viewer_selection(viewer), 0);
+    if (viewer->cone.follow == FOLLOW_TIP) {
+        viewer_cross(viewer, viewer->tools[FIRST_TOOL].pose.world_from_device + 12);
+    } else if (viewer->cone.follow == FOLLOW_CONTACT && best && best->object && best->pixels) { /* there is a contact */
+        viewer_cross(viewer, best->contact);
     }
 }
 

@@ -36,7 +36,7 @@ static void draw_direction(const struct window *window, const float centre[2], s
     }
 }
 
-static void pane_compass(const struct window *window)
+static void draw_compass(const struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     float reach = 2.9F * ui_line();
@@ -91,20 +91,14 @@ static void ask_painter(struct window *window, bool moving)
     }
 }
 
-/* A picture of another atlas is none of this one. */
-static void leave_other(struct window *window)
+static void take_picture(struct window *window)
 {
-    if (window->pictures.painted_of != window->viewer->drawn) {
+    struct painted picture;
+    if (window->pictures.painted_of != window->viewer->drawn) { /* a picture of another atlas is none of this one */
         texture_drop(&window->pictures.painted);
         window->pictures.painted_of = window->viewer->drawn;
         window->pictures.painted_fine = false;
     }
-}
-
-static void take_picture(struct window *window)
-{
-    struct painted picture;
-    leave_other(window);
     if (window->viewer->painter && painter_take(window->viewer->painter, &picture)) {
         bool coarse = picture.width != picture.what.width || picture.height != picture.what.height;
         if (!window->pictures.painted.name) { /* one frame is enough before it, for where both share processors */
@@ -222,23 +216,13 @@ static void draw_waiting(const struct window *window)
     }
 }
 
-static void draw_second_notice(const struct window *window, const float at[2])
-{
-    struct notice notice;
-    char text[128];
-    inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);
-    if (window->viewer->tools[SECOND_TOOL].on && notice.text) {
-        snprintf(text, sizeof text, "tool 2: %s", notice.text);
-        ui_draw_text(at, notice.is_trouble ? theme_texts[THEME_ORANGE] : light, text);
-    }
-}
-
 /* At the lower edge: what is to be said of the head, and above it of the cone. */
 static void draw_notices(const struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     const struct viewer *viewer = window->viewer;
     struct notice notice;
+    char second[128];
     bool is_well;
     float at[2] = {box->x + 8, box->y + box->height - 1.4F * ui_line()};
     const char *text = head_text(&viewer->head, &is_well);
@@ -251,7 +235,11 @@ static void draw_notices(const struct window *window)
         ui_draw_text(at, notice.is_trouble ? theme_texts[THEME_ORANGE] : light, notice.text);
         at[1] -= 1.4F * ui_line();
     }
-    draw_second_notice(window, at);
+    inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);
+    if (viewer->tools[SECOND_TOOL].on && notice.text) {
+        snprintf(second, sizeof second, "tool 2: %s", notice.text);
+        ui_draw_text(at, notice.is_trouble ? theme_texts[THEME_ORANGE] : light, second);
+    }
 }
 
 /* From the eye through the mouse. */
@@ -263,14 +251,6 @@ static void find_ray(double eye[3], double direction[3], const struct window *wi
     const double at[2] = {(double)(mouse.x - box->x), (double)(mouse.y - box->y)};
     memcpy(eye, window->pictures.eye.camera.world_from_device + 12, 3 * sizeof *eye);
     eye_ray(direction, &window->pictures.eye, size, at);
-}
-
-static void point(struct window *window)
-{
-    double eye[3];
-    double direction[3];
-    find_ray(eye, direction, window);
-    inputs_point(&window->inputs, window->viewer, eye, direction);
 }
 
 /* Names what is under the mouse; where the cone follows the mouse, it has its name there already. */
@@ -323,6 +303,8 @@ static bool use_mouse(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     struct ui_mouse mouse = ui_mouse_now();
+    double eye[3];
+    double direction[3];
     double height = (double)window->screen.panes[PANE_3D].height;
     bool held = ui_surface_held();
     bool moved = mouse.moved_x != 0 || mouse.moved_y != 0;
@@ -335,7 +317,8 @@ static bool use_mouse(struct window *window)
     } else if (held && moved && (mouse.down[1] || mouse.down[2])) {
         orbit_pan(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
     } else if (!held && moved) {
-        point(window);
+        find_ray(eye, direction, window);
+        inputs_point(&window->inputs, viewer, eye, direction);
     }
     if (mouse.wheel != 0) {
         orbit_zoom(&viewer->orbit, (double)mouse.wheel);
@@ -385,7 +368,7 @@ void pane_3d(struct window *window)
     ask_painter(window, window->pictures.moving);
     ui_clip(*box);
     pane_chosen(window);
-    pane_compass(window);
+    draw_compass(window);
     pane_second_3d(window);
     draw_crosshair(window);
     draw_names(window);

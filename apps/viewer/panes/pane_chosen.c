@@ -30,23 +30,7 @@ static void find_cells(struct shadow *shadow, struct viewer *viewer)
     free(wanted);
 }
 
-static bool shows_same(const struct shadow *shadow, const struct eye *eye, uint32_t width, uint32_t height)
-{
-    return shadow->width == width && shadow->height == height && eye_is_same(&shadow->eye, eye);
-}
-
-/* The shadow's colour, with its outline; of a bundle only that, since its streamlines may have colours of their own. */
-static void draw_shadow(struct shadow *shadow, uint8_t *rgba, const uint8_t *mask, const uint8_t rgb[3])
-{
-    bool is_bundle = conus_atlas_object(shadow->of->atlas, shadow->chosen)->kind == CONUS_KIND_BUNDLE;
-    size_t pixels = (size_t)shadow->width * shadow->height;
-    for (size_t pixel = 0; pixel < pixels; pixel++) {
-        memcpy(rgba + 4 * pixel, rgb, 3);
-        rgba[4 * pixel + 3] = mask[pixel] && !is_bundle ? OPACITY : 0;
-    }
-    outline_draw(rgba, &shadow->top, mask, shadow->width, shadow->height);
-}
-
+/* Draws the shadow in its colour, with its outline. */
 static void cast(struct window *window, uint32_t width, uint32_t height)
 {
     struct shadow *shadow = &window->pictures.shadow;
@@ -60,7 +44,13 @@ static void cast(struct window *window, uint32_t width, uint32_t height)
         uint8_t rgb[3];
         viewer_colour(rgb, window->viewer, shadow->chosen);
         cells_cast(mask, width, height, &shadow->cells, &shadow->eye);
-        draw_shadow(shadow, rgba, mask, rgb);
+        /* Of a bundle only the outline, since its streamlines may have colours of their own. */
+        bool is_bundle = conus_atlas_object(shadow->of->atlas, shadow->chosen)->kind == CONUS_KIND_BUNDLE;
+        for (size_t pixel = 0; pixel < (size_t)width * height; pixel++) {
+            memcpy(rgba + 4 * pixel, rgb, 3);
+            rgba[4 * pixel + 3] = mask[pixel] && !is_bundle ? OPACITY : 0;
+        }
+        outline_draw(rgba, &shadow->top, mask, width, height);
         texture_set(&shadow->texture, rgba, width, height, true);
     }
     free(mask);
@@ -98,7 +88,7 @@ void pane_chosen(struct window *window)
     if (!shadow->cells.count) {
         return;
     }
-    if (!shows_same(shadow, &window->pictures.eye, width, height)) {
+    if (shadow->width != width || shadow->height != height || !eye_is_same(&shadow->eye, &window->pictures.eye)) {
         cast(window, width, height);
     }
     if (shadow->top.is_there) {

@@ -15,7 +15,7 @@ static const ui_colour light = {235, 235, 240, 255};
 static const double pixels = 300; /* of the mouse's way, for a step of 1 as look_move_grey() has it */
 
 /* Lets the mouse on a cut change the context's grey values; true while it does. */
-static bool pane_grey_drag(struct window *window, const struct ui_mouse *mouse)
+static bool drag_grey(struct window *window, const struct ui_mouse *mouse)
 {
     struct viewer *viewer = window->viewer;
     bool by_mouse = mouse->down[2] || (mouse->down[0] && mouse->control);
@@ -32,7 +32,7 @@ static bool pane_grey_drag(struct window *window, const struct ui_mouse *mouse)
 }
 
 /* Writes them into a cut, where they are not those that were found. */
-static void pane_grey_show(const struct window *window, const struct ui_box *box)
+static void show_grey(const struct window *window, const struct ui_box *box)
 {
     const struct view_atlas *view = window->viewer->drawn;
     const double *grey = view_atlas_grey(view);
@@ -55,30 +55,8 @@ struct frame {
     struct cut_pane *pane;
     float title_width, title_height;
     uint32_t width, height;
-    double centre[3], right[3], up[3], mm_per_pixel;
+    struct pane_plane plane;
 };
-
-/* A cutter holds as long as the atlas does not change. */
-static bool have_cutter(struct cut_pane *pane, struct viewer *viewer)
-{
-    if (pane->cutter && pane->atlas_number == viewer->atlas_number) {
-        return true;
-    }
-    conus_cutter_destroy(pane->cutter);
-    pane->cutter = NULL;
-    pane->atlas_number = viewer->atlas_number;
-    return !conus_cutter_create(&pane->cutter, viewer->drawn->atlas);
-}
-
-static bool is_drawn(const struct cut_pane *pane, const struct viewer *viewer, const struct frame *frame)
-{
-    bool same = pane->version == viewer->version && pane->texture.width == frame->width &&
-                pane->texture.height == frame->height;
-    for (int a = 0; a < 3; a++) {
-        same = same && pane->centre[a] == frame->centre[a];
-    }
-    return same;
-}
 
 /* With the outline of what is chosen. */
 static void show_cut(struct cut_pane *pane, const struct viewer *viewer, uint32_t width, uint32_t height)
@@ -97,12 +75,24 @@ static void draw_picture(struct window *window, const struct frame *frame, const
 {
     struct viewer *viewer = window->viewer;
     struct cut_pane *pane = frame->pane;
-    if (is_drawn(pane, viewer, frame)) {
+    conus_status status = CONUS_OK;
+    bool same = pane->version == viewer->version && pane->texture.width == frame->width &&
+                pane->texture.height == frame->height;
+    for (int a = 0; a < 3; a++) {
+        same = same && pane->centre[a] == frame->plane.centre[a];
+    }
+    if (same) {
         return;
     }
     pane->version = viewer->version; /* what cannot be drawn is said once */
-    memcpy(pane->centre, frame->centre, sizeof pane->centre);
-    if (!have_cutter(pane, viewer) || conus_cutter_draw(pane->cutter, view)) {
+    memcpy(pane->centre, frame->plane.centre, sizeof pane->centre);
+    if (!pane->cutter || pane->atlas_number != viewer->atlas_number) { /* it holds as long as the atlas */
+        conus_cutter_destroy(pane->cutter);
+        pane->cutter = NULL;
+        pane->atlas_number = viewer->atlas_number;
+        status = conus_cutter_create(&pane->cutter, viewer->drawn->atlas);
+    }
+    if (status || conus_cutter_draw(pane->cutter, view)) {
         viewer_say(viewer, "%s", conus_message());
     } else {
         show_cut(pane, viewer, view->width, view->height);
@@ -112,10 +102,10 @@ static void draw_picture(struct window *window, const struct frame *frame, const
 static void world_at(double out[3], const struct frame *frame, float x, float y)
 {
     const struct ui_box *box = &frame->pane->box;
-    double beside = ((double)(x - box->x) - (double)box->width / 2) * frame->mm_per_pixel;
-    double above = ((double)box->height / 2 - (double)(y - box->y)) * frame->mm_per_pixel;
+    double beside = ((double)(x - box->x) - (double)box->width / 2) * frame->plane.mm_per_pixel;
+    double above = ((double)box->height / 2 - (double)(y - box->y)) * frame->plane.mm_per_pixel;
     for (int a = 0; a < 3; a++) {
-        out[a] = frame->centre[a] + beside * frame->right[a] + above * frame->up[a];
+        out[a] = frame->plane.centre[a] + beside * frame->plane.right[a] + above * frame->plane.up[a];
     }
 }
 
@@ -124,10 +114,10 @@ static void place_of(float out[2], const struct frame *frame, const double world
     const struct ui_box *box = &frame->pane->box;
     double offset[3];
     for (int a = 0; a < 3; a++) {
-        offset[a] = world[a] - frame->centre[a];
+        offset[a] = world[a] - frame->plane.centre[a];
     }
-    out[0] = box->x + box->width / 2 + (float)(dot(offset, frame->right) / frame->mm_per_pixel);
-    out[1] = box->y + box->height / 2 - (float)(dot(offset, frame->up) / frame->mm_per_pixel);
+    out[0] = box->x + box->width / 2 + (float)(dot(offset, frame->plane.right) / frame->plane.mm_per_pixel);
+    out[1] = box->y + box->height / 2 - (float)(dot(offset, frame->plane.up) / frame->plane.mm_per_pixel);
 }
 
 static uint32_t object_at(const struct cut_pane *pane, float x, float y)
@@ -153,18 +143,18 @@ static char letter_towards(const double direction[3])
 static void draw_letters(const struct frame *frame)
 {
     const struct ui_box *box = &frame->pane->box;
-    const double left[3] = {-frame->right[0], -frame->right[1], -frame->right[2]};
-    const double down[3] = {-frame->up[0], -frame->up[1], -frame->up[2]};
+    const double left[3] = {-frame->plane.right[0], -frame->plane.right[1], -frame->plane.right[2]};
+    const double down[3] = {-frame->plane.up[0], -frame->plane.up[1], -frame->plane.up[2]};
     struct {
         const double *towards;
         float x, y; /* parts of the space between the margins */
-    } places[] = {{left, 0, 0.5F}, {frame->right, 1, 0.5F}, {frame->up, 0.5F, 0}, {down, 0.5F, 1}};
+    } places[] = {{left, 0, 0.5F}, {frame->plane.right, 1, 0.5F}, {frame->plane.up, 0.5F, 0}, {down, 0.5F, 1}};
     const float margin = 7;
     bool covered = 8 + frame->title_width > 0.5F * box->width - 2 * margin;
     for (int i = 0; i < 4; i++) {
         const char text[2] = {letter_towards(places[i].towards), '\0'};
         const float space[2] = {box->width - ui_text_width(text) - 2 * margin, box->height - ui_line() - 2 * margin};
-        float top = places[i].towards == frame->up && covered ? frame->title_height : margin;
+        float top = places[i].towards == frame->plane.up && covered ? frame->title_height : margin;
         const float at[2] = {box->x + margin + places[i].x * space[0], box->y + top + places[i].y * space[1]};
         ui_draw_text(at, light, text);
     }
@@ -219,15 +209,6 @@ static void draw_title(const struct window *window, struct frame *frame, enum pl
     }
 }
 
-static void draw_second(struct window *window, const struct frame *frame)
-{
-    struct pane_plane plane = {.box = frame->pane->box, .mm_per_pixel = frame->mm_per_pixel};
-    memcpy(plane.centre, frame->centre, sizeof plane.centre);
-    memcpy(plane.right, frame->right, sizeof plane.right);
-    memcpy(plane.up, frame->up, sizeof plane.up);
-    pane_second_cut(window, &plane);
-}
-
 /* The wand: the first time it looks at the brain's middle, then it moves there, or with Shift turns to it. */
 static void use_wand(struct viewer *viewer, enum tool_number tool, bool shift, const double at[3])
 {
@@ -273,7 +254,7 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
         next[2 - (int)plane] += mouse.wheel > 0 ? 1 : -1;
         viewer_cross(viewer, next);
     }
-    if (pane_grey_drag(window, &mouse)) {
+    if (drag_grey(window, &mouse)) {
         return;
     }
     if (ui_surface_held() && mouse.doubled) {
@@ -294,10 +275,13 @@ void pane_cut(struct window *window, enum plane plane)
     conus_cut_view view;
     pane->box = window->screen.panes[plane];
     cut_view(&view, window->viewer, plane, (double[]){(double)pane->box.width, (double)pane->box.height});
-    struct frame frame = {.pane = pane, .mm_per_pixel = view.mm_per_pixel, .width = view.width, .height = view.height};
-    memcpy(frame.right, view.right, sizeof frame.right);
-    memcpy(frame.up, view.up, sizeof frame.up);
-    memcpy(frame.centre, view.centre, sizeof frame.centre);
+    struct frame frame = {.pane = pane,
+                          .plane = {.box = pane->box, .mm_per_pixel = view.mm_per_pixel},
+                          .width = view.width,
+                          .height = view.height};
+    memcpy(frame.plane.right, view.right, sizeof frame.plane.right);
+    memcpy(frame.plane.up, view.up, sizeof frame.plane.up);
+    memcpy(frame.plane.centre, view.centre, sizeof frame.plane.centre);
     draw_picture(window, &frame, &view);
     ui_panel(ids[plane], pane->box, UI_PLAIN);
     if (pane->texture.name) {
@@ -308,11 +292,11 @@ void pane_cut(struct window *window, enum plane plane)
         use_mouse(window, &frame, plane);
     }
     ui_clip(pane->box);
-    draw_second(window, &frame);
+    pane_second_cut(window, &frame.plane);
     draw_crosshair(window, &frame);
     draw_title(window, &frame, plane);
     draw_letters(&frame);
-    pane_grey_show(window, &pane->box);
+    show_grey(window, &pane->box);
     const struct view_atlas *drawn = window->viewer->drawn;
     char title[VIEW_ATLAS_TITLE];
     if (frame.pane->top.is_there && conus_atlas_object(drawn->atlas, drawn->shown.chosen)) {

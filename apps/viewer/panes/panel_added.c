@@ -15,18 +15,10 @@ static const char *const keys[ADDITION_COUNT] = {
     "FILE,threshold=T,name=S,volume=K or FILE,band=LOW:HIGH:NAME, as for --pathway",
     "FILE,radius=MM,name=S,moves, as for --streamlines; without a radius it is 0.5 mm"};
 
-static void change(struct added_form *form, size_t index, enum addition kind, const char *value)
-{
-    form->kind = kind;
-    form->changed = index + 1;
-    form->takes_keys = true;
-    snprintf(form->text, sizeof form->text, "%s", value);
-    form->is_set = true;
-}
-
 /* Its name and keys; the whole path is in the tip. */
 static void draw_file(struct window *window, size_t index, enum addition kind, const char *value)
 {
+    struct added_form *form = &window->forms.added;
     char plain[PATH_MAX];
     char path[PATH_MAX];
     if (!addition_path(path, kind, value)) {
@@ -42,7 +34,10 @@ static void draw_file(struct window *window, size_t index, enum addition kind, c
     ui_tip("the atlas is opened again without it");
     ui_same_line();
     if (ui_small_button("change")) {
-        change(&window->forms.added, index, kind, value);
+        form->kind = kind;
+        form->changed = index + 1;
+        form->takes_keys = form->is_set = true;
+        snprintf(form->text, sizeof form->text, "%s", value);
     }
     ui_tip("its file or what stands behind it, in the line below");
     ui_id_end();
@@ -72,20 +67,6 @@ static void draw_files(struct window *window, const json_t *words)
     ui_scroll_end();
 }
 
-/* Adds the typed file, or puts it in place of the one that is changed. */
-static void use(struct window *window, const json_t *words)
-{
-    struct added_form *form = &window->forms.added;
-    if (!form->text[0]) {
-        return;
-    }
-    if (form->changed && form->changed <= json_array_size(words)) {
-        window_change(window, form->changed - 1, (enum addition)form->kind, form->text);
-    } else {
-        window_add(window, (enum addition)form->kind, form->text);
-    }
-}
-
 static void draw_line(struct window *window, const json_t *words)
 {
     struct added_form *form = &window->forms.added;
@@ -101,8 +82,11 @@ static void draw_line(struct window *window, const json_t *words)
     ui_tint(theme_texts[THEME_HINT]);
     ui_text_wrapped(keys[form->kind]);
     ui_tint_end();
-    if (ui_button(form->changed ? "use instead" : "add") || entered) {
-        use(window, words);
+    bool used = ui_button(form->changed ? "use instead" : "add") || entered;
+    if (used && form->text[0] && form->changed && form->changed <= json_array_size(words)) {
+        window_change(window, form->changed - 1, (enum addition)form->kind, form->text);
+    } else if (used && form->text[0]) {
+        window_add(window, (enum addition)form->kind, form->text);
     }
     ui_tip("the atlas is opened again, and all that you set stays; Enter, too");
     ui_same_line();

@@ -46,13 +46,6 @@ static void choose_side(struct window *window)
 
 enum { TIP_SIZE = 96 };
 
-static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
-{
-    uint8_t rgb[3];
-    viewer_colour(rgb, viewer, object);
-    return (ui_colour){rgb[0], rgb[1], rgb[2], viewer->drawn->shown.hidden[object] ? 60 : 255};
-}
-
 /* Children are looked for in the whole list: atlases have hundreds of areas, and only open nodes are asked. */
 static bool has_children(const struct viewer *viewer, uint32_t object)
 {
@@ -74,12 +67,6 @@ static void write_tip(char tip[TIP_SIZE], const conus_object *object)
         snprintf(tip + used, TIP_SIZE - (size_t)used, ", %llu streamline%s, %.0f mm long together",
                  (unsigned long long)object->streamlines, object->streamlines == 1 ? "" : "s", object->length_mm);
     }
-}
-
-/* The width of both buttons, with the gap between them. */
-static float buttons_width(const struct window *window)
-{
-    return ui_text_width("show") + ui_text_width("only") + 32 * window->screen.scale;
 }
 
 static void draw_buttons(struct viewer *viewer, uint32_t object)
@@ -105,11 +92,13 @@ static void draw_area(struct window *window, uint32_t number)
     char name[VIEW_ATLAS_TITLE + 16];
     char buffer[VIEW_ATLAS_TITLE];
     char tip[TIP_SIZE];
+    uint8_t rgb[3];
     const char *title = view_atlas_title(buffer, viewer->drawn, number);
     write_tip(tip, object);
     ui_id(number);
     ui_dim(shown == SHOWN_NOT ? theme_pale : shown == SHOWN_IN_PART ? (1 + theme_pale) / 2 : 1);
-    ui_chip("colour", colour_of(viewer, number));
+    viewer_colour(rgb, viewer, number);
+    ui_chip("colour", (ui_colour){rgb[0], rgb[1], rgb[2], viewer->drawn->shown.hidden[number] ? 60 : 255});
     ui_same_line();
     if (viewer->drawn->shown.chosen == number) {
         if (window->frame.listed != number) { /* it was chosen just now */
@@ -118,7 +107,8 @@ static void draw_area(struct window *window, uint32_t number)
         }
         snprintf(name, sizeof name, "%s%s", title, shown == SHOWN_IN_PART ? " (in part)" : "");
         ui_tint(theme_texts[THEME_AMBER]);
-        ui_text_cut(name, ui_room() - buttons_width(window));
+        float buttons = ui_text_width("show") + ui_text_width("only") + 32 * window->screen.scale; /* and a gap */
+        ui_text_cut(name, ui_room() - buttons);
         ui_tint_end();
         draw_buttons(viewer, number);
         panel_look_area(viewer, number);

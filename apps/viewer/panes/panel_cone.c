@@ -173,17 +173,6 @@ static bool choose_score(struct viewer *viewer)
     return changed;
 }
 
-/* Whether there is a cone, and not one ray. */
-static bool choose_ray(struct window *window)
-{
-    bool one_ray = window->viewer->cone.one_ray;
-    if (ui_check("one area only", &one_ray)) {
-        property_set(window, PROPERTY_ONE_RAY, one_ray);
-    }
-    panel_tip(PROPERTY_ONE_RAY);
-    return window->viewer->cone.one_ray;
-}
-
 static bool choose_shape(struct viewer *viewer)
 {
     bool changed = ui_slider("angle", &viewer->tools[FIRST_TOOL].angle, 0.1, 179, "%.1f\u00b0", true);
@@ -297,7 +286,12 @@ void panel_cone(struct window *window)
     }
     show_pose(viewer);
     choose_property(window, PROPERTY_FOLLOW, "cuts follow", followed, FOLLOW_COUNT);
-    if (!choose_ray(window)) {
+    bool one_ray = viewer->cone.one_ray;
+    if (ui_check("one area only", &one_ray)) {
+        property_set(window, PROPERTY_ONE_RAY, one_ray);
+    }
+    panel_tip(PROPERTY_ONE_RAY);
+    if (!viewer->cone.one_ray) {
         bool changed = choose_shape(viewer);
         changed = choose_score(viewer) || changed;
         changed = choose_look(viewer) || changed;

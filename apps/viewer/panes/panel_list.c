@@ -20,18 +20,6 @@ static ui_colour colour_of(const struct viewer *viewer, const struct view_atlas 
     return view == viewer->drawn ? (ui_colour){rgb[0], rgb[1], rgb[2], 255} : grey;
 }
 
-/* Only what is drawn can be chosen; wherever it is, the crosshair goes there. */
-static void click(struct viewer *viewer, const struct view_atlas *view, const conus_result *result)
-{
-    if (view == viewer->drawn) {
-        viewer->drawn->shown.chosen = result->object;
-    }
-    if (result->pixels) {
-        viewer_cross(viewer, result->contact);
-    }
-    viewer->version++;
-}
-
 static void draw_heading(struct viewer *viewer, size_t column)
 {
     char text[RESULT_TEXT];
@@ -89,7 +77,13 @@ static void draw_name(struct viewer *viewer, const struct view_atlas *view, cons
     }
     if (ui_row_cut(view_atlas_title(title, view, result->object),
                    view == viewer->drawn && view->shown.chosen == result->object, tip)) {
-        click(viewer, view, result);
+        if (view == viewer->drawn) { /* only what is drawn can be chosen */
+            viewer->drawn->shown.chosen = result->object;
+        }
+        if (result->pixels) {
+            viewer_cross(viewer, result->contact);
+        }
+        viewer->version++;
     }
 }
 
@@ -156,18 +150,6 @@ void panel_list(struct window *window, const struct view_atlas *view, const conu
     }
 }
 
-static void choose_column(struct viewer *viewer, size_t column, bool is_shown)
-{
-    char meaning[RESULT_TIP];
-    char label[RESULT_TEXT];
-    bool is_place = column >= RESULT_X && column <= RESULT_Z;
-    snprintf(label, sizeof label, "%s%s", is_place ? "contact " : "", result_heading(viewer, column));
-    if (ui_check(label, &is_shown)) {
-        result_show(viewer, column, is_shown);
-    }
-    ui_tip(result_meaning(meaning, viewer, column));
-}
-
 void panel_columns(struct window *window)
 {
     size_t shown[RESULT_COLUMNS];
@@ -183,9 +165,17 @@ void panel_columns(struct window *window)
         return;
     }
     for (size_t i = 0; i < RESULT_COLUMNS; i++) {
-        if (i != RESULT_NAME && result_is_offered(viewer, i)) {
-            choose_column(viewer, i, is_shown[i]);
+        if (i == RESULT_NAME || !result_is_offered(viewer, i)) {
+            continue;
         }
+        char meaning[RESULT_TIP];
+        char label[RESULT_TEXT];
+        bool is_place = i >= RESULT_X && i <= RESULT_Z;
+        snprintf(label, sizeof label, "%s%s", is_place ? "contact " : "", result_heading(viewer, i));
+        if (ui_check(label, &is_shown[i])) {
+            result_show(viewer, i, is_shown[i]);
+        }
+        ui_tip(result_meaning(meaning, viewer, i));
     }
     if (viewer->list.columns) {
         bool pressed = ui_button("the usual ones");

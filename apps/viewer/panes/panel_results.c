@@ -109,28 +109,22 @@ static void draw_buttons(struct window *window)
     ui_tip("saves 3-D or a cut at any size (Ctrl+P)");
 }
 
-/* Limits of the lists, whose widgets may be scrolled out of sight below. */
-static void say_limits(const struct viewer *viewer)
-{
-    const double *range = viewer->cone.options.range;
-    if (range[1] > 0) {
-        ui_text_coloured(theme_texts[THEME_AMBER], "only depths from %.6g to %.6g mm count", range[0], range[1]);
-    }
-    if (viewer->cone.level[0]) {
-        ui_text_coloured(theme_texts[THEME_AMBER], "level: %s", viewer->cone.level);
-    }
-}
-
 void panel_results(struct window *window)
 {
     struct viewer *viewer = window->viewer;
+    const double *range = viewer->cone.options.range;
     struct notice notice;
     inputs_notice(&notice, &window->inputs, window->viewer, FIRST_TOOL);
     ui_panel("Hits of the cone", window->screen.right, 0);
     if (notice.is_trouble || notice.is_old) { /* then what follows is pale */
         ui_text_coloured(theme_texts[THEME_ORANGE], "%s", notice.text);
     }
-    say_limits(viewer);
+    if (range[1] > 0) { /* the limits of the lists, whose widgets may be scrolled out of sight below */
+        ui_text_coloured(theme_texts[THEME_AMBER], "only depths from %.6g to %.6g mm count", range[0], range[1]);
+    }
+    if (viewer->cone.level[0]) {
+        ui_text_coloured(theme_texts[THEME_AMBER], "level: %s", viewer->cone.level);
+    }
     ui_dim(notice.is_old ? theme_pale : 1);
     if (viewer->atlas_count > 1) {
         draw_all_results(window);

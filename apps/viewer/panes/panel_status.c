@@ -33,23 +33,18 @@ static void write_place(char out[STATUS_TEXT], const struct window *window)
              viewer_place_text(place, viewer, at), voxel_text, grey_text, text);
 }
 
-static void write_times(char out[STATUS_TEXT], const struct window *window, bool with_device)
-{
-    char device[160] = "";
-    const struct viewer *viewer = window->viewer;
-    if (viewer->painter && with_device) {
-        painter_device(viewer->painter, device, sizeof device);
-    }
-    snprintf(out, STATUS_TEXT, "frame %.1f ms, picture %.0f ms, selection %.3f ms%s%s", window->frame.ms,
-             window->pictures.painted_ms, viewer->tools[FIRST_TOOL].select_ms, device[0] ? ", " : "", device);
-}
-
 /* Where there is room, with what draws or without. */
 static void show_times(const struct window *window, float room)
 {
+    const struct viewer *viewer = window->viewer;
     for (int with_device = 1; with_device >= 0; with_device--) {
         char times[STATUS_TEXT];
-        write_times(times, window, with_device);
+        char device[160] = "";
+        if (viewer->painter && with_device) {
+            painter_device(viewer->painter, device, sizeof device);
+        }
+        snprintf(times, sizeof times, "frame %.1f ms, picture %.0f ms, selection %.3f ms%s%s", window->frame.ms,
+                 window->pictures.painted_ms, viewer->tools[FIRST_TOOL].select_ms, device[0] ? ", " : "", device);
         if (ui_text_width(times) + gap * window->screen.scale <= room) {
             ui_same_line_at(window->screen.status.width - ui_text_width(times) - gap * window->screen.scale / 2);
             ui_text_coloured(theme_texts[THEME_HINT], "%s", times);

@@ -96,14 +96,6 @@ static void draw_line(const struct study_answer *answer, const struct study_curv
     }
 }
 
-/* With a light edge, since areas may be as dark as the ground. */
-static void draw_curve(const struct study_answer *answer, const struct study_curve *curve, struct ui_box box,
-                       ui_colour colour, float width)
-{
-    draw_line(answer, curve, box, (ui_colour){255, 255, 255, (uint8_t)(colour.a / 2)}, width + 1.5F);
-    draw_line(answer, curve, box, colour, width);
-}
-
 /* The angle of the sweep that is nearest to @p angle, degrees. */
 static size_t nearest_angle(const struct study_answer *answer, double angle)
 {
@@ -183,7 +175,9 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
         bool chosen = curve->object && curve->object == viewer->drawn->shown.chosen;
         ui_colour colour = colour_of(viewer, curve->object);
         colour.a = is_old ? 80 : 255;
-        draw_curve(answer, curve, box, colour, chosen ? 3.5F : 1.5F);
+        float width = chosen ? 3.5F : 1.5F; /* and a light edge, since areas may be as dark as the ground */
+        draw_line(answer, curve, box, (ui_colour){255, 255, 255, (uint8_t)(colour.a / 2)}, width + 1.5F);
+        draw_line(answer, curve, box, colour, width);
     }
     draw_numbers(answer, box);
     return angle;

@@ -80,19 +80,11 @@ void orbit_fit(struct orbit *orbit, const double size[2])
     orbit->field_of_view = 2 * atan(slope);
 }
 
-/* From the centre towards the eye. */
-static void outward(double out[3], const struct orbit *orbit)
-{
-    out[0] = -sin(orbit->azimuth) * cos(orbit->elevation);
-    out[1] = cos(orbit->azimuth) * cos(orbit->elevation);
-    out[2] = sin(orbit->elevation);
-}
-
 void orbit_camera(conus_pose *out, const struct orbit *orbit)
 {
-    double z[3];
     double *m = out->world_from_device;
-    outward(z, orbit);
+    const double z[3] = {-sin(orbit->azimuth) * cos(orbit->elevation), cos(orbit->azimuth) * cos(orbit->elevation),
+                         sin(orbit->elevation)}; /* from the centre towards the eye */
     const double x[3] = {-cos(orbit->azimuth), -sin(orbit->azimuth), 0};
     const double y[3] = {z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]};
     for (int a = 0; a < 3; a++) {

@@ -57,7 +57,7 @@ static void set_colours(ImGuiStyle &style)
     style.Colors[ImGuiCol_CheckMark] = style.Colors[ImGuiCol_NavHighlight] = from_theme(theme_mark);
 }
 
-static void set_style(float scale)
+bool ui_style(float scale)
 {
     ImGuiStyle style;
     ImGui::StyleColorsDark(&style);
@@ -69,10 +69,5 @@ static void set_style(float scale)
     set_colours(style);
     style.ScaleAllSizes(scale);
     ImGui::GetStyle() = style;
-}
-
-bool ui_style(float scale)
-{
-    set_style(scale);
     return load_font(scale);
 }

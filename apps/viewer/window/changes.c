@@ -5,21 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Those behind the place. */
-static void drop_later(struct changes *changes)
-{
-    while (changes->count > changes->at + 1) {
-        free(changes->states[--changes->count]);
-    }
-}
-
 void changes_add(struct changes *changes, char *state)
 {
     if (changes->count && strcmp(changes->states[changes->at], state) == 0) {
         free(state);
         return;
     }
-    drop_later(changes);
+    while (changes->count > changes->at + 1) { /* those behind the place */
+        free(changes->states[--changes->count]);
+    }
     if (changes->count == CHANGES_LIMIT) {
         free(changes->states[0]);
         changes->count--;

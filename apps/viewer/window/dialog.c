@@ -38,18 +38,10 @@ bool folder_fits(const char *name, const char *text)
     return !*text || strcasestr(name, text);
 }
 
-static bool is_listed(const char *name, bool is_folder, enum folder_filter filter)
+static bool is_folder(const char *path)
 {
-    bool fits = filter == FOLDER_ALL || (filter == FOLDER_SESSIONS ? path_ends(name, ".json") : folder_can_open(name));
-    return name[0] != '.' && (is_folder || fits);
-}
-
-static bool is_folder_at(const char *folder, const char *name)
-{
-    char path[PATH_MAX];
     struct stat info;
-    int size = snprintf(path, sizeof path, "%s/%s", folder, name);
-    return size < PATH_MAX && stat(path, &info) == 0 && S_ISDIR(info.st_mode);
+    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
 /* Takes one more; false without memory. */
@@ -78,6 +70,7 @@ static int compare(const void *a, const void *b)
 
 void folder_read(struct folder *folder, const char *path, enum folder_filter filter)
 {
+    char whole[PATH_MAX];
     folder_finish(folder);
     DIR *entries = opendir(path);
     snprintf(folder->path, sizeof folder->path, "%s", path);
@@ -89,8 +82,12 @@ void folder_read(struct folder *folder, const char *path, enum folder_filter fil
             break;
         }
         bool may_be_folder = entry->d_type == DT_DIR || entry->d_type == DT_LNK || entry->d_type == DT_UNKNOWN;
-        bool is_folder = entry->d_name[0] != '.' && may_be_folder && is_folder_at(path, entry->d_name);
-        folder->failed = is_listed(entry->d_name, is_folder, filter) && !add(folder, entry->d_name, is_folder);
+        const char *name = entry->d_name;
+        int size = snprintf(whole, sizeof whole, "%s/%s", path, name);
+        bool goes_in = name[0] != '.' && may_be_folder && size < PATH_MAX && is_folder(whole);
+        bool fits = goes_in || filter == FOLDER_ALL ||
+                    (filter == FOLDER_SESSIONS ? path_ends(name, ".json") : folder_can_open(name));
+        folder->failed = name[0] != '.' && fits && !add(folder, name, goes_in);
     }
     if (entries) {
         closedir(entries);
@@ -107,12 +104,6 @@ void folder_finish(struct folder *folder)
     }
     free(folder->entries);
     *folder = (struct folder){.path = ""};
-}
-
-static bool is_folder(const char *path)
-{
-    struct stat info;
-    return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
 /* The path that the text means: ~ is the home folder. */
@@ -266,22 +257,16 @@ static bool may_be_opened(const char *path)
     return !strchr(path, '/') || access(path, F_OK) == 0 || access(file, F_OK) == 0;
 }
 
-/* Where a part of a name is typed that one entry has, it is that one. */
-static void mark_only(struct dialog *dialog, const char *path)
-{
-    size_t fitting = 0;
-    for (size_t i = 0; i < dialog->folder.count && !may_be_opened(path); i++) {
-        if (dialog_fits(dialog, i)) {
-            dialog->marked = fitting++ ? SIZE_MAX : i;
-        }
-    }
-}
-
 bool dialog_enter(char path[PATH_MAX], struct dialog *dialog)
 {
     dialog_look(dialog);
-    if (dialog->purpose == DIALOG_OPEN && find_path(path, dialog)) {
-        mark_only(dialog, path);
+    if (dialog->purpose == DIALOG_OPEN && find_path(path, dialog) && !may_be_opened(path)) {
+        size_t fitting = 0;
+        for (size_t i = 0; i < dialog->folder.count; i++) { /* a part of a name that one entry has means that one */
+            if (dialog_fits(dialog, i)) {
+                dialog->marked = fitting++ ? SIZE_MAX : i;
+            }
+        }
     }
     if (dialog->marked < dialog->folder.count) {
         dialog_take(dialog, dialog->marked);
@@ -315,24 +300,18 @@ static void add_place(struct dialog *dialog, const char *path)
     }
 }
 
-/* The folder of a path. */
-static void add_folder(struct dialog *dialog, const char *path)
-{
-    char folder[PATH_MAX];
-    snprintf(folder, sizeof folder, "%s", path);
-    char *slash = strrchr(folder, '/');
-    if (slash) {
-        slash[slash == folder] = '\0';
-        add_place(dialog, folder);
-    }
-}
-
 static void find_places(struct dialog *dialog, const struct start *start)
 {
     char here[PATH_MAX];
     dialog->place_count = 0;
     for (size_t i = 0; i < start->recent.count && i + 4 < DIALOG_PLACES; i++) {
-        add_folder(dialog, start->recent.paths[i]);
+        char folder[PATH_MAX];
+        snprintf(folder, sizeof folder, "%s", start->recent.paths[i]);
+        char *slash = strrchr(folder, '/');
+        if (slash) {
+            slash[slash == folder] = '\0';
+            add_place(dialog, folder);
+        }
     }
     if (getcwd(here, sizeof here)) {
         add_place(dialog, here);

@@ -140,29 +140,18 @@ const char *const figure_panes[PANE_COUNT] = {"axial", "coronal", "sagittal", "3
 /* The frame in which it is asked, and one more that says so and is shown. */
 enum { FRAMES_BEFORE = 4, FREE_NAMES = 10000 };
 
-static void find_name(char name[FIGURE_NAME])
-{
-    for (int i = 1; i < FREE_NAMES; i++) {
-        snprintf(name, FIGURE_NAME, "figure-%d.png", i);
-        if (access(name, F_OK)) {
-            return;
-        }
-    }
-}
-
 void figure_form_open(struct window *window)
 {
     struct figure_form *form = &window->forms.figure;
     form->open = form->takes_keys = true;
     form->pane = window->screen.enlarged >= 0 ? (size_t)window->screen.enlarged : PANE_3D;
     form->news[0] = form->replaced[0] = '\0';
-    find_name(form->name);
-}
-
-static bool has_ending(const char *name)
-{
-    const char *dot = strrchr(name, '.');
-    return dot && (strcasecmp(dot, ".png") == 0 || strcasecmp(dot, ".exr") == 0);
+    for (int i = 1; i < FREE_NAMES; i++) {
+        snprintf(form->name, sizeof form->name, "figure-%d.png", i);
+        if (access(form->name, F_OK)) {
+            return;
+        }
+    }
 }
 
 static void say(struct window *window, const char *what, const char *name)
@@ -179,7 +168,8 @@ void figure_form_save(struct window *window)
     if (!used || form->frames) {
         return;
     }
-    if (!has_ending(form->name)) {
+    const char *dot = strrchr(form->name, '.');
+    if (!dot || (strcasecmp(dot, ".png") != 0 && strcasecmp(dot, ".exr") != 0)) {
         snprintf(form->name + used, sizeof form->name - used, ".png");
     }
     if (!access(form->name, F_OK) && strcmp(form->replaced, form->name) != 0) {

@@ -14,16 +14,6 @@ enum { VERSION = 1, FILE_LIMIT = 1 << 18 /* each byte of each path may be writte
 
 static const char name[] = "recent.json";
 
-static bool take_path(struct recent *recent, const json_t *value)
-{
-    const char *path = json_string_value(value);
-    if (!path || path[0] != '/' || json_string_length(value) >= PATH_MAX) {
-        return false;
-    }
-    memcpy(recent->paths[recent->count++], path, strlen(path) + 1);
-    return true;
-}
-
 bool recent_parse(struct recent *out, const char *text, size_t size)
 {
     json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, NULL);
@@ -33,7 +23,11 @@ bool recent_parse(struct recent *out, const char *text, size_t size)
     bool fine = !json_unpack_ex(root, NULL, JSON_STRICT, "{s: i, s: o}", "conus_recent", &version, "atlases", &list) &&
                 version == VERSION && json_is_array(list) && json_array_size(list) <= RECENT_LIMIT;
     for (size_t i = 0; fine && i < json_array_size(list); i++) {
-        fine = take_path(&recent, json_array_get(list, i));
+        const char *path = json_string_value(json_array_get(list, i));
+        fine = path && path[0] == '/' && json_string_length(json_array_get(list, i)) < PATH_MAX;
+        if (fine) {
+            memcpy(recent.paths[recent.count++], path, strlen(path) + 1);
+        }
     }
     json_decref(root);
     if (fine) {

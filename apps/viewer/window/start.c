@@ -120,19 +120,6 @@ static bool is_recent(const struct start *start, const char *path)
     return false;
 }
 
-/* The atlas that everybody can have: Debian's mricron-data. */
-static void find_atlas(struct start *start)
-{
-    const conus_installed *aal = NULL;
-    bool is_there = start->catalogue && !conus_catalogue_find(&aal, start->catalogue, "mricron:aal") &&
-                    strlen(aal->path) < PATH_MAX;
-    start->has_no_sample = !is_there;
-    start->found[0] = '\0';
-    if (is_there && !is_recent(start, aal->path)) {
-        memcpy(start->found, aal->path, strlen(aal->path) + 1);
-    }
-}
-
 void start_look(struct start *start)
 {
     start_finish(start);
@@ -142,7 +129,14 @@ void start_look(struct start *start)
     }
     start->picked = conus_catalogue_count(start->catalogue);
     start->picked_by[0] = '\0';
-    find_atlas(start);
+    const conus_installed *aal = NULL; /* which everybody can have: Debian's mricron-data */
+    bool is_there = start->catalogue && !conus_catalogue_find(&aal, start->catalogue, "mricron:aal") &&
+                    strlen(aal->path) < PATH_MAX;
+    start->has_no_sample = !is_there;
+    start->found[0] = '\0';
+    if (is_there && !is_recent(start, aal->path)) {
+        memcpy(start->found, aal->path, strlen(aal->path) + 1);
+    }
 }
 
 void start_finish(struct start *start)

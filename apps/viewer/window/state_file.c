@@ -23,20 +23,13 @@ static bool find_path(char path[PATH_MAX], const char *name)
     return size > 0 && size < PATH_MAX;
 }
 
-static void make_folders(char *path)
-{
-    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        mkdir(path, 0700);
-        *slash = '/';
-    }
-}
-
 bool state_file_path(char path[PATH_MAX], const char *name)
 {
     bool fine = find_path(path, name);
-    if (fine) {
-        make_folders(path);
+    for (char *slash = fine ? strchr(path + 1, '/') : NULL; slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        mkdir(path, 0700);
+        *slash = '/';
     }
     return fine;
 }

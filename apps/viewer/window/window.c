@@ -229,12 +229,6 @@ static const char *name_of(int key)
     return "";
 }
 
-/* Held down these do nothing more: Escape leaves a page, and shall not clear the cone behind it, too. */
-static bool acts_once(int key)
-{
-    return key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER || key == GLFW_KEY_ESCAPE || key == GLFW_KEY_SPACE;
-}
-
 static bool is_move(int key)
 {
     return key >= GLFW_KEY_RIGHT && key <= GLFW_KEY_PAGE_DOWN; /* arrows, Page Up and Down */
@@ -260,7 +254,10 @@ static void press_named(GLFWwindow *handle, int key, int scancode, int action, i
     if (action == GLFW_PRESS && is_for_widgets(key)) {
         window->frame.tapped = key;
     }
-    bool counts = action == GLFW_PRESS || (action == GLFW_REPEAT && !acts_once(key));
+    /* Held down these do nothing more: Escape leaves a page, and shall not clear the cone behind it, too. */
+    bool acts_once =
+        key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER || key == GLFW_KEY_ESCAPE || key == GLFW_KEY_SPACE;
+    bool counts = action == GLFW_PRESS || (action == GLFW_REPEAT && !acts_once);
     if (name[0] && counts && !ui_wants_keys() && !is_for_widgets(key)) {
         window_press(window, name);
     }
