@@ -12,7 +12,7 @@ struct probe {
     bool packed;           /**< By gzip. */
     char first;            /**< Its first character that is not white space, unless it is packed; else 0. */
     enum format_reader reader;
-    char *path; /**< Of `file`; owned. */
+    char *path; /**< Path of `file`; owned. */
 };
 
 /** Opens the file @p path, which may end in ",map=K" if it is one of CIFTI labels, and looks what it is. One that

@@ -253,7 +253,7 @@ static uint32_t find_area(const conus_atlas *atlas, uint32_t label)
     return 0;
 }
 
-static conus_status check_area(const conus_atlas *atlas, const conus_label *area)
+static conus_status check_new_area(const conus_atlas *atlas, const conus_label *area)
 {
     conus_status status = check_label(area);
     if (!status && find_area(atlas, area->number)) {
@@ -283,7 +283,7 @@ static conus_status copy_mesh(struct mesh *out, const float *positions, size_t v
     return status;
 }
 
-static conus_status add_area(conus_atlas *atlas, const conus_label *area, struct mesh *mesh)
+static conus_status add_mesh(conus_atlas *atlas, const conus_label *area, struct mesh *mesh)
 {
     struct label_table table = {0};
     char digits[LABEL_DIGITS];
@@ -307,7 +307,7 @@ conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_surface: an atlas and an area are needed");
     }
     size_t note_count = atlas->notes.count;
-    conus_status status = check_area(atlas, area);
+    conus_status status = check_new_area(atlas, area);
     status = status ? status : copy_mesh(&mesh, positions, vertex_count, triangles, triangle_count);
     status = status ? status : mesh_check(&mesh, &notes);
     if (status) {
@@ -315,7 +315,7 @@ conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area
     }
     snprintf(where, sizeof where, "area %u", area->number);
     status = status ? status : notes_move_in(&atlas->notes, &notes, where);
-    status = status ? status : add_area(atlas, area, &mesh);
+    status = status ? status : add_mesh(atlas, area, &mesh);
     if (status) {
         notes_cut(&atlas->notes, note_count);
     }

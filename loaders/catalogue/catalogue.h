@@ -10,8 +10,8 @@
 #include <sys/stat.h>
 
 enum {
-    CATALOGUE_ATLASES = 4096, /**< Of one source; what is behind them is left out, with a note. */
-    CATALOGUE_ENTRIES = 20000 /**< Files and folders that are looked at for one source; likewise. */
+    CATALOGUE_ATLASES = 4096, /**< Atlases of one source; what is behind them is left out, with a note. */
+    CATALOGUE_ENTRIES = 20000 /**< Files and folders that are looked at for one source. */
 };
 
 /** Which file or folder it is. */
@@ -31,7 +31,7 @@ struct conus_catalogue {
     conus_catalogue_place *places; /**< The paths are owned. */
     size_t place_count, place_capacity;
     struct notes notes;
-    struct note_sink sink; /**< Of the notes. */
+    struct note_sink sink; /**< Gets the notes. */
 
     /* The source that is looked at now. */
     const char *source;
@@ -48,7 +48,7 @@ struct catalogue_found {
     const char *kind;         /**< Static. */
     const char *path, *labels;
     double spacing[3];
-    struct catalogue_id id; /**< Of path. */
+    struct catalogue_id id; /**< Identifies the file `path`. */
 };
 
 /** Adds a copy, unless the source has this file by this name already. */
@@ -65,10 +65,11 @@ char *catalogue_join(const char *folder, const char *name);
 
 /** How a folder is looked through. */
 struct folder_rule {
-    size_t depth;                /**< Of the folders below that are looked at. */
-    const char *const *patterns; /**< Of the names of labelled volumes, up to NULL; NULL: volume_marks.h finds out. */
-    const char *cut;             /**< Ending of a name without the file's that is no part of it; NULL = none. */
-    bool subjects;               /**< It holds subjects of FreeSurfer. */
+    size_t depth; /**< Levels of folders below that are looked at. */
+    const char *const
+        *patterns;   /**< Patterns for names of labelled volumes, up to NULL; NULL: volume_marks.h finds out. */
+    const char *cut; /**< Ending of a name without the file's that is no part of it; NULL = none. */
+    bool subjects;   /**< It holds subjects of FreeSurfer. */
 };
 
 /** Adds the labelled volumes, manifests, FSL atlases and BrainGlobe folders in a folder and in those below it. */

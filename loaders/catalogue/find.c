@@ -70,7 +70,7 @@ static bool is_called(const struct catalogue_item *item, const char *name, bool 
     return false;
 }
 
-/* The same file with the same labels, though of another source. */
+/* Whether both are one file with one table of labels, perhaps from two sources. */
 static bool is_same_name(const struct catalogue_item *a, const struct catalogue_item *b)
 {
     const char *one = a->atlas.labels ? a->atlas.labels : "";

@@ -12,7 +12,7 @@
 
 static const char manifest_ending[] = ".atlas.json";
 
-static bool matches_any(const char *name, const char *const *patterns)
+static bool fits_patterns(const char *name, const char *const *patterns)
 {
     for (; *patterns; patterns++) {
         if (fnmatch(*patterns, name, 0) == 0) {
@@ -45,7 +45,7 @@ static conus_status take_file(conus_catalogue *catalogue, const char *name, stru
 {
     if (volume_marks_is_volume(name)) {
         bool labels = false;
-        if (rule->patterns && !matches_any(name, rule->patterns)) {
+        if (rule->patterns && !fits_patterns(name, rule->patterns)) {
             return CONUS_OK;
         }
         conus_status status = volume_marks_find(&labels, found->spacing, found->path, rule->patterns != NULL);
@@ -70,7 +70,7 @@ static bool is_brainglobe(const char *folder)
     return is;
 }
 
-static conus_status take_brainglobe(conus_catalogue *catalogue, const char *name, struct catalogue_found *found)
+static conus_status add_brainglobe(conus_catalogue *catalogue, const char *name, struct catalogue_found *found)
 {
     size_t length = strlen(name); /* of "allen_mouse_25um" of "allen_mouse_25um_v1.2", as BrainGlobe calls an atlas */
     size_t digits = length;
@@ -110,7 +110,7 @@ static conus_status look_at_name(conus_catalogue *catalogue, const char *folder,
     if (there && turn != FOLDERS && S_ISREG(info.st_mode) && info.st_size) { /* TemplateFlow: empty until fetched */
         status = take_file(catalogue, name, &found, rule);
     } else if (there && turn == FOLDERS && S_ISDIR(info.st_mode) && depth < rule->depth) {
-        status = is_brainglobe(path) ? take_brainglobe(catalogue, name, &found)
+        status = is_brainglobe(path) ? add_brainglobe(catalogue, name, &found)
                                      : look_in_folder(catalogue, path, rule, depth + 1);
     }
     memory_free(path);

@@ -113,7 +113,7 @@ static conus_status look_at_annotations(const struct subject *subject)
 }
 
 /* $FREESURFER_HOME/FreeSurferColorLUT.txt; NULL in *out where there is none. */
-static conus_status find_table(char **out)
+static conus_status find_colours(char **out)
 {
     const char *home = getenv("FREESURFER_HOME");
     struct catalogue_id id;
@@ -132,7 +132,7 @@ conus_status freesurfer_look(conus_catalogue *catalogue, const char *folder)
 {
     struct names names = {0};
     char *table = NULL;
-    conus_status status = find_table(&table);
+    conus_status status = find_colours(&table);
     status = status ? status : catalogue_list(&names, catalogue, folder);
     for (size_t i = 0; !status && i < names.count; i++) {
         struct subject subject = {.catalogue = catalogue, .name = names.names[i], .table = table};

@@ -30,7 +30,7 @@ bool volume_marks_is_volume(const char *name)
     return name[volume_stem_length(name)] && !path_ends_in(name, ".img") && !path_ends_in(name, ".img.gz");
 }
 
-static bool matches(const char *name, const char *const *patterns, size_t count)
+static bool matches_any(const char *name, const char *const *patterns, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         if (fnmatch(patterns[i], name, FNM_CASEFOLD) == 0) {
@@ -40,7 +40,7 @@ static bool matches(const char *name, const char *const *patterns, size_t count)
     return false;
 }
 
-static conus_status find_table(bool *found, const char *path)
+static conus_status look_beside(bool *found, const char *path)
 {
     for (size_t i = 0; !*found && i < sizeof tables / sizeof tables[0]; i++) {
         char *table = path_with_ending(path, volume_stem_length(path), tables[i]);
@@ -65,11 +65,11 @@ conus_status volume_marks_find(bool *labels, double spacing[3], const char *path
         const struct text text = {(const char *)head.data, head.size};
         bool has_table = text_mentions(text, "<LabelTable") || text_mentions(text, "LABEL_DTABLE") ||
                          text_mentions(text, "ATLAS_LABEL_TABLE");
-        bool has_name = matches(name, names, sizeof names / sizeof names[0]) &&
-                        !matches(name, others, sizeof others / sizeof others[0]);
+        bool has_name = matches_any(name, names, sizeof names / sizeof names[0]) &&
+                        !matches_any(name, others, sizeof others / sizeof others[0]);
         memcpy(spacing, info->spacing, sizeof info->spacing);
         *labels = known || header.intent_code == INTENT_LABEL || has_table || has_name;
-        status = *labels ? CONUS_OK : find_table(labels, path);
+        status = *labels ? CONUS_OK : look_beside(labels, path);
     }
     bytes_finish(&head);
     return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;

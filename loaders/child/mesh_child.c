@@ -374,7 +374,7 @@ static conus_status check_exit(const struct child *child, int how)
                                         : fail(CONUS_ERROR_DATA, "%s: its output is cut off or too long", program);
 }
 
-/* It may have closed its output and still run. */
+/* Waits for the end of the program, which may have closed its output and still run. */
 static conus_status await_end(const struct child *child, int *how)
 {
     static const struct timespec moment = {.tv_nsec = 1000000};

@@ -64,7 +64,7 @@ static size_t size_of_objects(const struct volume *volume)
     return volume->voxel_count * (volume->objects16 ? sizeof *volume->objects16 : sizeof *volume->objects32);
 }
 
-static conus_status take_frame(void *user, const struct mesh_frame *frame)
+static conus_status take_area(void *user, const struct mesh_frame *frame)
 {
     struct extraction *work = user;
     struct mesh mesh = {0};
@@ -99,7 +99,7 @@ static conus_status run_child(struct extraction *work, const struct buffer *requ
     struct buffer stream = {0};
     work->stream = key[0] ? &stream : NULL;
     mesh_stream_start(&stream);
-    conus_status status = mesh_child_run(&all, &limits, take_frame, work);
+    conus_status status = mesh_child_run(&all, &limits, take_area, work);
     mesh_stream_end(&stream, work->frames);
     if (!status && key[0]) {
         status = buffer_status(&stream);
@@ -129,7 +129,7 @@ static conus_status extract_with(struct extraction *work, const struct buffer *r
     buffer_finish(&recipe);
     conus_status status = key[0] ? mesh_cache_find(&cached, key, work->notes) : CONUS_OK;
     if (!status) {
-        status = cached.data ? mesh_stream_read(cached.data, cached.size, take_frame, work)
+        status = cached.data ? mesh_stream_read(cached.data, cached.size, take_area, work)
                              : run_child(work, request, key, options);
     }
     bytes_finish(&cached);

@@ -11,7 +11,7 @@ enum { FILE_KIND_HEAD = 1 << 16 }; /**< Bytes that format_find() wants to see, i
 enum format_reader {
     READER_VOLUME,    /**< Also of what is no format that an atlas may have: it says so. */
     READER_MANIFEST,  /**< JSON with the key "conus_atlas". */
-    READER_ATLAS_XML, /**< Of FSL or SPM. */
+    READER_ATLAS_XML, /**< FSL's or SPM's. */
     READER_CIFTI,     /**< A .dlabel.nii. */
     READER_SURFACE    /**< GIFTI or FreeSurfer; the surfaces of other programs go by their names. */
 };
@@ -24,7 +24,7 @@ enum kind_certainty {
 
 struct file_kind {
     const char *words; /**< "a TrackVis tractogram".                                    */
-    const char *way;   /**< What conus can do with it, or NULL: "give it as --labels".  */
+    const char *way;   /**< Advice, or NULL: "give it as --labels". */
     enum format_reader reader;
     enum kind_certainty certainty;
 };

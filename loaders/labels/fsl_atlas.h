@@ -27,7 +27,7 @@ struct fsl_atlas {
     struct fsl_image *images;
     size_t image_count;
     struct label_table labels; /**< By index + 1, as in the file, until fsl_atlas_number().         */
-    struct fsl_point *points;  /**< Of labels.entries, until fsl_atlas_number().                    */
+    struct fsl_point *points;  /**< [labels.count], until fsl_atlas_number(). */
     bool proved;               /**< fsl_atlas_number() found the x y z of the labels in the volume. */
 };
 

@@ -90,7 +90,7 @@ static bool is_called_so(const char *xml, const char *relative)
     return strncmp(xml, path_base(relative), strlen(xml) - strlen(".xml")) == 0;
 }
 
-/* Those that are called as the volume come first. */
+/* Tries the XMLs in the folder, those first that are called as the volume. */
 static conus_status search_in(const struct search *search, const char *folder, const char *relative)
 {
     struct names names = {0};
@@ -106,7 +106,7 @@ static conus_status search_in(const struct search *search, const char *folder, c
     return status;
 }
 
-/* In the folder above, where the volume is "folder/name". */
+/* Tries those in the folder above, where the volume is "folder/name". */
 static conus_status search_above(const struct search *search, const char *folder, const char *relative)
 {
     char real[PATH_MAX];

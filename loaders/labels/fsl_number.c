@@ -58,7 +58,7 @@ static struct fit count_fits(const struct fsl_atlas *atlas, const struct label_u
     return fit;
 }
 
-/* From the voxels of the first image that is there to those of the volume. */
+/* The matrix from the voxels of the first image that is there to those of the volume. */
 static conus_status from_first_image(double voxel_from_point[16], bool *found, const struct fsl_atlas *atlas,
                                      const struct label_use *use)
 {
@@ -131,7 +131,8 @@ static conus_status note_choice(const struct fsl_atlas *atlas, const struct labe
                       name, taken, atlas->type);
 }
 
-/* From index + 1 to index; what was 0 is dropped, without a word if the points prove that it is no area. */
+/* Numbers the labels by index instead of index + 1; index 0 is dropped, without a note if the points prove that it is
+ * no area. */
 static conus_status take_indices(struct fsl_atlas *atlas, struct notes *notes)
 {
     struct label_table next = atlas->labels;

@@ -126,7 +126,7 @@ static conus_status read_cells(struct text cells[COLUMN_COUNT], const struct hea
     return CONUS_OK;
 }
 
-static conus_status set_text(char **field, struct text cell)
+static conus_status set_cell(char **field, struct text cell)
 {
     conus_status status = label_set_text(field, cell);
     char *to = *field;
@@ -160,13 +160,13 @@ static conus_status fill_label(struct label *label, const struct text cells[COLU
         status = label_cell_number(&label->parent, cells[PARENT], where);
         label->has_parent = label->parent != 0;
     }
-    status = status ? status : set_text(&label->name, cells[NAME]);
-    return status ? status : set_text(&label->abbreviation, cells[ABBREVIATION]);
+    status = status ? status : set_cell(&label->name, cells[NAME]);
+    return status ? status : set_cell(&label->abbreviation, cells[ABBREVIATION]);
 }
 
 /* "index label name" may count rows in one column and give the voxels' value in the other. */
-static conus_status note_rival(struct header *header, uint32_t number, struct text rival, const char *where,
-                               struct notes *notes)
+static conus_status note_rival_column(struct header *header, uint32_t number, struct text rival, const char *where,
+                                      struct notes *notes)
 {
     uint64_t other;
     if (header->disputed || !text_to_uint(rival, UINT32_MAX, &other) || other == number) {
@@ -192,7 +192,7 @@ static conus_status parse_below(struct label_table *out, struct header *header, 
         snprintf(where, sizeof where, "line %zu", number);
         status = read_cells(cells, header, line, where);
         status = status ? status : fill_label(&label, cells, where, notes);
-        status = status ? status : note_rival(header, label.number, cells[RIVAL], where, notes);
+        status = status ? status : note_rival_column(header, label.number, cells[RIVAL], where, notes);
         status = label_keep(out, &label, status, notes);
     }
     return status;
@@ -454,7 +454,7 @@ static conus_status parse_bare(struct label_table *out, struct text text, struct
             return fail(CONUS_ERROR_DATA, "%s: %zu columns, the first line has %zu", where, row.columns, columns);
         }
         status = label_cell_number(&label.number, row.cells[0], where);
-        status = status ? status : set_text(&label.name, row.cells[1]);
+        status = status ? status : set_cell(&label.name, row.cells[1]);
         status = label_keep(out, &label, status, notes);
     }
     return status || !more_words ? status : check_names_differ(out);

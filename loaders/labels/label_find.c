@@ -128,7 +128,7 @@ static bool numbers_agree(const struct label_use *use, enum kind kind)
 }
 
 /* The first table that is there: $FREESURFER_HOME's, or that above SUBJECTS/SUBJECT/mri/. */
-static conus_status find_table(struct buffer *out, const char *folder)
+static conus_status find_freesurfer_table(struct buffer *out, const char *folder)
 {
     const char *home = file_trace_environment("FREESURFER_HOME");
     const char *roots[] = {home && home[0] ? home : NULL, home && home[0] ? home : NULL, folder};
@@ -147,8 +147,8 @@ static conus_status find_table(struct buffer *out, const char *folder)
     return CONUS_OK;
 }
 
-static conus_status take_table(bool *taken, struct label_search *search, const struct label_table *table,
-                               const char *path)
+static conus_status take_freesurfer(bool *taken, struct label_search *search, const struct label_table *table,
+                                    const char *path)
 {
     (void)table;
     *taken = true;
@@ -183,7 +183,7 @@ static conus_status label_search_freesurfer(struct label_search *search, const c
     if (kind == FOREIGN || !search->use.voxels) {
         return CONUS_OK;
     }
-    conus_status status = find_table(&path, folder);
+    conus_status status = find_freesurfer_table(&path, folder);
     if (!status && path.size && !numbers_agree(&search->use, kind)) {
         status =
             notes_warn(search->notes,
@@ -191,7 +191,7 @@ static conus_status label_search_freesurfer(struct label_search *search, const c
                        "taken; --labels uses it all the same",
                        path_base(search->volume->info->path), path.data);
     } else if (!status && path.size) {
-        search->judge = take_table;
+        search->judge = take_freesurfer;
         status = label_search_file(search, path.data);
         search->judge = NULL;
     }
@@ -200,8 +200,8 @@ static conus_status label_search_freesurfer(struct label_search *search, const c
 }
 
 struct label_fit {
-    size_t names;     /**< Of the table.                                                */
-    size_t used;      /**< Of them, those whose number a voxel has.                     */
+    size_t names;     /**< Names in the table. */
+    size_t used;      /**< Names whose number a voxel has. */
     uint32_t unnamed; /**< The first number of a voxel that has no name, in the order of the voxels; 0: all have one. */
     size_t strays;    /**< Voxels whose number has no name,                             */
     size_t voxels;    /**< of so many that have one other than 0.                       */
@@ -209,7 +209,7 @@ struct label_fit {
 
 enum { STRAYS = 100000 }; /* of so many voxels one may be of a label without a name */
 
-static bool has_name(const struct label_table *table, uint32_t number)
+static bool names_label(const struct label_table *table, uint32_t number)
 {
     const struct label *label = label_table_find(table, number);
     return label && label->name;
@@ -224,7 +224,7 @@ static conus_status count_strays(struct label_fit *fit, const struct label_table
         const uint64_t *count = label_map_at(&counts, number);
         status = count ? CONUS_OK : CONUS_ERROR_MEMORY;
         fit->voxels += count ? *count : 0;
-        fit->strays += count && !has_name(table, number) ? *count : 0;
+        fit->strays += count && !names_label(table, number) ? *count : 0;
     }
     label_map_finish(&counts);
     return status;
@@ -240,7 +240,7 @@ static conus_status label_fit_find(struct label_fit *out, const struct label_tab
     }
     for (size_t i = 1; i < use->voxels->label_count; i++) {
         uint32_t number = use->voxels->labels[i];
-        if (has_name(table, number)) {
+        if (names_label(table, number)) {
             seen[label_table_find(table, number) - table->entries] = true;
         } else {
             fit.unnamed = fit.unnamed ? fit.unnamed : number;

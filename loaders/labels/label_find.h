@@ -10,8 +10,8 @@
 struct label_volume {
     const conus_volume_info *info;
     uint64_t max_memory;
-    struct label_table segments; /**< Of 3D Slicer's segments, sorted; owned.                        */
-    struct notes notes;          /**< Of these.                                                      */
+    struct label_table segments; /**< 3D Slicer's segments, sorted; owned. */
+    struct notes notes;          /**< Notes about the segments. */
     struct text *texts;          /**< [count] Tables, perhaps, inside the file: the best first; owned. */
     size_t count;
     label_header_read *header;

@@ -35,8 +35,8 @@ struct label_offer {
     struct notes notes;
     struct buffer source;
     bool proved;
-    const char *path;         /**< Of the file that the table is, */
-    const struct bytes *file; /**< and its bytes; NULL inside the volume's. */
+    const char *path;         /**< The table's file. */
+    const struct bytes *file; /**< Its bytes; NULL for a table inside the volume's file. */
 };
 
 /** Uses the table of @p offer if it is the first, or if only its numbers are proved and names have others. One that

@@ -15,12 +15,12 @@ typedef conus_status label_header_read(conus_volume_info *out, const char *path)
 
 /** Zero: for no volume that is known. */
 struct label_use {
-    const conus_volume_info *info;     /**< Of the volume that the table names, or NULL.  */
+    const conus_volume_info *info;     /**< The volume that the table names, or NULL. */
     const struct label_voxels *voxels; /**< Its labels as they were read, i fastest; NULL if not known. */
     label_header_read *header; /**< For the image that an FSL atlas XML counts its voxels in; NULL: it is not read. */
-    const char *path;          /**< Of the table's file, or NULL.                 */
+    const char *path;          /**< The table's file, or NULL. */
     uint64_t max_memory;       /**< For the table's file and what it becomes; 0 = 8 GiB. */
-    struct text columns[2];    /**< Of a table with a header row: what it calls number and name; empty: the
+    struct text columns[2];    /**< What a header row calls number and name; empty: the
                                   usual words.                                              */
     struct file_sums *read;    /**< Gets the files that the table is of; may be NULL. */
 };

@@ -14,7 +14,7 @@
 
 enum { VOLUME_LIMIT = 1024 }; /* more are not named: each name is compared with all others */
 
-static bool same_name(const struct label_table *table, const char *name, size_t from)
+static bool has_twin(const struct label_table *table, const char *name, size_t from)
 {
     for (size_t i = from; i < table->count; i++) {
         if (table->entries[i].name && strcmp(table->entries[i].name, name) == 0) {
@@ -30,7 +30,7 @@ static bool counts_to(const struct label_table *table, size_t last)
     bool good = table->count == last;
     for (size_t i = 0; good && i < last; i++) {
         const struct label *label = &table->entries[i];
-        good = label->number == i + 1 && label->name && !same_name(table, label->name, i + 1);
+        good = label->number == i + 1 && label->name && !has_twin(table, label->name, i + 1);
     }
     return good;
 }
@@ -41,7 +41,7 @@ static conus_status count_from_one(bool *decided, struct label_table *table, siz
 {
     const char *zero = table->zero;
     bool background = !zero || label_is_background(text_from(zero));
-    if (!zero || !counts_to(table, count - 1) || same_name(table, zero, 0)) {
+    if (!zero || !counts_to(table, count - 1) || has_twin(table, zero, 0)) {
         *decided = background && counts_to(table, count);
         return CONUS_OK;
     }
@@ -85,7 +85,7 @@ static conus_status read_lines(struct label_table *out, bool *lines, struct text
     return status;
 }
 
-static conus_status parse_table(struct label_table *out, bool *table, const struct bytes *bytes, size_t volumes,
+static conus_status parse_names(struct label_table *out, bool *table, const struct bytes *bytes, size_t volumes,
                                 const struct label_use *chosen)
 {
     const struct label_use use = {.columns = {chosen->columns[0], chosen->columns[1]}};
@@ -111,7 +111,7 @@ static conus_status parse_table(struct label_table *out, bool *table, const stru
 
 /* The table of the file, whose numbers are those of the volumes, from 1; empty, with a note, if they do not decide. One
  * that was found is passed over if it is damaged, one that was given is not. */
-static conus_status take_table(struct label_table *out, const char *path, bool given, const struct label_use *use,
+static conus_status take_names(struct label_table *out, const char *path, bool given, const struct label_use *use,
                                struct notes *notes)
 {
     const size_t count = use->info->volume_count;
@@ -119,7 +119,7 @@ static conus_status take_table(struct label_table *out, const char *path, bool g
     bool is_table = false;
     bool decided = false;
     conus_status status = label_file_bytes(&bytes, path, use->max_memory);
-    if (!status && (status = parse_table(out, &is_table, &bytes, count, use))) {
+    if (!status && (status = parse_names(out, &is_table, &bytes, count, use))) {
         status = given ? fail_in(status, path) : status;
     }
     if (status && !given && status != CONUS_ERROR_MEMORY) {
@@ -153,7 +153,7 @@ conus_status label_volume_table(struct label_table *out, struct buffer *from, co
         size_t stem = volume_stem_length(info->path);
         char *file = path ? NULL : path_with_ending(info->path, stem, endings[i]);
         status = path ? label_path_split(&file, chosen.columns, path) : file ? CONUS_OK : CONUS_ERROR_MEMORY;
-        status = status || (!path && !file_exists(file)) ? status : take_table(out, file, path != NULL, &chosen, notes);
+        status = status || (!path && !file_exists(file)) ? status : take_names(out, file, path != NULL, &chosen, notes);
         if (!status && out->count) {
             buffer_text(from, path_base(file));
             status = buffer_status(from);

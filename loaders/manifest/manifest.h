@@ -11,7 +11,7 @@
 enum {
     MANIFEST_VERSION = 1,
     MANIFEST_FEW = 64,   /**< Entries of a list of which each is compared with all: parcellations, transforms. */
-    MANIFEST_MANY = 4096 /**< Of pathways, probabilities, streamlines and contexts, files of their own. */
+    MANIFEST_MANY = 4096 /**< Entries of a list of files: pathways, probabilities, streamlines, contexts. */
 };
 
 /** One volume of a file. */
@@ -19,24 +19,24 @@ struct manifest_volume {
     char *file; /**< As written; NULL if the manifest names none.            */
     bool chosen;
     uint32_t volume;      /**< Which of a 4-D file's, from 0, if chosen.               */
-    double resolution[3]; /**< Of a TIFF stack, micrometres: page, row, column; 0 = as metadata.json says. */
-    char *orientation;    /**< Likewise: where its axes start; NULL = as metadata.json says.               */
+    double resolution[3]; /**< Micrometres along page, row, column of a TIFF stack; 0 = as metadata.json says. */
+    char *orientation;    /**< Where the axes of a TIFF stack start; NULL = as metadata.json says. */
 };
 
 struct manifest_parcellation {
     struct manifest_volume source;
     char *labels;          /**< NULL: as conus_atlas_load() finds them.                 */
-    bool noted;            /**< Of a made-up manifest: what is to be said of the file has been said. */
+    bool noted;            /**< The notes about the file have been given; only in a made-up manifest. */
     uint32_t label_offset; /**< Added to the labels of its voxels and of its table.     */
-    char hemisphere;       /**< Of its areas whose table says none; 0 = unsaid.         */
+    char hemisphere;       /**< The side of areas whose table says none; 0 = unsaid. */
 };
 
 /** A transform of points from the space of poses to that of the areas, as --atlas-transform takes it. */
 struct manifest_transform {
     char *file;
-    char *from; /**< Of FSL's matrices: their images; NULL otherwise. */
+    char *from; /**< The images of FSL's matrices; NULL otherwise. */
     char *to;
-    char *grid;   /**< Of fields: a volume with the voxels of the moved areas; NULL = the field's. */
+    char *grid;   /**< For fields: a volume with the voxels of the moved areas; NULL = the field's. */
     bool inverse; /**< It moves points of the areas to where poses are. */
     conus_vectors vectors;
 };
@@ -47,7 +47,7 @@ struct manifest_context {
     bool transfer_is_file;
     bool moves;     /**< It is moved with the areas.                             */
     double blocks;  /**< Threshold from which on it stops rays; 0 if it does not.  */
-    double opacity; /**< Of a surface; 0 = the default.                          */
+    double opacity; /**< A surface's; 0 = the default. */
 };
 
 /** Surfaces that are areas: one file, the files that match a pattern, or a BrainGlobe folder. */
@@ -58,7 +58,7 @@ struct manifest_area {
     bool has_label;        /**< file: label.number is given, else the first number in the file's name.              */
     struct label label;    /**< file: what is said about it; files: hemisphere and parent of all.                   */
     char *vertex_labels;   /**< file: labels of its vertices, which cut it into areas; NULL if none.                */
-    bool noted;            /**< Of a made-up manifest: what is to be said of the file of labels has been said.      */
+    bool noted;            /**< The notes about the file of labels have been given; only in a made-up manifest. */
     char *labels;          /**< files: table that names them; NULL if none.                                         */
     uint32_t label_offset; /**< files: added to the numbers in their names, or to 1, 2, ... where there are none.   */
     double scale;          /**< brainglobe: mm per unit; 0 = 0.001.                                                 */
@@ -73,7 +73,7 @@ enum manifest_ccf {
     MANIFEST_CCF_ASL  /**< At the anterior, superior and left sides.  */
 };
 
-/** Which one is the area where a label is a surface's and has voxels in the parcellation. */
+/** Whether the surface or the voxels are the area where a label has both. */
 enum manifest_preference { MANIFEST_PREFER_NONE, MANIFEST_PREFER_AREAS, MANIFEST_PREFER_PARCELLATION };
 
 /** One pathway or area of probabilities, with `bands` one pathway for each of them, or with `names` or `fsl` one for
@@ -85,7 +85,7 @@ struct manifest_pathway {
     char **names;
     size_t name_count;
     double threshold;  /**< 0 = the manifest's, else the default.                                              */
-    double scale;      /**< Of probabilities: the value that means "certainly"; 0 = as the values say.         */
+    double scale;      /**< The probability value that means "certainly"; 0 = as the values say. */
     conus_band *bands; /**< One pathway for each instead; their names are owned.                               */
     size_t band_count;
     bool moves; /**< A pathway: it is moved with the areas. */
@@ -96,7 +96,7 @@ struct manifest_streamlines {
     char *file;
     char *name;    /**< NULL = the file's without its ending. */
     double radius; /**< mm; 0 = the default. */
-    bool moves;    /**< With the areas. */
+    bool moves;    /**< It is moved with the areas. */
 };
 
 struct manifest {
@@ -106,20 +106,20 @@ struct manifest {
     bool single; /**< There is one, which the manifest has as "parcellation", not in a list.              */
     struct manifest_context *contexts; /**< At most one volume, and surfaces. */
     size_t context_count;
-    enum mesh_space space; /**< Of the surfaces' coordinates; unstated = as each file says.                       */
+    enum mesh_space space; /**< The space of the surfaces' coordinates; unstated = as each file says. */
     enum manifest_ccf ccf;
     enum manifest_preference prefer;
     struct manifest_area *areas;
     size_t area_count;
     struct label *tree; /**< Parents, and areas without a shape that group others.                                */
     size_t tree_count;
-    struct manifest_pathway *maps; /**< Of probabilities, which are areas.                                    */
+    struct manifest_pathway *maps; /**< "probabilities", which are areas. */
     size_t map_count;
     struct manifest_pathway *pathways;
     size_t pathway_count;
     struct manifest_streamlines *streamlines;
     size_t streamlines_count;
-    double threshold; /**< Of pathways that give none; 0 = the default.                                       */
+    double threshold;                      /**< For pathways that give none; 0 = the default. */
     struct manifest_transform *transforms; /**< Points go through the first one first. */
     size_t transform_count;
     bool single_transform; /**< There is one, which is not in a list.                                    */

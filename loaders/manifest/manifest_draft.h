@@ -15,8 +15,8 @@ struct manifest_draft {
     struct names used;    /**< Images that an FSL atlas names, from the folder and without ending. */
     json_t *parcellation; /**< An object; a list of those that are halves. */
     json_t *context, *areas, *pathways, *streamlines;
-    json_t *maps;          /**< Of probabilities. */
-    uint32_t label_offset; /**< Of the next group of surfaces. */
+    json_t *maps;          /**< Areas by probabilities. */
+    uint32_t label_offset; /**< Added to the labels of the next group of surfaces. */
     /** Loads a manifest, to try an entry. NULL: every entry is taken, and one that does not load is the reader's error.
      */
     conus_status (*load)(const struct manifest_draft *draft, const struct buffer *text);

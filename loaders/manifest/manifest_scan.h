@@ -10,7 +10,7 @@ enum volume_use { VOLUME_LABELS, VOLUME_PATHWAY, VOLUME_SERIES, VOLUME_CONTEXT }
 struct volume_guess {
     enum volume_use use;
     size_t count;      /**< Volumes in the file.              */
-    const char *words; /**< What the guess rests on; static.  */
+    const char *words; /**< The reason of the guess; static. */
 };
 
 /** Reads the volume @p path and guesses: several volumes are pathways; what grey_judge_file() takes for labels is

@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static conus_status take_single(bool *taken, struct manifest_draft *draft, const char *folder, const char *name,
-                                uint32_t label)
+static conus_status take_one_surface(bool *taken, struct manifest_draft *draft, const char *folder, const char *name,
+                                     uint32_t label)
 {
     struct buffer file = {0};
     buffer_format(&file, "%s%s", folder, name);
@@ -153,7 +153,7 @@ static conus_status take_surfaces(struct manifest_draft *draft, const char *fold
         count = 0;
         for (size_t i = 0; !status && i < names->count; i++) {
             bool taken = false;
-            status = take_single(&taken, draft, folder, names->names[i], draft->label_offset + (uint32_t)i + 1);
+            status = take_one_surface(&taken, draft, folder, names->names[i], draft->label_offset + (uint32_t)i + 1);
             count += taken;
         }
     }

@@ -24,7 +24,7 @@ typedef conus_status (*schema_read)(void *field, const json_t *value, const stru
 struct schema_field {
     const char *key;
     schema_read read;
-    size_t offset; /**< Of the field, in what the object is read into. */
+    size_t offset; /**< Offset of the field in what the object is read into. */
     bool required;
 };
 

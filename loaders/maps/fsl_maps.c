@@ -24,8 +24,8 @@ static double voxel_mm3(const struct volume_file *file)
 }
 
 /* Takes the image `path` if its voxels are smaller than those of the one that is there. */
-static conus_status consider_image(struct fsl_maps *maps, conus_atlas *atlas, const char *path,
-                                   const conus_load_options *options)
+static conus_status take_if_finer(struct fsl_maps *maps, conus_atlas *atlas, const char *path,
+                                  const conus_load_options *options)
 {
     struct volume_file file = {0};
     struct notes notes = {0};
@@ -53,7 +53,7 @@ static conus_status choose_image(struct fsl_maps *maps, conus_atlas *atlas, cons
         char *path = NULL;
         const char *image = maps->atlas.images[i].image;
         status = image ? fsl_image_find(&path, xml, image) : CONUS_OK;
-        status = !status && path ? consider_image(maps, atlas, path, options) : status;
+        status = !status && path ? take_if_finer(maps, atlas, path, options) : status;
         memory_free(path);
     }
     if (!status && !maps->image.path) {
@@ -88,7 +88,7 @@ struct rival {
     struct notes *notes;
 };
 
-static conus_status note_rival(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
+static conus_status compare_with_rival(void *user, struct fsl_atlas *atlas, const char *path, const struct bytes *file)
 {
     const struct rival *rival = user;
     struct notes silent = {0};
@@ -111,7 +111,7 @@ static conus_status compare_map_names(struct fsl_maps *maps, const char *xml, ui
     struct notes silent = {0};
     const struct label_use use = {.info = &maps->image.info, .max_memory = max_memory};
     bool differ;
-    conus_status status = fsl_atlas_each(maps->image.path, FSL_VOLUMES, note_rival, &rival);
+    conus_status status = fsl_atlas_each(maps->image.path, FSL_VOLUMES, compare_with_rival, &rival);
     status = status ? status : label_volume_table(&table, &from, NULL, &use, &silent);
     if (!status && table.count) {
         status = label_tables_note(&differ, &maps->atlas.labels, rival.xml, &table, from.data, notes);
@@ -128,7 +128,7 @@ conus_status fsl_maps_open(struct fsl_maps *out, conus_atlas *atlas, const char 
     struct fsl_maps maps = {0};
     conus_status status = read_xml(&maps, atlas, xml);
     if (!status) {
-        status = image ? consider_image(&maps, atlas, image, options) : choose_image(&maps, atlas, xml, options);
+        status = image ? take_if_finer(&maps, atlas, image, options) : choose_image(&maps, atlas, xml, options);
     }
     const size_t labels = maps.atlas.labels.count;
     status = status ? status : label_drop_background(&maps.has_background, &maps.atlas.labels, &atlas->notes);

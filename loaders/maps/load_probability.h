@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Areas of probabilistic atlases: one volume of probabilities each. */
-#ifndef CONUS_LOADERS_SCENE_LOAD_PROBABILITY_H
-#define CONUS_LOADERS_SCENE_LOAD_PROBABILITY_H
+#ifndef CONUS_LOADERS_MAPS_LOAD_PROBABILITY_H
+#define CONUS_LOADERS_MAPS_LOAD_PROBABILITY_H
 
 #include "atlas/atlas.h"
 #include "loaders/volumes/volume_file.h"
 
 /** How a file says how probable something is. */
 struct probability_scale {
-    double value;      /**< What means "certainly"; 0: the largest value of each volume, which is a mask. */
+    double value;      /**< The value that means "certainly"; 0: the largest value of each volume, which is a mask. */
     const char *words; /**< "percent", for notes. */
 };
 

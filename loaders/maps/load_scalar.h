@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Volumes whose values are numbers: pathways, the context and regions of interest. */
-#ifndef CONUS_LOADERS_SCENE_LOAD_SCALAR_H
-#define CONUS_LOADERS_SCENE_LOAD_SCALAR_H
+#ifndef CONUS_LOADERS_MAPS_LOAD_SCALAR_H
+#define CONUS_LOADERS_MAPS_LOAD_SCALAR_H
 
 #include "atlas/atlas.h"
 #include "atlas/roi.h"

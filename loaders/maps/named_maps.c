@@ -117,7 +117,7 @@ static conus_status add_findings(struct findings *findings, const struct volume_
     return status;
 }
 
-/* Where a volume is above 0, the part of the others that is so, too. */
+/* The mean share of the other volumes that are above 0 where one is. */
 static double overlap(const struct findings *findings, const conus_volume_info *info)
 {
     double places = 0;

@@ -125,7 +125,7 @@ static conus_status read_surface(struct surface *out, const char *path, const co
     return status ? status : whole ? take_whole(out) : cut_surface(out, labels);
 }
 
-static conus_status add_area(conus_atlas *atlas, const struct surface *surface, struct mesh_part *part)
+static conus_status add_part(conus_atlas *atlas, const struct surface *surface, struct mesh_part *part)
 {
     char digits[LABEL_DIGITS];
     const struct label *known = label_table_find(&surface->labels.table, part->label);
@@ -172,7 +172,7 @@ static conus_status surface_load(conus_atlas **out, const char *path, const stru
         atlas->notes.sink = surface.notes.sink;
     }
     for (size_t i = 0; !status && i < surface.parts.count; i++) {
-        status = add_area(atlas, &surface, &surface.parts.parts[i]);
+        status = add_part(atlas, &surface, &surface.parts.parts[i]);
     }
     status = status ? status : notes_move(&atlas->notes, &surface.notes);
     status = status ? status : note_missing(atlas, &surface);

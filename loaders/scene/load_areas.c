@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From planned surfaces to areas of the atlas: reading them, their notes, the area tree. */
-#include "loaders/scene/load_areas.h"
-
 #include "atlas/fit/box_fit.h"
 #include "atlas/labels/label_voxels.h"
 #include "atlas/surface/mesh_split.h"
@@ -9,6 +7,7 @@
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "base/order.h"
+#include "loaders/scene/area_plan.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 
 #include <stdio.h>
@@ -215,7 +214,7 @@ static bool say_the_same(const struct said *a, const struct said *b)
 }
 
 /* The first area whose path is the first `size` bytes of `note`. */
-static const struct planned_area *find_area(const struct gathering *gathering, const char *note, size_t size)
+static const struct planned_area *area_of_path(const struct gathering *gathering, const char *note, size_t size)
 {
     size_t low = 0;
     size_t high = gathering->area_count;
@@ -233,7 +232,7 @@ static struct said read_note(const struct gathering *gathering, const char *note
 {
     struct said said = {.line = line};
     for (const char *end = strstr(note, ": "); end && !said.area; end = strstr(end + 1, ": ")) {
-        said.area = find_area(gathering, note, (size_t)(end - note));
+        said.area = area_of_path(gathering, note, (size_t)(end - note));
         said.text = end + 2;
     }
     return said;

@@ -16,7 +16,7 @@
 static const double default_opacity = 0.25;
 
 /* Reads the surface; it is measured when it is added. */
-static conus_status read_surface(struct context_surface *out, const char *path, const conus_context_options *options,
+static conus_status read_context(struct context_surface *out, const char *path, const conus_context_options *options,
                                  struct notes *notes)
 {
     const struct mesh_file_options file = {.max_memory = options->max_memory};
@@ -40,7 +40,7 @@ static conus_status read_surface(struct context_surface *out, const char *path, 
 }
 
 /* On failure the atlas is as before. */
-static conus_status add_surface(conus_atlas *atlas, const char *path, const conus_context_options *options,
+static conus_status add_context(conus_atlas *atlas, const char *path, const conus_context_options *options,
                                 struct notes *notes)
 {
     struct context_surface surface = {0};
@@ -48,7 +48,7 @@ static conus_status add_surface(conus_atlas *atlas, const char *path, const conu
     size_t count = atlas->context_surface_count;
     size_t note_count = atlas->notes.count;
     conus_status status = file_state_find(&state, path);
-    status = status ? status : read_surface(&surface, path, options, notes);
+    status = status ? status : read_context(&surface, path, options, notes);
     status = status ? status : notes_move(&atlas->notes, notes);
     status = status ? status : atlas_add_context_surface(atlas, &surface);
     if (!status) {
@@ -83,7 +83,7 @@ conus_status conus_atlas_set_context(conus_atlas *atlas, const char *path, const
     struct notes notes = {.sink = &sink};
     conus_status status;
     if (mesh_file_is(path)) {
-        status = add_surface(atlas, path, options, &notes);
+        status = add_context(atlas, path, options, &notes);
     } else {
         struct volume_file file = {0};
         status = volume_file_open_cached(&file, path, options->max_memory, options->cache, &notes);

@@ -11,12 +11,10 @@
 #include "loaders/maps/fsl_maps.h"
 #include "loaders/maps/load_probability.h"
 #include "loaders/maps/load_scalar.h"
-#include "loaders/scene/load_areas.h"
+#include "loaders/scene/area_plan.h"
 #include "loaders/scene/load_context.h"
-#include "loaders/scene/load_plan.h"
 #include "loaders/scene/load_streamlines.h"
 #include "loaders/scene/parcellations.h"
-#include "loaders/scene/plan_settle.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -102,7 +100,7 @@ static char *source_path(const struct loading *loading, const struct manifest_vo
 }
 
 /* Reads a parcellation, without the notes that have been made of it before. */
-static conus_status read_parcellation(struct parcellation *part, struct loading *loading,
+static conus_status load_parcellation(struct parcellation *part, struct loading *loading,
                                       const struct manifest_parcellation *from)
 {
     static const char needed[] =
@@ -129,14 +127,14 @@ static conus_status read_parcellation(struct parcellation *part, struct loading 
     return status;
 }
 
-static conus_status read_parcellations(struct parcellations *all, struct loading *loading)
+static conus_status load_parcellations(struct parcellations *all, struct loading *loading)
 {
     const struct manifest *manifest = loading->manifest;
     conus_status status = parcellations_reserve(all, manifest->parcellation_count, &loading->progress->sink);
     for (size_t i = 0; !status && i < all->count; i++) {
         char key[48];
         snprintf(key, sizeof key, manifest->single ? "parcellation" : "parcellations[%zu]", i);
-        status = read_parcellation(&all->parts[i], loading, &manifest->parcellations[i]);
+        status = load_parcellation(&all->parts[i], loading, &manifest->parcellations[i]);
         status = status ? fail_in(status, key) : CONUS_OK;
     }
     return status ? status : parcellations_unite(all);
@@ -180,7 +178,7 @@ static conus_status create_atlas(struct loading *loading, struct area_plan *plan
                     "--labels %s: the manifest has %zu parcellations, it can say of each (labels)",
                     loading->options->labels, count);
     }
-    conus_status status = read_parcellations(&all, loading);
+    conus_status status = load_parcellations(&all, loading);
     status = status ? status : area_plan_settle(plan, &all, loading->manifest->prefer);
     status = status ? status : parcellations_join(&all);
     status = status ? status : parcellations_atlas(&loading->atlas, &all);
@@ -189,8 +187,8 @@ static conus_status create_atlas(struct loading *loading, struct area_plan *plan
     return status;
 }
 
-/* Where the Allen CCF lies, if the manifest says so, or a folder that has only surfaces: of volumes the grid says it.
- */
+/* Places the Allen CCF where the manifest says, or where a folder that has only surfaces says; volumes say it by their
+ * grid. */
 static conus_status place_ccf(struct loading *loading, const struct area_plan *plan)
 {
     enum manifest_ccf ccf = loading->manifest->ccf;
@@ -396,7 +394,7 @@ static conus_status add_probabilities(struct loading *loading)
     return status;
 }
 
-static conus_status add_one(struct loading *loading, const struct manifest_pathway *pathway)
+static conus_status add_single(struct loading *loading, const struct manifest_pathway *pathway)
 {
     const conus_pathway_options options = pathway_options(loading, pathway, pathway->name);
     char *path = source_path(loading, &pathway->source);
@@ -452,7 +450,7 @@ static conus_status add_pathways(struct loading *loading, bool moves)
         status = pathway->fsl     ? add_fsl(loading, pathway)
                  : pathway->names ? add_named_volumes(loading, pathway)
                  : shared         ? add_of_series(loading, pathway)
-                                  : add_one(loading, pathway);
+                                  : add_single(loading, pathway);
         snprintf(key, sizeof key, "pathways[%zu]", i);
         status = status ? fail_at(status, loading, key) : CONUS_OK;
     }

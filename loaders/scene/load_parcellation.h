@@ -12,11 +12,11 @@ struct parcellation {
     struct volume_file file;
     struct label_voxels labels;
     struct label_table table;
-    char hemisphere;       /**< Of areas whose table says none; 0 = unsaid. */
-    bool is_disputed;      /**< Of an atlas XML: its volume by itself has other names, as a note says. */
+    char hemisphere;       /**< The side of areas whose table says none; 0 = unsaid. */
+    bool is_disputed;      /**< An atlas XML whose volume by itself has other names, as a note says. */
     bool is_joined;        /**< Voxels of other files are among its own. */
     char *source;          /**< Where the names come from, in words. */
-    struct file_sums read; /**< What else than the volume was read. */
+    struct file_sums read; /**< The files that were read besides the volume. */
     struct notes notes;
 };
 
@@ -25,7 +25,7 @@ struct parcellation {
 conus_status parcellation_read_opened(struct parcellation *out, const struct probe *probe, const char *path,
                                       const conus_load_options *options, const char *needed);
 
-/** The same of a file that is not open. */
+/** Opens the file @p path and reads it as above. */
 conus_status parcellation_read(struct parcellation *out, const char *path, const conus_load_options *options,
                                const char *needed);
 void parcellation_finish(struct parcellation *parts);

@@ -8,7 +8,7 @@
 struct load_progress {
     const conus_load_options *options;
     size_t done, total;    /**< Files. */
-    struct note_sink sink; /**< Of options->log; its path is that of the file that is read. */
+    struct note_sink sink; /**< It gives notes to options->log, with the path of the file that is read. */
     char *path;            /**< That path, unless it is the caller's. */
 };
 

@@ -28,7 +28,7 @@ static size_t stem_length(const char *name, size_t length)
 }
 
 /* The name that is wanted, else that of the file or folder without its endings. */
-static conus_status choose_name(struct buffer *out, const char *wanted, const char *path)
+static conus_status name_bundle(struct buffer *out, const char *wanted, const char *path)
 {
     if (wanted && wanted[0]) {
         buffer_text(out, wanted);
@@ -67,7 +67,7 @@ conus_status streamlines_add(conus_atlas *atlas, struct tractogram *tractogram, 
     struct buffer chosen = {0};
     size_t note_count = atlas->notes.count;
     size_t file_count = atlas->files.count;
-    conus_status status = choose_name(&chosen, name, tractogram->path);
+    conus_status status = name_bundle(&chosen, name, tractogram->path);
     status = status ? status : notes_move_in(&atlas->notes, notes, path_base(tractogram->path));
     status = status ? status : tract_fit_note(notes, atlas, tractogram, chosen.data);
     status = status ? status : notes_move(&atlas->notes, notes);

@@ -132,7 +132,7 @@ static conus_status draft_fsl_choose(char **name, const struct manifest_draft *d
 }
 
 /* Whether an entry of the list has a name of these characters. */
-static bool has_name(const json_t *list, const char *name, size_t length)
+static bool has_entry_named(const json_t *list, const char *name, size_t length)
 {
     bool has = false;
     for (size_t i = 0; i < json_array_size(list) && !has; i++) {
@@ -156,7 +156,7 @@ static conus_status draft_streamlines_take(struct manifest_draft *draft, const c
         return draft_transform_say(draft, name);
     }
     size_t length = streamlines_stem_length(name);
-    bool taken = has_name(draft->streamlines, name, length) || has_name(draft->pathways, name, length);
+    bool taken = has_entry_named(draft->streamlines, name, length) || has_entry_named(draft->pathways, name, length);
     conus_status status = manifest_draft_append_loading(
         &loads, draft, draft->streamlines, "streamlines",
         json_pack("{s:s,s:s#}", "file", name, "name", name, taken ? strlen(name) : length));
@@ -412,7 +412,7 @@ static conus_status take_series(struct manifest_draft *draft, const char *name, 
 }
 
 /* Takes a single volume as a pathway, or as an area by probabilities; `words` say why. */
-static conus_status take_single(struct manifest_draft *draft, bool probable, const char *name, const char *words)
+static conus_status take_one_volume(struct manifest_draft *draft, bool probable, const char *name, const char *words)
 {
     bool loads = false;
     conus_status status = manifest_draft_append_loading(
@@ -439,10 +439,10 @@ static conus_status take_volume(struct manifest_draft *draft, const char *name, 
         return take_series(draft, name, guess->count);
     }
     if (named_maps_is_probseg(name)) {
-        return take_single(draft, true, name, "as its name says");
+        return take_one_volume(draft, true, name, "as its name says");
     }
     if (guess->use == VOLUME_PATHWAY) {
-        return take_single(draft, false, name, guess->words);
+        return take_one_volume(draft, false, name, guess->words);
     }
     if (guess->use == VOLUME_CONTEXT) {
         return take_context(draft, name, guess->words);
@@ -470,7 +470,7 @@ static conus_status look_at_volume(struct manifest_draft *draft, const char *nam
     return status;
 }
 
-static bool is_volume(const char *name)
+static bool is_volume_file(const char *name)
 {
     bool image = path_ends_in(name, ".img") || path_ends_in(name, ".img.gz") || path_ends_in(name, ".BRIK") ||
                  path_ends_in(name, ".BRIK.gz"); /* its .hdr or .HEAD is taken */
@@ -546,7 +546,7 @@ static conus_status look_for_cifti(const char **found, struct manifest_draft *dr
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < names->count; i++) {
         struct probe probe = {0};
-        char *path = is_volume(names->names[i]) ? file_beside(draft->folder, names->names[i]) : NULL;
+        char *path = is_volume_file(names->names[i]) ? file_beside(draft->folder, names->names[i]) : NULL;
         status = path ? probe_open(&probe, path) : CONUS_OK;
         bool cifti = probe.reader == READER_CIFTI;
         probe_close(&probe);
@@ -614,8 +614,8 @@ static conus_status scan_folder(struct manifest_draft *draft)
         status = path_ends_in(names.names[i], ".xml") ? look_at_xml(draft, names.names[i]) : CONUS_OK;
     }
     for (size_t i = 0; !status && i < names.count; i++) {
-        status = is_volume(names.names[i]) ? look_at_other(draft, names.names[i], voxels)
-                                           : draft_streamlines_take(draft, names.names[i]);
+        status = is_volume_file(names.names[i]) ? look_at_other(draft, names.names[i], voxels)
+                                                : draft_streamlines_take(draft, names.names[i]);
     }
     status = status || !cifti ? status : take_cifti(&labelled, draft, cifti);
     status = status || voxels || labelled ? status : manifest_surfaces_add(draft, "");

@@ -370,7 +370,7 @@ static conus_status note_grids(struct parcellations *all)
     return status;
 }
 
-/* Both may lie in known spaces that are not the same. */
+/* Warns of parts whose known spaces differ. */
 static conus_status note_spaces(struct parcellations *all)
 {
     enum { TEMPLATES = 3 }; /* NIfTI's codes from there on */

@@ -8,15 +8,15 @@
 #include "loaders/scene/load_parcellation.h"
 
 /** The parcellations of a manifest: first parcellations_reserve(), then each read and shifted, then united, settled
- * with surfaces (plan_settle.h), and joined. */
+ * with surfaces (area_plan_settle()), and joined. */
 struct parcellations {
     struct parcellation *parts; /**< [count], earlier ones have priority; joined, one for each grid. */
     size_t count;
     struct label_map *voxels; /**< [count] of each part: label -> its voxels, before any is taken away. */
     struct label_table table; /**< Once united: of all, sorted. */
-    struct buffer source;     /**< Likewise: where the names come from, in words. */
-    struct file_sums read;    /**< Likewise: what else than the volumes of the parts was read. */
-    struct notes notes;       /**< Likewise. */
+    struct buffer source;     /**< Once united: where the names come from, in words. */
+    struct file_sums read;    /**< Once united: the files that were read besides the volumes. */
+    struct notes notes;       /**< Once united: all notes. */
 };
 
 /** Makes @p count empty parts, whose notes go to @p sink. */

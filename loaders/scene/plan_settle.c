@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which of two areas keeps a label that both the planned surfaces and the parcellation have. */
-#include "loaders/scene/plan_settle.h"
-
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "loaders/scene/area_plan.h"
+#include "loaders/scene/parcellations.h"
 
 #include <string.h>
 
@@ -23,7 +23,7 @@ static conus_status count_voxels(uint64_t *counts, const struct area_plan *plan,
 }
 
 /* Gives the surface what the table's entry says and the manifest does not. */
-static void take_words(struct label *label, struct label *entry)
+static void fill_from_entry(struct label *label, struct label *entry)
 {
     if (!label->name) {
         label->name = entry->name;
@@ -84,7 +84,7 @@ static conus_status hand_over_entries(struct area_plan *plan, struct label_table
         struct label *entry = &table->entries[i];
         struct planned_area *area = area_plan_find(plan, entry->number);
         if (area) {
-            take_words(&area->label, entry);
+            fill_from_entry(&area->label, entry);
             label_finish(entry);
         } else {
             table->entries[kept++] = *entry;
