@@ -35,43 +35,38 @@ bool tck_is(const struct bytes *head, const char *path)
            (text.size == sizeof magic - 1 || memchr(" \t\r\n", text.data[sizeof magic - 1], 4));
 }
 
-/* Keeps the value of a key that is used. A line without a colon goes on with the value before it, and is not. */
-static conus_status tck_take_line(struct tck *tck, struct text line)
+/* Keeps the values of the keys that are used, in the lines between the first and END; @p end: how many bytes they take.
+ * A line without a colon goes on with the value before it, and is not kept. */
+static conus_status take_lines(struct tck *tck, size_t *end)
 {
     const struct {
         const char *key;
         struct text *value;
     } keys[] = {{"datatype", &tck->type}, {"file", &tck->file}, {"count", &tck->count}};
-    bool colon = true;
-    struct text rest = line;
-    struct text key = {0};
-    (void)text_field(&rest, ':', &colon, &key);
-    for (size_t i = 0; colon && i < sizeof keys / sizeof keys[0]; i++) {
-        if (text_equal_ignoring_case(text_trim(key), keys[i].key)) {
-            if (keys[i].value->data) {
-                return fail(CONUS_ERROR_DATA, "%s: found twice, allowed is once", keys[i].key);
-            }
-            *keys[i].value = text_trim(rest);
-        }
-    }
-    return CONUS_OK;
-}
-
-/* Finds the lines between the first and END; @p end: how many bytes they take. */
-static conus_status take_lines(struct tck *tck, size_t *end)
-{
     struct text rest = {(const char *)tck->stream->data, tck->stream->size};
     struct text line;
-    conus_status status = text_line(&rest, &line) ? CONUS_OK : CONUS_ERROR_DATA;
-    while (!status && text_line(&rest, &line)) {
+    if (!text_line(&rest, &line)) {
+        return CONUS_ERROR_DATA;
+    }
+    while (text_line(&rest, &line)) {
         if (text_equal(text_trim(line), "END") && rest.data > line.data + line.size) {
             *end = (size_t)(rest.data - (const char *)tck->stream->data);
             return CONUS_OK;
         }
-        status = tck_take_line(tck, line);
+        bool colon = true;
+        struct text key = {0};
+        (void)text_field(&line, ':', &colon, &key);
+        for (size_t i = 0; colon && i < sizeof keys / sizeof keys[0]; i++) {
+            if (!text_equal_ignoring_case(text_trim(key), keys[i].key)) {
+                continue;
+            }
+            if (keys[i].value->data) {
+                return fail(CONUS_ERROR_DATA, "%s: found twice, allowed is once", keys[i].key);
+            }
+            *keys[i].value = text_trim(line);
+        }
     }
-    return status ? status
-                  : fail(CONUS_ERROR_DATA, "header: found no line END in the first %zu bytes", tck->stream->size);
+    return fail(CONUS_ERROR_DATA, "header: found no line END in the first %zu bytes", tck->stream->size);
 }
 
 static conus_status read_type(struct tck *tck)
@@ -132,16 +127,17 @@ static conus_status go_to_points(struct tck *tck)
 static conus_status take_header(struct tck *tck)
 {
     size_t size = 0;
-    conus_status status = byte_stream_need(tck->stream, BYTE_STREAM_BLOCK);
-    status = status ? status : take_lines(tck, &size);
-    status = status ? status : read_type(tck);
-    status = status ? status : tck_read_file(tck, size);
-    tck->has_count = !status && tck->count.data;
+    conus_status status;
+    if ((status = byte_stream_need(tck->stream, BYTE_STREAM_BLOCK)) || (status = take_lines(tck, &size)) ||
+        (status = read_type(tck)) || (status = tck_read_file(tck, size))) {
+        return status;
+    }
+    tck->has_count = tck->count.data;
     if (tck->has_count && !text_to_uint(tck->count, UINT64_MAX, &tck->stated)) {
-        status = fail(CONUS_ERROR_DATA, "count: found \"%.*s\", needed is a whole number", TEXT_SHOW(tck->count, 40));
+        return fail(CONUS_ERROR_DATA, "count: found \"%.*s\", needed is a whole number", TEXT_SHOW(tck->count, 40));
     }
     tck->type = tck->file = tck->count = (struct text){0}; /* they were in the block */
-    return status ? status : go_to_points(tck);
+    return go_to_points(tck);
 }
 
 /* Takes a triple that is no point: the end of a streamline or of the file. */
@@ -238,24 +234,18 @@ static conus_status tck_take_all(struct tck *tck)
     return status;
 }
 
-/* Programs that were interrupted leave a count that is wrong; MRtrix itself does not trust it. */
-static conus_status check_count(const struct tck *tck, struct notes *notes)
-{
-    size_t found = tck->build.tractogram.streamline_count;
-    if (!tck->has_count || tck->stated == found) {
-        return CONUS_OK;
-    }
-    return notes_warn(notes,
-                      "count: the header says %llu, the file has %zu streamlines and its end; all of them are used",
-                      (unsigned long long)tck->stated, found);
-}
-
 conus_status tck_read(struct tractogram *out, struct byte_stream *stream, uint64_t max_memory, struct notes *notes)
 {
     struct tck tck = {.stream = stream, .build.max_memory = max_memory};
     conus_status status = take_header(&tck);
     status = status ? status : tck_take_all(&tck);
-    status = status ? status : check_count(&tck, notes);
+    size_t found = tck.build.tractogram.streamline_count;
+    if (!status && tck.has_count &&
+        tck.stated != found) { /* as interrupted programs leave it; MRtrix does not trust it */
+        status = notes_warn(
+            notes, "count: the header says %llu, the file has %zu streamlines and its end; all of them are used",
+            (unsigned long long)tck.stated, found);
+    }
     snprintf(tck.build.tractogram.format, sizeof tck.build.tractogram.format, "MRtrix %s%s", tck.type_name,
              stream->is_packed ? ", gzip" : "");
     status = status ? status : tract_build_take(out, &tck.build);

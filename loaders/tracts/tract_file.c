@@ -55,11 +55,11 @@ bool tract_file_is(const char *path)
     return format && (!format->has_lines || format->has_lines(path));
 }
 
-/* Callers ask for scalars by name, so names must be unique. */
-static conus_status check_names(const struct tractogram *tractogram)
+static conus_status check(struct tractogram *tractogram, struct notes *notes)
 {
+    tractogram->radius = TRACT_RADIUS;
     for (size_t i = 0; i < tractogram->scalar_count; i++) {
-        for (size_t k = 0; k < i; k++) {
+        for (size_t k = 0; k < i; k++) { /* callers ask for scalars by name */
             const struct tract_scalar *a = &tractogram->scalars[i];
             const struct tract_scalar *b = &tractogram->scalars[k];
             if (a->per_point == b->per_point && strcmp(a->name, b->name) == 0) {
@@ -67,14 +67,7 @@ static conus_status check_names(const struct tractogram *tractogram)
             }
         }
     }
-    return CONUS_OK;
-}
-
-static conus_status check(struct tractogram *tractogram, struct notes *notes)
-{
-    tractogram->radius = TRACT_RADIUS;
-    conus_status status = check_names(tractogram);
-    status = status ? status : tractogram_check(tractogram, notes);
+    conus_status status = tractogram_check(tractogram, notes);
     if (status || tractogram->streamline_count) {
         return status;
     }

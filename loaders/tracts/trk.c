@@ -52,28 +52,6 @@ struct order {
 /* How much the length of 1 mm may change on its way into the world. */
 static const double length_tolerance = 0.01;
 
-static double read_float(const uint8_t *data, bool swapped)
-{
-    return (double)order_f32(data, swapped);
-}
-
-static conus_status check_version(struct trk_header *header, const uint8_t *data)
-{
-    int32_t size = order_i32(data + HEADER_SIZE, false);
-    header->swapped = size != TRK_HEADER_SIZE;
-    if (header->swapped && order_i32(data + HEADER_SIZE, true) != TRK_HEADER_SIZE) {
-        return fail(CONUS_ERROR_DATA, "hdr_size: found %d, needed is %d in either byte order", size, TRK_HEADER_SIZE);
-    }
-    header->version = order_i32(data + VERSION, header->swapped);
-    if (header->version < 1 || header->version > 2) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "version: found %d, allowed are 1 and 2", header->version);
-    }
-    int32_t count = order_i32(data + STREAMLINE_COUNT, header->swapped);
-    header->streamline_count = (uint32_t)count;
-    return count >= 0 ? CONUS_OK
-                      : fail(CONUS_ERROR_DATA, "n_count: found %d, allowed are 0 (not stated) and more", count);
-}
-
 static conus_status read_names(struct trk_names *out, const char *field, int16_t count, const uint8_t *names)
 {
     *out = (struct trk_names){(uint32_t)count, names};
@@ -166,7 +144,7 @@ static bool trk_read_matrix(double out[16], const struct trk_header *header, con
 {
     for (size_t row = 0; row < 4; row++) {
         for (size_t column = 0; column < 4; column++) {
-            out[4 * column + row] = read_float(data + VOX_TO_RAS + 16 * row + 4 * column, header->swapped);
+            out[4 * column + row] = (double)order_f32(data + VOX_TO_RAS + 16 * row + 4 * column, header->swapped);
         }
     }
     bool recorded = header->version >= 2 && (out[15] < 0 || out[15] > 0 || isnan(out[15]));
@@ -176,23 +154,11 @@ static bool trk_read_matrix(double out[16], const struct trk_header *header, con
     return recorded;
 }
 
-static conus_status check_matrix(double matrix[16])
-{
-    if (!mat4_settle_last_row(matrix)) {
-        return fail(CONUS_ERROR_DATA, "vox_to_ras: last row %.9g %.9g %.9g %.9g, 0 0 0 1 is needed", matrix[3],
-                    matrix[7], matrix[11], matrix[15]);
-    }
-    double inverse[16];
-    return mat4_invert_affine(inverse, matrix)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "vox_to_ras: is singular or not finite, needed is a matrix with an inverse");
-}
-
 static conus_status read_sizes(double out[3], const struct trk_header *header, const uint8_t *data)
 {
     char text[TEXT_NUMBER_SIZE];
     for (size_t i = 0; i < 3; i++) {
-        out[i] = read_float(data + VOXEL_SIZE + 4 * i, header->swapped);
+        out[i] = (double)order_f32(data + VOXEL_SIZE + 4 * i, header->swapped);
         if (!(out[i] > 0) || !isfinite(out[i])) {
             return fail(CONUS_ERROR_DATA, "voxel_size: found %s of axis %zu, allowed is above 0 mm",
                         text_number(text, out[i]), i);
@@ -259,16 +225,28 @@ static conus_status make_world(struct trk_header *header, const uint8_t *data, s
     double sizes[3];
     double voxel[16];
     double turn[16];
-    const bool recorded = header->has_matrix = trk_read_matrix(header->world, header, data);
-    conus_status status = recorded ? check_matrix(header->world)
-                                   : notes_warn(notes, "vox_to_ras: not recorded, taken as the identity: nothing says "
-                                                       "where in the world the streamlines are");
-    status = status ? status : read_sizes(sizes, header, data);
-    status = status ? status : read_order(&file, data + VOXEL_ORDER, notes);
-    if (!status && !order_of_matrix(&matrix, header->world)) {
-        status = fail(CONUS_ERROR_DATA, "vox_to_ras: has no axes, needed is a matrix with an inverse");
+    double inverse[16];
+    double *world = header->world;
+    const bool recorded = header->has_matrix = trk_read_matrix(world, header, data);
+    conus_status status;
+    if (!recorded && (status = notes_warn(notes, "vox_to_ras: not recorded, taken as the identity: nothing says where "
+                                                 "in the world the streamlines are"))) {
+        return status;
     }
-    status = status ? status : turn_axes(turn, header, &file, &matrix, data, notes);
+    if (recorded && !mat4_settle_last_row(world)) {
+        return fail(CONUS_ERROR_DATA, "vox_to_ras: last row %.9g %.9g %.9g %.9g, 0 0 0 1 is needed", world[3], world[7],
+                    world[11], world[15]);
+    }
+    if (recorded && !mat4_invert_affine(inverse, world)) {
+        return fail(CONUS_ERROR_DATA, "vox_to_ras: is singular or not finite, needed is a matrix with an inverse");
+    }
+    if ((status = read_sizes(sizes, header, data)) || (status = read_order(&file, data + VOXEL_ORDER, notes))) {
+        return status;
+    }
+    if (!order_of_matrix(&matrix, world)) {
+        return fail(CONUS_ERROR_DATA, "vox_to_ras: has no axes, needed is a matrix with an inverse");
+    }
+    status = turn_axes(turn, header, &file, &matrix, data, notes);
     if (status) {
         return status;
     }
@@ -278,24 +256,37 @@ static conus_status make_world(struct trk_header *header, const uint8_t *data, s
         voxel[12 + i] = -0.5;
     }
     mat4_multiply(turn, turn, voxel);
-    mat4_multiply(header->world, header->world, turn);
+    mat4_multiply(world, world, turn);
     return check_lengths(header, sizes, recorded);
 }
 
 /* Parses the TRK_HEADER_SIZE bytes at `data`, which `out` points into. CONUS_ERROR_DATA, CONUS_ERROR_UNSUPPORTED. */
 static conus_status trk_header_parse(struct trk_header *out, const uint8_t *data, struct notes *notes)
 {
-    struct trk_header header = {0};
-    conus_status status = check_version(&header, data);
-    status = status ? status
-                    : read_names(&header.scalars, "n_scalars", order_i16(data + SCALAR_COUNT, header.swapped),
-                                 data + SCALAR_NAMES);
-    status = status ? status
-                    : read_names(&header.properties, "n_properties", order_i16(data + PROPERTY_COUNT, header.swapped),
-                                 data + PROPERTY_NAMES);
-    status = status ? status : make_world(&header, data, notes);
-    *out = status ? *out : header;
-    return status;
+    int32_t size = order_i32(data + HEADER_SIZE, false);
+    const bool swapped = size != TRK_HEADER_SIZE;
+    if (swapped && order_i32(data + HEADER_SIZE, true) != TRK_HEADER_SIZE) {
+        return fail(CONUS_ERROR_DATA, "hdr_size: found %d, needed is %d in either byte order", size, TRK_HEADER_SIZE);
+    }
+    int32_t count = order_i32(data + STREAMLINE_COUNT, swapped);
+    struct trk_header header = {
+        .swapped = swapped, .version = order_i32(data + VERSION, swapped), .streamline_count = (uint32_t)count};
+    if (header.version < 1 || header.version > 2) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "version: found %d, allowed are 1 and 2", header.version);
+    }
+    if (count < 0) {
+        return fail(CONUS_ERROR_DATA, "n_count: found %d, allowed are 0 (not stated) and more", count);
+    }
+    conus_status status;
+    if ((status =
+             read_names(&header.scalars, "n_scalars", order_i16(data + SCALAR_COUNT, swapped), data + SCALAR_NAMES)) ||
+        (status = read_names(&header.properties, "n_properties", order_i16(data + PROPERTY_COUNT, swapped),
+                             data + PROPERTY_NAMES)) ||
+        (status = make_world(&header, data, notes))) {
+        return status;
+    }
+    *out = header;
+    return CONUS_OK;
 }
 
 struct trk {
@@ -385,17 +376,6 @@ static inline void place_points(float *out, const uint8_t *data, size_t count, s
     }
 }
 
-/* Copies the first @p components numbers of @p count rows, which are @p stride bytes apart. */
-static void copy_numbers(float *out, uint32_t components, const uint8_t *data, size_t count, size_t stride,
-                         bool swapped)
-{
-    for (size_t i = 0; i < count; i++) {
-        for (size_t c = 0; c < components; c++) {
-            *out++ = order_f32(data + i * stride + 4 * c, swapped);
-        }
-    }
-}
-
 /* Takes the scalars of @p count points, or the properties of a streamline, from rows of @p stride bytes. */
 static void take_scalars(struct trk *trk, const uint8_t *data, size_t count, size_t stride, bool per_point)
 {
@@ -403,11 +383,16 @@ static void take_scalars(struct trk *trk, const uint8_t *data, size_t count, siz
     uint64_t from = per_point ? tractogram->point_count : tractogram->streamline_count;
     for (size_t s = 0; s < tractogram->scalar_count; s++) {
         const struct tract_scalar *scalar = &tractogram->scalars[s];
-        if (scalar->per_point == per_point) {
-            float *out = scalar->values + from * scalar->components;
-            copy_numbers(out, scalar->components, data, count, stride, trk->header.swapped);
-            data += 4 * (size_t)scalar->components;
+        if (scalar->per_point != per_point) {
+            continue;
         }
+        float *out = scalar->values + from * scalar->components;
+        for (size_t i = 0; i < count; i++) {
+            for (size_t c = 0; c < scalar->components; c++) {
+                *out++ = order_f32(data + i * stride + 4 * c, trk->header.swapped);
+            }
+        }
+        data += 4 * (size_t)scalar->components;
     }
 }
 

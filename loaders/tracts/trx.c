@@ -44,14 +44,6 @@ static conus_status trx_files_spend(struct trx_files *files, uint64_t size, cons
     return CONUS_OK;
 }
 
-/* Lists `archive`, which outlives this. CONUS_ERROR_MEMORY where it alone has more than `max_memory` bytes. */
-static conus_status trx_files_of_archive(struct trx_files *out, struct bytes *archive, uint64_t max_memory)
-{
-    *out = (struct trx_files){.archive = archive, .left = max_memory};
-    conus_status status = trx_files_spend(out, archive->size, "archive");
-    return status ? status : zip_parse(&out->zip, archive->data, archive->size);
-}
-
 /* The folders of a TRX's files, behind the one around them. */
 static const char *const folders[] = {"", "dps/", "dpv/", "groups/"};
 
@@ -64,7 +56,7 @@ static bool is_folder_or_hidden(const char *name)
     return found;
 }
 
-/* The names in folder/in, which is "" or ends in '/'. */
+/* The names in folder/in, which is "" or ends in '/'. CONUS_ERROR_UNSUPPORTED for NAMES_LIMIT files or more. */
 static conus_status list_in(struct trx_files *out, const char *in)
 {
     struct buffer path = {0};
@@ -86,17 +78,6 @@ static conus_status list_in(struct trx_files *out, const char *in)
     }
     names_finish(&names);
     buffer_finish(&path);
-    return status;
-}
-
-/* Lists `folder` and those in it that a TRX has. CONUS_ERROR_UNSUPPORTED for NAMES_LIMIT files or more in one. */
-static conus_status trx_files_of_folder(struct trx_files *out, const char *folder, uint64_t max_memory)
-{
-    *out = (struct trx_files){.folder = folder, .left = max_memory};
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < sizeof folders / sizeof folders[0]; i++) {
-        status = list_in(out, folders[i]);
-    }
     return status;
 }
 
@@ -335,17 +316,30 @@ static conus_status trx_read_header(struct trx *trx)
 }
 
 /* Where each streamline begins; a last one, behind all points, may be there. */
-static conus_status fill_first(struct tractogram *out, const struct trx_view *view, size_t size, struct text name)
+static conus_status fill_offsets(struct trx *trx, const struct trx_view *view, size_t size, struct text name)
 {
+    struct tractogram *out = trx->out;
+    size_t count = out->streamline_count;
     size_t given = view->size / size;
-    for (size_t i = 0; i <= out->streamline_count; i++) {
+    if (view->size != count * size && view->size != (count + 1) * size) {
+        return fail_size(name, view->size, count, size);
+    }
+    conus_status status = trx_files_spend(&trx->files, (count + 1) * sizeof(uint64_t), "offsets");
+    if (status) {
+        return status;
+    }
+    out->first = memory_zeroed(count + 1, sizeof *out->first);
+    if (!out->first) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i <= count; i++) {
         const uint8_t *data = i < given ? view->data + i * size : NULL;
         uint64_t last = i ? out->first[i - 1] : 0;
         out->first[i] = !data       ? out->point_count
                         : size == 4 ? order_u32(data, is_swapped)
                                     : order_u64(data, is_swapped);
         if (out->first[i] < last || out->first[i] > out->point_count || (i == 0 && out->first[i]) ||
-            (i == out->streamline_count && out->first[i] != out->point_count)) {
+            (i == count && out->first[i] != out->point_count)) {
             return fail(CONUS_ERROR_DATA, "%.*s: number %zu (from 0) is %llu, they rise from 0 to NB_VERTICES, %llu",
                         TEXT_SHOW(name, SHOWN), i, (unsigned long long)out->first[i],
                         (unsigned long long)out->point_count);
@@ -354,35 +348,24 @@ static conus_status fill_first(struct tractogram *out, const struct trx_view *vi
     return CONUS_OK;
 }
 
-static conus_status fill_offsets(struct trx *trx, const struct trx_view *view, size_t size, struct text name)
-{
-    size_t count = trx->out->streamline_count;
-    if (view->size != count * size && view->size != (count + 1) * size) {
-        return fail_size(name, view->size, count, size);
-    }
-    conus_status status = trx_files_spend(&trx->files, (count + 1) * sizeof(uint64_t), "offsets");
-    if (!status) {
-        trx->out->first = memory_zeroed(count + 1, sizeof *trx->out->first);
-        status = trx->out->first ? fill_first(trx->out, view, size, name) : CONUS_ERROR_MEMORY;
-    }
-    return status;
-}
-
 static conus_status read_offsets(struct trx *trx)
 {
     size_t index;
     struct trx_view view = {0};
     conus_status status = find_array(&index, trx, "offsets.");
-    if (!status && index == SIZE_MAX) {
+    if (status) {
+        return status;
+    }
+    if (index == SIZE_MAX) {
         return trx->out->streamline_count ? fail(CONUS_ERROR_DATA, "offsets: missing; offsets.uint64 is needed")
                                           : fill_offsets(trx, &view, sizeof(uint64_t), text_from("offsets"));
     }
-    struct text name = status ? (struct text){0} : trx_files_name(&trx->files, index);
+    struct text name = trx_files_name(&trx->files, index);
     bool is_short = text_equal(name, "offsets.uint32");
-    if (!status && !is_short && !text_equal(name, "offsets.uint64")) {
+    if (!is_short && !text_equal(name, "offsets.uint64")) {
         return fail(CONUS_ERROR_DATA, "%.*s: offsets.uint64 or offsets.uint32 is needed", TEXT_SHOW(name, SHOWN));
     }
-    status = status ? status : trx_files_open(&view, &trx->files, index);
+    status = trx_files_open(&view, &trx->files, index);
     status = status ? status : fill_offsets(trx, &view, is_short ? sizeof(uint32_t) : sizeof(uint64_t), name);
     trx_files_close(&view, &trx->files);
     return status;
@@ -442,20 +425,6 @@ static conus_status read_scalar(struct trx *trx, struct text rest, size_t index,
 }
 
 /* Sorts the members where they are not, and leaves each once. */
-static conus_status sort_members(struct trx *trx, struct tract_group *group)
-{
-    bool ascends = true;
-    for (size_t i = 1; i < group->count; i++) {
-        ascends = ascends && group->members[i - 1] < group->members[i];
-    }
-    size_t count = ascends ? group->count : u32_sort_unique(group->members, group->count);
-    size_t less = group->count - count;
-    group->count = count;
-    return less ? notes_add(trx->notes, "group '%s': %zu of its streamlines are there twice, taken once", group->name,
-                            less)
-                : CONUS_OK;
-}
-
 static conus_status fill_group(struct trx *trx, struct tract_group *group, size_t index)
 {
     struct trx_view view;
@@ -471,8 +440,19 @@ static conus_status fill_group(struct trx *trx, struct tract_group *group, size_
         group->members[i] = order_u32(view.data + i * sizeof(uint32_t), is_swapped);
     }
     trx_files_close(&view, &trx->files);
-    status = status || group->members ? status : CONUS_ERROR_MEMORY;
-    return status ? status : sort_members(trx, group);
+    if (status || !group->members) {
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    bool ascends = true;
+    for (size_t i = 1; i < group->count; i++) {
+        ascends = ascends && group->members[i - 1] < group->members[i];
+    }
+    size_t count = ascends ? group->count : u32_sort_unique(group->members, group->count);
+    size_t less = group->count - count;
+    group->count = count;
+    return less ? notes_add(trx->notes, "group '%s': %zu of its streamlines are there twice, taken once", group->name,
+                            less)
+                : CONUS_OK;
 }
 
 static conus_status read_group(struct trx *trx, struct text rest, size_t index)
@@ -513,19 +493,12 @@ static conus_status read_others(struct trx *trx)
             pass_over(trx, name);
         }
     }
-    return status;
-}
-
-static conus_status note_rest(struct trx *trx)
-{
-    struct text name = trx->passed_first;
-    conus_status status = CONUS_OK;
-    if (trx->has_group_values) {
+    if (!status && trx->has_group_values) {
         status = notes_add(trx->notes, "dpg: values of groups are not read");
     }
     if (!status && trx->passed_over) {
-        status = notes_add(trx->notes, "%.*s: no array that is read; there are %zu such files", TEXT_SHOW(name, SHOWN),
-                           trx->passed_over);
+        status = notes_add(trx->notes, "%.*s: no array that is read; there are %zu such files",
+                           TEXT_SHOW(trx->passed_first, SHOWN), trx->passed_over);
     }
     return status;
 }
@@ -574,34 +547,30 @@ static conus_status take_positions(struct trx *trx, size_t index, const struct t
     return CONUS_OK;
 }
 
-/* Half precision, single or double; NULL of a name that is none of these. */
-static const struct type *type_of_positions(struct text name)
-{
-    struct array array;
-    bool good = read_name(&array, name) && text_equal(array.name, "positions") && array.components == 3;
-    return good && array.type && array.type->kind == REAL ? array.type : NULL;
-}
-
 static conus_status read_positions(struct trx *trx)
 {
     static const char needed[] = "positions.3.float16, .float32 or .float64 is needed";
     size_t index;
+    struct array array;
     conus_status status = find_array(&index, trx, "positions.");
-    if (!status && index == SIZE_MAX) {
+    if (status) {
+        return status;
+    }
+    if (index == SIZE_MAX) {
         return trx->out->point_count ? fail(CONUS_ERROR_DATA, "positions: missing; %s", needed) : CONUS_OK;
     }
-    struct text name = status ? (struct text){0} : trx_files_name(&trx->files, index);
-    const struct type *type = type_of_positions(name);
-    if (!status && !type) {
-        status = fail(CONUS_ERROR_DATA, "%.*s: %s", TEXT_SHOW(name, SHOWN), needed);
+    struct text name = trx_files_name(&trx->files, index);
+    bool good = read_name(&array, name) && text_equal(array.name, "positions") && array.components == 3;
+    if (!good || !array.type || array.type->kind != REAL) {
+        return fail(CONUS_ERROR_DATA, "%.*s: %s", TEXT_SHOW(name, SHOWN), needed);
     }
-    bool is_packed = !status && trx->files.archive && trx->files.zip.entries[index].is_packed;
+    bool is_packed = trx->files.archive && trx->files.zip.entries[index].is_packed;
     snprintf(trx->out->format, sizeof trx->out->format, "TRX, %s, %s",
              !trx->files.archive ? "folder"
              : is_packed         ? "packed zip"
                                  : "zip",
-             status ? "" : type->name);
-    return status ? status : take_positions(trx, index, type);
+             array.type->name);
+    return take_positions(trx, index, array.type);
 }
 
 /* Reads what `files` of @p trx lists, unless that has failed, and ends them. */
@@ -613,7 +582,6 @@ static conus_status finish_reading(struct tractogram *out, struct trx *trx, conu
     snprintf(built.format, sizeof built.format, "TRX, %s", trx->files.archive ? "zip" : "folder");
     status = status ? status : read_offsets(trx);
     status = status ? status : read_others(trx);
-    status = status ? status : note_rest(trx);
     status = status ? status : read_positions(trx);
     status = status ? status : file_sums_move(&built.files, &trx->files.read);
     trx_files_finish(&trx->files);
@@ -627,8 +595,9 @@ static conus_status finish_reading(struct tractogram *out, struct trx *trx, conu
 
 conus_status trx_parse(struct tractogram *out, struct bytes *archive, uint64_t max_memory, struct notes *notes)
 {
-    struct trx trx = {.notes = notes};
-    conus_status status = trx_files_of_archive(&trx.files, archive, max_memory);
+    struct trx trx = {.notes = notes, .files = {.archive = archive, .left = max_memory}};
+    conus_status status = trx_files_spend(&trx.files, archive->size, "archive");
+    status = status ? status : zip_parse(&trx.files.zip, archive->data, archive->size);
     return finish_reading(out, &trx, status);
 }
 
@@ -666,26 +635,23 @@ bool trx_is_named(const char *path)
     return file_is_folder(path) || path_ends_in(path, ".trx");
 }
 
-/* A zip has its table at the end, which gzip would have to unpack first. */
-static conus_status refuse_gzip(const char *path)
-{
-    struct bytes head = {0};
-    conus_status status = file_read_head(&head, path, FILE_KIND_HEAD);
-    if (!status && gzip_is(head.data, head.size)) {
-        status = fail(CONUS_ERROR_UNSUPPORTED, "%s: a TRX inside gzip: a TRX is packed itself; unpack the gzip", path);
-    }
-    bytes_finish(&head);
-    return status;
-}
-
 conus_status trx_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
     if (file_is_folder(path)) {
-        struct trx trx = {.notes = notes};
-        conus_status status = trx_files_of_folder(&trx.files, path, max_memory);
+        struct trx trx = {.notes = notes, .files = {.folder = path, .left = max_memory}};
+        conus_status status = CONUS_OK;
+        for (size_t i = 0; !status && i < sizeof folders / sizeof folders[0]; i++) {
+            status = list_in(&trx.files, folders[i]);
+        }
         status = finish_reading(out, &trx, status);
         return status ? fail_in(status, path) : CONUS_OK;
     }
-    conus_status status = refuse_gzip(path);
+    struct bytes head = {0};
+    conus_status status = file_read_head(&head, path, FILE_KIND_HEAD);
+    if (!status &&
+        gzip_is(head.data, head.size)) { /* a zip has its table at the end, behind all that gzip would unpack */
+        status = fail(CONUS_ERROR_UNSUPPORTED, "%s: a TRX inside gzip: a TRX is packed itself; unpack the gzip", path);
+    }
+    bytes_finish(&head);
     return status ? status : read_archive(out, path, max_memory, notes);
 }

@@ -60,22 +60,6 @@ static double tt_number_at(const uint8_t *data, uint32_t type)
     return type <= 10 ? order_real(data, size, is_swapped) : (double)order_whole(data, size, is_signed, is_swapped);
 }
 
-static conus_status read_variable_name(struct variable *out, struct tt *tt, uint32_t length)
-{
-    if (length < 1 || length > NAME_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "variable: a name of %u bytes, allowed are 1 to %d", length, NAME_LIMIT);
-    }
-    conus_status status = need(tt, length, "variable");
-    if (!status && (tt->stream->data[length - 1] || memchr(tt->stream->data, 0, length - 1))) {
-        status = fail(CONUS_ERROR_DATA, "variable: its name does not end with its %u bytes", length);
-    }
-    if (!status) {
-        memcpy(out->name, tt->stream->data, length);
-        byte_stream_skip(tt->stream, length);
-    }
-    return status;
-}
-
 static conus_status read_variable(struct variable *out, struct tt *tt)
 {
     conus_status status = need(tt, HEADER_SIZE, "variable");
@@ -89,17 +73,27 @@ static conus_status read_variable(struct variable *out, struct tt *tt)
     out->size = size_of_type(out->type);
     uint32_t imaginary = order_u32(data + 12, is_swapped);
     byte_stream_skip(tt->stream, HEADER_SIZE);
-    status = read_variable_name(out, tt, length);
-    if (!status && (!out->size || imaginary)) {
-        status = fail(CONUS_ERROR_DATA, "%s: of type %u, real numbers of the types 0, 10, 20, 30, 40 or 50 are needed",
-                      out->name, out->type);
+    if (length < 1 || length > NAME_LIMIT) {
+        return fail(CONUS_ERROR_DATA, "variable: a name of %u bytes, allowed are 1 to %d", length, NAME_LIMIT);
     }
-    uint64_t most = status ? 0 : byte_stream_most(tt->stream);
-    if (!status && out->count > most / out->size) {
-        status = fail(CONUS_ERROR_DATA, "%s: %llu numbers, the file has room for %llu", out->name,
+    status = need(tt, length, "variable");
+    if (status) {
+        return status;
+    }
+    if (tt->stream->data[length - 1] || memchr(tt->stream->data, 0, length - 1)) {
+        return fail(CONUS_ERROR_DATA, "variable: its name does not end with its %u bytes", length);
+    }
+    memcpy(out->name, tt->stream->data, length);
+    byte_stream_skip(tt->stream, length);
+    if (!out->size || imaginary) {
+        return fail(CONUS_ERROR_DATA, "%s: of type %u, real numbers of the types 0, 10, 20, 30, 40 or 50 are needed",
+                    out->name, out->type);
+    }
+    uint64_t most = byte_stream_most(tt->stream);
+    return out->count <= most / out->size
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "%s: %llu numbers, the file has room for %llu", out->name,
                       (unsigned long long)out->count, (unsigned long long)(most / out->size));
-    }
-    return status;
 }
 
 static conus_status pass_over(struct tt *tt, const struct variable *variable)
@@ -122,20 +116,22 @@ static conus_status read_world(struct tt *tt, const struct variable *variable)
                     (unsigned long long)variable->count, variable->type);
     }
     conus_status status = need(tt, 16 * variable->size, variable->name);
-    bool good = !status;
-    for (size_t i = 0; !status && i < 16; i++) {
+    if (status) {
+        return status;
+    }
+    bool good = true;
+    for (size_t i = 0; i < 16; i++) {
         double value = tt_number_at(tt->stream->data + i * variable->size, variable->type);
         tt->world[4 * (i % 4) + i / 4] = value;
         good = good && isfinite(value);
     }
     double inverse[16];
-    if (!status && (!good || !mat4_settle_last_row(tt->world) || !mat4_invert_affine(inverse, tt->world))) {
-        status =
-            fail(CONUS_ERROR_DATA, "trans_to_mni: found no affine, needed is one with an inverse, last row 0 0 0 1");
+    if (!good || !mat4_settle_last_row(tt->world) || !mat4_invert_affine(inverse, tt->world)) {
+        return fail(CONUS_ERROR_DATA, "trans_to_mni: found no affine, needed is one with an inverse, last row 0 0 0 1");
     }
-    byte_stream_skip(tt->stream, status ? 0 : 16 * variable->size);
-    tt->has_world = !status;
-    return status;
+    byte_stream_skip(tt->stream, 16 * variable->size);
+    tt->has_world = true;
+    return CONUS_OK;
 }
 
 static conus_status read_clusters(struct tt *tt, const struct variable *variable)
@@ -259,35 +255,30 @@ static conus_status read_tracks(struct tt *tt, const struct variable *variable)
     return status;
 }
 
-static conus_status take_variable(struct tt *tt)
-{
-    struct variable variable = {0};
-    conus_status status = read_variable(&variable, tt);
-    if (status) {
-        return status;
-    }
-    return strcmp(variable.name, "trans_to_mni") == 0 ? read_world(tt, &variable)
-           : strcmp(variable.name, "cluster") == 0    ? read_clusters(tt, &variable)
-           : strncmp(variable.name, "track", 5) == 0  ? read_tracks(tt, &variable)
-                                                      : pass_over(tt, &variable);
-}
-
 static conus_status tt_take_all(struct tt *tt)
 {
     conus_status status = byte_stream_need(tt->stream, 1);
     while (!status && tt->stream->size) {
-        status = take_variable(tt);
+        struct variable variable = {0};
+        status = read_variable(&variable, tt);
+        status = status                                       ? status
+                 : strcmp(variable.name, "trans_to_mni") == 0 ? read_world(tt, &variable)
+                 : strcmp(variable.name, "cluster") == 0      ? read_clusters(tt, &variable)
+                 : strncmp(variable.name, "track", 5) == 0    ? read_tracks(tt, &variable)
+                                                              : pass_over(tt, &variable);
         status = status ? status : byte_stream_need(tt->stream, 1);
     }
-    if (!status && !tt->tracks) {
-        status = fail(CONUS_ERROR_DATA, "track: missing, so this is no tractogram of DSI Studio");
+    if (status) {
+        return status;
+    }
+    if (!tt->tracks) {
+        return fail(CONUS_ERROR_DATA, "track: missing, so this is no tractogram of DSI Studio");
     }
     size_t streamlines = tt->build.tractogram.streamline_count;
-    if (!status && tt->cluster_count && tt->cluster_count != streamlines) {
-        status =
-            fail(CONUS_ERROR_DATA, "cluster: %zu numbers, there are %zu streamlines", tt->cluster_count, streamlines);
-    }
-    return status;
+    return !tt->cluster_count || tt->cluster_count == streamlines
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "cluster: %zu numbers, there are %zu streamlines", tt->cluster_count,
+                      streamlines);
 }
 
 conus_status tt_read(struct tractogram *out, struct byte_stream *stream, uint64_t max_memory, struct notes *notes)

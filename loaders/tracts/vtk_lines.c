@@ -34,30 +34,26 @@ struct building {
     bool in_order; /* corner k is vertex k, so that nothing need be gathered */
 };
 
-/* Memory for @p count times @p components numbers. */
-static conus_status take_floats(float **out, struct building *building, size_t count, size_t components)
-{
-    size_t numbers = 0;
-    size_t size = 0;
-    if (!memory_multiply(count, components, &numbers) || !memory_multiply(numbers, sizeof **out, &size) ||
-        size > building->left) {
-        return fail(CONUS_ERROR_MEMORY, "streamlines: %zu times %zu numbers take more than is allowed (--max-memory)",
-                    count, components);
-    }
-    building->left -= size;
-    *out = memory_raw(numbers, sizeof **out);
-    return *out ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
 /* Numbers of vertices become numbers of the corners of lines. */
 static conus_status gather(float **out, struct building *building, const float *values, size_t components)
 {
     const struct corners *corners = &building->lines->corners;
-    conus_status status = take_floats(out, building, corners->count, components);
-    for (size_t k = 0; !status && k < corners->count; k++) {
+    size_t numbers = 0;
+    size_t size = 0;
+    if (!memory_multiply(corners->count, components, &numbers) || !memory_multiply(numbers, sizeof **out, &size) ||
+        size > building->left) {
+        return fail(CONUS_ERROR_MEMORY, "streamlines: %zu times %zu numbers take more than is allowed (--max-memory)",
+                    corners->count, components);
+    }
+    building->left -= size;
+    *out = memory_raw(numbers, sizeof **out);
+    if (!*out) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t k = 0; k < corners->count; k++) {
         memcpy(&(*out)[k * components], &values[corners->indices[k] * components], components * sizeof *values);
     }
-    return status;
+    return CONUS_OK;
 }
 
 /* Positions of the mesh are those of the tractogram, or copied; x and y change sign where they are LPS. */
@@ -77,21 +73,6 @@ static conus_status fill_points(struct building *building, struct foreign_mesh *
         out->points[3 * i + 1] = -out->points[3 * i + 1];
     }
     return status;
-}
-
-static conus_status fill_first(struct building *building)
-{
-    struct tractogram *out = building->out;
-    const struct foreign_lines *lines = building->lines;
-    out->first = memory_zeroed(lines->count + 1, sizeof *out->first);
-    if (!out->first) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < lines->count; i++) {
-        out->first[i + 1] = lines->ends[i];
-    }
-    out->streamline_count = lines->count;
-    return CONUS_OK;
 }
 
 static conus_status fill_scalar(struct building *building, struct foreign_array *array)
@@ -128,17 +109,22 @@ static conus_status lines_build(struct tractogram *out, struct foreign_mesh *mes
     for (size_t k = 0; building.in_order && k < corners->count; k++) {
         building.in_order = corners->indices[k] == k;
     }
-    conus_status status = CONUS_OK;
-    if (!lines->count) {
-        status =
-            mesh->triangle_count ? fail(CONUS_ERROR_DATA, "a surface and no lines, streamlines are needed") : CONUS_OK;
+    if (!lines->count && mesh->triangle_count) {
+        return fail(CONUS_ERROR_DATA, "a surface and no lines, streamlines are needed");
     }
-    status = status ? status : fill_points(&building, mesh);
-    status = status ? status : fill_first(&building);
-    if (!status) {
-        out->scalars = memory_zeroed(lines->array_count, sizeof *out->scalars);
-        status = out->scalars ? CONUS_OK : CONUS_ERROR_MEMORY;
+    conus_status status = fill_points(&building, mesh);
+    if (status) {
+        return status;
     }
+    out->first = memory_zeroed(lines->count + 1, sizeof *out->first);
+    out->scalars = out->first ? memory_zeroed(lines->array_count, sizeof *out->scalars) : NULL;
+    if (!out->scalars) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < lines->count; i++) {
+        out->first[i + 1] = lines->ends[i];
+    }
+    out->streamline_count = lines->count;
     for (size_t i = 0; !status && i < lines->array_count; i++) {
         status = fill_scalar(&building, &lines->arrays[i]);
     }

@@ -38,21 +38,6 @@ conus_status field_header_parse(struct field_header *out, const uint8_t *data, s
     return CONUS_OK;
 }
 
-static conus_status refuse_coefficients(const struct field_header *header)
-{
-    int code = header->intent_code;
-    if (code == CUBIC_SPLINES || code == COSINES || code == QUADRATIC_SPLINES) {
-        return fail(CONUS_ERROR_UNSUPPORTED,
-                    "intent_code: found %d, coefficients of fnirt; 'convertwarp --ref=IMAGE --warp1=FILE --out=FIELD' "
-                    "makes a field of them, 'invwarp --ref=IMAGE --warp=FILE --out=FIELD' that of the other direction",
-                    code);
-    }
-    return code == TOPUP_CUBIC || code == TOPUP_QUADRATIC || code == TOPUP_FIELD
-               ? fail(CONUS_ERROR_UNSUPPORTED,
-                      "intent_code: found %d, topup's, which moves no points between two images", code)
-               : CONUS_OK;
-}
-
 /* X x Y x Z x 1 x 3, or X x Y x Z x 3 of FSL. */
 static conus_status field_check_shape(const struct field_header *header, bool has_images)
 {
@@ -126,14 +111,26 @@ const char *field_header_words(bool *usable, const struct field_header *header)
 conus_status field_header_kind(enum field_kind *out, const struct field_header *header, bool has_images,
                                conus_vectors vectors)
 {
-    enum field_kind kind = header->intent_code == FNIRT_FIELD && !vectors ? FIELD_FNIRT : FIELD_FSL;
-    conus_status status = refuse_coefficients(header);
-    status = status ? status : field_check_shape(header, has_images);
-    status = status || has_images ? status : vectors_kind(&kind, header, vectors);
-    if (!status) {
-        *out = kind;
+    int code = header->intent_code;
+    if (code == CUBIC_SPLINES || code == COSINES || code == QUADRATIC_SPLINES) {
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "intent_code: found %d, coefficients of fnirt; 'convertwarp --ref=IMAGE --warp1=FILE --out=FIELD' "
+                    "makes a field of them, 'invwarp --ref=IMAGE --warp=FILE --out=FIELD' that of the other direction",
+                    code);
     }
-    return status;
+    if (code == TOPUP_CUBIC || code == TOPUP_QUADRATIC || code == TOPUP_FIELD) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "intent_code: found %d, topup's, which moves no points between two images",
+                    code);
+    }
+    conus_status status = field_check_shape(header, has_images);
+    if (status) {
+        return status;
+    }
+    if (!has_images) {
+        return vectors_kind(out, header, vectors);
+    }
+    *out = code == FNIRT_FIELD && !vectors ? FIELD_FNIRT : FIELD_FSL;
+    return CONUS_OK;
 }
 
 enum { HEAD_READ = 1 << 16, LATTICE = 64 }; /* LATTICE: nodes along an axis that show what vectors are */
@@ -235,30 +232,27 @@ static conus_status read_vectors(struct deformation *out, struct volume_file *fi
     if (!mat4_invert_affine(out->voxel_from_world, out->world_from_voxel)) {
         return fail(CONUS_ERROR_DATA, "%s: the matrix is singular", file->info.transform);
     }
-    conus_status status = file->info.volume_count == 3 ? CONUS_OK : fail(CONUS_ERROR_IO, FILE_CHANGED);
-    uint64_t limit = memory_limit(max_memory);
-    if (!status && count_nodes(out) > limit / (3 * sizeof *out->vectors)) {
-        status =
-            fail(CONUS_ERROR_MEMORY, "dim: %zu vectors take %zu bytes each, allowed are %llu in all (--max-memory)",
-                 count_nodes(out), 3 * sizeof *out->vectors, (unsigned long long)limit);
+    if (file->info.volume_count != 3) {
+        return fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
-    if (status) {
-        return status;
+    uint64_t limit = memory_limit(max_memory);
+    if (count_nodes(out) > limit / (3 * sizeof *out->vectors)) {
+        return fail(CONUS_ERROR_MEMORY, "dim: %zu vectors take %zu bytes each, allowed are %llu in all (--max-memory)",
+                    count_nodes(out), 3 * sizeof *out->vectors, (unsigned long long)limit);
     }
     out->vectors = memory_raw(count_nodes(out), 3 * sizeof *out->vectors);
-    status = out->vectors ? CONUS_OK : CONUS_ERROR_MEMORY;
+    conus_status status = out->vectors ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t n = 0; !status && n < 3; n++) {
         status = read_component(out->vectors, file, n, count_nodes(out));
     }
     return status;
 }
 
-/* Positions may be missing, as SPM's inverses have it outside of the brain; displacements may not. */
-static conus_status check_finite(const struct deformation *field, bool positions)
+static conus_status check_finite(const struct deformation *field)
 {
     const size_t *dim = field->dim;
     for (size_t i = 0; i < 3 * count_nodes(field); i++) {
-        if (!positions && !isfinite(field->vectors[i])) {
+        if (!isfinite(field->vectors[i])) {
             size_t node = i / 3;
             return fail(CONUS_ERROR_DATA, "voxel (%zu, %zu, %zu): a vector that is not finite", node % dim[0],
                         node / dim[0] % dim[1], node / dim[0] / dim[1]);
@@ -314,37 +308,38 @@ static bool look_like_positions(const struct deformation *field, const double re
     return spread(field, nothing) > spread(field, reference);
 }
 
+static conus_status note_looks(bool positions, bool look, struct notes *notes)
+{
+    return positions == look ? CONUS_OK
+                             : notes_warn(notes, "the vectors are taken for %s, but look like %s",
+                                          look ? "displacements" : "positions", look ? "positions" : "displacements");
+}
+
 /* ITK's or SPM's: that of which the header says nothing must not look like the other. */
-static conus_status decide_vectors(enum field_kind *kind, const struct deformation *field, struct notes *notes)
+static conus_status set_vectors(struct deformation *field, enum field_kind kind, struct notes *notes)
 {
     static const double flip[16] = {-1, [5] = -1, [10] = 1, [15] = 1};
     double lps[16];
     mat4_multiply(lps, flip, field->world_from_voxel);
     bool positions = look_like_positions(field, field->world_from_voxel) || look_like_positions(field, lps);
-    if (*kind == FIELD_VECTORS && positions) {
+    if (kind == FIELD_VECTORS && positions) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "the vectors look like positions, and the header does not say so: ',absolute' states positions in "
                     "RAS, as SPM has them, ',relative' displacements in LPS, as ITK has them");
     }
-    *kind = *kind == FIELD_VECTORS ? FIELD_ITK : *kind;
-    return positions == (*kind == FIELD_SPM)
-               ? CONUS_OK
-               : notes_warn(notes, "the vectors are taken for %s, but look like %s",
-                            positions ? "displacements" : "positions", positions ? "positions" : "displacements");
-}
-
-static conus_status set_vectors(struct deformation *field, enum field_kind kind, struct notes *notes)
-{
-    conus_status status = decide_vectors(&kind, field, notes);
+    conus_status status = note_looks(kind == FIELD_SPM, positions, notes);
+    if (status) {
+        return status;
+    }
     mat4_identity(field->linear);
     if (kind == FIELD_SPM) {
         field->base[15] = 1;
-    } else {
-        memcpy(field->base, field->world_from_voxel, sizeof field->base);
-        field->linear[0] = field->linear[5] = -1;
-        field->stays_outside = true;
+        return CONUS_OK; /* positions may be missing, as in SPM's inverses outside of the brain */
     }
-    return status ? status : check_finite(field, kind == FIELD_SPM);
+    memcpy(field->base, field->world_from_voxel, sizeof field->base);
+    field->linear[0] = field->linear[5] = -1;
+    field->stays_outside = true;
+    return check_finite(field);
 }
 
 /* From FSL's mm of an image to the world. */
@@ -388,30 +383,22 @@ static conus_status check_from(const conus_volume_info *field, const char *from)
                                           from, worst);
 }
 
-/* Whether FSL's vectors are positions. */
-static conus_status decide_flirt(bool *positions, const struct deformation *field, const double flirt[16],
-                                 enum field_kind kind, conus_vectors vectors, struct notes *notes)
-{
-    bool look = look_like_positions(field, flirt);
-    bool stated = kind == FIELD_FNIRT || vectors;
-    *positions = stated ? vectors == CONUS_VECTORS_ABSOLUTE : look;
-    return *positions == look ? CONUS_OK
-                              : notes_warn(notes, "the vectors are taken for %s, but look like %s",
-                                           look ? "displacements" : "positions", look ? "positions" : "displacements");
-}
-
 static conus_status set_flirt(struct deformation *field, enum field_kind kind, const conus_volume_info *grid,
                               const conus_transform_options *options, struct notes *notes)
 {
     conus_volume_info to;
     double world[16];
     double flirt[16];
-    bool positions;
-    conus_status status = check_from(grid, options->from);
-    status = status ? status : volume_file_header(&to, options->to);
-    status = status ? status : world_from_flirt(world, &to);
+    conus_status status;
+    if ((status = check_from(grid, options->from)) || (status = volume_file_header(&to, options->to)) ||
+        (status = world_from_flirt(world, &to))) {
+        return status;
+    }
     flirt_from_voxel(flirt, grid);
-    status = status ? status : decide_flirt(&positions, field, flirt, kind, options->vectors, notes);
+    bool look = look_like_positions(field, flirt);
+    bool stated = kind == FIELD_FNIRT || options->vectors;
+    bool positions = stated ? options->vectors == CONUS_VECTORS_ABSOLUTE : look;
+    status = note_looks(positions, look, notes);
     if (status) {
         return status;
     }
@@ -422,7 +409,7 @@ static conus_status set_flirt(struct deformation *field, enum field_kind kind, c
     mat4_multiply(field->base, world, flirt);
     memcpy(field->linear, world, sizeof world);
     memset(field->linear + 12, 0, 3 * sizeof *world);
-    return check_finite(field, false);
+    return check_finite(field);
 }
 
 conus_status field_file_read(struct deformation *out, conus_volume_info *grid, const char *path,

@@ -10,18 +10,26 @@
 
 #include <string.h>
 
+/* The next line that is no comment, without white space around it. */
+static bool next_line(struct text *rest, struct text *line)
+{
+    while (text_line(rest, line)) {
+        *line = text_trim(*line);
+        if (line->size && line->data[0] != '#') {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* Takes the next `rows` lines of four numbers off `rest`, row by row into `out`; `what` is for messages. */
 static conus_status matrix_rows_parse(double out[16], struct text *rest, size_t rows, const char *what)
 {
     struct text line = {0};
     size_t row = 0;
-    while (row < rows && text_line(rest, &line)) {
+    while (row < rows && next_line(rest, &line)) {
         struct text word;
         size_t column = 0;
-        line = text_trim(line);
-        if (!line.size || line.data[0] == '#') {
-            continue;
-        }
         while (text_word(&line, &word)) {
             if (row + 1 == rows && word.size && word.data[word.size - 1] == ';') {
                 word.size--;
@@ -52,23 +60,12 @@ static conus_status matrix_settle(double m[16], const char *what)
                                           m[3], m[7], m[11], m[15]);
 }
 
-static bool is_blank_or_comment(struct text line)
-{
-    line = text_trim(line);
-    return !line.size || line.data[0] == '#';
-}
-
 static bool matrix_text_is(struct text text)
 {
     struct text line;
     struct text word;
     double number;
-    while (text_line(&text, &line)) {
-        if (!is_blank_or_comment(line)) {
-            return text_word(&line, &word) && text_to_double(word, &number);
-        }
-    }
-    return false;
+    return next_line(&text, &line) && text_word(&line, &word) && text_to_double(word, &number);
 }
 
 /* Sixteen numbers, four in a line, the last line 0 0 0 1; lines that begin with # are comments. */
@@ -76,12 +73,11 @@ static conus_status matrix_text_parse(double out[16], struct text text)
 {
     struct text line;
     conus_status status = matrix_rows_parse(out, &text, 4, "matrix");
-    while (!status && text_line(&text, &line)) {
-        if (!is_blank_or_comment(line)) {
-            status = fail(CONUS_ERROR_DATA, "matrix: more than four rows");
-        }
+    if (status) {
+        return status;
     }
-    return status ? status : matrix_settle(out, "matrix");
+    return next_line(&text, &line) ? fail(CONUS_ERROR_DATA, "matrix: more than four rows")
+                                   : matrix_settle(out, "matrix");
 }
 
 /* The MNI's. */
@@ -104,13 +100,14 @@ static conus_status xfm_parse(double out[16], struct text text)
     double m[16];
     mat4_identity(m);
     conus_status status = matrix_rows_parse(m, &text, 3, "Linear_Transform");
-    if (!status && text_mentions(text, "Transform_Type")) {
-        status = fail(CONUS_ERROR_UNSUPPORTED, "several transforms in one file, one is read");
+    if (status) {
+        return status;
     }
-    if (!status) {
-        memcpy(out, m, sizeof m);
+    if (text_mentions(text, "Transform_Type")) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "several transforms in one file, one is read");
     }
-    return status;
+    memcpy(out, m, sizeof m);
+    return CONUS_OK;
 }
 
 enum { TRANSFORM_LIMIT = 1 << 20 }; /* bytes: a hundred times what an affine takes */
@@ -131,13 +128,7 @@ struct lta_volume {
 static bool lta_is(struct text text)
 {
     struct text line;
-    while (text_line(&text, &line)) {
-        line = text_trim(line);
-        if (line.size && line.data[0] != '#') {
-            return text_starts(line, "type") && text_mentions(line, "=");
-        }
-    }
-    return false;
+    return next_line(&text, &line) && text_starts(line, "type") && text_mentions(line, "=");
 }
 
 /* "KEY = a b c # comment"; false for another line. */
@@ -164,18 +155,6 @@ static conus_status lta_take_numbers(double *out, size_t count, struct text valu
         }
     }
     return text_word(&values, &word) ? fail(CONUS_ERROR_DATA, "%s: more than %zu numbers", key, count) : CONUS_OK;
-}
-
-/* The next line that is no comment, without white space around it. */
-static bool lta_take_line(struct text *rest, struct text *line)
-{
-    while (text_line(rest, line)) {
-        *line = text_trim(*line);
-        if (line->size && line->data[0] != '#') {
-            return true;
-        }
-    }
-    return false;
 }
 
 static conus_status take_volume_line(struct lta_volume *out, struct text line)
@@ -236,16 +215,16 @@ static conus_status between_voxels(double out[16], const struct lta_volume volum
     double from[16];
     double to[16];
     double voxel_from_world[16];
-    conus_status status = world_from_voxel(from, &volumes[0], "src");
-    status = status ? status : world_from_voxel(to, &volumes[1], "dst");
-    if (!status && !mat4_invert_affine(voxel_from_world, from)) {
-        status = fail(CONUS_ERROR_DATA, "src volume info: its matrix is singular");
+    conus_status status;
+    if ((status = world_from_voxel(from, &volumes[0], "src")) || (status = world_from_voxel(to, &volumes[1], "dst"))) {
+        return status;
     }
-    if (!status) {
-        mat4_multiply(out, to, out);
-        mat4_multiply(out, out, voxel_from_world);
+    if (!mat4_invert_affine(voxel_from_world, from)) {
+        return fail(CONUS_ERROR_DATA, "src volume info: its matrix is singular");
     }
-    return status;
+    mat4_multiply(out, to, out);
+    mat4_multiply(out, out, voxel_from_world);
+    return CONUS_OK;
 }
 
 static conus_status take_head(double *type, struct text *rest)
@@ -256,7 +235,7 @@ static conus_status take_head(double *type, struct text *rest)
     double shape[3] = {0};
     conus_status status = CONUS_OK;
     *type = -1;
-    while (!status && lta_take_line(rest, &line)) {
+    while (!status && next_line(rest, &line)) {
         if (lta_take_key(&values, line, "type")) {
             status = lta_take_numbers(type, 1, values, "type");
         } else if (lta_take_key(&values, line, "nxforms")) {
@@ -285,7 +264,7 @@ static conus_status lta_parse(double out[16], struct text text)
     conus_status status = take_head(&type, &text);
     status = status ? status : matrix_rows_parse(m, &text, 4, "matrix");
     status = status ? status : matrix_settle(m, "matrix");
-    while (!status && lta_take_line(&text, &line)) {
+    while (!status && next_line(&text, &line)) {
         if (text_starts(line, "src volume info") || text_starts(line, "dst volume info")) {
             at = &volumes[line.data[0] == 'd'];
         } else if (at) {
@@ -332,18 +311,17 @@ static conus_status place_between(double m[16], const char *from, const char *to
     double from_world[16];
     double to_world[16];
     double world_from_to[16];
-    conus_status status = volume_file_header(&images[0], from);
-    status = status ? status : volume_file_header(&images[1], to);
-    status = status ? status : flirt_from_world(from_world, &images[0]);
-    status = status ? status : flirt_from_world(to_world, &images[1]);
-    if (!status && !mat4_invert_affine(world_from_to, to_world)) {
-        status = fail(CONUS_ERROR_DATA, "%s: its matrix is singular", to);
+    conus_status status;
+    if ((status = volume_file_header(&images[0], from)) || (status = volume_file_header(&images[1], to)) ||
+        (status = flirt_from_world(from_world, &images[0])) || (status = flirt_from_world(to_world, &images[1]))) {
+        return status;
     }
-    if (!status) {
-        mat4_multiply(m, m, from_world);
-        mat4_multiply(m, world_from_to, m);
+    if (!mat4_invert_affine(world_from_to, to_world)) {
+        return fail(CONUS_ERROR_DATA, "%s: its matrix is singular", to);
     }
-    return status;
+    mat4_multiply(m, m, from_world);
+    mat4_multiply(m, world_from_to, m);
+    return CONUS_OK;
 }
 
 static conus_status transform_read_matrix(double out[16], struct text text, const char *path, const char *from,
@@ -352,12 +330,15 @@ static conus_status transform_read_matrix(double out[16], struct text text, cons
     size_t length = strlen(path);
     bool is_fsl = length > 4 && strcmp(path + length - 4, ".mat") == 0;
     conus_status status = matrix_text_parse(out, text);
-    if (!status && !from && is_fsl) {
+    if (status) {
+        return status;
+    }
+    if (!from && is_fsl) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "a matrix of FSL's kind, whose numbers mean nothing without its two images: from=IMAGE and "
                     "to=IMAGE are needed; a 4 x 4 matrix of RAS mm ends otherwise, in .txt for example");
     }
-    return status || !from ? status : place_between(out, from, to);
+    return from ? place_between(out, from, to) : CONUS_OK;
 }
 
 enum kind { KIND_NONE, KIND_MATRIX, KIND_ITK, KIND_XFM, KIND_LTA, KIND_MATLAB };
@@ -454,13 +435,14 @@ conus_status transform_parse(double out[16], const struct bytes *file, const cha
         return fail(CONUS_ERROR_ARGUMENT, "from and to are of FSL's matrices, and this is none");
     }
     conus_status status = parse_kind(m, kind, file, path, from, to);
-    if (!status && !mat4_invert_affine(inverse, m)) {
-        status = fail(CONUS_ERROR_DATA, "the matrix is singular, an invertible one is needed");
+    if (status) {
+        return status;
     }
-    if (!status) {
-        memcpy(out, m, sizeof m);
+    if (!mat4_invert_affine(inverse, m)) {
+        return fail(CONUS_ERROR_DATA, "the matrix is singular, an invertible one is needed");
     }
-    return status;
+    memcpy(out, m, sizeof m);
+    return CONUS_OK;
 }
 
 conus_status transform_file_read(double out[16], const char *path, const char *from, const char *to,

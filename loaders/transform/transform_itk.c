@@ -345,16 +345,17 @@ conus_status itk_matlab_parse(double out[16], const uint8_t *data, size_t size)
     const char *name = (const char *)data + MATLAB_HEAD;
     size_t left = size > MATLAB_HEAD ? size - MATLAB_HEAD : 0;
     const struct text type = {name, strnlen(name, left < NAME_LIMIT ? left : NAME_LIMIT)};
-    conus_status status = text_mentions(type, "Transform_") ? check_type(type) : CONUS_OK;
-    status = status ? status : take_column(&parameters, &data, &size);
-    status = status ? status : take_column(&fixed, &data, &size);
-    if (!status && !text_equal(fixed.name, "fixed")) {
-        status = fail(CONUS_ERROR_DATA, "\"%.*s\" behind the parameters, \"fixed\" is needed", (int)fixed.name.size,
-                      fixed.name.data);
+    conus_status status;
+    if ((text_mentions(type, "Transform_") && (status = check_type(type))) ||
+        (status = take_column(&parameters, &data, &size)) || (status = take_column(&fixed, &data, &size))) {
+        return status;
     }
-    if (!status && size) {
-        status = fail(CONUS_ERROR_UNSUPPORTED, "%zu bytes behind the first transform, one is read", size);
+    if (!text_equal(fixed.name, "fixed")) {
+        return fail(CONUS_ERROR_DATA, "\"%.*s\" behind the parameters, \"fixed\" is needed", (int)fixed.name.size,
+                    fixed.name.data);
     }
-    return status ? status
-                  : itk_matrix(out, parameters.name, parameters.values, parameters.count, fixed.values, fixed.count);
+    if (size) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "%zu bytes behind the first transform, one is read", size);
+    }
+    return itk_matrix(out, parameters.name, parameters.values, parameters.count, fixed.values, fixed.count);
 }
