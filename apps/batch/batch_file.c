@@ -160,13 +160,6 @@ static void close_files(struct batch_file *file)
     file->rows = file->log = -1;
 }
 
-/* False when who held the lock before has finished the file since the journal was opened. */
-static bool has_name(int descriptor)
-{
-    struct stat info;
-    return fstat(descriptor, &info) == 0 && info.st_nlink > 0;
-}
-
 static int open_own(int *out, const char *path, int flags)
 {
     struct stat info;
@@ -189,7 +182,8 @@ static int open_files(struct batch_file *file, int flags)
     if (code) {
         return code;
     }
-    if (flock(file->log, LOCK_EX | LOCK_NB) || !has_name(file->log)) {
+    struct stat info; /* without a link where who held the lock before has finished the file since the open() */
+    if (flock(file->log, LOCK_EX | LOCK_NB) || fstat(file->log, &info) || info.st_nlink == 0) {
         print_error_line("%s: another conus is writing this file", file->path);
         return EXIT_DATA;
     }

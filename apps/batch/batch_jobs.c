@@ -218,19 +218,6 @@ static int answer_table(const struct batch_settings *settings, const struct argu
     return is_signal(last) ? last : code;
 }
 
-static bool check_operands(const struct batch_settings *settings, const struct arguments *arguments)
-{
-    if (settings->jobs) {
-        return !arguments->operand_count || (print_error_line("ATLAS and --jobs exclude each other"), false);
-    }
-    if (!arguments->operand_count) {
-        const char *program = arguments->command->program;
-        print_error_line("ATLAS is missing; %s batch --help shows how", program ? program : "conus");
-        return false;
-    }
-    return settings->poses || (print_error_line("--poses FILE is missing"), false);
-}
-
 /* rows.tsv and rows.csv have one sidecar, rows.json. */
 static bool share_sidecar(const char *output, const char *segments)
 {
@@ -284,9 +271,21 @@ static int answer_outputs(const struct batch_settings *settings, const struct ar
 int batch_jobs_answer(const struct batch_settings *settings, const struct arguments *arguments, batch_answer *answer,
                       void *user)
 {
-    if (!check_operands(settings, arguments)) {
+    if (settings->jobs && arguments->operand_count) {
+        print_error_line("ATLAS and --jobs exclude each other");
         return EXIT_USAGE;
     }
-    return settings->jobs ? answer_table(settings, arguments, answer, user)
-                          : answer_outputs(settings, arguments, answer, user);
+    if (settings->jobs) {
+        return answer_table(settings, arguments, answer, user);
+    }
+    if (!arguments->operand_count) {
+        const char *program = arguments->command->program;
+        print_error_line("ATLAS is missing; %s batch --help shows how", program ? program : "conus");
+        return EXIT_USAGE;
+    }
+    if (!settings->poses) {
+        print_error_line("--poses FILE is missing");
+        return EXIT_USAGE;
+    }
+    return answer_outputs(settings, arguments, answer, user);
 }

@@ -21,19 +21,6 @@ static void hash_text(struct sha256_ctx *context, const char *text)
     sha256_update(context, strlen(text) + 1, (const uint8_t *)text);
 }
 
-static void hash_objects(struct sha256_ctx *context, const conus_atlas *atlas)
-{
-    const conus_object *object;
-    for (size_t number = 1; (object = conus_atlas_object(atlas, number)); number++) {
-        char line[64];
-        snprintf(line, sizeof line, "%d %" PRIu32 " %" PRIu32 " %.17g", (int)object->kind, object->label,
-                 object->parent, object->volume_mm3);
-        hash_text(context, line);
-        hash_text(context, object->name);
-        hash_text(context, object->abbreviation);
-    }
-}
-
 /* Leaves out what differs between the machines of a cluster and changes no row: where files lie, and which vector
  * instructions the rays engine uses. */
 static void forget_machine(json_t *value)
@@ -94,7 +81,14 @@ int batch_fingerprint(char out[65], conus_batch *batch, const struct atlases *at
         hash_text(&context, *sources);
     }
     for (size_t i = 0; i < atlases->count; i++) {
-        hash_objects(&context, atlases->items[i].atlas);
+        const conus_object *object;
+        for (size_t number = 1; (object = conus_atlas_object(atlases->items[i].atlas, number)); number++) {
+            snprintf(line, sizeof line, "%d %" PRIu32 " %" PRIu32 " %.17g", (int)object->kind, object->label,
+                     object->parent, object->volume_mm3);
+            hash_text(&context, line);
+            hash_text(&context, object->name);
+            hash_text(&context, object->abbreviation);
+        }
     }
     provenance_hash_finish(out, &context);
     return EXIT_DONE;

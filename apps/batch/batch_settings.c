@@ -157,19 +157,6 @@ bool batch_format(conus_format *out, const struct batch_settings *settings, cons
             false);
 }
 
-static int parse_shard(struct shard *out, const char *text)
-{
-    char index[32];
-    const char *slash = strchr(text, '/');
-    size_t length = slash ? (size_t)(slash - text) : 0;
-    snprintf(index, sizeof index, "%.*s", (int)(length < sizeof index ? length : 0), text);
-    if (!slash || !count_parse(index, UINT32_MAX, &out->index) || !count_parse(slash + 1, UINT32_MAX, &out->count) ||
-        out->index >= out->count) {
-        return print_usage_error("--shard: \"%s\" is not I/N with whole numbers, I from 0 to N - 1", text);
-    }
-    return EXIT_DONE;
-}
-
 /* Number of an environment's variable; `missing` where it is not set. */
 static bool read_variable(uint64_t *out, const char *name, uint64_t missing)
 {
@@ -203,8 +190,20 @@ static int shard_of_slurm(struct shard *out)
 
 int batch_shard(struct shard *out, const struct batch_settings *settings)
 {
+    const char *text = settings->shard;
     *out = (struct shard){0, 1};
-    return settings->shard ? parse_shard(out, settings->shard) : shard_of_slurm(out);
+    if (!text) {
+        return shard_of_slurm(out);
+    }
+    char index[32];
+    const char *slash = strchr(text, '/');
+    size_t length = slash ? (size_t)(slash - text) : 0;
+    snprintf(index, sizeof index, "%.*s", (int)(length < sizeof index ? length : 0), text);
+    if (!slash || !count_parse(index, UINT32_MAX, &out->index) || !count_parse(slash + 1, UINT32_MAX, &out->count) ||
+        out->index >= out->count) {
+        return print_usage_error("--shard: \"%s\" is not I/N with whole numbers, I from 0 to N - 1", text);
+    }
+    return EXIT_DONE;
 }
 
 void shard_range(uint64_t *first, uint64_t *count, struct shard shard, uint64_t total)

@@ -92,14 +92,6 @@ static void put_atlases(FILE *out, const conus_catalogue *catalogue)
     }
 }
 
-static const char *state_of(const conus_catalogue_place *place)
-{
-    return place->there            ? "there"
-           : place->path[0]        ? "no such folder"
-           : place->rule[0] == '(' ? "no such program"
-                                   : "not set";
-}
-
 static void put_places(FILE *out, const conus_catalogue *catalogue)
 {
     fputs("source\tplace\tpath\tstate\n", out);
@@ -107,7 +99,11 @@ static void put_places(FILE *out, const conus_catalogue *catalogue)
         const conus_catalogue_place *place = conus_catalogue_place_at(catalogue, i);
         fprintf(out, "%s\t%s\t", place->source, place->rule);
         put_cell(out, place->path);
-        fprintf(out, "\t%s\n", state_of(place));
+        fprintf(out, "\t%s\n",
+                place->there            ? "there"
+                : place->path[0]        ? "no such folder"
+                : place->rule[0] == '(' ? "no such program"
+                                        : "not set");
     }
 }
 
@@ -153,18 +149,6 @@ static void put_names(FILE *out, const conus_catalogue *catalogue)
     }
 }
 
-static json_t *places_json(const conus_catalogue *catalogue)
-{
-    json_t *list = json_array();
-    for (size_t i = 0; i < conus_catalogue_place_count(catalogue); i++) {
-        const conus_catalogue_place *place = conus_catalogue_place_at(catalogue, i);
-        json_array_append_new(list, json_pack("{s:s,s:s,s:o,s:b}", "source", place->source, "place", place->rule,
-                                              "path", place->path[0] ? info_json_bytes(place->path) : json_null(),
-                                              "there", place->there));
-    }
-    return list;
-}
-
 static void put_json(FILE *out, const conus_catalogue *catalogue)
 {
     json_t *atlases = json_array();
@@ -175,8 +159,15 @@ static void put_json(FILE *out, const conus_catalogue *catalogue)
     for (size_t i = 0; i < conus_catalogue_note_count(catalogue); i++) {
         json_array_append_new(notes, info_json_bytes(conus_catalogue_note(catalogue, i)));
     }
-    json_t *root = json_pack("{s:s,s:o,s:o,s:o}", "conus", conus_version(), "atlases", atlases, "places",
-                             places_json(catalogue), "notes", notes);
+    json_t *places = json_array();
+    for (size_t i = 0; i < conus_catalogue_place_count(catalogue); i++) {
+        const conus_catalogue_place *place = conus_catalogue_place_at(catalogue, i);
+        json_array_append_new(places, json_pack("{s:s,s:s,s:o,s:b}", "source", place->source, "place", place->rule,
+                                                "path", place->path[0] ? info_json_bytes(place->path) : json_null(),
+                                                "there", place->there));
+    }
+    json_t *root =
+        json_pack("{s:s,s:o,s:o,s:o}", "conus", conus_version(), "atlases", atlases, "places", places, "notes", notes);
     char *text = root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(9)) : NULL;
     if (text) {
         fprintf(out, "%s\n", text);
@@ -185,8 +176,16 @@ static void put_json(FILE *out, const conus_catalogue *catalogue)
     json_decref(root);
 }
 
-static void put_list(FILE *out, const conus_catalogue *catalogue, const struct list_settings *settings)
+struct list_text {
+    const conus_catalogue *catalogue;
+    const struct list_settings *settings;
+};
+
+static bool put_list(FILE *out, const void *what)
 {
+    const struct list_text *text = what;
+    const conus_catalogue *catalogue = text->catalogue;
+    const struct list_settings *settings = text->settings;
     switch ((enum list_format)settings->format) {
     case LIST_TABLE:
         put_table(out, catalogue, settings->places);
@@ -201,17 +200,6 @@ static void put_list(FILE *out, const conus_catalogue *catalogue, const struct l
         put_names(out, catalogue);
         break;
     }
-}
-
-struct list_text {
-    const conus_catalogue *catalogue;
-    const struct list_settings *settings;
-};
-
-static bool put_all(FILE *out, const void *what)
-{
-    const struct list_text *text = what;
-    put_list(out, text->catalogue, text->settings);
     return true;
 }
 
@@ -225,7 +213,7 @@ static int run_atlases(const void *given, const struct arguments *arguments)
         return print_usage_error("--places is for --format table and tsv; json has the places anyway");
     }
     conus_status status = conus_catalogue_create(&catalogue, &options);
-    int code = status ? print_status(status) : output_put(put_all, &(struct list_text){catalogue, settings});
+    int code = status ? print_status(status) : output_put(put_list, &(struct list_text){catalogue, settings});
     conus_catalogue_destroy(catalogue);
     return code;
 }

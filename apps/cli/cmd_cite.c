@@ -119,21 +119,15 @@ static int make_atlases(struct citing *citing, size_t count)
     return citing->citation.atlas_count ? EXIT_DONE : print_no_memory();
 }
 
-static const struct recorded_file *find_input(const struct record *record, const char *path)
-{
-    for (size_t i = 0; i < record->input_count; i++) {
-        if (strcmp(record->inputs[i].path, path) == 0) {
-            return &record->inputs[i];
-        }
-    }
-    return NULL;
-}
-
 /* References are looked for beside the file that was found, or beside the folder or manifest itself. */
 static int look_for_references(struct citing *citing, struct cited_atlas *atlas, const char *path,
                                const struct places *places)
 {
-    const struct recorded_file *file = find_input(&citing->record, path);
+    const struct recorded_file *file = NULL;
+    for (size_t i = 0; i < citing->record.input_count && !file; i++) {
+        const struct recorded_file *input = &citing->record.inputs[i];
+        file = strcmp(input->path, path) == 0 ? input : NULL;
+    }
     struct found_file found = {.state = FILE_MISSING};
     if (file && !file_find(&found, file, places)) {
         return EXIT_DATA;
@@ -237,16 +231,6 @@ static int verify_result(const struct citing *citing, const char *sidecar)
     return code;
 }
 
-static const char *sum_of(const conus_atlas *atlas, const char *path)
-{
-    const char *sum = NULL;
-    for (size_t i = 0; i < conus_atlas_volume_count(atlas) && !sum; i++) {
-        const conus_volume_info *info = conus_atlas_volume(atlas, i);
-        sum = strcmp(info->path, path) == 0 ? info->sha256 : NULL;
-    }
-    return sum;
-}
-
 static int cite_atlas(struct citing *citing)
 {
     const struct atlas_settings settings = {.max_memory = citing->settings->max_memory, .no_cache = true};
@@ -264,7 +248,10 @@ static int cite_atlas(struct citing *citing)
     references_find(&atlas->references, path);
     citing->citation.version = conus_version();
     atlas->name = citing->names[0];
-    atlas->sha256 = sum_of(citing->atlases.items[0].atlas, path);
+    for (size_t i = 0; i < conus_atlas_volume_count(citing->atlases.items[0].atlas) && !atlas->sha256; i++) {
+        const conus_volume_info *volume = conus_atlas_volume(citing->atlases.items[0].atlas, i);
+        atlas->sha256 = strcmp(volume->path, path) == 0 ? volume->sha256 : NULL;
+    }
     atlas->file = found.atlas && info ? name_of(info->path) : name_of(citing->given);
     atlas->is_here = true;
     atlas_name_finish(&found);

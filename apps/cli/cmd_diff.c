@@ -81,15 +81,6 @@ static void put_row(struct comparison *diff, const char *what, const struct resu
     }
 }
 
-/* Names that look like numbers are none: "1e1" is not "10". */
-static bool cells_agree(const char *column, const char *a, const char *b, double tolerance)
-{
-    double x;
-    double y;
-    return strcmp(a, b) == 0 ||
-           (conus_column_is_number(column) && number_parse(a, &x) && number_parse(b, &y) && fabs(x - y) <= tolerance);
-}
-
 /* Compares row of a with its fellow in b, and writes what differs. */
 static void compare_rows(struct comparison *diff, size_t row, size_t other)
 {
@@ -98,7 +89,11 @@ static void compare_rows(struct comparison *diff, size_t row, size_t other)
         const char *name = diff->a->cells[c];
         const char *one = results_cell(diff->a, row, c);
         const char *two = cell_named(diff->b, other, name);
-        if (!two || cells_agree(name, one, two, diff->tolerance)) {
+        double x;
+        double y;
+        bool are_near = two && conus_column_is_number(name) && number_parse(one, &x) && number_parse(two, &y) &&
+                        fabs(x - y) <= diff->tolerance; /* names that look like numbers are none: "1e1" is not "10" */
+        if (!two || strcmp(one, two) == 0 || are_near) {
             continue;
         }
         if (!changed) {
@@ -137,19 +132,6 @@ static void compare_tables(struct comparison *diff)
             diff->removed, diff->added);
 }
 
-static int write_tables(struct comparison *diff)
-{
-    char *text = NULL;
-    size_t size = 0;
-    diff->out = open_memstream(&text, &size);
-    if (diff->out) {
-        compare_tables(diff);
-    }
-    int code = output_end(diff->out, &text);
-    bool differ = diff->columns + diff->changed + diff->removed + diff->added > 0;
-    return code ? code : differ ? EXIT_DIFFERENT : EXIT_DONE;
-}
-
 /* The column by which rows belong together in one of the tables alone, or NULL: one lists objects, say, and the other
  * connections. */
 static const char *find_other_kind(const struct results *a, const struct results *b)
@@ -178,7 +160,15 @@ static int diff_tables(const char *a, const char *b, const struct diff_settings 
     }
     if (!code) {
         struct comparison diff = {.a = &first, .b = &second, .tolerance = settings->tolerance};
-        code = write_tables(&diff);
+        char *text = NULL;
+        size_t size = 0;
+        diff.out = open_memstream(&text, &size);
+        if (diff.out) {
+            compare_tables(&diff);
+        }
+        code = output_end(diff.out, &text);
+        bool differ = diff.columns + diff.changed + diff.removed + diff.added > 0;
+        code = code ? code : differ ? EXIT_DIFFERENT : EXIT_DONE;
     }
     results_finish(&first);
     results_finish(&second);
@@ -203,22 +193,18 @@ static size_t put_channels(FILE *out, const conus_image *of, const conus_image *
     return count;
 }
 
-/* Writes in what the pictures differ that cannot be compared pixel by pixel. */
-static bool shapes_differ(FILE *out, const conus_image *a, const conus_image *b)
-{
-    uint32_t size[] = {conus_image_width(a), conus_image_height(a), conus_image_width(b), conus_image_height(b)};
-    if (size[0] != size[2] || size[1] != size[3]) {
-        fprintf(out, "the first is %u x %u pixels, the second %u x %u\n", size[0], size[1], size[2], size[3]);
-        return true;
-    }
-    return put_channels(out, a, b, "the first") + put_channels(out, b, a, "the second") > 0;
-}
-
 /* Gives EXIT_DONE for the same picture, EXIT_DIFFERENT for another. */
 static int put_pictures(FILE *out, const conus_image *a, const conus_image *b, double tolerance)
 {
     conus_image_difference found;
-    if (shapes_differ(out, a, b)) {
+    uint32_t size[] = {conus_image_width(a), conus_image_height(a), conus_image_width(b), conus_image_height(b)};
+    if (size[0] != size[2] || size[1] != size[3]) {
+        fprintf(out, "the first is %u x %u pixels, the second %u x %u\n", size[0], size[1], size[2], size[3]);
+        return EXIT_DIFFERENT;
+    }
+    size_t lonely = put_channels(out, a, b, "the first");
+    lonely += put_channels(out, b, a, "the second");
+    if (lonely) {
         return EXIT_DIFFERENT;
     }
     conus_status status = conus_image_compare(&found, a, b, tolerance);
@@ -234,23 +220,21 @@ static int put_pictures(FILE *out, const conus_image *a, const conus_image *b, d
     return found.differing ? EXIT_DIFFERENT : EXIT_DONE;
 }
 
-static int write_pictures(const conus_image *a, const conus_image *b, double tolerance)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    int code = out ? put_pictures(out, a, b, tolerance) : EXIT_DONE;
-    int written = output_end(out, &text);
-    return written ? written : code;
-}
-
 static int diff_pictures(const char *a, const char *b, double tolerance)
 {
     conus_image *first = NULL;
     conus_image *second = NULL;
     conus_status status = conus_image_load(&first, a);
     status = status ? status : conus_image_load(&second, b);
-    int code = status ? print_status(status) : write_pictures(first, second, tolerance);
+    int code = status ? print_status(status) : EXIT_DONE;
+    if (!code) {
+        char *text = NULL;
+        size_t size = 0;
+        FILE *out = open_memstream(&text, &size);
+        code = out ? put_pictures(out, first, second, tolerance) : EXIT_DONE;
+        int written = output_end(out, &text);
+        code = written ? written : code;
+    }
     conus_image_destroy(first);
     conus_image_destroy(second);
     return code;

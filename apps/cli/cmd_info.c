@@ -25,28 +25,6 @@ struct node {
     bool has_surface;  /* whose volume may be part of another, or none */
 };
 
-/* Depth of the deepest area, roots having 1; 0 without areas. */
-static size_t info_tree_depth(const conus_atlas *atlas)
-{
-    size_t deepest = 0;
-    for (size_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
-        size_t depth = conus_atlas_depth(atlas, number);
-        deepest = depth > deepest ? depth : deepest;
-    }
-    return deepest;
-}
-
-/* Adds the area's volume to its own node and all above it. */
-static void add_volume(struct node *nodes, const conus_atlas *atlas, size_t number)
-{
-    const conus_object *area = conus_atlas_object(atlas, number);
-    for (size_t at = number; at; at = conus_atlas_object(atlas, at)->parent) {
-        nodes[at].volume_mm3 += area->volume_mm3;
-        nodes[at].has_surface = nodes[at].has_surface || area->triangles;
-        nodes[at].below += at != number;
-    }
-}
-
 static void link_areas(struct node *nodes, const conus_atlas *atlas)
 {
     const conus_object *object;
@@ -58,21 +36,12 @@ static void link_areas(struct node *nodes, const conus_atlas *atlas)
             parent->first = number;
         }
         parent->last = number;
-        add_volume(nodes, atlas, number);
+        for (size_t at = number; at; at = conus_atlas_object(atlas, at)->parent) {
+            nodes[at].volume_mm3 += object->volume_mm3;
+            nodes[at].has_surface = nodes[at].has_surface || object->triangles;
+            nodes[at].below += at != number;
+        }
     }
-}
-
-/* `inset` is how many areas are above it. */
-static void put_area(FILE *out, const conus_atlas *atlas, const struct node *node, size_t number, size_t inset)
-{
-    const conus_object *area = conus_atlas_object(atlas, number);
-    char volume[32] = "n/a";
-    if (!node->has_surface) {
-        snprintf(volume, sizeof volume, "%.9g", node->volume_mm3);
-    }
-    fprintf(out, "%5u  %10u  %5zu  %12s  %*s%s%s%s%s\n", conus_atlas_depth(atlas, number), area->label, node->below,
-            volume, (int)(2 * inset), "", area->name, *area->abbreviation ? " (" : "", area->abbreviation,
-            *area->abbreviation ? ")" : "");
 }
 
 /* The area after `number` in the tree, as it is read from top to bottom; 0 after the last. */
@@ -94,14 +63,21 @@ static size_t next_area(const struct node *nodes, const conus_atlas *atlas, size
 static bool info_tree(FILE *out, const conus_atlas *atlas)
 {
     struct node *nodes = calloc(conus_atlas_object_count(atlas) + 1, sizeof *nodes);
-    size_t inset = 0;
+    size_t inset = 0; /* how many areas are above */
     if (!nodes) {
         return false;
     }
     link_areas(nodes, atlas);
     fprintf(out, "%5s  %10s  %5s  %12s  %s\n", "depth", "label", "below", "volume_mm3", "name (abbreviation)");
     for (size_t number = nodes[0].first; number; number = next_area(nodes, atlas, number, &inset)) {
-        put_area(out, atlas, &nodes[number], number, inset);
+        const conus_object *area = conus_atlas_object(atlas, number);
+        char volume[32] = "n/a";
+        if (!nodes[number].has_surface) {
+            snprintf(volume, sizeof volume, "%.9g", nodes[number].volume_mm3);
+        }
+        fprintf(out, "%5u  %10u  %5zu  %12s  %*s%s%s%s%s\n", conus_atlas_depth(atlas, number), area->label,
+                nodes[number].below, volume, (int)(2 * inset), "", area->name, *area->abbreviation ? " (" : "",
+                area->abbreviation, *area->abbreviation ? ")" : "");
     }
     free(nodes);
     return true;
@@ -219,15 +195,6 @@ static void put_objects(FILE *out, const conus_atlas *atlas, size_t volume)
     }
 }
 
-/* Names of all volumes of labels have one source, which stands with the last. */
-static void put_label_source(FILE *out, const conus_atlas *atlas, size_t volume)
-{
-    const conus_volume_info *next = conus_atlas_volume(atlas, volume + 1);
-    if (!next || next->role != CONUS_ROLE_PARCELLATION) {
-        fprintf(out, "  labels       %s\n", conus_atlas_label_source(atlas));
-    }
-}
-
 static void put_volumes(FILE *out, const conus_atlas *atlas)
 {
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
@@ -236,7 +203,11 @@ static void put_volumes(FILE *out, const conus_atlas *atlas)
         if (info->role == CONUS_ROLE_PARCELLATION) {
             fputs("Atlas\n", out);
             put_volume(out, info);
-            put_label_source(out, atlas, i);
+            /* Names of all volumes of labels have one source, which stands with the last. */
+            const conus_volume_info *next = conus_atlas_volume(atlas, i + 1);
+            if (!next || next->role != CONUS_ROLE_PARCELLATION) {
+                fprintf(out, "  labels       %s\n", conus_atlas_label_source(atlas));
+            }
         } else if (info->role != CONUS_ROLE_CONTEXT) {
             put_objects(out, atlas, i);
         } else {
@@ -426,35 +397,6 @@ static void put_tsv(FILE *out, const conus_atlas *atlas)
     }
 }
 
-static size_t count_objects(const conus_atlas *atlas, bool (*which)(const conus_object *))
-{
-    size_t count = 0;
-    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
-        count += which(conus_atlas_object(atlas, i));
-    }
-    return count;
-}
-
-static bool is_area(const conus_object *object)
-{
-    return object->kind == CONUS_KIND_AREA;
-}
-
-static bool is_bundle(const conus_object *object)
-{
-    return object->kind == CONUS_KIND_BUNDLE;
-}
-
-static bool is_nameless(const conus_object *object)
-{
-    return is_area(object) && !object->named;
-}
-
-static bool is_empty(const conus_object *object)
-{
-    return is_area(object) && object->voxels == 0 && object->triangles == 0;
-}
-
 /* Where the Allen CCF lies in it, if it is one. */
 static void put_ccf(FILE *out, const conus_atlas *atlas)
 {
@@ -488,7 +430,6 @@ static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed 
         free(tsv);
         return EXIT_DATA;
     }
-    size_t areas = count_objects(atlas, is_area);
     if (installed) {
         fprintf(out, "Installed atlas\n  name         %s:%s\n  file         %s\n", installed->source, installed->name,
                 installed->path);
@@ -508,15 +449,28 @@ static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed 
     for (size_t i = 0; i < notes; i++) {
         fprintf(out, "  %s\n", conus_atlas_note(atlas, i));
     }
-    size_t bundles = count_objects(atlas, is_bundle);
+    size_t areas = 0;
+    size_t nameless = 0;
+    size_t empty = 0;
+    size_t bundles = 0;
+    size_t depth = 0; /* of the deepest area, roots having 1 */
+    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
+        const conus_object *object = conus_atlas_object(atlas, i);
+        bool is_area = object->kind == CONUS_KIND_AREA;
+        size_t own_depth = conus_atlas_depth(atlas, i);
+        areas += is_area;
+        nameless += is_area && !object->named;
+        empty += is_area && object->voxels == 0 && object->triangles == 0;
+        bundles += object->kind == CONUS_KIND_BUNDLE;
+        depth = own_depth > depth ? own_depth : depth;
+    }
     size_t pathways = conus_atlas_object_count(atlas) - areas - bundles;
     fprintf(out, "\n%zu area%s (%zu without a name, %zu without a shape), %zu pathway%s", areas, areas == 1 ? "" : "s",
-            count_objects(atlas, is_nameless), count_objects(atlas, is_empty), pathways, pathways == 1 ? "" : "s");
+            nameless, empty, pathways, pathways == 1 ? "" : "s");
     if (bundles) {
         fprintf(out, ", %zu bundle%s", bundles, bundles == 1 ? "" : "s");
     }
     fputc('\n', out);
-    size_t depth = info_tree_depth(atlas);
     if (depth > 1) {
         fprintf(out, "area tree of %zu depths; --format tree shows it\n", depth);
     }

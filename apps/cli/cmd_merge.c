@@ -323,14 +323,6 @@ static bool is_of(const struct part *part, const char *path)
     return paths_equal(path, part->path) || paths_equal(path, part->sidecar);
 }
 
-/* Rows are joined, not written anew: where both endings say a format, it must be one. */
-static bool endings_agree(const char *output, const char *shard)
-{
-    conus_format wanted;
-    conus_format given;
-    return !output_format(&wanted, output) || !output_format(&given, shard) || wanted == given;
-}
-
 static int check_paths(const struct merge *merge)
 {
     const char *output = merge->settings->output;
@@ -347,7 +339,10 @@ static int check_paths(const struct merge *merge)
         }
     }
     for (size_t i = 0; i < merge->count && !code; i++) {
-        if (!endings_agree(output, merge->parts[i].path)) {
+        /* Rows are joined, not written anew: where both endings say a format, it must be one. */
+        conus_format wanted;
+        conus_format given;
+        if (output_format(&wanted, output) && output_format(&given, merge->parts[i].path) && wanted != given) {
             return print_usage_error("--output: %s is of another format than the shard %s", output,
                                      merge->parts[i].path);
         }

@@ -401,17 +401,6 @@ static int answer_row(void *user, const conus_pose_row *row)
     return fault ? refuse_row(query, row, conus_message()) : code;
 }
 
-static bool is_outside(const conus_atlas *atlas, const double point[3])
-{
-    double low[3];
-    double high[3];
-    bool outside = conus_atlas_bounds(low, high, atlas) != CONUS_OK;
-    for (int a = 0; a < 3; a++) {
-        outside = outside || point[a] < low[a] || point[a] > high[a];
-    }
-    return outside;
-}
-
 /* Names the object that is nearest to a point outside of the box around the first atlas's objects, unless the object
  * is in the ball that was asked for. */
 static void say_nearest(const struct query *query, const struct asked_row *question)
@@ -419,8 +408,13 @@ static void say_nearest(const struct query *query, const struct asked_row *quest
     const conus_atlas *atlas = query->request.atlases.items[0].atlas;
     conus_selection *selection = NULL;
     const conus_result *nearest = NULL;
-    if (!is_outside(atlas, question->point) ||
-        conus_select_ball(&selection, query->request.answerers[0].selector, question->point, 0)) {
+    double low[3];
+    double high[3];
+    bool is_outside = conus_atlas_bounds(low, high, atlas) != CONUS_OK;
+    for (int a = 0; a < 3; a++) {
+        is_outside = is_outside || question->point[a] < low[a] || question->point[a] > high[a];
+    }
+    if (!is_outside || conus_select_ball(&selection, query->request.answerers[0].selector, question->point, 0)) {
         return;
     }
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
@@ -463,13 +457,6 @@ static int answer_one(struct query *query)
     return code;
 }
 
-/* Whether the question is what is at a point, without a radius. */
-static bool is_of_nearest(const struct query *query)
-{
-    const struct arguments *arguments = query->request.arguments;
-    return option_given(arguments, "point") && !option_given(arguments, "radius") && !option_given(arguments, "order");
-}
-
 static conus_status start_query(struct query *query)
 {
     const struct query_settings *settings = query->settings;
@@ -487,7 +474,11 @@ static conus_status start_query(struct query *query)
     report.all_voxels = settings->voxels_of == 1;
     report.no_voxels = !settings->voxels;
     report.order = (conus_order)settings->axis.order;
-    if (is_of_nearest(query) && request->format <= CONUS_FORMAT_NDJSON) {
+    /* What is at a point, without a radius: by distance. */
+    const struct arguments *arguments = request->arguments;
+    bool is_of_nearest =
+        option_given(arguments, "point") && !option_given(arguments, "radius") && !option_given(arguments, "order");
+    if (is_of_nearest && request->format <= CONUS_FORMAT_NDJSON) {
         report.order = CONUS_ORDER_DEPTH;
     }
     report.contacts = query->contacts;
@@ -508,20 +499,6 @@ static bool is_replaced(const struct query_settings *settings)
     return segments && output_is_stdout(segments) && output_is_stdout(settings->request.answer.output);
 }
 
-/* Writes the files that belong to the answer but for those of rows and the mask. */
-static conus_status write_files(const struct query *query)
-{
-    const struct query_settings *settings = query->settings;
-    conus_status status = query->image ? conus_image_write(query->image, settings->image) : CONUS_OK;
-    if (!status && query->selection) {
-        status = conus_selection_write_deep(query->selection, settings->deep);
-    }
-    if (!status && settings->streamlines) {
-        status = conus_streamline_list_write(query->streamlines, settings->streamlines);
-    }
-    return status;
-}
-
 /* The answer comes last: where it is, all that belongs to it is there, too. */
 static int write_all(struct query *query)
 {
@@ -536,7 +513,15 @@ static int write_all(struct query *query)
     if (code) {
         return code;
     }
-    status = status ? status : write_files(query);
+    if (!status && query->image) {
+        status = conus_image_write(query->image, settings->image);
+    }
+    if (!status && query->selection) {
+        status = conus_selection_write_deep(query->selection, settings->deep);
+    }
+    if (!status && settings->streamlines) {
+        status = conus_streamline_list_write(query->streamlines, settings->streamlines);
+    }
     if (status) {
         return print_status(status);
     }

@@ -66,20 +66,13 @@ static bool render_pattern_varies(const char *pattern)
     return strstr(pattern, QUERY) || strstr(pattern, ROW);
 }
 
-/* No more of UTF-8 than fits, and no half of a character. */
-static size_t safe_length(const char *id)
-{
-    size_t length = strnlen(id, NAME_LIMIT);
-    while (length && id[length] && ((unsigned char)id[length] & 0xC0) == 0x80) {
-        length--;
-    }
-    return length;
-}
-
 /* Slashes, characters that some systems do not allow in a name, and a first dot become "_". */
 static void write_safe(FILE *out, const char *id)
 {
-    size_t length = safe_length(id);
+    size_t length = strnlen(id, NAME_LIMIT);
+    while (length && id[length] && ((unsigned char)id[length] & 0xC0) == 0x80) { /* no half of a character of UTF-8 */
+        length--;
+    }
     for (size_t i = 0; i < length; i++) {
         bool unsafe = (unsigned char)id[i] < ' ' || id[i] == '\x7f' || strchr("/\\:*?\"<>|", id[i]) ||
                       (i == 0 && (id[i] == '.' || id[i] == '-'));
@@ -190,7 +183,7 @@ static int check_count(const struct drawn_rows *rows, const conus_pose_list *lis
 
 /* Chooses rows of `list`, which must outlive `out`, and names their pictures by `pattern`: {query} is the row's
  * name without what a file's name must not have, {row} its number. No two pictures have one name. Returns the exit code
- * and prints an error unless it is 0; `out` is the caller's to render_rows_finish() in any case. */
+ * and prints an error unless it is 0; what `out` holds is the caller's to free in any case. */
 static int render_rows_choose(struct drawn_rows *out, const conus_pose_list *list, const struct row_choice *choice,
                               const char *pattern)
 {
@@ -213,15 +206,6 @@ static int render_rows_choose(struct drawn_rows *out, const conus_pose_list *lis
     }
     int code = check_count(out, list, choice, pattern);
     return code ? code : check_clashes(out);
-}
-
-static void render_rows_finish(struct drawn_rows *rows)
-{
-    for (size_t i = 0; i < rows->count; i++) {
-        free(rows->items[i].path);
-    }
-    free(rows->items);
-    *rows = (struct drawn_rows){0};
 }
 
 struct translucent_settings {
@@ -353,20 +337,8 @@ static int find_pathway(conus_pathway_transfer *out, const conus_atlas *atlas, c
     return code;
 }
 
-/* An opacity of what has no surface would have no effect. */
-static int check_both(const struct translucent *translucent)
-{
-    for (size_t i = 0; i < translucent->pathway_count; i++) {
-        uint32_t pathway = translucent->pathways[i].pathway;
-        if (pathway && translucent->opacity && !isnan(translucent->opacity[pathway])) {
-            return print_usage_error("--opacity has no effect on a pathway that --pathway-transfer draws as haze");
-        }
-    }
-    return EXIT_DONE;
-}
-
-/* Finds the areas and pathways. Returns the exit code and prints an error unless it is 0; `out` is the caller's to
- * translucent_finish() in any case, before the settings end. */
+/* Finds the areas and pathways. Returns the exit code and prints an error unless it is 0; what `out` holds is
+ * the caller's to free in any case. */
 static int translucent_find(struct translucent *out, const conus_atlas *atlas,
                             const struct translucent_settings *settings)
 {
@@ -381,14 +353,14 @@ static int translucent_find(struct translucent *out, const conus_atlas *atlas,
         code = find_pathway(&out->pathways[i], atlas, texts->items[i]);
         out->pathway_count++;
     }
-    return code ? code : check_both(out);
-}
-
-static void translucent_finish(struct translucent *translucent)
-{
-    free(translucent->opacity);
-    free(translucent->pathways);
-    *translucent = (struct translucent){0};
+    /* An opacity of what has no surface would have no effect. */
+    for (size_t i = 0; i < out->pathway_count && !code; i++) {
+        uint32_t pathway = out->pathways[i].pathway;
+        if (pathway && out->opacity && !isnan(out->opacity[pathway])) {
+            code = print_usage_error("--opacity has no effect on a pathway that --pathway-transfer draws as haze");
+        }
+    }
+    return code;
 }
 
 struct render_settings {
@@ -553,8 +525,12 @@ static void picture_finish(struct picture *picture)
     conus_aims_destroy(picture->aims);
     conus_selector_destroy(picture->selector);
     conus_atlas_destroy(picture->atlas);
-    translucent_finish(&picture->translucent);
-    render_rows_finish(&picture->rows);
+    free(picture->translucent.opacity);
+    free(picture->translucent.pathways);
+    for (size_t i = 0; i < picture->rows.count; i++) {
+        free(picture->rows.items[i].path);
+    }
+    free(picture->rows.items);
     conus_pose_list_destroy(picture->poses);
 }
 
@@ -593,35 +569,30 @@ static bool check_cone(const struct render_settings *settings, const struct argu
     return cone || !unused;
 }
 
-static bool check_frustum(const struct arguments *arguments)
+static bool check_settings(const struct render_settings *settings, const struct arguments *arguments)
 {
+    if (!check_cone(settings, arguments)) {
+        return false;
+    }
     if (option_given(arguments, "frustum") && !has_camera(arguments)) {
         print_error_line("--frustum has no effect without a camera: --camera-origin or --camera");
         return false;
     }
-    return true;
-}
-
-/* Names that differ from picture to picture. */
-static bool check_rows(const struct render_settings *settings, const struct arguments *arguments)
-{
     bool file = has_file(arguments);
     if (!file && render_pattern_varies(settings->output)) {
         print_error_line("--output: {query} and {row} stand for poses of a file, --poses FILE");
         return false;
     }
-    return !file || render_pattern_check(settings->output);
-}
-
-/* A transfer function needs a context that is a volume. */
-static bool check_context(const struct render_settings *settings)
-{
+    if ((file && !render_pattern_check(settings->output)) || !figure_check(&settings->figure) ||
+        !translucent_check(&settings->translucent)) {
+        return false;
+    }
     if (settings->transfer && !context_choice_has_volume(&settings->context)) {
         print_error_line("--transfer has no effect: %s is a surface (--context-opacity)",
                          settings->context.files.items[0]);
         return false;
     }
-    return true;
+    return settings_check_space(arguments, &settings->aim.space);
 }
 
 static int load_poses(conus_pose_list **out, const struct picture *picture, const char *path)
@@ -675,12 +646,22 @@ static int find_camera(struct picture *picture)
     return code;
 }
 
-/* --angle is of poses without their own. */
-static int check_angle(const struct picture *picture)
+static int find_rows(struct picture *picture)
 {
+    const struct render_settings *settings = picture->settings;
+    const char *path = settings->aim.pose;
+    if (!path) {
+        return EXIT_DONE;
+    }
+    picture->rows.file = settings_poses_name(path);
+    int code = load_poses(&picture->poses, picture, path);
+    code = code ? code : render_rows_choose(&picture->rows, picture->poses, &settings->choice, settings->output);
+    if (code) {
+        return code;
+    }
     const struct drawn_rows *rows = &picture->rows;
     bool have_own = false;
-    for (size_t i = 0; i < rows->count && picture->settings->aim.angle != 0; i++) {
+    for (size_t i = 0; i < rows->count && settings->aim.angle != 0; i++) { /* which is of poses without their own */
         const conus_pose_row *row = rows->items[i].row;
         have_own = have_own || !row->error;
         if (!row->error && row->angle == 0) {
@@ -692,20 +673,7 @@ static int check_angle(const struct picture *picture)
                     : EXIT_DONE;
 }
 
-static int find_rows(struct picture *picture)
-{
-    const struct render_settings *settings = picture->settings;
-    const char *path = settings->aim.pose;
-    if (!path) {
-        return EXIT_DONE;
-    }
-    picture->rows.file = settings_poses_name(path);
-    int code = load_poses(&picture->poses, picture, path);
-    code = code ? code : render_rows_choose(&picture->rows, picture->poses, &settings->choice, settings->output);
-    return code ? code : check_angle(picture);
-}
-
-static int check_output(const struct picture *picture, const char *output)
+static int check_outputs(const struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     const struct input inputs[] = {{"the atlas", picture->arguments->operands[0]},
@@ -715,20 +683,15 @@ static int check_output(const struct picture *picture, const char *output)
                                    {"the transfer function", settings->transfer},
                                    {"the list of areas", settings_level_file(&settings->engine)},
                                    {0}};
-    const char *input = output ? settings_input(picture->atlas, inputs, output) : NULL;
-    return input ? print_usage_error("--output would overwrite %s %s", input, output) : EXIT_DONE;
-}
-
-static int check_outputs(const struct picture *picture)
-{
-    if (!picture->poses) {
-        return check_output(picture, picture->settings->output);
+    size_t count = picture->poses ? picture->rows.count : 1;
+    for (size_t i = 0; i < count; i++) {
+        const char *output = picture->poses ? picture->rows.items[i].path : settings->output;
+        const char *input = output ? settings_input(picture->atlas, inputs, output) : NULL;
+        if (input) {
+            return print_usage_error("--output would overwrite %s %s", input, output);
+        }
     }
-    int code = EXIT_DONE;
-    for (size_t i = 0; i < picture->rows.count && !code; i++) {
-        code = check_output(picture, picture->rows.items[i].path);
-    }
-    return code;
+    return EXIT_DONE;
 }
 
 static int load_atlas(struct picture *picture)
@@ -863,9 +826,7 @@ static int draw_origin(struct picture *picture)
 static int run_render(const void *given, const struct arguments *arguments)
 {
     const struct render_settings *settings = given;
-    if (!check_cone(settings, arguments) || !check_frustum(arguments) || !check_rows(settings, arguments) ||
-        !figure_check(&settings->figure) || !translucent_check(&settings->translucent) || !check_context(settings) ||
-        !settings_check_space(arguments, &settings->aim.space)) {
+    if (!check_settings(settings, arguments)) {
         return EXIT_USAGE;
     }
     struct picture picture = {.settings = settings, .arguments = arguments};

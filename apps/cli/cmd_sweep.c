@@ -101,22 +101,6 @@ static bool refuse_angles(const struct sweep *sweep, const char *why)
     return false;
 }
 
-/* LOW, LOW + STEP and so on up to HIGH, which is taken even if rounding puts it a little beyond. */
-static bool expand_angles(struct sweep *sweep, const double range[3])
-{
-    size_t count = angles_count(range);
-    if (!count) {
-        return refuse_angles(sweep, "is not LOW:HIGH:STEP with HIGH from LOW on and STEP above 0");
-    }
-    if (count > ANGLE_LIMIT) {
-        return refuse_angles(sweep, "has more than 1000 angles");
-    }
-    for (size_t i = 0; i < count; i++) {
-        sweep->angles[sweep->angle_count++] = angles_at(range, i);
-    }
-    return true;
-}
-
 static bool read_angles(struct sweep *sweep)
 {
     double range[3];
@@ -130,8 +114,16 @@ static bool read_angles(struct sweep *sweep)
         if (read_numbers(range, 3, text, ':') != 3) {
             return refuse_angles(sweep, "is not three numbers LOW:HIGH:STEP");
         }
-        if (!expand_angles(sweep, range)) {
-            return false;
+        /* LOW, LOW + STEP and so on up to HIGH, which is taken even if rounding puts it a little beyond. */
+        size_t count = angles_count(range);
+        if (!count) {
+            return refuse_angles(sweep, "is not LOW:HIGH:STEP with HIGH from LOW on and STEP above 0");
+        }
+        if (count > ANGLE_LIMIT) {
+            return refuse_angles(sweep, "has more than 1000 angles");
+        }
+        for (size_t i = 0; i < count; i++) {
+            sweep->angles[sweep->angle_count++] = angles_at(range, i);
         }
     } else {
         int count = read_numbers(sweep->angles, ANGLE_LIMIT, text, ',');
@@ -177,16 +169,6 @@ static bool read_jitter(struct sweep *sweep)
     return true;
 }
 
-/* Which angle admits what depends on no ray: round cones hold what is in them, hidden or not. */
-static bool check_admission(const struct arguments *arguments)
-{
-    const struct option *option = option_with(arguments, OPTION_OF_RAYS);
-    if (option) {
-        print_error_line("--%s has no effect without --angles or --jitter", option->name);
-    }
-    return !option;
-}
-
 /* Options that would have no effect, or no meaning. */
 static bool check_kind(const struct sweep *sweep, const struct arguments *arguments)
 {
@@ -200,7 +182,13 @@ static bool check_kind(const struct sweep *sweep, const struct arguments *argume
         print_error_line("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
         return false;
     }
-    return sweep->rows != CONUS_ROWS_ADMISSIONS || check_admission(arguments);
+    /* Which angle admits what depends on no ray: round cones hold what is in them, hidden or not. */
+    const struct option *of_rays = option_with(arguments, OPTION_OF_RAYS);
+    if (sweep->rows == CONUS_ROWS_ADMISSIONS && of_rays) {
+        print_error_line("--%s has no effect without --angles or --jitter", of_rays->name);
+        return false;
+    }
+    return true;
 }
 
 static conus_status add_shares(struct sweep *sweep, const struct answerer *answerer, const conus_pose_row *row)
@@ -254,22 +242,16 @@ static conus_status add_chances(struct sweep *sweep, const struct answerer *answ
     return status;
 }
 
-/* The widest angle of --angles, else the row's. */
-static double widest_angle(const struct sweep *sweep, double angle)
-{
-    double widest = sweep->rows == CONUS_ROWS_SHARES ? 0 : angle;
-    for (size_t i = 0; i < sweep->angle_count; i++) {
-        widest = fmax(widest, sweep->angles[i]);
-    }
-    return widest;
-}
-
 static conus_status add_answers(struct sweep *sweep, const conus_pose_row *row)
 {
     struct request *request = &sweep->request;
     double angle = request_angle(request, row);
     conus_status status = CONUS_OK;
-    request_count_pose(request, row->line, &row->pose, widest_angle(sweep, angle));
+    double widest = sweep->rows == CONUS_ROWS_SHARES ? 0 : angle;
+    for (size_t i = 0; i < sweep->angle_count; i++) {
+        widest = fmax(widest, sweep->angles[i]);
+    }
+    request_count_pose(request, row->line, &row->pose, widest);
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
         const struct answerer *answerer = &request->answerers[i];
         status = sweep->rows == CONUS_ROWS_SHARES    ? add_shares(sweep, answerer, row)

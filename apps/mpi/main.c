@@ -71,19 +71,6 @@ static bool collect(void *user, const conus_batch_block *block)
     return continues;
 }
 
-/* Skips `pass` poses, then answers `poses` of them. */
-static int answer_part(struct run *run, uint64_t pass, uint64_t poses)
-{
-    int code = batch_run_skip(&run->batch, pass);
-    run->part = (conus_batch_block){.text = ""};
-    if (!code && poses) {
-        conus_status status = conus_batch_run(run->batch.batch, run->batch.poses, poses, collect, run);
-        bool is_said = !status || status == CONUS_ERROR_CANCELLED; /* by collect() */
-        code = is_said ? EXIT_DONE : print_status(status);
-    }
-    return code;
-}
-
 /* Takes parts until one is short, or empty, or all are to stop. */
 static void answer_parts(struct run *run)
 {
@@ -93,7 +80,13 @@ static void answer_parts(struct run *run)
         uint64_t before = number * run->part_poses;
         uint64_t left = before < run->left ? run->left - before : 0;
         uint64_t poses = left < run->part_poses ? left : run->part_poses;
-        int code = answer_part(run, poses ? run->first + before - passed : 0, poses);
+        int code = batch_run_skip(&run->batch, poses ? run->first + before - passed : 0);
+        run->part = (conus_batch_block){.text = ""};
+        if (!code && poses) {
+            conus_status status = conus_batch_run(run->batch.batch, run->batch.poses, poses, collect, run);
+            bool is_said = !status || status == CONUS_ERROR_CANCELLED; /* by collect() */
+            code = is_said ? EXIT_DONE : print_status(status);
+        }
         if (code) {
             ordered_file_stop(&run->file, code);
         }
@@ -116,15 +109,6 @@ static int share_atlases(struct run *run)
         node_atlas_share(&run->shared[i], &atlases->items[i].atlas, run->cluster->node);
     }
     return code;
-}
-
-static size_t shared_size(const struct run *run)
-{
-    size_t size = 0;
-    for (size_t i = 0; i < run->batch.atlases.count; i++) {
-        size += run->shared[i].memory ? run->shared[i].size : 0;
-    }
-    return size;
 }
 
 /* The poses and the atlases: rank 0 first, so that what is wrong on all ranks is said once; then the first rank of each
@@ -288,7 +272,10 @@ static int answer_batch(const struct cluster *cluster, const struct batch_settin
     own.common.quiet = settings->common.quiet || cluster->rank > 0;
     own.common.verbose = settings->common.verbose && cluster->rank == 0;
     int code = open_batch(&run, &own, arguments);
-    size_t shared = code ? 0 : shared_size(&run);
+    size_t shared = 0;
+    for (size_t i = 0; !code && i < run.batch.atlases.count; i++) {
+        shared += run.shared[i].memory ? run.shared[i].size : 0;
+    }
     if (own.common.verbose && shared) {
         print_error_line("atlas: %zu bytes, in memory once for all processes of a node", shared);
     }

@@ -33,17 +33,14 @@ static bool pack_atlas(int descriptor, size_t size, const conus_atlas *atlas)
     return packed && fcntl(descriptor, F_ADD_SEALS, F_SEAL_WRITE | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0;
 }
 
-/* A limit on the sizes of files (ulimit -f) is one on these, too; to exceed it ends a program. */
-static bool is_allowed(size_t size)
-{
-    struct rlimit limit;
-    return getrlimit(RLIMIT_FSIZE, &limit) == 0 && (limit.rlim_cur == RLIM_INFINITY || size <= limit.rlim_cur);
-}
-
 static struct address offer_atlas(const conus_atlas *atlas)
 {
     struct address address = {.process = getpid(), .size = conus_atlas_packed_size(atlas)};
-    address.descriptor = is_allowed(address.size) ? memfd_create("conus-atlas", MFD_CLOEXEC | MFD_ALLOW_SEALING) : -1;
+    /* A limit on the sizes of files (ulimit -f) is one on these, too; to exceed it ends a program. */
+    struct rlimit limit;
+    bool is_allowed =
+        getrlimit(RLIMIT_FSIZE, &limit) == 0 && (limit.rlim_cur == RLIM_INFINITY || address.size <= limit.rlim_cur);
+    address.descriptor = is_allowed ? memfd_create("conus-atlas", MFD_CLOEXEC | MFD_ALLOW_SEALING) : -1;
     if (address.descriptor >= 0 && !pack_atlas(address.descriptor, address.size, atlas)) {
         close(address.descriptor);
         address.descriptor = -1;

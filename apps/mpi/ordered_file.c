@@ -325,24 +325,19 @@ bool ordered_file_take(struct ordered_file *file, uint64_t *number)
     return true;
 }
 
-/* Rank 0 asks itself. */
-static bool find_own_place(struct ordered_file *file, uint64_t number, const struct batch_entry *entry, uint64_t *place)
-{
-    struct slot *slot = slot_of(file->coordinator, number);
-    *slot = (struct slot){.state = SLOT_ANSWERED, .entry = *entry};
-    while (ordered_file_tend(file) && slot->state == SLOT_ANSWERED) {
-        sleep_briefly();
-    }
-    *place = slot->place;
-    return !file->stop;
-}
-
 static bool find_place(struct ordered_file *file, uint64_t number, const struct batch_entry *entry, bool is_last,
                        uint64_t *place)
 {
     uint64_t message[REPLY_SIZE];
     if (file->coordinator) {
-        return find_own_place(file, number, entry, place);
+        /* Rank 0 asks itself. */
+        struct slot *slot = slot_of(file->coordinator, number);
+        *slot = (struct slot){.state = SLOT_ANSWERED, .entry = *entry};
+        while (ordered_file_tend(file) && slot->state == SLOT_ANSWERED) {
+            sleep_briefly();
+        }
+        *place = slot->place;
+        return !file->stop;
     }
     send_request(is_last ? ANSWERED_LAST : ANSWERED, number, entry);
     if (!wait_for_reply(file, message)) {

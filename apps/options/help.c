@@ -50,18 +50,6 @@ static size_t put_wrapped(FILE *out, const char *text, size_t column)
     return column;
 }
 
-/* Lists what an option may be; the first is the default. */
-static size_t put_choices(FILE *out, const struct option *option, size_t column)
-{
-    const char *choice;
-    for (size_t i = 0; (choice = option_choice(option, i)); i++) {
-        char words[64];
-        snprintf(words, sizeof words, "%s%s%s", choice, i ? "" : " (default)", option_choice(option, i + 1) ? "," : "");
-        column = put_wrapped(out, words, column);
-    }
-    return column;
-}
-
 /* Writes its name, and spaces up to HELP_COLUMN, on a line of its own where it is long. */
 static void put_name(FILE *out, const struct option *option)
 {
@@ -85,8 +73,11 @@ static void put_option(FILE *out, const struct option *option)
 {
     put_name(out, option);
     size_t column = put_wrapped(out, option->help, HELP_COLUMN);
-    if (option->type == OPTION_CHOICE) {
-        column = put_choices(out, option, column);
+    const char *choice; /* the first is the default */
+    for (size_t i = 0; option->type == OPTION_CHOICE && (choice = option_choice(option, i)); i++) {
+        char words[64];
+        snprintf(words, sizeof words, "%s%s%s", choice, i ? "" : " (default)", option_choice(option, i + 1) ? "," : "");
+        column = put_wrapped(out, words, column);
     }
     if (option->words) {
         column = put_wrapped(out, "(also:", column);

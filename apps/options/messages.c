@@ -118,12 +118,6 @@ void log_note(void *user, const conus_note *note)
     print_error_line("note: %s", note->line);
 }
 
-static size_t smallest(size_t a, size_t b, size_t c)
-{
-    size_t least = a < b ? a : b;
-    return least < c ? least : c;
-}
-
 /* Insertions, deletions and replacements that turn a into b (Levenshtein 1966), by rows. */
 static size_t edit_distance(const char *a, const char *b)
 {
@@ -141,27 +135,24 @@ static size_t edit_distance(const char *a, const char *b)
         for (size_t j = 0; j < width; j++) {
             size_t replaced = diagonal + (a[i] != b[j]);
             diagonal = row[j + 1];
-            row[j + 1] = smallest(replaced, diagonal + 1, row[j] + 1);
+            size_t least = diagonal < row[j] ? diagonal + 1 : row[j] + 1; /* deleted or inserted */
+            row[j + 1] = replaced < least ? replaced : least;
         }
     }
     return row[width];
-}
-
-/* An abbreviated name is near, however long it is. */
-static bool is_near(const char *word, const char *name, size_t distance)
-{
-    size_t length = strlen(word);
-    return distance <= (length + 1) / 3 || (length >= 2 && strncmp(word, name, length) == 0);
 }
 
 const char *closest_name(const char *word, const char *(*name_at)(const void *list, size_t index), const void *list)
 {
     const char *best = NULL;
     size_t least = SIZE_MAX;
+    size_t length = strlen(word);
     const char *name;
     for (size_t i = 0; (name = name_at(list, i)); i++) {
         size_t distance = edit_distance(word, name);
-        if (distance < least && is_near(word, name, distance)) {
+        /* An abbreviated name is near, however long it is. */
+        bool is_near = distance <= (length + 1) / 3 || (length >= 2 && strncmp(word, name, length) == 0);
+        if (distance < least && is_near) {
             least = distance;
             best = name;
         }

@@ -116,17 +116,6 @@ static const char *take_value(struct cursor *cursor, const struct option *option
     return word;
 }
 
-static int keep_use(struct arguments *arguments, const struct option *option, const char *value)
-{
-    struct option_use *uses = realloc(arguments->uses, (arguments->use_count + 1) * sizeof *uses);
-    if (!uses) {
-        return print_no_memory();
-    }
-    arguments->uses = uses;
-    arguments->uses[arguments->use_count++] = (struct option_use){option, value};
-    return CONTINUE;
-}
-
 static int take_option(struct cursor *cursor, struct found found, const char *attached)
 {
     struct arguments *arguments = cursor->arguments;
@@ -142,7 +131,16 @@ static int take_option(struct cursor *cursor, struct found found, const char *at
         return EXIT_USAGE;
     }
     arguments->given[found.ordinal] = true;
-    return option_read(option, found.field, value) ? keep_use(arguments, option, value) : EXIT_USAGE;
+    if (!option_read(option, found.field, value)) {
+        return EXIT_USAGE;
+    }
+    struct option_use *uses = realloc(arguments->uses, (arguments->use_count + 1) * sizeof *uses);
+    if (!uses) {
+        return print_no_memory();
+    }
+    arguments->uses = uses;
+    arguments->uses[arguments->use_count++] = (struct option_use){option, value};
+    return CONTINUE;
 }
 
 /* Whether `name` is one of the words, which commas separate, in any case. */

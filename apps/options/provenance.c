@@ -164,16 +164,6 @@ static json_t *json_from_path(const char *path)
     return text ? text : json_null();
 }
 
-static json_t *json_from_input(const char *path)
-{
-    size_t size;
-    char sum[SHA256_TEXT];
-    bool known = is_file(path, &size) && !provenance_hash_file(sum, path);
-    return known
-               ? json_pack("{s: o, s: I, s: s}", "path", json_from_path(path), "bytes", (json_int_t)size, "sha256", sum)
-               : json_pack("{s: o, s: n}", "path", json_from_path(path), "sha256");
-}
-
 static json_t *json_from_output(const struct provenance_output *output)
 {
     char sum[SHA256_TEXT] = "";
@@ -196,7 +186,16 @@ bool provenance_put_input(json_t *root, const char *path)
         inputs = json_array();
         json_object_set_new(root, "Inputs", inputs);
     }
-    return !path || json_array_append_new(inputs, json_from_input(path)) == 0;
+    if (!path) {
+        return true;
+    }
+    size_t size;
+    char sum[SHA256_TEXT];
+    bool known = is_file(path, &size) && !provenance_hash_file(sum, path);
+    json_t *input =
+        known ? json_pack("{s: o, s: I, s: s}", "path", json_from_path(path), "bytes", (json_int_t)size, "sha256", sum)
+              : json_pack("{s: o, s: n}", "path", json_from_path(path), "sha256");
+    return json_array_append_new(inputs, input) == 0;
 }
 
 json_t *question_json(const struct question *question)

@@ -74,15 +74,6 @@ static size_t entries_of(const char *line)
     return count;
 }
 
-/* Where the table that begins at `text` ends. */
-static const char *table_end(const char *text)
-{
-    while (*text && entries_of(text) > GAP - 1) {
-        text = next_line(text);
-    }
-    return text;
-}
-
 /* Whether no line from `text` to `end` has anything in the two columns from `column` on. */
 static bool is_gap(const char *text, const char *end, size_t column)
 {
@@ -170,8 +161,11 @@ char *table_fit(const char *text, size_t width, bool bold, const char *whole)
         return NULL;
     }
     while (*text) {
-        const char *end = entries_of(text) > GAP ? table_end(text) : text;
-        if (end > text) {
+        if (entries_of(text) > GAP) {
+            const char *end = text;
+            while (*end && entries_of(end) > GAP - 1) {
+                end = next_line(end);
+            }
             size_t cut = width ? find_cut(text, end, width) : widest(text, end);
             count = count ? count : name_rest(names, text, cut);
             put_table(out, text, end, cut, bold);

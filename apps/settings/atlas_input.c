@@ -28,15 +28,6 @@ struct pathway_option {
     size_t band_count;
 };
 
-static bool read_threshold(struct pathway_option *pathway, const char *value)
-{
-    if (!number_parse(value, &pathway->threshold) || pathway->threshold <= 0) {
-        print_error_line("--pathway: threshold=%s is not a number above 0", value);
-        return false;
-    }
-    return true;
-}
-
 static bool add_bands(struct pathway_option *pathway, const conus_band *bands, size_t count)
 {
     conus_band *all = realloc(pathway->bands, (pathway->band_count + count) * sizeof *all);
@@ -82,7 +73,11 @@ static bool read_key(struct pathway_option *pathway, char *key)
 {
     char *value = strchr(key, '=') + 1;
     if (strncmp(key, "threshold=", 10) == 0 && pathway->threshold == 0) {
-        return read_threshold(pathway, value);
+        if (!number_parse(value, &pathway->threshold) || pathway->threshold <= 0) {
+            print_error_line("--pathway: threshold=%s is not a number above 0", value);
+            return false;
+        }
+        return true;
     }
     if (strncmp(key, "name=", 5) == 0 && !pathway->name) {
         pathway->name = value;
@@ -101,16 +96,6 @@ static bool read_key(struct pathway_option *pathway, char *key)
                      "band=LOW:HIGH:NAME",
                      key);
     return false;
-}
-
-/* Keys were read from the last to the first. */
-static void turn_bands(struct pathway_option *pathway)
-{
-    for (size_t i = 0, count = pathway->band_count; i < count / 2; i++) {
-        conus_band first = pathway->bands[i];
-        pathway->bands[i] = pathway->bands[count - 1 - i];
-        pathway->bands[count - 1 - i] = first;
-    }
 }
 
 /* Takes `text` apart; prints an error and returns false where that is no pathway. End `out` in either case. Cuts
@@ -140,7 +125,11 @@ static bool pathway_option_parse(struct pathway_option *out, const char *text)
     }
     out->path = out->text + size;
     snprintf(out->path, size, "%s%s%s", keys, out->volume ? "," : "", out->volume ? out->volume : "");
-    turn_bands(out);
+    for (size_t i = 0, count = out->band_count; i < count / 2; i++) { /* keys were read from the last to the first */
+        conus_band first = out->bands[i];
+        out->bands[i] = out->bands[count - 1 - i];
+        out->bands[count - 1 - i] = first;
+    }
     const char *other = out->threshold > 0 ? "threshold" : out->name ? "name" : NULL;
     if (out->band_count && other) {
         print_error_line("--pathway: band= and %s= exclude each other: a band has its own", other);
@@ -157,20 +146,15 @@ struct streamlines_option {
     bool moves;    /* With the atlas. */
 };
 
-static bool read_radius(struct streamlines_option *out, const char *value)
-{
-    if (!number_parse(value, &out->radius) || out->radius <= 0) {
-        print_error_line("--streamlines: radius=%s is not a number above 0", value);
-        return false;
-    }
-    return true;
-}
-
 /* Reads "key=value" or "moves", the text after a comma. */
 static bool streamlines_read_key(struct streamlines_option *out, char *key)
 {
     if (strncmp(key, "radius=", 7) == 0 && out->radius == 0) {
-        return read_radius(out, key + 7);
+        if (!number_parse(key + 7, &out->radius) || out->radius <= 0) {
+            print_error_line("--streamlines: radius=%s is not a number above 0", key + 7);
+            return false;
+        }
+        return true;
     }
     if (strncmp(key, "name=", 5) == 0 && !out->name) {
         out->name = key + 5;
@@ -276,18 +260,6 @@ static int transform_options_apply(conus_atlas *atlas, const struct option_list 
     return code;
 }
 
-static int add_pathway(conus_atlas *atlas, const struct pathway_option *pathway, const struct atlas_settings *settings)
-{
-    const conus_pathway_options options = {.threshold = pathway->threshold,
-                                           .name = pathway->name,
-                                           .max_memory = settings->max_memory,
-                                           .bands = pathway->bands,
-                                           .band_count = pathway->band_count,
-                                           .cache = !settings->no_cache};
-    conus_status status = conus_atlas_add_pathway(atlas, pathway->path, &options);
-    return status ? print_status(status) : EXIT_DONE;
-}
-
 /* The atlas's files and then those of the command line. */
 struct progress {
     const struct atlas_settings *settings;
@@ -342,10 +314,21 @@ static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathway
     const struct atlas_settings *settings = progress->settings;
     int code = EXIT_DONE;
     for (size_t i = 0; !code && i < settings->pathways.count; i++) {
-        if (pathways[i].given) {
-            bool goes_on = begin_file(progress, pathways[i].given);
-            code = goes_on ? add_pathway(atlas, &pathways[i], settings) : EXIT_DATA;
+        const struct pathway_option *pathway = &pathways[i];
+        if (!pathway->given) {
+            continue;
         }
+        if (!begin_file(progress, pathway->given)) {
+            return EXIT_DATA;
+        }
+        const conus_pathway_options options = {.threshold = pathway->threshold,
+                                               .name = pathway->name,
+                                               .max_memory = settings->max_memory,
+                                               .bands = pathway->bands,
+                                               .band_count = pathway->band_count,
+                                               .cache = !settings->no_cache};
+        conus_status status = conus_atlas_add_pathway(atlas, pathway->path, &options);
+        code = status ? print_status(status) : EXIT_DONE;
     }
     return code;
 }
@@ -377,18 +360,6 @@ struct additions {
     size_t files;
 };
 
-static bool parse_streamlines(struct streamlines_option *out, const char *text, const struct atlas_settings *settings)
-{
-    if (!streamlines_option_parse(out, text)) {
-        return false;
-    }
-    if (out->moves && !settings->transforms.count) {
-        print_error_line("--streamlines %s: there is no --atlas-transform that could move it", text);
-        return false;
-    }
-    return true;
-}
-
 /* Gives the exit code; `out` is the caller's to free in any case. */
 static int additions_parse(struct additions *out, const struct atlas_settings *settings)
 {
@@ -401,7 +372,12 @@ static int additions_parse(struct additions *out, const struct atlas_settings *s
     size_t files = parse_pathways(out->pathways, &settings->pathways);
     bool parsed = files != SIZE_MAX;
     for (size_t i = 0; i < count && parsed; i++) {
-        parsed = parse_streamlines(&out->streamlines[i], settings->streamlines.items[i], settings);
+        const char *text = settings->streamlines.items[i];
+        parsed = streamlines_option_parse(&out->streamlines[i], text);
+        if (parsed && out->streamlines[i].moves && !settings->transforms.count) {
+            print_error_line("--streamlines %s: there is no --atlas-transform that could move it", text);
+            parsed = false;
+        }
     }
     out->files = files + count;
     return parsed ? EXIT_DONE : EXIT_USAGE;

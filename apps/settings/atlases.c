@@ -27,24 +27,17 @@ static size_t stem_length(const char *name)
     return strlen(name);
 }
 
-/* Length of a path without what is said about the file behind it: "FILE,volume=3". */
-static size_t file_length(const char *path)
-{
-    static const char *const keys[] = {",volume=", ",resolution=", ",orientation="};
-    size_t length = strlen(path);
-    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
-        const char *key = strstr(path, keys[i]);
-        length = key && (size_t)(key - path) < length ? (size_t)(key - path) : length;
-    }
-    return length;
-}
-
 /* The name of the file or folder at `path`; NULL without memory. */
 static char *name_of_path(const char *path)
 {
     struct stat info;
     bool is_folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
-    size_t end = is_folder ? strlen(path) : file_length(path);
+    static const char *const keys[] = {",volume=", ",resolution=", ",orientation="}; /* behind a file: what is in it */
+    size_t end = strlen(path);
+    for (size_t i = 0; !is_folder && i < sizeof keys / sizeof keys[0]; i++) {
+        const char *key = strstr(path, keys[i]);
+        end = key && (size_t)(key - path) < end ? (size_t)(key - path) : end;
+    }
     while (end > 1 && path[end - 1] == '/') {
         end--;
     }

@@ -214,17 +214,6 @@ static void add_apart(struct lines *out, const conus_astray *found, const char *
     }
 }
 
-/* Writes what the cone would hit in the other space or unit, after "; "; "" if nothing. */
-static const char *put_reading(char out[256], const conus_reading *reading, const conus_atlas *atlas)
-{
-    out[0] = '\0';
-    if (reading->object) {
-        snprintf(out, 256, "; %s it would hit %s first", reading->words,
-                 conus_atlas_object(atlas, reading->object)->name);
-    }
-    return out;
-}
-
 /* The same cone with DV counted downward, as some stereotaxic frames do; the object that it would hit, 0 = none. */
 static uint32_t hit_with_dv_down(const struct aimed *aimed)
 {
@@ -247,40 +236,30 @@ static uint32_t hit_with_dv_down(const struct aimed *aimed)
     return object;
 }
 
-/* In the CCF and from bregma the readings are others than in people's spaces. */
-static void find_rodent_lines(struct lines *out, const struct aimed *aimed, const char *file)
-{
-    char words[256] = "";
-    bool is_bregma = aimed->frame->space == CONUS_SPACE_BREGMA;
-    uint32_t object = is_bregma && aimed->found->away.count ? hit_with_dv_down(aimed) : 0;
-    if (object) {
-        snprintf(words, sizeof words, "; with DV counted downward it would hit %s first",
-                 conus_atlas_object(aimed->atlas, object)->name);
-    }
-    if (aimed->found->inside.count) {
-        add_inside(out, aimed, file);
-    }
-    if (aimed->found->away.count) {
-        add_away(out, aimed->found, file, words);
-    }
-}
-
 static void find_lines(struct lines *out, const struct aimed *aimed, const char *file)
 {
-    char words[256];
-    conus_reading reading = {0};
+    char words[256] = "";
     add_apart(out, aimed->found, file);
-    if (aimed->frame->space >= CONUS_SPACE_CCF) {
-        find_rodent_lines(out, aimed, file);
-        return;
-    }
-    if (conus_aims_reading(&reading, aimed->found, aimed->selector)) {
-        return;
-    }
-    put_reading(words, &reading, aimed->atlas);
-    if (reading.of_tiny) {
-        add_tiny(out, aimed->found, file, words);
-        return; /* in metres, all else is otherwise, too */
+    if (aimed->frame->space >= CONUS_SPACE_CCF) { /* the readings are others than in people's spaces */
+        bool is_bregma = aimed->frame->space == CONUS_SPACE_BREGMA;
+        uint32_t object = is_bregma && aimed->found->away.count ? hit_with_dv_down(aimed) : 0;
+        if (object) {
+            snprintf(words, sizeof words, "; with DV counted downward it would hit %s first",
+                     conus_atlas_object(aimed->atlas, object)->name);
+        }
+    } else {
+        conus_reading reading = {0};
+        if (conus_aims_reading(&reading, aimed->found, aimed->selector)) {
+            return;
+        }
+        if (reading.object) {
+            snprintf(words, sizeof words, "; %s it would hit %s first", reading.words,
+                     conus_atlas_object(aimed->atlas, reading.object)->name);
+        }
+        if (reading.of_tiny) {
+            add_tiny(out, aimed->found, file, words);
+            return; /* in metres, all else is otherwise, too */
+        }
     }
     if (aimed->found->inside.count) {
         add_inside(out, aimed, file);

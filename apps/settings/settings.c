@@ -549,17 +549,6 @@ static bool take_number(double *out, char **rest)
     return word && number_parse(word, out);
 }
 
-static bool parse(conus_contacts *out, char *text)
-{
-    double count, columns;
-    bool whole = take_number(&count, &text) && take_number(&columns, &text) && take_number(&out->pitch, &text) &&
-                 take_number(&out->tip, &text) && !text;
-    whole = whole && count >= 1 && count <= UINT32_MAX && columns >= 1 && columns <= UINT32_MAX;
-    out->count = whole ? (uint32_t)count : 0;
-    out->columns = whole ? (uint32_t)columns : 0;
-    return whole && out->count == count && out->columns == columns;
-}
-
 int settings_contacts(conus_contacts *out, const struct axis_settings *settings)
 {
     *out = (conus_contacts){0};
@@ -570,8 +559,16 @@ int settings_contacts(conus_contacts *out, const struct axis_settings *settings)
     if (!text) {
         return print_no_memory();
     }
-    bool whole = parse(out, text);
+    double count = 0;
+    double columns = 0;
+    char *rest = text;
+    bool whole = take_number(&count, &rest) && take_number(&columns, &rest) && take_number(&out->pitch, &rest) &&
+                 take_number(&out->tip, &rest) && !rest;
     free(text);
+    whole = whole && count >= 1 && count <= UINT32_MAX && columns >= 1 && columns <= UINT32_MAX;
+    out->count = whole ? (uint32_t)count : 0;
+    out->columns = whole ? (uint32_t)columns : 0;
+    whole = whole && out->count == count && out->columns == columns;
     return whole
                ? EXIT_DONE
                : print_usage_error("--contacts: \"%s\" is not COUNT,COLUMNS,PITCH,TIP: two whole numbers from 1 on and "

@@ -53,18 +53,6 @@ static bool is_one_place(const conus_frame *a, const conus_frame *b)
     return is_one;
 }
 
-/* BrainGlobe's "asr" calls the side on which ML starts right, the Allen Institute left. */
-static void say_sides(const conus_frame *frame)
-{
-    size_t ml = frame->space == CONUS_SPACE_CCF ? 2 : 1;
-    if (frame->world_from_space[4 * ml] < 0) {
-        print_error_line(
-            "note: --space %s: ML grows to the right, as the Allen Institute counts; the atlas says that this "
-            "side is left, and so do names, pictures and hemispheres (docs/spaces.md)",
-            conus_space_name(frame->space));
-    }
-}
-
 /* By an affine: where a field has moved it, the CCF is not found. */
 static bool is_moved(const conus_atlas *atlas)
 {
@@ -104,7 +92,14 @@ int settings_frame(conus_frame *out, const struct atlases *atlases, const struct
         return EXIT_DATA;
     }
     if (!quiet && settings_space_needs_atlas(settings)) {
-        say_sides(&first);
+        /* BrainGlobe's "asr" calls the side on which ML starts right, the Allen Institute left. */
+        size_t ml = first.space == CONUS_SPACE_CCF ? 2 : 1;
+        if (first.world_from_space[4 * ml] < 0) {
+            print_error_line(
+                "note: --space %s: ML grows to the right, as the Allen Institute counts; the atlas says that this "
+                "side is left, and so do names, pictures and hemispheres (docs/spaces.md)",
+                conus_space_name(first.space));
+        }
         if (is_moved(atlases->items[0].atlas)) {
             print_error_line(
                 "note: --space %s: the atlas was moved, and the CCF with it: a position is the same voxel as "

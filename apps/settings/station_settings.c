@@ -184,18 +184,6 @@ bool settings_check_station(const struct station_settings *settings, const struc
     return check_address(&end);
 }
 
-/* The second tool's own tracker uses all options of the first one but the name. */
-static bool check_alone(const struct station_settings *settings, const struct arguments *arguments)
-{
-    bool first = option_given(arguments, "listen") || option_given(arguments, "connect");
-    if (settings->tool && !first) {
-        print_error_line("--tool needs --listen or --connect with it");
-        return false;
-    }
-    const struct end ends[] = {first_end(settings), second_end(settings)};
-    return check_address(&ends[0]) && check_address(&ends[1]);
-}
-
 bool settings_check_stations(const struct station_settings *settings, const struct arguments *arguments)
 {
     const char *others[] = {settings->tool, settings->reference, settings->head};
@@ -209,7 +197,13 @@ bool settings_check_stations(const struct station_settings *settings, const stru
         }
     }
     if (is_alone) {
-        return check_alone(settings, arguments);
+        /* The second tool's own tracker uses all options of the first one but the name. */
+        if (settings->tool && !first) {
+            print_error_line("--tool needs --listen or --connect with it");
+            return false;
+        }
+        const struct end ends[] = {first_end(settings), second_end(settings)};
+        return check_address(&ends[0]) && check_address(&ends[1]);
     }
     if (settings->second_tool && !first) {
         print_error_line("--second-tool needs --listen, --connect, --second-listen or --second-connect with it");
