@@ -59,7 +59,7 @@ static void hold(struct window *window, const int by[3])
     tool_hold(window->viewer, FIRST_TOOL);
 }
 
-/* First what covers the brain, then the cone. */
+/* Ends what covers the brain first, then clears the cone. */
 static void clear(struct window *window, const int by[3])
 {
     (void)by;
@@ -79,7 +79,7 @@ static void clear(struct window *window, const int by[3])
     }
 }
 
-/* From the areas to the hits, and back to the panes. */
+/* Moves the keyboard from the areas to the hits, and back to the panes. */
 static void go_to_panel(struct window *window, const int by[3])
 {
     (void)by;
@@ -234,7 +234,7 @@ static void scale_speed(struct window *window, const int by[3])
                devices_speed(devices));
 }
 
-/* The nearer and the farther depth limit, mm. */
+/* Moves the nearer or the farther depth limit, mm. */
 static void move_range(struct window *window, const int by[3])
 {
     question_move_range(window->viewer, by[0], by[1]);
@@ -288,7 +288,7 @@ static void say_grey(struct viewer *viewer)
     viewer_say(viewer, "cuts: black %.6g, white %.6g", grey[0], grey[1]);
 }
 
-/* To the right for more contrast, up to be brighter, as by the mouse. */
+/* Changes grey values as the mouse does: right for more contrast, up for brighter. */
 static void move_grey(struct window *window, const int by[3])
 {
     static const double step = 0.05;
@@ -362,7 +362,7 @@ static void come_nearer(struct window *window, const int by[3])
     window->viewer->version++;
 }
 
-/* By 1 mm; to the right as the cuts show it. */
+/* Moves the crosshair by 1 mm; right is right in the cuts. */
 static void cross(struct window *window, const int by[3])
 {
     struct viewer *viewer = window->viewer;
@@ -551,7 +551,7 @@ static void press(struct window *window, const struct key *key)
     }
 }
 
-/* A key that needs no atlas. */
+/* Presses a key that needs no atlas; false = it is none. */
 static bool press_anywhere(struct window *window, const char *key)
 {
     for (size_t i = 0; i < KEYS; i++) {
@@ -581,7 +581,7 @@ static bool press_in_dialog(struct window *window, const char *key)
     return true;
 }
 
-/* There the digits are those of its lists. */
+/* Presses a key on the start page, where digits open the entries of its lists. */
 static bool press_at_start(struct window *window, const char *key)
 {
     struct start *start = &window->start;

@@ -216,7 +216,7 @@ static bool do_add(struct call *call)
     return true;
 }
 
-/* Where the screen stands: its middle, a point behind it in the line of sight, its width and height. */
+/* Places the screen: its middle, a point behind it in the line of sight, its width and height. */
 static bool do_screen(struct call *call)
 {
     double given[8];
@@ -484,7 +484,7 @@ static bool do_wait(struct call *call)
     return fine;
 }
 
-/* For programs that drive the window from outside. */
+/* Waits for a file, for programs that drive the window from outside. */
 static bool do_until(struct call *call)
 {
     free(call->script->awaited);
@@ -780,7 +780,7 @@ static bool fail_line(const struct script *script, const char *what)
     return false;
 }
 
-/* The line that was read, of so many words; false where it fails, and it was said why. */
+/* Runs the line that was read, of @p count words; false where it fails, with an error line. */
 static bool run_line(struct script *script, struct window *window, char *const *words, size_t count)
 {
     struct call call = {.script = script,

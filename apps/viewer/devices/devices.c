@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* The newest pose that was put there, once. */
+/* Gives the newest pose that was put there, once. */
 static bool pushed_ask(struct source *source, double now_s, struct source_news *out, double said[SOURCE_VALUES])
 {
     struct pushed *pushed = (struct pushed *)source;
@@ -23,7 +23,7 @@ void pushed_put(struct pushed *pushed, const conus_pose *pose)
     pushed->is_new = true;
 }
 
-/* Each pose of a station's tool, once. */
+/* Gives each pose of a station's tool once. */
 static bool tracker_ask(struct source *source, double now_s, struct source_news *out, double said[SOURCE_VALUES])
 {
     static const enum source_state states[] = {SOURCE_ABSENT, SOURCE_SILENT, SOURCE_LOST, SOURCE_STALE, SOURCE_WELL};

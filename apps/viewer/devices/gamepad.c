@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes moves of sticks, which GLFW reads. */
+/* Turns the sticks, which GLFW reads, into moves. */
 #include "viewer/devices/gamepad.h"
 
 #include <GLFW/glfw3.h>

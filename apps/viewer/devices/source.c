@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Looks at what a source says: numbers, and not the same for ever. */
+/* Checks the values of a source: they are finite, and change. */
 #include "viewer/devices/source.h"
 
 #include <math.h>
@@ -14,15 +14,6 @@ static bool are_finite(const double *values, size_t count)
     return finite;
 }
 
-static bool are_same(const double *a, const double *b)
-{
-    bool same = true;
-    for (size_t i = 0; i < SOURCE_VALUES; i++) {
-        same = same && a[i] == b[i];
-    }
-    return same;
-}
-
 static void drop_moves(struct source_news *news)
 {
     memset(news->move, 0, sizeof news->move);
@@ -33,7 +24,11 @@ static void drop_moves(struct source_news *news)
 /* Whether the source has sent the same values for too long. A pause starts the count anew. */
 static bool is_frozen(struct source_watch *watch, const double *said, double now_s)
 {
-    if (!watch->any || !are_same(watch->values, said)) {
+    bool same = watch->any;
+    for (size_t i = 0; i < SOURCE_VALUES; i++) {
+        same = same && watch->values[i] == said[i];
+    }
+    if (!same) {
         memcpy(watch->values, said, sizeof watch->values);
         watch->since_s = now_s;
         watch->any = true;

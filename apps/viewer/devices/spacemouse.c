@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads what spacenavd sends, and makes moves of it. */
+/* Reads the events of spacenavd and turns them into moves. */
 #include "viewer/devices/spacemouse.h"
 
 #ifdef CONUS_SPACEMOUSE
@@ -46,18 +46,14 @@ static void close_it(struct spacemouse *mouse, double now_s)
     mouse->tried_s = now_s;
 }
 
-/* To libspnav that is the same as nothing to read. */
-static bool has_ended(void)
-{
-    char byte;
-    ssize_t size = recv(spnav_fd(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
-    return size == 0 || (size < 0 && errno != EAGAIN && errno != EINTR);
-}
-
 static void keep_open(struct spacemouse *mouse, double now_s)
 {
-    if (mouse->is_open && has_ended()) {
-        close_it(mouse, now_s);
+    if (mouse->is_open) { /* to libspnav an end is the same as nothing to read */
+        char byte;
+        ssize_t size = recv(spnav_fd(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+        if (size == 0 || (size < 0 && errno != EAGAIN && errno != EINTR)) {
+            close_it(mouse, now_s);
+        }
     }
     if (!mouse->is_open && now_s - mouse->tried_s >= retry_s) {
         mouse->tried_s = now_s;
@@ -93,7 +89,7 @@ static void hear(struct spacemouse *mouse, double now_s, struct source_news *out
     }
 }
 
-/* Left-handed as they are: away is +z there and -z here, and so it is with turns about it. */
+/* Changes the sign of z and of turns about it: the device's axes are left-handed, with +z away from the user. */
 static void move(const struct spacemouse *mouse, double seconds, struct source_news *out)
 {
     static const double signs[3] = {1, 1, -1};

@@ -82,21 +82,16 @@ json_t *additions_with(const json_t *words, enum addition kind, const char *valu
     return fine ? with : NULL;
 }
 
-static bool has_context_surface(const json_t *words)
-{
-    bool has = false;
-    for (size_t i = 0; i < json_array_size(words); i++) {
-        has = has || is_context_surface(word_at(words, i), true);
-    }
-    return has;
-}
-
 json_t *additions_without(const json_t *words, size_t index)
 {
     static const char opacity[] = "--context-opacity=";
     json_t *without = json_copy((json_t *)words);
+    bool has_surface = false;
     json_array_remove(without, index);
-    for (size_t i = json_array_size(without); i-- > 0 && !has_context_surface(without);) {
+    for (size_t i = 0; i < json_array_size(without); i++) {
+        has_surface = has_surface || is_context_surface(word_at(without, i), true);
+    }
+    for (size_t i = has_surface ? 0 : json_array_size(without); i-- > 0;) {
         if (strncmp(word_at(without, i), opacity, sizeof opacity - 1) == 0) {
             json_array_remove(without, i);
         }
@@ -120,7 +115,7 @@ size_t additions_index(const json_t *words, const char *path)
     return named;
 }
 
-/* The numbers from `first` on. */
+/* Appends the @p count object numbers from `first` on. */
 static void put_numbers(json_t *entry, size_t first, size_t count)
 {
     json_t *numbers = json_object_get(entry, "objects");
@@ -303,7 +298,7 @@ static const char *keys_of(const json_t *entry, enum addition *kind)
     return strlen(value) >= length ? value + length : "";
 }
 
-/* How surely both are the same: 3 by the word, 2 by the file and its keys, 1 by the file, 0 = not at all. */
+/* How closely both entries agree: 3 in the word, 2 in the file and its keys, 1 in the file, 0 = not at all. */
 static int likeness(const json_t *then, const json_t *now)
 {
     enum addition kinds[2];
@@ -317,7 +312,7 @@ static int likeness(const json_t *then, const json_t *now)
     return kinds[0] != kinds[1] || !same_file ? 0 : strcmp(keys[0], keys[1]) == 0 ? 2 : 1;
 }
 
-/* Pairs those that are so surely the same. */
+/* Pairs the entries that agree at this level. */
 static void match_level(size_t *match, bool *taken, const json_t *then, const json_t *now, int level)
 {
     for (size_t i = 0; i < json_array_size(then); i++) {

@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* The painter reads the atlas, and so do selectors and studies: they rest while it changes. */
-static void rest(struct viewer *viewer)
+static void stop_readers(struct viewer *viewer)
 {
     painter_destroy(viewer->painter);
     viewer->painter = NULL;
@@ -42,7 +42,7 @@ static void start_painter(struct viewer *viewer)
     }
 }
 
-static void resume(struct viewer *viewer)
+static void start_readers(struct viewer *viewer)
 {
     studier_resume(viewer->study.studier);
     start_painter(viewer);
@@ -78,7 +78,7 @@ void viewer_draw(struct viewer *viewer, size_t index)
 void viewer_exchange(struct viewer *viewer, struct view_atlas *fresh)
 {
     forget_transfer(viewer, viewer->drawn, &fresh[viewer->drawn - viewer->atlases]);
-    rest(viewer);
+    stop_readers(viewer);
     studier_destroy(viewer->study.studier);
     study_answer_destroy(viewer->study.answer);
     viewer->study.studier = NULL;
@@ -92,7 +92,7 @@ void viewer_exchange(struct viewer *viewer, struct view_atlas *fresh)
         fresh[i].atlas = NULL;
     }
     viewer_find_ball(viewer);
-    resume(viewer);
+    start_readers(viewer);
 }
 
 /* Anew, for what a renderer is made with. */
@@ -123,11 +123,11 @@ void viewer_use_transfer(struct viewer *viewer)
 
 void viewer_set_threshold(struct viewer *viewer, uint32_t object, double threshold)
 {
-    rest(viewer);
+    stop_readers(viewer);
     if (conus_atlas_set_threshold(viewer->drawn->atlas, object, threshold)) {
         viewer_say(viewer, "%s", conus_message());
     }
-    resume(viewer);
+    start_readers(viewer);
 }
 
 static void set_colours(struct viewer *viewer, bool safe)
@@ -144,9 +144,9 @@ static void set_colours(struct viewer *viewer, bool safe)
 
 void viewer_use_safe_colours(struct viewer *viewer, bool safe)
 {
-    rest(viewer);
+    stop_readers(viewer);
     set_colours(viewer, safe);
-    resume(viewer);
+    start_readers(viewer);
 }
 
 void viewer_set_grey(struct viewer *viewer, double black, double white)
@@ -220,17 +220,6 @@ void viewer_set_look(struct viewer *viewer, struct view_atlas *view, struct look
     }
 }
 
-static bool differ(const struct view_atlas *view, const double *thresholds)
-{
-    for (uint32_t number = 1; thresholds && number <= view->object_count; number++) {
-        const conus_volume_info *info = view_atlas_pathway(view, number);
-        if (info && info->threshold != thresholds[number]) {
-            return true;
-        }
-    }
-    return false;
-}
-
 /* Sets those of pathways before @p end, or up to one that fails, where @p end is then; what they were takes their
  * place. */
 static conus_status swap_some(struct view_atlas *view, double *thresholds, uint32_t *end)
@@ -281,14 +270,19 @@ conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *sett
     struct transfer_editor *editor = &viewer->transfer_editor;
     bool other = false;
     for (size_t i = 0; settings->thresholds && i < viewer->atlas_count; i++) {
-        other = other || differ(&viewer->atlases[i], settings->thresholds[i]);
+        const struct view_atlas *view = &viewer->atlases[i];
+        const double *thresholds = settings->thresholds[i];
+        for (uint32_t number = 1; thresholds && number <= view->object_count; number++) {
+            const conus_volume_info *info = view_atlas_pathway(view, number);
+            other = other || (info && info->threshold != thresholds[number]);
+        }
     }
     bool back = settings->sets_transfer && editor->edited && !settings->point_count;
     bool preset = settings->sets_transfer && settings->preset != viewer->preset;
     bool rests = other || back || preset || settings->safe_colours != viewer->display.safe_colours;
     conus_status status = CONUS_OK;
     if (rests) {
-        rest(viewer);
+        stop_readers(viewer);
         status = other ? change_thresholds(viewer, settings->thresholds) : CONUS_OK;
     }
     if (!status) {
@@ -302,7 +296,7 @@ conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *sett
         editor->ready = false;
     }
     if (rests) {
-        resume(viewer);
+        start_readers(viewer);
     } else if (settings->sets_transfer && editor->edited) {
         viewer_use_transfer(viewer);
     }

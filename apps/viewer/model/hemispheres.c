@@ -11,7 +11,7 @@ const char *const side_names[SIDE_COUNT] = {"both", "left", "right"};
 
 static const char letters[SIDE_COUNT] = {0, 'L', 'R'};
 
-/* How many areas of a side there are, or only those that are shown. */
+/* Counts the areas of a side, or only those that are shown. */
 static size_t count(const struct view_atlas *view, enum side side, bool shown_only)
 {
     size_t found = 0;

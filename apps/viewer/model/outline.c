@@ -18,7 +18,7 @@ bool *outline_wanted(const struct viewer *viewer)
     return wanted;
 }
 
-/* Whether a pixel beside, above or below is of the other kind. */
+/* Whether a neighbour beside, above or below has the other value. */
 static bool is_edge(const uint8_t *mask, uint32_t width, uint32_t height, uint32_t x, uint32_t y)
 {
     const uint8_t *pixel = mask + (size_t)y * width + x;

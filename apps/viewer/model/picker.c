@@ -53,7 +53,7 @@ static double depth_of(const struct context_ray *context_ray, const double origi
     return INFINITY;
 }
 
-/* Through less than a tenth of its light nothing is recognised; the surface is where half of it is gone. */
+/* The depth of the context's surface, where half of the light is gone; INFINITY where a tenth or more comes through. */
 static double depth_of_surface(const struct viewer *viewer, const double origin[3], const double along[3], double most)
 {
     static const double dark = 0.1, half = 0.5;

@@ -101,8 +101,8 @@ static double depth_of(const conus_result *result, bool by_entry)
     return result->object && isfinite(depth) ? depth : INFINITY;
 }
 
-/* Lists come by rank: of equal ones the best stays before. */
-static void sort(size_t *order, size_t count, const conus_selection *selection, bool by_entry)
+/* Sorts by depth; the selection comes by rank, so equal depths stay in the order of rank. */
+static void sort_by_depth(size_t *order, size_t count, const conus_selection *selection, bool by_entry)
 {
     for (size_t i = 0; i < count; i++) {
         double depth = depth_of(conus_selection_result(selection, i), by_entry);
@@ -122,7 +122,7 @@ size_t *question_order(const struct viewer *viewer, const conus_selection *selec
     size_t *order = by_depth ? malloc(count * sizeof *order) : NULL;
     viewer_question(&asked, viewer, FIRST_TOOL, 0);
     if (order) {
-        sort(order, count, selection, asked.layers == CONUS_LAYERS_ALL);
+        sort_by_depth(order, count, selection, asked.layers == CONUS_LAYERS_ALL);
     }
     return order;
 }
@@ -145,21 +145,12 @@ static const struct option_group groups[] = {
 static const struct command command = {
     .program = "conus view", .name = "ask", .groups = groups, .settings_size = sizeof(struct ask_settings)};
 
-/* The name that the library has; NULL for a formula, which a session cannot keep. */
-static const char *find_score(const char *name)
-{
-    const conus_score_info *info = NULL;
-    for (size_t i = 0; (info = conus_score(i)) && strcmp(info->name, name) != 0; i++) {
-    }
-    return info ? info->name : NULL;
-}
-
-static bool use(struct viewer *viewer, const struct ask_settings *settings)
+static bool use_settings(struct viewer *viewer, const struct ask_settings *settings)
 {
     conus_selector_options options = settings_engine(&settings->engine, &settings->common);
     const char *score = settings->engine.score;
     options.level = NULL;
-    options.score = score ? find_score(score) : NULL;
+    options.score = viewer_find_score(score);
     options.log = viewer->cone.options.log;
     if (score && !options.score) {
         print_error_line("ask: --score: \"%s\" is no name of a score", score);
@@ -184,7 +175,7 @@ bool ask_words(struct viewer *viewer, char **words, int count)
     }
     fine = fine && settings_check_score(&settings.engine, false);
     conus_order before = viewer->cone.order;
-    if (fine && !use(viewer, &settings)) {
+    if (fine && !use_settings(viewer, &settings)) {
         viewer->cone.order = before;
         fine = false;
     }

@@ -8,7 +8,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* Bytes of UTF-8 beyond ASCII are of words. */
+/* Whether a byte is part of a word; bytes of UTF-8 beyond ASCII are. */
 static bool is_of_word(char c)
 {
     return isalnum((unsigned char)c) || (unsigned char)c >= 0x80;
@@ -43,34 +43,28 @@ enum search_fit search_fit(const conus_object *object, const char *text)
     return best == SEARCH_NONE && strcmp(label, text) == 0 ? SEARCH_LABEL : best;
 }
 
-/* Puts the numbers where those that fit better left off. */
-static void sort(uint32_t *out, const uint8_t *fits, size_t objects)
-{
-    size_t used = 0;
-    for (int fit = SEARCH_FIT_END - 1; fit > SEARCH_NONE; fit--) {
-        for (size_t number = 1; number <= objects; number++) {
-            if (fits[number] == fit) {
-                out[used++] = (uint32_t)number;
-            }
-        }
-    }
-}
-
 uint32_t *search_all(size_t *count, const conus_atlas *atlas, const char *text)
 {
     size_t objects = conus_atlas_object_count(atlas);
     uint8_t *fits = calloc(objects + 1, 1);
     uint32_t *found = calloc(objects + 1, sizeof *found);
     *count = 0;
-    for (size_t number = 1; fits && found && number <= objects; number++) {
+    if (!fits || !found) {
+        free(fits);
+        free(found);
+        return NULL;
+    }
+    for (size_t number = 1; number <= objects; number++) {
         fits[number] = (uint8_t)search_fit(conus_atlas_object(atlas, number), text);
         *count += fits[number] != SEARCH_NONE;
     }
-    if (fits && found) {
-        sort(found, fits, objects);
-    } else {
-        free(found);
-        found = NULL;
+    size_t used = 0;
+    for (int fit = SEARCH_FIT_END - 1; fit > SEARCH_NONE; fit--) { /* what fits best first */
+        for (size_t number = 1; number <= objects; number++) {
+            if (fits[number] == fit) {
+                found[used++] = (uint32_t)number;
+            }
+        }
     }
     free(fits);
     return found;

@@ -83,7 +83,7 @@ static struct study_answer *answer(struct studier *studier, const struct study_q
                                studier);
 }
 
-/* With the lock held. False: stop. */
+/* Waits for a question. To be called with the lock held. False: stop. */
 static bool wait_for_work(struct studier *studier)
 {
     while (!studier->stop && (studier->holds || !studier->is_new)) {
@@ -97,7 +97,7 @@ static bool wait_for_work(struct studier *studier)
     return !studier->stop;
 }
 
-/* With the lock held, but not while it computes. */
+/* Answers the newest question. To be called with the lock held, which it releases while it computes. */
 static void answer_newest(struct studier *studier)
 {
     const struct study_question question = studier->asked;

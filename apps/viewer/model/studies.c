@@ -43,18 +43,6 @@ bool studies_is_old(const struct viewer *viewer)
     return !viewer->study.answer || !study_is_same(&now, &viewer->study.answer->question);
 }
 
-static bool start(struct viewer *viewer)
-{
-    struct study_state *study = &viewer->study;
-    struct study_atlas *atlases = calloc(viewer->atlas_count, sizeof *atlases);
-    for (size_t i = 0; atlases && i < viewer->atlas_count; i++) {
-        atlases[i] = (struct study_atlas){viewer->atlases[i].atlas, viewer->atlases[i].name};
-    }
-    bool fine = atlases && studier_create(&study->studier, atlases, viewer->atlas_count, viewer->wake);
-    free(atlases);
-    return fine;
-}
-
 static void ask(struct viewer *viewer)
 {
     struct study_state *study = &viewer->study;
@@ -65,10 +53,18 @@ static void ask(struct viewer *viewer)
     if (is_known || is_asked) {
         return;
     }
-    if (!study->studier && !start(viewer)) {
-        viewer_say(viewer, "not enough memory");
-        study->settings.kind = STUDY_NONE;
-        return;
+    if (!study->studier) {
+        struct study_atlas *atlases = calloc(viewer->atlas_count, sizeof *atlases);
+        for (size_t i = 0; atlases && i < viewer->atlas_count; i++) {
+            atlases[i] = (struct study_atlas){viewer->atlases[i].atlas, viewer->atlases[i].name};
+        }
+        bool fine = atlases && studier_create(&study->studier, atlases, viewer->atlas_count, viewer->wake);
+        free(atlases);
+        if (!fine) {
+            viewer_say(viewer, "not enough memory");
+            study->settings.kind = STUDY_NONE;
+            return;
+        }
     }
     study->asked = now;
     studier_ask(study->studier, &now);

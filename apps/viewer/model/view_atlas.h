@@ -4,7 +4,6 @@
 #ifndef CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 #define CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 
-#include "viewer/model/file_watch.h"
 #include "viewer/model/tool.h"
 #include "viewer/pictures/answer.h"
 #include "viewer/pictures/look.h"
@@ -17,6 +16,8 @@ struct shown_objects {
     uint32_t chosen; /**< The object that was clicked in the list of areas; 0 = none. */
     char search[SEARCH_SIZE];
 };
+
+struct file_watch;
 
 struct view_atlas {
     conus_atlas *atlas;
@@ -75,5 +76,16 @@ const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_at
                                 const char *name);
 /** The volume of a pathway from a threshold on; NULL of another object. */
 const conus_volume_info *view_atlas_pathway(const struct view_atlas *view, uint32_t object);
+
+/** Watches the files of an atlas that is shown, so that the user is told when one changes on disk. The atlas in memory
+ * stays as it was read. */
+enum { FILE_WATCH_TEXT = 160 };
+/** Notes how the files are now; NULL without memory. Ended by file_watch_destroy(), which accepts NULL. */
+struct file_watch *file_watch_create(const conus_atlas *atlas);
+void file_watch_destroy(struct file_watch *watch);
+/** Looks again. True: one changed, went away or came back since the last look, as @p text says in a line. */
+bool file_watch_check(struct file_watch *watch, char text[FILE_WATCH_TEXT]);
+/** The name of a file that @p now has, too, and that is another one than when the watch began; NULL = there is none. */
+const char *file_watch_find_other(const struct file_watch *watch, const conus_atlas *now);
 
 #endif

@@ -352,6 +352,17 @@ void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
     memcpy(rgb, info ? info->rgb : (const uint8_t[]){130, 132, 138}, 3);
 }
 
+const char *viewer_find_score(const char *name)
+{
+    const conus_score_info *info;
+    for (size_t i = 0; name && (info = conus_score(i)); i++) {
+        if (strcmp(info->name, name) == 0) {
+            return info->name;
+        }
+    }
+    return NULL;
+}
+
 /* It looks at the atlas's middle, but for the depth, which is the crosshair's. */
 void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane, const double size[2])
 {

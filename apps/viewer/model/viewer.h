@@ -150,6 +150,10 @@ void viewer_choose(struct viewer *viewer, uint32_t object);
 /** sRGB of an object, in the palette that is on. */
 void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object);
 
+/** The library's own text of the score @p name, which selectors compare by its address; NULL = none of that name, such
+ * as a formula, which a session cannot keep. */
+const char *viewer_find_score(const char *name);
+
 /** The cut through the crosshair in a picture of @p size pixels: at magnification 1 the atlas fills its shorter side.
  */
 void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane, const double size[2]);

@@ -26,8 +26,8 @@ struct loader {
     struct loader_progress progress;
 };
 
-/* The window shows the file that is read. */
-static bool show(struct loader *loader, const char *path, size_t done, size_t total)
+/* Notes the file that is read, for the window. False: the user cancelled. */
+static bool show_file(struct loader *loader, const char *path, size_t done, size_t total)
 {
     pthread_mutex_lock(&loader->lock);
     snprintf(loader->progress.file, sizeof loader->progress.file, "%s", path_name(path));
@@ -38,8 +38,8 @@ static bool show(struct loader *loader, const char *path, size_t done, size_t to
     return !loader->stopped;
 }
 
-/* Each atlas counts its own files, from 0. */
-static bool note(void *user, const char *path, size_t done, size_t total)
+/* Adds the files of the atlases before: each atlas counts its own files from 0. */
+static bool note_progress(void *user, const char *path, size_t done, size_t total)
 {
     struct loader *loader = user;
     if (!done) {
@@ -47,7 +47,7 @@ static bool note(void *user, const char *path, size_t done, size_t total)
         loader->ahead--;
     }
     loader->total = loader->before + total;
-    return show(loader, path, loader->before + done, loader->total + loader->ahead);
+    return show_file(loader, path, loader->before + done, loader->total + loader->ahead);
 }
 
 /* The paths of an atlas's context, as conus_atlas_load() takes them. */
@@ -98,7 +98,7 @@ static bool has_context(const conus_atlas *atlas)
 
 static int set_context(struct loader *loader, size_t index, const struct context_choice *choice)
 {
-    bool goes_on = show(loader, choice->files.items[0], loader->total, loader->total + 1);
+    bool goes_on = show_file(loader, choice->files.items[0], loader->total, loader->total + 1);
     return goes_on ? context_choice_load(loader->atlases.items[index].atlas, choice, loader->request.settings)
                    : EXIT_DATA;
 }
@@ -125,7 +125,7 @@ static void load(struct loader *loader)
 {
     const struct loading *request = &loader->request;
     struct atlas_settings settings = *request->settings;
-    settings.progress = note;
+    settings.progress = note_progress;
     settings.progress_user = loader;
     if (request->may_be && !request->may_be(request->path)) {
         return;
@@ -143,7 +143,7 @@ static void *run(void *user)
 {
     struct loader *loader = user;
     if (loader->request.task) {
-        (void)show(loader, loader->request.path, 0, 1);
+        (void)show_file(loader, loader->request.path, 0, 1);
         loader->request.task(loader->request.user);
     } else {
         load(loader);

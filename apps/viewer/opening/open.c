@@ -64,7 +64,7 @@ static bool files_may_be_atlas(const char *path)
     return look_at(path) == IS_OTHER;
 }
 
-/* On the other thread. */
+/* Runs on another thread: finds the kind of each file. */
 static void look(void *user)
 {
     const struct looking *looking = user;
@@ -96,7 +96,7 @@ static bool refuse_second(const char *one, const char *other, const char *kind, 
     return false;
 }
 
-/* Takes over what opens first. */
+/* Takes over the file that opens first; refuses a second one. */
 static bool use_atlas(struct file_set *set, const char *path, bool is_session, char why[LOADER_WHY])
 {
     if (set->atlas) {
@@ -107,7 +107,7 @@ static bool use_atlas(struct file_set *set, const char *path, bool is_session, c
     return true;
 }
 
-/* Among several files that may be atlases one is, and another is an image; false: why not. */
+/* Finds the one atlas among several files that may be atlases; one other may be an image. False: `why` says why not. */
 static bool find_atlas(struct file_set *set, struct window *window, const struct view_settings *settings,
                        char why[LOADER_WHY])
 {
@@ -172,8 +172,8 @@ static json_t *file_set_add(const json_t *words, const struct file_set *set)
     return all;
 }
 
-/* Among what was opened lately and what is installed; by its name, too, if it was given so. */
-static bool find(char out[PATH_MAX], const struct session_file *file, const char *session)
+/* Looks for the session's atlas among recent and installed ones, and by name if it was opened by name. */
+static bool find_session_atlas(char out[PATH_MAX], const struct session_file *file, const char *session)
 {
     struct start start = {.on = true};
     const conus_installed *named = NULL;
@@ -197,15 +197,7 @@ static bool find(char out[PATH_MAX], const struct session_file *file, const char
     return found;
 }
 
-/* Whether the window shows that already: the same atlas, opened in the same way. */
-static bool resume_is_open(const struct resume *resume, const struct window *window)
-{
-    const json_t *opened = json_object_get(resume->file.root, "opened");
-    return window->viewer && window->files.opened && json_equal(opened, window->files.opened) &&
-           strcmp(resume->file.atlas, window->viewer->atlases->path) == 0;
-}
-
-static void finish(struct viewer *viewer)
+static void destroy_viewer(struct viewer *viewer)
 {
     if (viewer) {
         viewer_finish(viewer);
@@ -213,8 +205,8 @@ static void finish(struct viewer *viewer)
     }
 }
 
-static struct viewer *create(const struct atlases *atlases, const char *path, const struct view_settings *settings,
-                             void (*wake)(void))
+static struct viewer *create_viewer(const struct atlases *atlases, const char *path,
+                                    const struct view_settings *settings, void (*wake)(void))
 {
     assert(atlases->count);
     struct viewer *viewer = malloc(sizeof *viewer);
@@ -255,8 +247,8 @@ int open_poses(struct window *window, const struct view_settings *settings, cons
     return EXIT_DONE;
 }
 
-/* Shows it as the options say; false where the session does not fit. */
-static bool show(struct window *window, struct viewer *viewer, const struct view_settings *settings, char *why)
+/* Shows the viewer as the options say; false where the session does not fit. */
+static bool show_viewer(struct window *window, struct viewer *viewer, const struct view_settings *settings, char *why)
 {
     window_show(window, viewer);
     viewer->tools[FIRST_TOOL].pointer = window->inputs.station        ? POINT_BY_TRACKER
@@ -305,7 +297,7 @@ static bool replace(struct window *window, struct viewer *viewer, const struct a
     window->history.session_path = NULL;
     window->files.opened = words ? opened_describe(viewer->atlases->atlas, name->path, words) : NULL;
     window->files.hemispheres = (conus_hemispheres)settings->atlas.hemispheres;
-    if (!show(window, viewer, settings, why)) {
+    if (!show_viewer(window, viewer, settings, why)) {
         json_decref(window->files.opened);
         window_show(window, before);
         window->history.changes = changes;
@@ -344,7 +336,7 @@ static bool open_path(struct window *window, const char *text, const struct atla
         bool waits = settings.poses && !window->inputs.replay.poses; /* which need the frame */
         int code = settings_frame(&frame, &atlases, &settings.space, settings.common.quiet);
         code = code || !waits ? code : open_poses(window, &settings, &frame);
-        viewer = code ? NULL : create(&atlases, path, &settings, window->wake);
+        viewer = code ? NULL : create_viewer(&atlases, path, &settings, window->wake);
     }
     if (viewer) {
         viewer->frame = frame;
@@ -359,7 +351,7 @@ static bool open_path(struct window *window, const char *text, const struct atla
         viewer->display.radiological = before->display.radiological;
     }
     bool fine = viewer && replace(window, viewer, name, &settings, why);
-    finish(fine ? before : viewer);
+    destroy_viewer(fine ? before : viewer);
     return fine;
 }
 
@@ -429,8 +421,8 @@ static void prepare_session(void *user)
         return;
     }
     out->worded.settings.session = of->session;
-    of->fine =
-        of->atlas ? snprintf(out->path, PATH_MAX, "%s", of->atlas) < PATH_MAX : find(out->path, file, of->session);
+    of->fine = of->atlas ? snprintf(out->path, PATH_MAX, "%s", of->atlas) < PATH_MAX
+                         : find_session_atlas(out->path, file, of->session);
     of->missing = !of->fine;
     if (of->missing) {
         const char *joint = file->folder[0] && file->atlas[0] != '/' ? "/" : "";
@@ -454,7 +446,10 @@ static bool open_session(struct window *window, const char *session, const char 
     if (is_read) {
         snprintf(why, LOADER_WHY, "%s", of.why);
     }
-    bool was_open = fine && !atlas && resume_is_open(&resume, window);
+    /* The window shows it already: the same atlas, opened in the same way. */
+    bool was_open = fine && !atlas && window->viewer && window->files.opened &&
+                    json_equal(json_object_get(resume.file.root, "opened"), window->files.opened) &&
+                    strcmp(resume.file.atlas, window->viewer->atlases->path) == 0;
     if (was_open) {
         fine = session_load(window, session, why);
         window->start.on = window->start.on && !fine;
@@ -485,20 +480,7 @@ static bool open_session(struct window *window, const char *session, const char 
     return fine;
 }
 
-/* Opens the first file: a session, an atlas, or the atlas that a session waits for. */
-static bool open_first(struct window *window, const struct file_set *set, const struct view_settings *settings,
-                       bool with_options, char why[LOADER_WHY])
-{
-    const char *waiting = set->is_session ? set->atlas : window->files.session_waits;
-    char *session = waiting ? strdup(waiting) : NULL;
-    bool fine = session
-                    ? open_session(window, session, set->is_session ? NULL : set->atlas, settings, with_options, why)
-                    : open_named(window, set->atlas, settings, why);
-    free(session);
-    return fine;
-}
-
-/* In addition to what is open. */
+/* Adds images and tractograms to the atlas that is open. */
 static bool add_all(struct window *window, const struct file_set *set, const struct view_settings *settings,
                     char why[LOADER_WHY])
 {
@@ -529,7 +511,11 @@ static bool open_sorted(struct window *window, struct file_set *set, const struc
     bool fine = true;
     if (set->atlas) {
         first.atlas.image_is_fine = window->viewer && !window->files.session_waits && !set->is_session;
-        fine = open_first(window, set, &first, with_options, why);
+        const char *waiting = set->is_session ? set->atlas : window->files.session_waits;
+        char *session = waiting ? strdup(waiting) : NULL; /* what waits is freed when it opens */
+        fine = session ? open_session(window, session, set->is_session ? NULL : set->atlas, &first, with_options, why)
+                       : open_named(window, set->atlas, &first, why);
+        free(session);
         if (!fine && first.atlas.image_is_fine && atlas_input_is_image(why)) {
             set->images[set->image_count++] = set->atlas;
             why[0] = '\0';
@@ -557,7 +543,7 @@ static bool open_files(struct window *window, const struct wanted *wanted, const
     return fine;
 }
 
-/* Not for sessions, whose options are in their file, nor for names, which the catalogue has to find. */
+/* Begins no session, whose options are in its file, and no name, which the catalogue has to find. */
 struct loader *open_begin(const char *path, const struct view_settings *settings)
 {
     const struct loading request = {.path = path,
@@ -605,5 +591,5 @@ void open_finish(struct window *window)
     wait_leave(window);
     window->press = NULL;
     window_show(window, NULL);
-    finish(viewer);
+    destroy_viewer(viewer);
 }

@@ -25,8 +25,8 @@ static bool has_note(const conus_atlas *atlas, const char *note)
     return has;
 }
 
-/* The first note of `after` that `before` has not, and that begins so; NULL = there is none. */
-static const char *news_note(const conus_atlas *before, const conus_atlas *after, const char *start)
+/* Finds the first note of `after` that begins with `start` and that `before` lacks; NULL = none. */
+static const char *find_note(const conus_atlas *before, const conus_atlas *after, const char *start)
 {
     for (size_t i = 0; i < conus_atlas_note_count(after); i++) {
         const char *note = conus_atlas_note(after, i);
@@ -38,7 +38,7 @@ static const char *news_note(const conus_atlas *before, const conus_atlas *after
 }
 
 /* Whether `word` is among `words`, as window_words() gives them. */
-static bool news_has_word(const json_t *words, const json_t *word)
+static bool has_word(const json_t *words, const json_t *word)
 {
     bool has = false;
     for (size_t i = 0; i < json_array_size(words); i++) {
@@ -47,7 +47,7 @@ static bool news_has_word(const json_t *words, const json_t *word)
     return has;
 }
 
-/* The files of one that the other has not. */
+/* Appends the files of `words` that are not among `others`. */
 static void put_names(char *out, size_t size, const char *title, const json_t *words, const json_t *others)
 {
     const char *joint = title;
@@ -55,8 +55,7 @@ static void put_names(char *out, size_t size, const char *title, const json_t *w
         const char *value = NULL;
         char path[PATH_MAX];
         enum addition kind = addition_of(&value, json_string_value(json_array_get(words, i)));
-        if (kind < ADDITION_COUNT && addition_path(path, kind, value) &&
-            !news_has_word(others, json_array_get(words, i))) {
+        if (kind < ADDITION_COUNT && addition_path(path, kind, value) && !has_word(others, json_array_get(words, i))) {
             size_t used = strlen(out);
             snprintf(out + used, size - used, "%s%s%s%s", used && joint == title ? "; " : "", joint, path_name(path),
                      kind == ADD_CONTEXT ? " as context" : "");
@@ -68,10 +67,10 @@ static void put_names(char *out, size_t size, const char *title, const json_t *w
 /* "added: b.trk; taken out: a.trk; ...": the files of the options `words` that the first atlas of the window was not
  * opened with, and the other way round, how hemispheres are if they are others, and what `now` notes that it did not
  * note. */
-static void news_tell(char *out, size_t size, const struct window *window, const conus_atlas *now, const json_t *words)
+static void tell_news(char *out, size_t size, const struct window *window, const conus_atlas *now, const json_t *words)
 {
     const json_t *then = json_object_get(window->files.opened, "options");
-    const char *note = news_note(window->viewer->atlases->atlas, now, "");
+    const char *note = find_note(window->viewer->atlases->atlas, now, "");
     conus_hemispheres how = hemispheres_of_words(words);
     out[0] = '\0';
     put_names(out, size, "added: ", words, then);
@@ -83,7 +82,7 @@ static void news_tell(char *out, size_t size, const struct window *window, const
     snprintf(out + used, size - used, "%s%s", used && note ? "; " : "", note ? note : "");
 }
 
-/* Volumes that both have are of the same bytes. */
+/* Finds a volume that both atlases have, but with other bytes; NULL = none. */
 static const char *find_other_volume(const conus_atlas *before, const conus_atlas *now)
 {
     for (size_t i = 0; i < conus_atlas_volume_count(before); i++) {
@@ -114,10 +113,10 @@ static bool is_same(char why[LOADER_WHY], const struct viewer *viewer, const str
     return !other;
 }
 
-/* Streamlines that hardly lie where the areas are: the user asks for them twice. */
+/* Refuses streamlines that hardly lie where the areas are, unless the user asks for them a second time. */
 static bool is_doubtful(struct window *window, const conus_atlas *now, const json_t *words, char why[LOADER_WHY])
 {
-    const char *doubt = news_note(window->viewer->atlases->atlas, now, "bundle ");
+    const char *doubt = find_note(window->viewer->atlases->atlas, now, "bundle ");
     char *text = doubt ? json_dumps(words, JSON_COMPACT) : NULL;
     bool trusts = text && window->files.doubted && strcmp(text, window->files.doubted) == 0;
     free(window->files.doubted);
@@ -137,7 +136,7 @@ static bool *find_fresh(size_t object_count, const json_t *added, const json_t *
     for (size_t i = 0; fresh && i < json_array_size(added); i++) {
         const json_t *entry = json_array_get(added, i);
         const json_t *objects = json_object_get(entry, "objects");
-        bool is_old = news_has_word(before, json_object_get(entry, "option"));
+        bool is_old = has_word(before, json_object_get(entry, "option"));
         for (size_t k = 0; !is_old && k < json_array_size(objects); k++) {
             fresh[json_integer_value(json_array_get(objects, k))] = true;
         }
@@ -172,7 +171,8 @@ static bool exchange(struct window *window, struct atlases *loaded, const json_t
     return fine;
 }
 
-static bool show(struct window *window, struct atlases *loaded, const json_t *words, int step, char why[LOADER_WHY])
+static bool show_again(struct window *window, struct atlases *loaded, const json_t *words, int step,
+                       char why[LOADER_WHY])
 {
     struct viewer *viewer = window->viewer;
     const conus_atlas *atlas = loaded->items[0].atlas;
@@ -180,7 +180,7 @@ static bool show(struct window *window, struct atlases *loaded, const json_t *wo
     conus_hemispheres how = hemispheres_of_words(words);
     char news[LOADER_WHY];
     json_t *added = additions_describe(atlas, words);
-    news_tell(news, sizeof news, window, atlas, words);
+    tell_news(news, sizeof news, window, atlas, words);
     bool fine = exchange(window, loaded, added, how, why);
     if (fine) {
         window->files.hemispheres = how;
@@ -206,7 +206,7 @@ static bool show(struct window *window, struct atlases *loaded, const json_t *wo
     return fine;
 }
 
-/* With the words as they are kept: files have absolute paths. */
+/* Keeps the options as words in which files have absolute paths. */
 static bool load_and_show(struct window *window, const struct worded *worded, int step, char why[LOADER_WHY])
 {
     const struct loading request = {.path = window->viewer->atlases->path,
@@ -219,7 +219,7 @@ static bool load_and_show(struct window *window, const struct worded *worded, in
     bool fine = words && wait_load(window, &request, &loaded, why);
     if (fine) {
         fine = is_same(why, window->viewer, &loaded) && !is_doubtful(window, loaded.items[0].atlas, words, why) &&
-               show(window, &loaded, words, step, why);
+               show_again(window, &loaded, words, step, why);
     }
     if (!fine && loaded.count) {
         print_error_line("%s", why);

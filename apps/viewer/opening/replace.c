@@ -7,13 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The identity of an area in its atlas. */
+/* How an area was made of those of the file. */
 enum part { WHOLE = 0, LEFT_HALF, RIGHT_HALF, PAIR };
 
-/* An object, by what stays the same. */
+/* The properties of an object that stay the same when its atlas is opened in another way. */
 struct identity {
     conus_kind kind;
-    uint32_t label; /* of what it was made of; 0 of what is no area: others may come before it */
+    uint32_t label; /* of the area of the file; 0 = the object is no area */
     enum part part;
     uint32_t number;
     const char *name;
@@ -26,7 +26,7 @@ struct identities {
     size_t count;
 };
 
-/* The objects before that say what becomes of one now. */
+/* The objects before whose settings an object now takes over. */
 struct sources {
     uint32_t numbers[2];
     size_t count;
@@ -107,7 +107,7 @@ static size_t length_of(const struct identity *of)
     return length > more ? length - more : 0;
 }
 
-/* The object that is such a part of what has that label; 0 = none. */
+/* Finds the object that is @p part of the area with the label and name of @p of; 0 = none. */
 static uint32_t find_part(const struct identities *in, const struct identity *of, enum part part)
 {
     const struct identity wanted = {of->kind, of->label, part, 0, of->name};
@@ -133,7 +133,7 @@ static uint32_t find_part(const struct identities *in, const struct identity *of
     return 0;
 }
 
-/* None of a pair that was none before: its areas say what becomes of it. */
+/* A pair that was no pair before has no sources: it takes over the settings of its areas. */
 static struct sources find_sources(const struct exchange *exchange, uint32_t number)
 {
     const struct identity *is = &exchange->now.by_number[number];
@@ -262,7 +262,7 @@ static conus_status exchange_prepare(struct exchange *exchange, const struct rep
     return change_atlas(exchange);
 }
 
-/* Makes ready what takes the place of each atlas. */
+/* Prepares the atlases that replace those of the viewer. */
 static conus_status prepare(struct exchange *all, struct view_atlas *next, const struct viewer *viewer,
                             const struct replacement *now)
 {

@@ -33,7 +33,7 @@ static const struct option_group groups[] = {
 static const struct command cmd_words = {
     .program = "conus-view", .name = "session", .groups = groups, .settings_size = sizeof(struct view_settings)};
 
-/* Whether a session keeps it. */
+/* Whether a session keeps the option. */
 static bool is_kept(const struct option *option)
 {
     for (const struct option_group *group = groups; group->title; group++) {
@@ -46,18 +46,12 @@ static bool is_kept(const struct option *option)
     return false;
 }
 
-static bool is_file(const char *text, size_t length)
-{
-    char path[PATH_MAX];
-    int size = snprintf(path, sizeof path, "%.*s", (int)length, text);
-    return size > 0 && size < PATH_MAX && access(path, F_OK) == 0;
-}
-
-/* "FILE,from=FILE": what is a file of this folder gets its path. */
+/* Writes "FILE,from=FILE" with the absolute paths of files that are in this folder. */
 static void put_absolute(FILE *out, const char *text)
 {
     static const char *const keys[] = {"", "from=", "to=", "grid="};
     char folder[PATH_MAX];
+    char path[PATH_MAX];
     bool is_known = getcwd(folder, sizeof folder);
     for (size_t piece = 0; *text; piece++) {
         size_t length = strcspn(text, ",");
@@ -66,7 +60,8 @@ static void put_absolute(FILE *out, const char *text)
             before = strncmp(text, keys[k], strlen(keys[k])) == 0 ? strlen(keys[k]) : before;
         }
         bool may_be = (!piece || before) && text[before] != '/' && length > before;
-        bool prefixed = may_be && is_known && is_file(text + before, length - before);
+        int size = snprintf(path, sizeof path, "%.*s", (int)(length - before), text + before);
+        bool prefixed = may_be && is_known && size < PATH_MAX && access(path, F_OK) == 0;
         fprintf(out, "%.*s%s%s%.*s", (int)before, text, prefixed ? folder : "", prefixed ? "/" : "",
                 (int)(length - before), text + before);
         text += length;
@@ -76,7 +71,7 @@ static void put_absolute(FILE *out, const char *text)
     }
 }
 
-/* False without memory, or where it is not UTF-8. */
+/* Appends "--name=value"; false without memory, or where it is not UTF-8. */
 static bool add_word(json_t *words, const struct option *option, const char *value)
 {
     char *word = NULL;
@@ -129,7 +124,7 @@ static bool is_given(const struct arguments *arguments, const char *word)
     return false;
 }
 
-/* The words of both, to be freed; false without memory. */
+/* Joins the words of the session and of the command line, to be freed; false without memory. */
 static bool join(struct worded *out, const json_t *words, const json_t *own, const struct arguments *given)
 {
     size_t limit = json_array_size(words) + json_array_size(own);

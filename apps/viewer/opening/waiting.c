@@ -41,7 +41,7 @@ static void draw_page(struct window *window, struct loader *loader, double secon
     glfwSwapBuffers(window->handle);
 }
 
-/* All that keys do meanwhile. */
+/* Handles keys while files are read: Escape ends it. */
 static bool press_while_loading(struct window *window, const char *key)
 {
     bool ends = strcmp(key, "escape") == 0;
@@ -49,7 +49,7 @@ static bool press_while_loading(struct window *window, const char *key)
     return ends;
 }
 
-/* Until it is done, or the window is closed. */
+/* Waits until the loader is done, or the window is closed. */
 static void wait_for(struct loader *loader, struct window *window)
 {
     double begun = glfwGetTime();

@@ -16,7 +16,7 @@ static const ui_colour compass_near = {235, 235, 240, 255};
 static const ui_colour compass_far = {175, 175, 181, 255};
 static const ui_colour compass_edge = {20, 20, 24, 190};
 
-/* Half an axis; what points away from the viewer is paler. */
+/* Draws half an axis, paler where it points away from the viewer. */
 static void draw_direction(const struct window *window, const float centre[2], size_t axis, int sign)
 {
     static const char letters[3][2][2] = {{"L", "R"}, {"P", "A"}, {"I", "S"}};
@@ -114,7 +114,7 @@ static void take_picture(struct window *window)
     }
 }
 
-/* Beside the place, on the side where there is room. */
+/* Draws a name beside the place, on the side where there is room. */
 static void draw_name(const struct window *window, const float at[2], float y, const char *name)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
@@ -184,7 +184,7 @@ static void draw_device_view(struct window *window)
     ui_draw_text((float[]){inset.x + edge - ui_text_width(caption), inset.y + edge + 4}, light, caption);
 }
 
-/* The crosshair's arms, along the axes. */
+/* Draws the crosshair's arms along the axes. */
 static void draw_crosshair(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
@@ -216,7 +216,7 @@ static void draw_waiting(const struct window *window)
     }
 }
 
-/* At the lower edge: what is to be said of the head, and above it of the cone. */
+/* Writes notices at the lower edge: of the head, and above it of both cones. */
 static void draw_notices(const struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
@@ -242,7 +242,7 @@ static void draw_notices(const struct window *window)
     }
 }
 
-/* From the eye through the mouse. */
+/* The ray from the eye through the mouse. */
 static void find_ray(double eye[3], double direction[3], const struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];

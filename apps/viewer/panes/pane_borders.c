@@ -7,7 +7,7 @@
 static const ui_colour light = {120, 170, 230, 200};
 static const float thick = 6; /* where the mouse meets it, at scale 1 */
 
-/* Where the border's middle is; false where there is none. */
+/* Finds the box in which the mouse meets a border; false where there is no border. */
 static bool find_box(struct ui_box *out, const struct window *window, enum border border)
 {
     float height = window->screen.status.y;
@@ -31,7 +31,7 @@ static void use_mouse(struct window *window, enum border border)
     }
 }
 
-/* A third of it, in its middle. */
+/* Draws the middle third of a border. */
 static void draw_mark(const struct ui_box *box, enum border border)
 {
     struct ui_box mark = *box;

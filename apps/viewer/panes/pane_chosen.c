@@ -10,7 +10,7 @@
 
 enum { COARSE = 2 /* pixels of the pane per pixel of the shadow */, OPACITY = 80 /* of 255, within the outline */ };
 
-/* Anew where another area is chosen, or the atlas changed. */
+/* Finds the cells anew where another area is chosen, or the atlas changed. */
 static void find_cells(struct shadow *shadow, struct viewer *viewer)
 {
     bool same = shadow->of == viewer->drawn && shadow->chosen == viewer->drawn->shown.chosen &&

@@ -12,7 +12,7 @@
 #include <string.h>
 
 static const ui_colour light = {235, 235, 240, 255};
-static const double pixels = 300; /* of the mouse's way, for a step of 1 as look_move_grey() has it */
+static const double pixels = 300; /* that the mouse moves for a step of 1 of look_move_grey() */
 
 /* Lets the mouse on a cut change the context's grey values; true while it does. */
 static bool drag_grey(struct window *window, const struct ui_mouse *mouse)
@@ -31,7 +31,7 @@ static bool drag_grey(struct window *window, const struct ui_mouse *mouse)
     return true;
 }
 
-/* Writes them into a cut, where they are not those that were found. */
+/* Writes the grey values into a cut, unless they are those that were found. */
 static void show_grey(const struct window *window, const struct ui_box *box)
 {
     const struct view_atlas *view = window->viewer->drawn;
@@ -58,19 +58,6 @@ struct frame {
     struct pane_plane plane;
 };
 
-/* With the outline of what is chosen. */
-static void show_cut(struct cut_pane *pane, const struct viewer *viewer, uint32_t width, uint32_t height)
-{
-    const uint8_t *rgba = conus_cutter_rgba(pane->cutter);
-    bool *wanted = outline_wanted(viewer);
-    pane->top = (struct outline_top){0};
-    uint8_t *outlined =
-        wanted ? outline_cut(&pane->top, rgba, conus_cutter_objects(pane->cutter), width, height, wanted) : NULL;
-    texture_set(&pane->texture, outlined ? outlined : rgba, width, height, false);
-    free(outlined);
-    free(wanted);
-}
-
 static void draw_picture(struct window *window, const struct frame *frame, const conus_cut_view *view)
 {
     struct viewer *viewer = window->viewer;
@@ -94,9 +81,16 @@ static void draw_picture(struct window *window, const struct frame *frame, const
     }
     if (status || conus_cutter_draw(pane->cutter, view)) {
         viewer_say(viewer, "%s", conus_message());
-    } else {
-        show_cut(pane, viewer, view->width, view->height);
+        return;
     }
+    const uint8_t *rgba = conus_cutter_rgba(pane->cutter);
+    const uint32_t *objects = conus_cutter_objects(pane->cutter);
+    bool *wanted = outline_wanted(viewer); /* what is chosen has an outline */
+    pane->top = (struct outline_top){0};
+    uint8_t *outlined = wanted ? outline_cut(&pane->top, rgba, objects, view->width, view->height, wanted) : NULL;
+    texture_set(&pane->texture, outlined ? outlined : rgba, view->width, view->height, false);
+    free(outlined);
+    free(wanted);
 }
 
 static void world_at(double out[3], const struct frame *frame, float x, float y)
@@ -171,7 +165,7 @@ static void draw_crosshair(const struct window *window, const struct frame *fram
     ui_draw_line((float[]){at[0], at[1] + 6}, (float[]){at[0], box->y + box->height}, cross, 1);
 }
 
-/* "z = 1.0 mm", "DV = 332 um": the coordinate that all of a plane has. */
+/* Writes the coordinate that a plane's points share: "z = 1.0 mm", "DV = 332 um". */
 static void put_depth(char *out, size_t size, const struct viewer *viewer, enum plane plane)
 {
     static const char *const axes[][PLANE_COUNT] = {{"z", "y", "x"}, {"DV", "AP", "ML"}};
@@ -209,7 +203,7 @@ static void draw_title(const struct window *window, struct frame *frame, enum pl
     }
 }
 
-/* The wand: the first time it looks at the brain's middle, then it moves there, or with Shift turns to it. */
+/* Moves the wand there, or with Shift turns it to there; at first it looks at the brain's middle. */
 static void use_wand(struct viewer *viewer, enum tool_number tool, bool shift, const double at[3])
 {
     double direction[3];

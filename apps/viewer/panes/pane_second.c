@@ -14,13 +14,13 @@ static double distance(const double a[3], const double b[3])
     return hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
 }
 
-/* To the far side of all atlases. */
+/* The length from the apex to the far side of all atlases. */
 static double whole_length(const struct viewer *viewer)
 {
     return distance(viewer->tools[SECOND_TOOL].pose.world_from_device + 12, viewer->centre) + viewer->radius;
 }
 
-/* To the farthest contact, so that the cone ends on what it hits; else the whole. */
+/* The length to the farthest contact, so that the cone ends on what it hits; the whole length without hits. */
 static double seen_length(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;

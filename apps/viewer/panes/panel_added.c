@@ -15,7 +15,7 @@ static const char *const keys[ADDITION_COUNT] = {
     "FILE,threshold=T,name=S,volume=K or FILE,band=LOW:HIGH:NAME, as for --pathway",
     "FILE,radius=MM,name=S,moves, as for --streamlines; without a radius it is 0.5 mm"};
 
-/* Its name and keys; the whole path is in the tip. */
+/* Draws a file's name and keys; the tip has the whole path. */
 static void draw_file(struct window *window, size_t index, enum addition kind, const char *value)
 {
     struct added_form *form = &window->forms.added;

@@ -46,7 +46,7 @@ static void choose_side(struct window *window)
 
 enum { TIP_SIZE = 96 };
 
-/* Children are looked for in the whole list: atlases have hundreds of areas, and only open nodes are asked. */
+/* Searches the whole list: atlases have hundreds of areas, and only open nodes are asked. */
 static bool has_children(const struct viewer *viewer, uint32_t object)
 {
     for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
@@ -145,7 +145,7 @@ static void draw_tree(struct window *window, uint32_t parent)
     }
 }
 
-/* Best first. */
+/* Lists the areas that fit the search, the best first. */
 static void draw_found(struct window *window)
 {
     struct shown_objects *shown = &window->viewer->drawn->shown;
@@ -165,7 +165,7 @@ static void draw_found(struct window *window)
     }
 }
 
-/* Which of several is drawn. */
+/* Chooses which of several atlases is drawn. */
 static void choose_atlas(struct window *window)
 {
     struct viewer *viewer = window->viewer;
@@ -183,7 +183,7 @@ static void choose_atlas(struct window *window)
     }
 }
 
-/* A line of buttons that press keys, for users who do not know the keys yet. */
+/* Draws buttons that press keys, for users who do not know the keys yet. */
 static void draw_key_buttons(struct window *window)
 {
     static const struct {

@@ -109,7 +109,7 @@ static void choose_depth(struct viewer *viewer, unsigned deepest)
            "one. The roots are 1. It holds for the first atlas.");
 }
 
-/* A list of areas; what is typed holds from Enter on. */
+/* Lets a list of areas be typed, which holds from Enter on. */
 static void type_level(struct viewer *viewer)
 {
     char typed[LEVEL_LIMIT] = ""; /* the widget keeps what is being typed */
@@ -134,7 +134,7 @@ static void choose_property(struct window *window, enum property_id id, const ch
     panel_tip(id);
 }
 
-/* Which hits count, and in which order: depths, level, list. */
+/* Chooses which hits count, and their order: depths, level, list. */
 static void panel_question(struct window *window)
 {
     static const char *const orders[] = {"the best first", "the nearest first"};

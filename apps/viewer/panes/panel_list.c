@@ -41,7 +41,7 @@ static void draw_heading(struct viewer *viewer, size_t column)
     }
 }
 
-/* As wide as the widest number, whatever there is now, so that nothing moves while one points. */
+/* The width of the widest number that a column can have, so that nothing moves while one points. */
 static float width_of(const struct window *window, size_t column)
 {
     const struct viewer *viewer = window->viewer;

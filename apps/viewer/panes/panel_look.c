@@ -23,7 +23,7 @@ void panel_look_view(struct viewer *viewer)
     panel_tip(PROPERTY_BACKGROUND);
 }
 
-/* Values that were dragged beyond those that the image has are kept, and shown. */
+/* Widens the sliders to values that were dragged beyond those of the image. */
 static void edit_grey(struct viewer *viewer)
 {
     const conus_volume_info *info = conus_atlas_volume(viewer->drawn->atlas, view_atlas_context(viewer->drawn));
@@ -91,7 +91,7 @@ void panel_look_pathway(struct viewer *viewer, uint32_t pathway)
     ui_id_end();
 }
 
-/* As the legend of a figure says it. */
+/* Explains the colours of streamlines, as the legend of a figure does. */
 static void explain_colours(const struct look *look)
 {
     static const char *const directions[] = {"left to right", "back to front", "down to up"};

@@ -17,7 +17,7 @@ static void draw_number(const char *format, double value)
     }
 }
 
-/* Each under its name, in the order in which they were given. */
+/* Draws a list for each atlas, under its name, in the order in which they were given. */
 static void draw_all_results(struct window *window)
 {
     struct viewer *viewer = window->viewer;
@@ -73,7 +73,7 @@ static void draw_copy(struct window *window, const char *label, const char *tip,
     ui_tip(tip);
 }
 
-/* Into a file, in the format that is chosen beside it. */
+/* Draws the button that exports a file, and the choice of its format. */
 static void draw_export(struct window *window)
 {
     struct viewer *viewer = window->viewer;

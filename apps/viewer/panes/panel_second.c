@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* All but the replay. */
+/* Offers all pointers but the replay. */
 static void choose_pointer(struct window *window)
 {
     static const enum pointer places[] = {POINT_BY_MOUSE, POINT_BY_WAND, POINT_BY_TRACKER, POINT_BY_SPACEMOUSE,

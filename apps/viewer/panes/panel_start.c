@@ -48,7 +48,7 @@ static void draw_field(struct window *window)
     }
 }
 
-/* Its number is a key; the folder is cut where the page ends, and in the tip it is whole. */
+/* Draws a line with its number, which is a key, and its folder, which is cut at the page's end and whole in the tip. */
 static void draw_entry(struct window *window, size_t index)
 {
     char words[PATH_MAX];
@@ -152,7 +152,7 @@ static void draw_installed(struct window *window, size_t index, bool picked)
     }
 }
 
-/* A list of one's own, since there may be hundreds. */
+/* Draws installed atlases in a list that scrolls by itself, since there may be hundreds. */
 static void draw_catalogue(struct window *window, float height)
 {
     struct start *start = &window->start;

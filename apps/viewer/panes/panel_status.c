@@ -33,7 +33,7 @@ static void write_place(char out[STATUS_TEXT], const struct window *window)
              viewer_place_text(place, viewer, at), voxel_text, grey_text, text);
 }
 
-/* Where there is room, with what draws or without. */
+/* Shows times where there is room, with the name of the device that draws or without. */
 static void show_times(const struct window *window, float room)
 {
     const struct viewer *viewer = window->viewer;

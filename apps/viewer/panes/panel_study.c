@@ -26,16 +26,6 @@ static void choose_kind(struct viewer *viewer)
            "where the pose is not exactly known; the numbers of conus sweep, of the cone as it is now. J: the next");
 }
 
-static void choose_angles(struct viewer *viewer)
-{
-    struct study_settings study = viewer->study.settings;
-    if (ui_numbers("from, to, by \u00b0", study.angles, "%.4g")) {
-        studies_use(viewer, &study);
-    }
-    ui_tip(
-        "full opening angles in degrees: the first, the last, and the step between them (--angles); Enter takes them");
-}
-
 static void choose_errors(struct viewer *viewer)
 {
     static const char *const samples[SAMPLE_CHOICES] = {
@@ -70,7 +60,7 @@ static const char *name_of(const struct viewer *viewer, uint32_t object)
     return info ? info->name : "(nothing hit)";
 }
 
-/* Where an angle is in the box, 0 to 1. */
+/* The place of an angle across the box, 0 to 1. */
 static float across(const struct study_answer *answer, size_t angle)
 {
     double low = answer->angles[0];
@@ -130,7 +120,7 @@ static void draw_numbers(const struct study_answer *answer, struct ui_box box)
     ui_draw_text((float[]){box.x + box.width - ui_text_width(high), below}, theme_texts[THEME_HINT], high);
 }
 
-/* The areas of that angle, in the order of the list below. */
+/* Lists the areas at an angle, in the order of the list below. */
 static void tip_of_angle(const struct viewer *viewer, const struct study_answer *answer,
                          const struct study_table *table, size_t angle)
 {
@@ -309,7 +299,12 @@ void panel_study(struct window *window, bool is_old)
     struct viewer *viewer = window->viewer;
     choose_kind(viewer);
     if (viewer->study.settings.kind == STUDY_SWEEP) {
-        choose_angles(viewer);
+        struct study_settings study = viewer->study.settings;
+        if (ui_numbers("from, to, by \u00b0", study.angles, "%.4g")) {
+            studies_use(viewer, &study);
+        }
+        ui_tip("full opening angles in degrees: the first, the last, and the step between them (--angles); Enter takes "
+               "them");
     } else if (viewer->study.settings.kind == STUDY_JITTER) {
         choose_errors(viewer);
     }

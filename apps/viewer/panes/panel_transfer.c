@@ -18,7 +18,7 @@ static const double highest = 0.3;
 
 enum { HEIGHT = 110, REACH = 9 };
 
-/* Heights are logarithms: air and tissue differ a thousandfold. */
+/* Counts grey values; heights are logarithms, since air and tissue differ a thousandfold. */
 static void count_values(struct transfer_editor *editor, const conus_atlas *atlas, size_t volume)
 {
     uint64_t counts[EDITOR_BINS];
@@ -75,7 +75,7 @@ static size_t point_at(const struct transfer_editor *editor, const struct ui_box
     return found;
 }
 
-/* Values never fall, so a point stays between its neighbours. */
+/* Moves the held point between its neighbours, since values never fall. */
 static void drag(struct transfer_editor *editor, const struct ui_box *box, const struct ui_mouse *mouse)
 {
     conus_transfer_point *point = &editor->points[editor->held];
@@ -129,7 +129,7 @@ static void edit_transfer(struct viewer *viewer)
     draw_editor(editor, &box);
 }
 
-/* A band of values is as it was given. */
+/* Shows a band of values, which cannot be changed. */
 static void show_band(const conus_object *band)
 {
     char low[32] = "";
@@ -173,7 +173,7 @@ static void edit_thresholds(struct viewer *viewer)
     }
 }
 
-/* Bundles may come behind them. */
+/* Searches from the end, where bundles may come behind pathways. */
 static bool has_pathways(const struct view_atlas *view)
 {
     size_t number = view->object_count;

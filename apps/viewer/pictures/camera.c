@@ -104,16 +104,11 @@ void orbit_turn(struct orbit *orbit, double right, double down, double height)
     orbit->elevation = fmin(fmax(orbit->elevation + down * step, -steepest), steepest);
 }
 
-/* mm per pixel in the plane of the centre. */
-static double scale_of(const struct orbit *orbit, double height)
-{
-    return 2 * orbit->distance * tan(orbit->field_of_view / 2) / height;
-}
-
 void orbit_pan(struct orbit *orbit, double right, double down, double height)
 {
     conus_pose camera;
-    double scale = scale_of(orbit, height);
+    double scale =
+        2 * orbit->distance * tan(orbit->field_of_view / 2) / height; /* mm per pixel in the centre's plane */
     orbit_camera(&camera, orbit);
     for (int a = 0; a < 3; a++) {
         orbit->centre[a] += scale * (down * camera.world_from_device[4 + a] - right * camera.world_from_device[a]);
@@ -125,24 +120,18 @@ void orbit_zoom(struct orbit *orbit, double clicks)
     orbit->distance = fmin(fmax(orbit->distance * pow(0.9, clicks), 1), 1e5);
 }
 
-static bool is_moved(const struct head *head, const double eye[3], const conus_pose *screen)
+void head_move(struct head *head, const double eye[3], const conus_pose *screen)
 {
-    bool moved = false;
+    conus_pose camera;
+    double frustum[4];
+    bool inside = conus_window_camera(&camera, frustum, screen, head->size, eye);
+    bool moved = !head->known;
     for (int a = 0; a < 3; a++) {
         moved = moved || head->eye[a] != eye[a];
     }
     for (int i = 0; i < 16; i++) {
         moved = moved || head->screen.world_from_device[i] != screen->world_from_device[i];
     }
-    return moved;
-}
-
-void head_move(struct head *head, const double eye[3], const conus_pose *screen)
-{
-    conus_pose camera;
-    double frustum[4];
-    bool inside = conus_window_camera(&camera, frustum, screen, head->size, eye);
-    bool moved = !head->known || is_moved(head, eye, screen);
     head->number += inside != head->inside || (!inside && moved);
     head->inside = inside;
     if (!inside) {

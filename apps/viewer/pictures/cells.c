@@ -34,7 +34,7 @@ static bool is_inside(const struct lattice *lattice, long i, long j, long k)
     return within && lattice->inside[((size_t)k * n[1] + (size_t)j) * n[0] + (size_t)i];
 }
 
-/* One plane across z. */
+/* Samples one plane across z. */
 static conus_status sample_plane(struct lattice *lattice, uint32_t k, struct search *search)
 {
     const uint32_t *n = lattice->dim;
@@ -144,7 +144,7 @@ static conus_status take_surface(struct cells *out, const struct lattice *lattic
     return cells.middles ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-/* Where they are, by a first look at the whole atlas; nowhere, low is above high. */
+/* Finds the box of the objects by a coarse look at the whole atlas; where there is none, low is above high. */
 static conus_status find_place(double low[3], double high[3], struct search *search)
 {
     double bounds[2][3];

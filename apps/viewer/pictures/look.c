@@ -133,7 +133,7 @@ static bool is_among(const char *const *names, size_t count, const char *name)
     return false;
 }
 
-/* All of them, up to the limit. */
+/* Lists the names of all colourings, up to the limit. */
 static size_t list(const char *names[TRACT_COLOUR_LIMIT], const conus_atlas *atlas)
 {
     conus_tract_scalar scalar = CONUS_TRACT_SCALAR_INIT;
@@ -175,16 +175,6 @@ size_t tract_colour_count(const conus_atlas *atlas)
     return list(names, atlas);
 }
 
-static void widen(double range[2], const conus_tract_scalar *scalar, const conus_tractogram_info *info)
-{
-    uint64_t count = scalar->per_point ? info->points : info->streamlines;
-    for (uint64_t v = 0; v < count; v++) {
-        double value = (double)scalar->values[v];
-        range[0] = isfinite(value) ? fmin(range[0], value) : range[0];
-        range[1] = isfinite(value) ? fmax(range[1], value) : range[1];
-    }
-}
-
 /* In one tractogram the first of that name counts, as in pictures. */
 bool tract_colour_range(double out[2], const conus_atlas *atlas, const char *name)
 {
@@ -196,8 +186,11 @@ bool tract_colour_range(double out[2], const conus_atlas *atlas, const char *nam
         for (size_t s = 0; !found && !conus_atlas_tractogram_scalar(&scalar, atlas, i, s); s++) {
             found = scalar.components == 1 && strcmp(scalar.name, name) == 0;
         }
-        if (found) {
-            widen(range, &scalar, &info);
+        uint64_t count = !found ? 0 : scalar.per_point ? info.points : info.streamlines;
+        for (uint64_t v = 0; v < count; v++) {
+            double value = (double)scalar.values[v];
+            range[0] = isfinite(value) ? fmin(range[0], value) : range[0];
+            range[1] = isfinite(value) ? fmax(range[1], value) : range[1];
         }
     }
     if (range[0] > range[1]) {

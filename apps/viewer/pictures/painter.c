@@ -68,7 +68,7 @@ bool painting_shows_same(const struct painting *a, const struct painting *b)
            eye_is_same(&a->eye, &b->eye);
 }
 
-/* With the lock held; ends it. */
+/* Tells the window that there is news. To be called with the lock held, which it releases. */
 static void wake_window(struct painter *painter)
 {
     painter->has_news = true;
@@ -210,7 +210,7 @@ static void note_transfer(struct painter *painter, const conus_renderer *rendere
     }
 }
 
-/* Ends what is left of it. */
+/* Frees the changes that were not drawn. */
 static void forget_news(struct scene_news *news)
 {
     free(news->points);
@@ -235,7 +235,7 @@ static void apply_news(struct painter *painter, conus_renderer *renderer, struct
     forget_news(news);
 }
 
-/* With the lock held. */
+/* Notes that the atlas is not read any more. To be called with the lock held. */
 static void end_reading(struct painter *painter)
 {
     painter->is_busy = false;

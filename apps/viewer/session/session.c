@@ -57,7 +57,7 @@ static void add_values(json_t *root, const struct window *window)
     }
 }
 
-/* By name, in their order; null where none were chosen. */
+/* The names of the chosen columns, in their order; null where none were chosen. */
 static json_t *columns_of(const struct result_list *list)
 {
     json_t *names = list->columns ? json_array() : json_null();
@@ -93,7 +93,7 @@ static json_t *pins_of(const struct viewer *viewer)
     return pins;
 }
 
-/* Null where the context is drawn as it came. */
+/* The points of an edited transfer function; null where the context is drawn as it came. */
 static json_t *transfer_of(const struct transfer_editor *editor)
 {
     json_t *list = editor->edited ? json_array() : json_null();
@@ -195,17 +195,6 @@ static bool read_values(double values[PROPERTY_COUNT][PROPERTY_NUMBERS], const j
     return check_values(values, why);
 }
 
-static const char *known_score(const char *name)
-{
-    const conus_score_info *info;
-    for (size_t i = 0; name && (info = conus_score(i)); i++) {
-        if (strcmp(info->name, name) == 0) {
-            return info->name;
-        }
-    }
-    return NULL;
-}
-
 static double number_or_nan(const json_t *value)
 {
     return json_is_number(value) ? json_number_value(value) : NAN;
@@ -247,7 +236,7 @@ static bool read_columns(uint32_t *out, const json_t *results, char why[PROPERTY
     return fine || session_refuse(why, "session: results: columns: names of columns are needed, or null");
 }
 
-/* Five numbers: a grey value not below @p least, red, green, blue and opacity. */
+/* Reads five numbers: a grey value not below @p least, red, green, blue and opacity. */
 static bool read_point(conus_transfer_point *out, const json_t *entry, double least)
 {
     bool fine = json_is_array(entry) && json_array_size(entry) == 5;
@@ -301,7 +290,7 @@ static bool read_preset(const char **preset, const struct view_atlas *view, cons
     return *preset || session_refuse(why, "session: preset: the name of a transfer function is needed, or null");
 }
 
-/* Colours and thresholds; what the session does not say stays as it is. */
+/* Reads colours and thresholds; what the session does not say stays as it is. */
 static bool read_edits(struct session *out, const struct viewer *viewer, const json_t *root, char why[PROPERTY_REASON])
 {
     const json_t *transfer = json_object_get(root, "transfer");
@@ -315,7 +304,7 @@ static bool read_edits(struct session *out, const struct viewer *viewer, const j
                          read_preset(&out->edits.preset, drawn, json_object_get(root, "preset"), why));
 }
 
-/* The level of the first atlas, as for --level. Older sessions have none. */
+/* Reads the level of the first atlas, as for --level. Older sessions have none. */
 static bool read_level(const char **out, const struct viewer *viewer, const json_t *root, char why[PROPERTY_REASON])
 {
     const json_t *level = json_object_get(root, "level");
@@ -384,7 +373,7 @@ bool session_read(struct window *window, json_t *root, char why[PROPERTY_REASON]
 {
     struct viewer *viewer = window->viewer;
     struct session session = {.columns = viewer->list.columns,
-                              .score = known_score(json_string_value(json_object_get(root, "score")))};
+                              .score = viewer_find_score(json_string_value(json_object_get(root, "score")))};
     session_fit(root, window);
     if (json_integer_value(json_object_get(root, "conus_session")) != SESSION_VERSION) {
         return session_refuse(why, "no session of this version of conus view");
@@ -412,7 +401,7 @@ bool session_parse(struct window *window, const char *text, size_t size, char wh
     return fine;
 }
 
-/* Ctrl+S saves there from now on. */
+/* Notes where Ctrl+S saves from now on. */
 static void note_path(struct window *window, const char *path)
 {
     char *copy = strdup(path);

@@ -47,7 +47,7 @@ static void find_place(double out[3 * PLACES], const struct view_atlas *view)
     }
 }
 
-/* A number, or null where a deformation field says nothing. */
+/* Coordinates are null where a deformation field says nothing. */
 json_t *session_place(const struct view_atlas *view)
 {
     double place[3 * PLACES];
@@ -118,7 +118,7 @@ static bool read_threshold(double *out, const json_t *entry, const char *wanted,
            session_refuse(why, "session: thresholds: %s: a number from %g to %g is needed", name, low, high);
 }
 
-/* One for each pathway, in the atlas's order. Fills [object_count + 1]. */
+/* Reads a threshold for each pathway, in the atlas's order. Fills [object_count + 1]. */
 static bool read_thresholds(double *out, const struct view_atlas *view, const json_t *list, char why[PROPERTY_REASON])
 {
     size_t count = 0;
@@ -133,7 +133,7 @@ static bool read_thresholds(double *out, const struct view_atlas *view, const js
            session_refuse(why, "session: thresholds: a list of %zu, one for each pathway, is needed", count);
 }
 
-/* Whether the atlas lies where it lay. Sessions older than transforms have no place. */
+/* Checks that the atlas lies where it lay. Sessions older than transforms have no place. */
 static bool check_place(const struct view_atlas *view, const json_t *list, char why[PROPERTY_REASON])
 {
     double place[3 * PLACES];

@@ -96,7 +96,7 @@ static uint32_t number_now(const struct numbers *numbers, const json_t *value)
     return number >= 1 && (uint64_t)number <= numbers->then ? numbers->now[number] : 0;
 }
 
-/* A list of objects, or of pairs [object, value]: without those that are gone. */
+/* Renumbers a list of objects, or of pairs [object, value], and removes objects that are gone. */
 static void fit_list(json_t *list, bool has_pairs, const struct numbers *numbers)
 {
     for (size_t i = json_array_size(list); i-- > 0;) {
@@ -110,7 +110,7 @@ static void fit_list(json_t *list, bool has_pairs, const struct numbers *numbers
     }
 }
 
-/* Pins in other atlases stay. A pin of an object that is gone keeps only its name; without one it is removed. */
+/* Renumbers pins; those in other atlases stay. A pin of an object that is gone keeps its name, or else is removed. */
 static void fit_pins(json_t *list, const struct numbers *numbers)
 {
     for (size_t i = json_array_size(list); i-- > 0;) {
@@ -128,7 +128,7 @@ static void fit_pins(json_t *list, const struct numbers *numbers)
     }
 }
 
-/* The thresholds of the pathways that are there now; the session's own where it has one by that name. */
+/* The thresholds of the pathways now, with the session's value where it has one by that name. */
 static json_t *fit_thresholds(const json_t *then, const struct view_atlas *view)
 {
     json_t *now = session_thresholds(view);
@@ -190,18 +190,6 @@ static bool has_other_context(const json_t *then, const json_t *now)
     return other;
 }
 
-/* Colours and grey values of another context mean nothing here: drops them. */
-static void fit_context(json_t *root)
-{
-    const json_t *further = json_object_get(root, "further_atlases");
-    json_object_del(root, "transfer");
-    json_object_del(root, "preset");
-    json_object_del(json_object_get(root, "look"), "grey");
-    for (size_t i = 0; i < json_array_size(further); i++) {
-        json_object_del(json_object_get(json_array_get(further, i), "look"), "grey");
-    }
-}
-
 void session_fit(json_t *root, const struct window *window)
 {
     const json_t *then = added_of(json_object_get(root, "opened"));
@@ -218,7 +206,13 @@ void session_fit(json_t *root, const struct window *window)
         fit_objects(root, &numbers, view);
     }
     if (has_other_context(then, now)) {
-        fit_context(root);
+        const json_t *further = json_object_get(root, "further_atlases"); /* whose colours mean nothing here */
+        json_object_del(root, "transfer");
+        json_object_del(root, "preset");
+        json_object_del(json_object_get(root, "look"), "grey");
+        for (size_t i = 0; i < json_array_size(further); i++) {
+            json_object_del(json_object_get(json_array_get(further, i), "look"), "grey");
+        }
     }
     free(numbers.now);
 }

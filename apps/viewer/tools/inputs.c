@@ -29,7 +29,7 @@ static void rotation(double out[9], const double axis[3], double angle)
     }
 }
 
-/* Unit columns, perpendicular to each other, that turn right; z, the axis, keeps its direction. */
+/* Makes the columns perpendicular unit vectors, right-handed; z, the axis, keeps its direction. */
 static void straighten(double m[16])
 {
     double *x = m;
@@ -77,17 +77,6 @@ static void steer_pose(conus_pose *pose, const double move[3], const double turn
     }
 }
 
-/* Brings a pose back that is farther than `radius`, mm, from `centre`, along the line to it. */
-static void steer_within(conus_pose *pose, const double centre[3], double radius)
-{
-    double *at = pose->world_from_device + 12;
-    const double offset[3] = {at[0] - centre[0], at[1] - centre[1], at[2] - centre[2]};
-    double far = length(offset);
-    for (int a = 0; a < 3 && far > radius; a++) {
-        at[a] = centre[a] + offset[a] * radius / far;
-    }
-}
-
 void inputs_steer(struct viewer *viewer, enum tool_number number, const double move[3], const double turn[3])
 {
     if (!viewer->tools[number].has_pose) {
@@ -95,11 +84,16 @@ void inputs_steer(struct viewer *viewer, enum tool_number number, const double m
         return;
     }
     conus_pose pose = viewer->tools[number].pose;
-    const double *at = pose.world_from_device + 12;
+    double *at = pose.world_from_device + 12;
     const double *centre = viewer->centre;
     double before = hypot(hypot(at[0] - centre[0], at[1] - centre[1]), at[2] - centre[2]);
     steer_pose(&pose, move, turn);
-    steer_within(&pose, viewer->centre, fmax(before, farthest_radii * viewer->radius));
+    const double offset[3] = {at[0] - centre[0], at[1] - centre[1], at[2] - centre[2]};
+    double far = length(offset);
+    double most = fmax(before, farthest_radii * viewer->radius);
+    for (int a = 0; a < 3 && far > most; a++) { /* back along the line to the centre */
+        at[a] = centre[a] + offset[a] * most / far;
+    }
     tool_aim(viewer, number, &pose);
 }
 
@@ -108,7 +102,7 @@ static bool any(const double v[3])
     return v[0] != 0 || v[1] != 0 || v[2] != 0;
 }
 
-/* Does what a source has said. Returns whether there was a pose, or a move. */
+/* Applies the news of a source to its tool. Returns whether there was a pose, or a move. */
 static bool take_news(struct viewer *viewer, enum tool_number number, const struct source_news *news)
 {
     bool moves = !viewer->tools[number].held && (news->has_pose || any(news->move) || any(news->turn));
@@ -148,7 +142,7 @@ static void hear_trackers(struct inputs *inputs)
     }
 }
 
-/* NULL where keys or a replay move it, or nothing. */
+/* The source that moves a tool; NULL where keys, a replay or nothing does. */
 static struct source *source_of(struct inputs *inputs, const struct viewer *viewer, enum tool_number number)
 {
     struct devices *devices = &inputs->devices;
@@ -169,7 +163,7 @@ static struct source *source_of(struct inputs *inputs, const struct viewer *view
     }
 }
 
-/* Returns whether it got a pose, or a move. */
+/* Asks the source of a tool and applies its news. Returns whether there was a pose, or a move. */
 static bool serve(struct inputs *inputs, struct viewer *viewer, enum tool_number number, double now_s)
 {
     struct source_news *heard = &inputs->devices.heard[number];

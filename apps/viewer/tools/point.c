@@ -6,9 +6,9 @@
 
 #include <math.h>
 
-/* Part of the way from black to white in the cuts: the air around a head is darker. */
+/* The skin's grey value, as a fraction from black to white in the cuts: the air around a head is darker. */
 static const double skin_part = 0.2;
-static const double fine = 0.01; /* of a step: how well the skin is found */
+static const double fine = 0.01; /* the accuracy of the skin's depth, in steps */
 
 /* A ray through the context. */
 struct ray {
@@ -28,7 +28,7 @@ static bool is_inside(const struct ray *ray, double depth)
     return conus_atlas_value(ray->view->atlas, ray->context, at) >= ray->skin; /* NaN, outside of it, is not */
 }
 
-/* The skin is between both depths. */
+/* Finds the skin between both depths, by bisection. */
 static double find_skin(const struct ray *ray, double outside, double inside)
 {
     while (inside - outside > fine * ray->step) {
@@ -44,7 +44,7 @@ static bool is_skin(const struct ray *ray, double depth)
     return is_inside(ray, depth) && is_inside(ray, depth + ray->step) && is_inside(ray, depth + 2 * ray->step);
 }
 
-/* Between the depths @p least and @p most. */
+/* The depth of the context's surface between @p least and @p most, mm; INFINITY without one. */
 static double depth_of_context(const struct viewer *viewer, const double from[3], const double direction[3],
                                double least, double most)
 {

@@ -9,7 +9,7 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* In the device's frame, whose axis is -z: a ring of a radius, so deep, in the direction (x, y). */
+/* A point of a ring in the device's frame, whose axis is -z: @p depth mm deep, in the direction (x, y). */
 static void put(double out[3], const conus_pose *pose, double x, double y, double radius, double depth)
 {
     const double *m = pose->world_from_device;
@@ -38,7 +38,7 @@ void shell_find(struct shell *out, const conus_pose *pose, const conus_selector_
     }
 }
 
-/* Where the edge from a to b meets the plane, at depths da and db beside it, of which one is negative. */
+/* The point where the edge from a to b meets the plane; da and db are their signed distances from it. */
 static void meet(double out[3], const double a[3], const double b[3], double da, double db)
 {
     for (int i = 0; i < 3; i++) {

@@ -10,11 +10,6 @@
 #include <cstring>
 #include <string>
 
-static ImVec2 padded(float width, float height)
-{
-    return ImVec2(width + 2 * ImGui::GetStyle().CellPadding.x + 1, height);
-}
-
 /* The text, or its beginning with "...", whole characters of UTF-8. */
 static std::string cut_to(const char *text, float room)
 {
@@ -37,7 +32,7 @@ bool ui_list(const char *id, const float *widths, size_t count, float height)
 {
     float wanted = ImGui::GetStyle().ScrollbarSize;
     for (size_t i = 0; i < count; i++) {
-        wanted += padded(widths[i], 0).x;
+        wanted += widths[i] + 2 * ImGui::GetStyle().CellPadding.x + 1;
     }
     bool fits = wanted <= ImGui::GetContentRegionAvail().x;
     ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit |

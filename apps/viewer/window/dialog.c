@@ -44,8 +44,8 @@ static bool is_folder(const char *path)
     return stat(path, &info) == 0 && S_ISDIR(info.st_mode);
 }
 
-/* Takes one more; false without memory. */
-static bool add(struct folder *folder, const char *name, bool is_folder)
+/* Adds an entry; false without memory. */
+static bool add_entry(struct folder *folder, const char *name, bool is_folder)
 {
     bool is_full = !(folder->count & (folder->count - 1)); /* at 0, 1, 2, 4 ... it doubles */
     size_t room = folder->count ? 2 * folder->count : 1;
@@ -87,7 +87,7 @@ void folder_read(struct folder *folder, const char *path, enum folder_filter fil
         bool goes_in = name[0] != '.' && may_be_folder && size < PATH_MAX && is_folder(whole);
         bool fits = goes_in || filter == FOLDER_ALL ||
                     (filter == FOLDER_SESSIONS ? path_ends(name, ".json") : folder_can_open(name));
-        folder->failed = name[0] != '.' && fits && !add(folder, name, goes_in);
+        folder->failed = name[0] != '.' && fits && !add_entry(folder, name, goes_in);
     }
     if (entries) {
         closedir(entries);
@@ -115,7 +115,7 @@ static bool find_path(char path[PATH_MAX], const struct dialog *dialog)
     return size > 0 && size < PATH_MAX;
 }
 
-/* Behind the last slash. */
+/* The text behind the last slash. */
 static const char *leaf(const char *text)
 {
     const char *slash = strrchr(text, '/');
@@ -142,7 +142,7 @@ void dialog_set(struct dialog *dialog, const char *text)
     dialog_look(dialog);
 }
 
-/* A folder, so that its entries follow. */
+/* Goes to a folder, so that its entries follow. */
 static void go_to(struct dialog *dialog, const char *folder)
 {
     char text[PATH_MAX];
@@ -230,7 +230,7 @@ static void complain(struct dialog *dialog, const char *text, const char *path)
     dialog->takes_keys = dialog->is_set = true;
 }
 
-/* A session is JSON, and nothing is lost without a question. */
+/* Checks the path to save to: it ends in .json, and an existing file is replaced only after a question. */
 static bool answer_save(char path[PATH_MAX], struct dialog *dialog)
 {
     if (!path_ends(path, ".json")) {
@@ -249,7 +249,7 @@ static bool answer_save(char path[PATH_MAX], struct dialog *dialog)
     return true;
 }
 
-/* A file, also with ",volume=K" and the like behind it, or the name of an installed atlas. */
+/* Whether it is a file, also with ",volume=K" and the like behind it, or may be the name of an installed atlas. */
 static bool may_be_opened(const char *path)
 {
     char file[PATH_MAX];

@@ -9,7 +9,7 @@
 
 enum { NAME_TEXT = 256 };
 
-static const double told_mm = 0.5; /* depths that differ by less are the same */
+static const double told_mm = 0.5; /* depths that differ by less count as the same */
 
 /* The object of an atlas at the mouse, and how much deeper it is than the drawn atlas's. */
 struct found {
@@ -37,7 +37,7 @@ static void find_along_ray(struct found *out, const struct hover *hover, struct 
     }
 }
 
-static void find(struct found *out, const struct window *window, struct view_atlas *view)
+static void find_at_mouse(struct found *out, const struct window *window, struct view_atlas *view)
 {
     const struct hover *hover = &window->frame.hover;
     const double *at = hover->has_place ? hover->at : window->viewer->crosshair;
@@ -56,7 +56,7 @@ static void find(struct found *out, const struct window *window, struct view_atl
 static void name(char out[NAME_TEXT], const struct window *window, struct view_atlas *view)
 {
     struct found found;
-    find(&found, window, view);
+    find_at_mouse(&found, window, view);
     const conus_object *object = conus_atlas_object(view->atlas, found.object);
     char title[VIEW_ATLAS_TITLE];
     int used = snprintf(out, NAME_TEXT, "%.200s", object ? view_atlas_title(title, view, found.object) : "");

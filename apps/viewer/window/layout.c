@@ -18,7 +18,7 @@ static double clamp(double value, double low, double high)
     return fmin(fmax(value, low), high);
 }
 
-/* The right panel at first leaves the panes what they need, where it can. */
+/* The width of a panel. The right one at first leaves the panes the width that they need, where it can. */
 static float panel_width(const struct layout *layout, size_t side, float width, float scale)
 {
     double own = layout->panels[side];

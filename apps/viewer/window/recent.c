@@ -47,7 +47,7 @@ void recent_load(struct recent *out)
     free(text);
 }
 
-/* From the folder where conus was started, without slashes at its end. Links stay what they are called. */
+/* Completes a path by the current folder, and removes slashes at its end. Links stay unresolved. */
 static bool make_absolute(char out[PATH_MAX], const char *path)
 {
     char here[PATH_MAX] = "";
@@ -62,7 +62,7 @@ static bool make_absolute(char out[PATH_MAX], const char *path)
     return size > 0 && size < PATH_MAX;
 }
 
-/* The others go down to the place where it was, or the last one goes. */
+/* Puts a path first: the others move down to the place where it was, or the last one is dropped. */
 static void put_first(struct recent *recent, const char path[PATH_MAX])
 {
     size_t at = 0;

@@ -273,7 +273,7 @@ static void press_character(GLFWwindow *handle, unsigned character)
     }
 }
 
-/* From the next frame on; texts stay as large as can be read, and small enough that some fit. */
+/* Sets the size of texts from the next frame on, within limits where they can be read and some fit. */
 static void use_zoom(struct window *window, double zoom)
 {
     double least = PLACE_LEAST_ZOOM / 100.0;
@@ -310,7 +310,7 @@ static void take_drop(GLFWwindow *handle, int count, const char **paths)
     }
 }
 
-/* Before ui_create(), which calls what is there already. */
+/* Sets the callbacks. To be called before ui_create(), whose callbacks call these. */
 static void hear_events(GLFWwindow *handle)
 {
     glfwSetKeyCallback(handle, press_named);
@@ -348,8 +348,8 @@ static GLFWwindow *make_window(const struct window_options *options, int api)
     return glfwCreateWindow(place->width, place->height, "conus", NULL, NULL);
 }
 
-/* As large as it was asked for, or as the screen asks for, but no larger than the screen. */
-static void put(struct window *window, const struct window_options *options)
+/* Places the window, as large as it was asked for or as the screen asks for, but no larger than the screen. */
+static void put_on_screen(struct window *window, const struct window_options *options)
 {
     struct place place = options->place;
     if (!place.known) {
@@ -416,7 +416,7 @@ bool window_open(struct window *out, const struct window_options *options)
     }
     glfwMakeContextCurrent(window.handle);
     glfwSwapInterval(1);
-    put(&window, options);
+    put_on_screen(&window, options);
     find_scale(&window, options);
     hear_events(window.handle);
     if (!ui_create(window.handle, window.screen.scale)) {
@@ -654,7 +654,7 @@ void wanted_finish(struct wanted *wanted)
     *wanted = (struct wanted){.count = 0};
 }
 
-/* Likewise for several files: an atlas or a session, and what is to be added to it, in any order. */
+/* Wants several files: an atlas or a session, and files to add to it, in any order. */
 static void window_want_all(struct window *window, size_t count, const char *const *paths)
 {
     bool fine = true;
@@ -767,7 +767,7 @@ void window_want_hemispheres(struct window *window, conus_hemispheres how, int s
     }
 }
 
-/* Beside the one that was saved last, or else where one can write, by the atlas's name. */
+/* Finds a path for a session: that of the last one, or else a name after the atlas in a folder that can be written. */
 static void find_session_path(char path[PATH_MAX], const struct window *window)
 {
     char here[PATH_MAX];
@@ -845,7 +845,7 @@ void window_copy(struct window *window, enum copied what)
     free(text);
 }
 
-/* The best hit, or else what is chosen; 0 = neither. */
+/* The object in the title: the best hit, or else the chosen one; 0 = neither. */
 static uint32_t find_object(const char **how, const struct viewer *viewer)
 {
     const conus_selection *selection = viewer_selection(viewer);
