@@ -18,51 +18,44 @@
 #include <string.h>
 #include <strings.h>
 
-static void toggle_help(struct window *window, const int by[3])
+static void toggle_help(struct window *window)
 {
-    (void)by;
     window->forms.show_help = !window->forms.show_help;
 }
 
-static void confirm(struct window *window, const int by[3])
+static void confirm(struct window *window)
 {
-    (void)by;
     tool_confirm(window->viewer, FIRST_TOOL);
 }
 
-static void show_all(struct window *window, const int by[3])
+static void show_all(struct window *window)
 {
-    (void)by;
     viewer_show_all(window->viewer);
 }
 
-static void hide_chosen(struct window *window, const int by[3])
+static void hide_chosen(struct window *window)
 {
-    (void)by;
     struct viewer *viewer = window->viewer;
     if (viewer->drawn->shown.chosen) {
         viewer_hide(viewer, viewer->drawn->shown.chosen, !viewer->drawn->shown.hidden[viewer->drawn->shown.chosen]);
     }
 }
 
-static void isolate_chosen(struct window *window, const int by[3])
+static void isolate_chosen(struct window *window)
 {
-    (void)by;
     if (window->viewer->drawn->shown.chosen) {
         viewer_isolate(window->viewer, window->viewer->drawn->shown.chosen);
     }
 }
 
-static void hold(struct window *window, const int by[3])
+static void hold(struct window *window)
 {
-    (void)by;
     tool_hold(window->viewer, FIRST_TOOL);
 }
 
 /* Ends what covers the brain first, then clears the cone. */
-static void clear(struct window *window, const int by[3])
+static void clear(struct window *window)
 {
-    (void)by;
     if (window->forms.show_help) {
         window->forms.show_help = false;
     } else if (window->forms.figure.open) {
@@ -80,57 +73,49 @@ static void clear(struct window *window, const int by[3])
 }
 
 /* Moves the keyboard from the areas to the hits, and back to the panes. */
-static void go_to_panel(struct window *window, const int by[3])
+static void go_to_panel(struct window *window)
 {
-    (void)by;
     window->frame.navigated = ui_navigates() ? (window->frame.navigated + 1) % 3 : 1;
     window->frame.navigates_anew = true;
 }
 
-static void use_second(struct window *window, const int by[3])
+static void use_second(struct window *window)
 {
-    (void)by;
     tool_use_second(window->viewer, !window->viewer->tools[SECOND_TOOL].on);
     viewer_say(window->viewer, "the second tool is %s", window->viewer->tools[SECOND_TOOL].on ? "on" : "off");
 }
 
-static void hold_second(struct window *window, const int by[3])
+static void hold_second(struct window *window)
 {
-    (void)by;
     if (window->viewer->tools[SECOND_TOOL].on) {
         tool_hold(window->viewer, SECOND_TOOL);
     }
 }
 
-static void go_deeper(struct window *window, const int by[3])
+static void go_deeper(struct window *window)
 {
-    (void)by;
     question_next_level(window->viewer);
 }
 
-static void change_hemispheres(struct window *window, const int by[3])
+static void change_hemispheres(struct window *window)
 {
-    (void)by;
     window_want_hemispheres(window, (conus_hemispheres)((window->files.hemispheres + 1) % HEMISPHERES_COUNT), 0);
 }
 
-static void show_next_side(struct window *window, const int by[3])
+static void show_next_side(struct window *window)
 {
-    (void)by;
     side_show_next(window->viewer);
 }
 
-static void look_at_all(struct window *window, const int by[3])
+static void look_at_all(struct window *window)
 {
-    (void)by;
     struct viewer *viewer = window->viewer;
     orbit_look_at(&viewer->orbit, viewer->centre, viewer->radius);
     viewer->version++;
 }
 
-static void toggle_head(struct window *window, const int by[3])
+static void toggle_head(struct window *window)
 {
-    (void)by;
     struct viewer *viewer = window->viewer;
     bool is_there = head_toggle(&viewer->head);
     viewer_say(viewer, !is_there         ? "no head is tracked: start with --head"
@@ -138,36 +123,26 @@ static void toggle_head(struct window *window, const int by[3])
                                          : "the mouse moves the view");
 }
 
-static void draw_next(struct window *window, const int by[3])
+static void draw_next(struct window *window)
 {
-    (void)by;
     struct viewer *viewer = window->viewer;
     viewer_draw(viewer, (size_t)(viewer->drawn - viewer->atlases + 1) % viewer->atlas_count);
     viewer_say(viewer, "%s%s", viewer->atlas_count > 1 ? "drawn: " : "there is one atlas: start with --atlas for more",
                viewer->drawn->name);
 }
 
-static void quit(struct window *window, const int by[3])
+static void quit(struct window *window)
 {
-    (void)by;
     glfwSetWindowShouldClose(window->handle, GLFW_TRUE);
 }
 
-static void keep_picture(struct window *window, const int by[3])
+static void keep_picture(struct window *window)
 {
-    (void)by;
     window->frame.keeps_picture = true; /* once the frame is drawn */
 }
 
-static void ask_for_figure(struct window *window, const int by[3])
+static void list_added(struct window *window)
 {
-    (void)by;
-    figure_form_open(window);
-}
-
-static void list_added(struct window *window, const int by[3])
-{
-    (void)by;
     window->forms.figure.open = false;
     window->forms.added = (struct added_form){.open = !window->forms.added.open,
                                               .takes_keys = !window->forms.added.open,
@@ -175,27 +150,18 @@ static void list_added(struct window *window, const int by[3])
                                               .is_set = true};
 }
 
-static void copy_figure(struct window *window, const int by[3])
+static void reset_layout(struct window *window)
 {
-    (void)by;
-    figure_form_copy(window);
-}
-
-static void reset_layout(struct window *window, const int by[3])
-{
-    (void)by;
     window->screen.layout = (struct layout){.panels = {0}};
 }
 
-static void fill_screen(struct window *window, const int by[3])
+static void fill_screen(struct window *window)
 {
-    (void)by;
     window_fill_screen(window, !window->screen.alone);
 }
 
-static void enlarge(struct window *window, const int by[3])
+static void enlarge(struct window *window)
 {
-    (void)by;
     window->screen.enlarged = window->screen.enlarged < PANE_COUNT - 1 ? window->screen.enlarged + 1 : -1;
     window_lay_out(window);
 }
@@ -255,18 +221,6 @@ static void show_dialog(struct window *window, const int by[3])
     window_show_dialog(window, (enum dialog_purpose)by[0]);
 }
 
-static void go_to_start(struct window *window, const int by[3])
-{
-    (void)by;
-    window_go_to_start(window);
-}
-
-static void maximise(struct window *window, const int by[3])
-{
-    (void)by;
-    window_maximise(window);
-}
-
 static void widen_first(struct window *window, const int by[3])
 {
     layout_widen_first(&window->screen.layout, by[0]);
@@ -299,9 +253,8 @@ static void move_grey(struct window *window, const int by[3])
     }
 }
 
-static void reset_grey(struct window *window, const int by[3])
+static void reset_grey(struct window *window)
 {
-    (void)by;
     viewer_set_grey(window->viewer, 0, 0);
     say_grey(window->viewer);
 }
@@ -323,12 +276,11 @@ static void change_opacity(struct window *window, const int by[3])
     viewer_say(viewer, "%s: %.2f opaque", object ? object->name : "what the cone does not hit", next);
 }
 
-static void next_streamlines(struct window *window, const int by[3])
+static void next_streamlines(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     const conus_atlas *atlas = viewer->drawn->atlas;
     size_t count = tract_colour_count(atlas);
-    (void)by;
     if (!count) {
         viewer_say(viewer, "there are no streamlines: start with --streamlines");
         return;
@@ -337,9 +289,8 @@ static void next_streamlines(struct window *window, const int by[3])
     viewer_say(viewer, "streamlines by %s", tract_colour_name(atlas, viewer->drawn->look.streamlines));
 }
 
-static void next_backdrop(struct window *window, const int by[3])
+static void next_backdrop(struct window *window)
 {
-    (void)by;
     property_next(window, PROPERTY_BACKGROUND);
     viewer_say(window->viewer, "background: %s", backdrop_names[window->viewer->display.backdrop]);
 }
@@ -397,109 +348,109 @@ static const struct key keys[] = {
     {"1", "one area, by a single ray, or all areas in the cone", .sets = PROPERTY_ONE_RAY},
     {"x", "the mouse's cone begins at the surface, or at your eye", .sets = PROPERTY_APEX_AT_EYE},
     {"g", "the cuts go along with the cone's tip, with the contact of its best hit, or stay", .sets = PROPERTY_FOLLOW},
-    {"+", "a wider cone", .act = scale_angle, .by = {1}, .sets = PROPERTY_ANGLE},
-    {"-", "a narrower cone", .act = scale_angle, .by = {-1}, .sets = PROPERTY_ANGLE},
+    {"+", "a wider cone", .move = scale_angle, .by = {1}, .sets = PROPERTY_ANGLE},
+    {"-", "a narrower cone", .move = scale_angle, .by = {-1}, .sets = PROPERTY_ANGLE},
     {"l", "first hits, or all hits", .sets = PROPERTY_LAYERS},
-    {"m", "what moves the cone: the next of mouse, wand, ...", .act = next_pointer, .by = {FIRST_TOOL}},
+    {"m", "what moves the cone: the next of mouse, wand, ...", .move = next_pointer, .by = {FIRST_TOOL}},
     {"2", "the second tool, with a cone and a list of its own, or none", .act = use_second},
-    {"3", "what moves the second tool: the next", .act = next_pointer, .by = {SECOND_TOOL}},
+    {"3", "what moves the second tool: the next", .move = next_pointer, .by = {SECOND_TOOL}},
     {"4", "hold the second tool, or let it go", .act = hold_second},
-    {"6", "a wider second cone", .act = scale_second, .by = {1}, .sets = PROPERTY_SECOND_ANGLE},
-    {"5", "a narrower one", .act = scale_second, .by = {-1}, .sets = PROPERTY_SECOND_ANGLE},
-    {"8", "a SpaceMouse or gamepad moves faster", .act = scale_speed, .by = {1}, .sets = PROPERTY_SPEED},
-    {"7", "slower", .act = scale_speed, .by = {-1}, .sets = PROPERTY_SPEED},
+    {"6", "a wider second cone", .move = scale_second, .by = {1}, .sets = PROPERTY_SECOND_ANGLE},
+    {"5", "a narrower one", .move = scale_second, .by = {-1}, .sets = PROPERTY_SECOND_ANGLE},
+    {"8", "a SpaceMouse or gamepad moves faster", .move = scale_speed, .by = {1}, .sets = PROPERTY_SPEED},
+    {"7", "slower", .move = scale_speed, .by = {-1}, .sets = PROPERTY_SPEED},
     {"f7", "areas as parts of larger ones: the next level of the tree, after the last one each by itself",
      .act = go_deeper},
     {"f8", "areas as in the file, split left and right, or left and right as one", .act = change_hemispheres},
     {"f9", "both sides, the left one only, the right one only: the other side's areas are hidden",
      .act = show_next_side},
     {"y", "the list by rank, or the nearest first", .sets = PROPERTY_ORDER},
-    {"f4", "depth limits: the farther one 1 mm nearer; at first 0 to 50 mm", .act = move_range, .by = {0, -1}},
-    {"f5", "the farther one 1 mm deeper", .act = move_range, .by = {0, 1}},
-    {"f2", "the nearer one 1 mm nearer", .act = move_range, .by = {-1, 0}},
-    {"f3", "the nearer one 1 mm deeper", .act = move_range, .by = {1, 0}},
+    {"f4", "depth limits: the farther one 1 mm nearer; at first 0 to 50 mm", .move = move_range, .by = {0, -1}},
+    {"f5", "the farther one 1 mm deeper", .move = move_range, .by = {0, 1}},
+    {"f2", "the nearer one 1 mm nearer", .move = move_range, .by = {-1, 0}},
+    {"f3", "the nearer one 1 mm deeper", .move = move_range, .by = {1, 0}},
     {"j", "a study of the cone: sweep over its angle, jitter of its pose, or none", .sets = PROPERTY_STUDY},
-    {"ctrl+j", "save the study's table: conus-DATE-TIME.tsv, in the folder where conus was started", .act = keep_file,
+    {"ctrl+j", "save the study's table: conus-DATE-TIME.tsv, in the folder where conus was started", .move = keep_file,
      .by = {KEEP_STUDY}},
     {"h", "hide or show the chosen area", .act = hide_chosen},
     {"i", "show the chosen area only", .act = isolate_chosen},
-    {"ctrl+z", "take back the last change; U, too", .act = undo, .by = {-1}},
-    {"u", NULL, .act = undo, .by = {-1}},
-    {"ctrl+y", "do again what was taken back; Ctrl+Shift+Z, too", .act = undo, .by = {1}},
-    {"ctrl+shift+z", NULL, .act = undo, .by = {1}},
+    {"ctrl+z", "take back the last change; U, too", .move = undo, .by = {-1}},
+    {"u", NULL, .move = undo, .by = {-1}},
+    {"ctrl+y", "do again what was taken back; Ctrl+Shift+Z, too", .move = undo, .by = {1}},
+    {"ctrl+shift+z", NULL, .move = undo, .by = {1}},
     {"v", "show all areas", .act = show_all},
     {"r", "look at the whole brain", .act = look_at_all},
     {"f", "neurological or radiological", .sets = PROPERTY_RADIOLOGICAL, .ends_column = true},
     {"t", "what a tracked head sees, or what the mouse turns", .act = toggle_head},
     {"n", "draw the next of several atlases", .act = draw_next},
     {"c", "colours for any colour vision, or the atlas's own", .sets = PROPERTY_SAFE_COLOURS},
-    {"]", "brighter cuts; [ darker, } more contrast, { less: grey values of the context", .act = move_grey,
+    {"]", "brighter cuts; [ darker, } more contrast, { less: grey values of the context", .move = move_grey,
      .by = {0, 1}},
-    {"[", NULL, .act = move_grey, .by = {0, -1}},
-    {"}", NULL, .act = move_grey, .by = {2, 0}},
-    {"{", NULL, .act = move_grey, .by = {-2, 0}},
+    {"[", NULL, .move = move_grey, .by = {0, -1}},
+    {"}", NULL, .move = move_grey, .by = {2, 0}},
+    {"{", NULL, .move = move_grey, .by = {-2, 0}},
     {"b", "their black and white as they were found", .act = reset_grey},
-    {".", "the chosen area more opaque in 3-D, or else what the cone does not hit; , less", .act = change_opacity,
+    {".", "the chosen area more opaque in 3-D, or else what the cone does not hit; , less", .move = change_opacity,
      .by = {1}},
-    {",", NULL, .act = change_opacity, .by = {-1}},
+    {",", NULL, .move = change_opacity, .by = {-1}},
     {"k", "another background of 3-D: light, white, black, transparent in figures", .act = next_backdrop,
      .sets = PROPERTY_BACKGROUND},
     {"9", "streamlines by their bundle, by direction, or by the next number of their file", .act = next_streamlines},
-    {"ctrl+s", "save the session where it was opened or saved last", .act = keep_file, .by = {KEEP_SAME_SESSION}},
-    {"ctrl+shift+s", "save the session under another name", .act = show_dialog, .by = {DIALOG_SAVE}},
-    {"o", "or at once: conus-DATE-TIME.json, in the folder where conus was started", .act = keep_file,
+    {"ctrl+s", "save the session where it was opened or saved last", .move = keep_file, .by = {KEEP_SAME_SESSION}},
+    {"ctrl+shift+s", "save the session under another name", .move = show_dialog, .by = {DIALOG_SAVE}},
+    {"o", "or at once: conus-DATE-TIME.json, in the folder where conus was started", .move = keep_file,
      .by = {KEEP_SESSION}},
     {"p", "save what the window shows: conus-DATE-TIME.png, there, too", .act = keep_picture},
-    {"ctrl+c", "copy the hits of the cone as a table", .act = copy_table, .by = {COPY_RESULTS}},
-    {"ctrl+shift+c", "copy what was confirmed", .act = copy_table, .by = {COPY_PINS}},
-    {"ctrl+e", "export the hits of the cone: conus-DATE-TIME-hits.tsv, .csv or .json, there, too", .act = keep_file,
+    {"ctrl+c", "copy the hits of the cone as a table", .move = copy_table, .by = {COPY_RESULTS}},
+    {"ctrl+shift+c", "copy what was confirmed", .move = copy_table, .by = {COPY_PINS}},
+    {"ctrl+e", "export the hits of the cone: conus-DATE-TIME-hits.tsv, .csv or .json, there, too", .move = keep_file,
      .by = {KEEP_RESULTS}},
-    {"ctrl+p", "save 3-D or a cut as a figure: its size, dpi, background, legend and name", .act = ask_for_figure},
-    {"ctrl+shift+p", "copy the path of the figure that was saved last", .act = copy_figure},
-    {"ctrl+o", "open a file: an atlas or a session; or add one: streamlines or an image as context", .act = show_dialog,
-     .by = {DIALOG_OPEN}, .is_anywhere = true},
+    {"ctrl+p", "save 3-D or a cut as a figure: its size, dpi, background, legend and name", .act = figure_form_open},
+    {"ctrl+shift+p", "copy the path of the figure that was saved last", .act = figure_form_copy},
+    {"ctrl+o", "open a file: an atlas or a session; or add one: streamlines or an image as context",
+     .move = show_dialog, .by = {DIALOG_OPEN}, .is_anywhere = true},
     {"ctrl+l", "what was added: streamlines, pathways, context; add, change or take out", .act = list_added},
-    {"ctrl+n", "the start page, for another atlas; Escape comes back", .act = go_to_start},
+    {"ctrl+n", "the start page, for another atlas; Escape comes back", .act = window_go_to_start},
     {"ctrl+q", "close the window", .act = quit, .is_anywhere = true},
     {"f6", "keys go to the areas, the hits, back: arrows and Tab move, Space presses or enters, Escape leaves",
      .act = go_to_panel},
     {"tab", "one pane after the other fills the window", .act = enlarge},
-    {"z", "the pane under the mouse alone, or all again; also a double click in a cut", .act = maximise},
-    {")", "a larger 3-D pane; borders can be dragged, too", .act = widen_first, .by = {1}},
-    {"(", "a smaller 3-D pane", .act = widen_first, .by = {-1}},
-    {">", "wider panels", .act = widen_panels, .by = {1}},
-    {"<", "narrower panels", .act = widen_panels, .by = {-1}},
+    {"z", "the pane under the mouse alone, or all again; also a double click in a cut", .act = window_maximise},
+    {")", "a larger 3-D pane; borders can be dragged, too", .move = widen_first, .by = {1}},
+    {"(", "a smaller 3-D pane", .move = widen_first, .by = {-1}},
+    {">", "wider panels", .move = widen_panels, .by = {1}},
+    {"<", "narrower panels", .move = widen_panels, .by = {-1}},
     {"\\", "panes and panels as at first", .act = reset_layout},
     {"f11", "3-D alone, over the whole screen, and back", .act = fill_screen},
-    {"ctrl++", "larger texts and panels", .act = zoom_texts, .by = {1}, .is_anywhere = true},
-    {"ctrl+-", "smaller ones", .act = zoom_texts, .by = {-1}, .is_anywhere = true},
-    {"ctrl+0", "as large as the screen asks for", .act = zoom_texts, .by = {0}, .is_anywhere = true},
-    {"up", NULL, .act = steer, .by = {3, 1}, .is_of_wand = true},
-    {"down", NULL, .act = steer, .by = {3, -1}, .is_of_wand = true},
-    {"left", NULL, .act = steer, .by = {4, 1}, .is_of_wand = true},
-    {"right", NULL, .act = steer, .by = {4, -1}, .is_of_wand = true},
-    {"left", "turn the 3-D view by 5\u00b0; the wand, where that points", .act = turn, .by = {-1, 0},
+    {"ctrl++", "larger texts and panels", .move = zoom_texts, .by = {1}, .is_anywhere = true},
+    {"ctrl+-", "smaller ones", .move = zoom_texts, .by = {-1}, .is_anywhere = true},
+    {"ctrl+0", "as large as the screen asks for", .move = zoom_texts, .by = {0}, .is_anywhere = true},
+    {"up", NULL, .move = steer, .by = {3, 1}, .is_of_wand = true},
+    {"down", NULL, .move = steer, .by = {3, -1}, .is_of_wand = true},
+    {"left", NULL, .move = steer, .by = {4, 1}, .is_of_wand = true},
+    {"right", NULL, .move = steer, .by = {4, -1}, .is_of_wand = true},
+    {"left", "turn the 3-D view by 5\u00b0; the wand, where that points", .move = turn, .by = {-1, 0},
      .shown = "Arrows"},
-    {"right", NULL, .act = turn, .by = {1, 0}},
-    {"up", NULL, .act = turn, .by = {0, 1}},
-    {"down", NULL, .act = turn, .by = {0, -1}},
-    {"pageup", "come nearer in 3-D, or go away", .act = come_nearer, .by = {1}, .shown = "Page Up, Down"},
-    {"pagedown", NULL, .act = come_nearer, .by = {-1}},
-    {"shift+left", "the crosshair: 1 mm to the side, to the front or back", .act = cross, .by = {-1, 0, 0},
+    {"right", NULL, .move = turn, .by = {1, 0}},
+    {"up", NULL, .move = turn, .by = {0, 1}},
+    {"down", NULL, .move = turn, .by = {0, -1}},
+    {"pageup", "come nearer in 3-D, or go away", .move = come_nearer, .by = {1}, .shown = "Page Up, Down"},
+    {"pagedown", NULL, .move = come_nearer, .by = {-1}},
+    {"shift+left", "the crosshair: 1 mm to the side, to the front or back", .move = cross, .by = {-1, 0, 0},
      .shown = "Shift+arrows"},
-    {"shift+right", NULL, .act = cross, .by = {1, 0, 0}},
-    {"shift+up", NULL, .act = cross, .by = {0, 1, 0}},
-    {"shift+down", NULL, .act = cross, .by = {0, -1, 0}},
-    {"shift+pageup", "the crosshair: 1 mm up, down", .act = cross, .by = {0, 0, 1}, .shown = "Shift+Page ..."},
-    {"shift+pagedown", NULL, .act = cross, .by = {0, 0, -1}},
-    {"ctrl+pageup", "magnify the cuts, or less", .act = magnify, .by = {1}, .shown = "Ctrl+Page ..."},
-    {"ctrl+pagedown", NULL, .act = magnify, .by = {-1}},
-    {"w", "the wand: forward, back, left, right", .act = steer, .by = {2, -1}, .shown = "W S A D", .is_of_wand = true},
-    {"s", NULL, .act = steer, .by = {2, 1}, .is_of_wand = true},
-    {"a", NULL, .act = steer, .by = {0, -1}, .is_of_wand = true},
-    {"d", NULL, .act = steer, .by = {0, 1}, .is_of_wand = true},
-    {"e", "the wand: up, down", .act = steer, .by = {1, 1}, .shown = "E Q", .is_of_wand = true},
-    {"q", NULL, .act = steer, .by = {1, -1}, .is_of_wand = true},
+    {"shift+right", NULL, .move = cross, .by = {1, 0, 0}},
+    {"shift+up", NULL, .move = cross, .by = {0, 1, 0}},
+    {"shift+down", NULL, .move = cross, .by = {0, -1, 0}},
+    {"shift+pageup", "the crosshair: 1 mm up, down", .move = cross, .by = {0, 0, 1}, .shown = "Shift+Page ..."},
+    {"shift+pagedown", NULL, .move = cross, .by = {0, 0, -1}},
+    {"ctrl+pageup", "magnify the cuts, or less", .move = magnify, .by = {1}, .shown = "Ctrl+Page ..."},
+    {"ctrl+pagedown", NULL, .move = magnify, .by = {-1}},
+    {"w", "the wand: forward, back, left, right", .move = steer, .by = {2, -1}, .shown = "W S A D", .is_of_wand = true},
+    {"s", NULL, .move = steer, .by = {2, 1}, .is_of_wand = true},
+    {"a", NULL, .move = steer, .by = {0, -1}, .is_of_wand = true},
+    {"d", NULL, .move = steer, .by = {0, 1}, .is_of_wand = true},
+    {"e", "the wand: up, down", .move = steer, .by = {1, 1}, .shown = "E Q", .is_of_wand = true},
+    {"q", NULL, .move = steer, .by = {1, -1}, .is_of_wand = true},
 };
 enum { KEYS = sizeof keys / sizeof keys[0] };
 
@@ -545,7 +496,9 @@ const char *keys_tip(char out[KEYS_TIP], enum property_id id)
 static void press(struct window *window, const struct key *key)
 {
     if (key->act) {
-        key->act(window, key->by);
+        key->act(window);
+    } else if (key->move) {
+        key->move(window, key->by);
     } else {
         property_next(window, key->sets);
     }

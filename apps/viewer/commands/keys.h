@@ -6,10 +6,11 @@
 #include "viewer/session/property.h"
 
 struct key {
-    const char *key;                                     /**< As window->press gets it. */
-    const char *help;                                    /**< What it does; NULL = another row's says it. */
-    void (*act)(struct window *window, const int by[3]); /**< NULL = it sets the next value of a property. */
-    int by[3];
+    const char *key;                    /**< As window->press gets it. */
+    const char *help;                   /**< What it does; NULL = another row's says it. */
+    void (*act)(struct window *window); /**< Without one, nor `move`, it sets the next value of a property. */
+    void (*move)(struct window *window, const int by[3]);
+    int by[3];             /**< For `move`. */
     enum property_id sets; /**< Of the state's table (0 = none), also where it acts: its tip names the key. */
     const char *shown;     /**< How the list calls it, with those of the next rows; NULL = as it is. */
     bool is_anywhere;      /**< It needs no atlas. */

@@ -234,16 +234,6 @@ static const char *text_of(const json_t *entry, const char *key)
     return text ? text : "";
 }
 
-static const json_t *entry_of(const json_t *described, const char *word)
-{
-    for (size_t i = 0; i < json_array_size(described); i++) {
-        if (strcmp(text_of(json_array_get(described, i), "option"), word) == 0) {
-            return json_array_get(described, i);
-        }
-    }
-    return NULL;
-}
-
 /* The word, with the path where its file is now; NULL: it is nowhere, or there is no memory. */
 static json_t *find_word(const char *word, const char *path, const json_t *entry, const char *session)
 {
@@ -269,7 +259,11 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
         enum addition kind;
         char path[PATH_MAX] = "";
         const char *word = word_at(words, i);
-        const json_t *entry = entry_of(described, word);
+        const json_t *entry = NULL;
+        for (size_t k = 0; k < json_array_size(described) && !entry; k++) {
+            const json_t *one = json_array_get(described, k);
+            entry = strcmp(text_of(one, "option"), word) == 0 ? one : NULL;
+        }
         if (!entry || !read_word(&kind, path, word)) {
             fine = !json_array_append(found, json_array_get(words, i));
             continue;

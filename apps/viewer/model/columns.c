@@ -125,21 +125,15 @@ static bool has_layers(const struct viewer *viewer)
     return viewer->cone.options.layers == CONUS_LAYERS_ALL && !viewer->cone.one_ray;
 }
 
-static bool has_bundles(const struct viewer *viewer)
-{
-    for (size_t i = 0; i < viewer->atlas_count; i++) {
-        if (conus_atlas_tractogram_count(viewer->atlases[i].atlas)) {
-            return true;
-        }
-    }
-    return false;
-}
-
 bool result_is_offered(const struct viewer *viewer, size_t column)
 {
     bool of_layers = column >= RESULT_PIERCED || (column >= RESULT_ENTRY && column <= RESULT_PATH);
     bool of_bundles = column >= RESULT_STREAMLINES;
-    return (!of_layers || has_layers(viewer)) && (!of_bundles || has_bundles(viewer));
+    bool has_bundles = false;
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        has_bundles = has_bundles || conus_atlas_tractogram_count(viewer->atlases[i].atlas);
+    }
+    return (!of_layers || has_layers(viewer)) && (!of_bundles || has_bundles);
 }
 
 static uint32_t bit(size_t column)

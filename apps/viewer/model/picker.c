@@ -176,20 +176,18 @@ bool viewer_pick(uint32_t *object, double contact[3], struct viewer *viewer, con
     return isfinite(depth);
 }
 
-/* Half the diagonal of the pathway's voxels: a ball of it has the centre of one in it, wherever it is. */
-static double reach_of(const conus_atlas *atlas, const conus_object *pathway)
-{
-    const double *s = conus_atlas_volume(atlas, pathway->volume)->spacing;
-    return 0.51 * sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
-}
-
 double view_atlas_value(struct view_atlas *view, uint32_t object, const double place[3])
 {
     const conus_object *info = conus_atlas_object(view->atlas, object);
     conus_selection *selection = NULL;
     double value = NAN;
-    if (!info || info->kind != CONUS_KIND_PATHWAY || make_picker(view) ||
-        conus_select_ball(&selection, view->picker, place, reach_of(view->atlas, info))) {
+    if (!info || info->kind != CONUS_KIND_PATHWAY || make_picker(view)) {
+        return NAN;
+    }
+    /* Half the diagonal of a voxel: a ball of it has the centre of a voxel in it, wherever it is. */
+    const double *s = conus_atlas_volume(view->atlas, info->volume)->spacing;
+    double radius = 0.51 * sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+    if (conus_select_ball(&selection, view->picker, place, radius)) {
         return NAN;
     }
     for (size_t i = 0; i < conus_selection_count(selection); i++) {

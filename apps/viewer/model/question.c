@@ -13,7 +13,9 @@
 
 static const double first_range = 50; /* mm: about as deep as cortex and white matter of a side */
 
-bool question_use(struct viewer *viewer, const conus_selector_options *options, const char *level)
+/* Asks with these options from now on. `options` are without a level; `level`, of the first atlas, is as --level has
+ * it, "" = none. False: it was said why not. */
+static bool ask_with(struct viewer *viewer, const conus_selector_options *options, const char *level)
 {
     struct cone_state *cone = &viewer->cone;
     const struct cone_state before = *cone;
@@ -40,7 +42,7 @@ bool question_set_range(struct viewer *viewer, double nearest, double farthest)
     conus_selector_options options = viewer->cone.options;
     options.range[0] = nearest;
     options.range[1] = farthest;
-    return question_use(viewer, &options, viewer->cone.level);
+    return ask_with(viewer, &options, viewer->cone.level);
 }
 
 bool question_move_range(struct viewer *viewer, double nearest, double farthest)
@@ -57,7 +59,7 @@ bool question_move_range(struct viewer *viewer, double nearest, double farthest)
 
 bool question_set_level(struct viewer *viewer, const char *level)
 {
-    return question_use(viewer, &viewer->cone.options, level);
+    return ask_with(viewer, &viewer->cone.options, level);
 }
 
 unsigned question_deepest(const struct viewer *viewer)
@@ -157,7 +159,7 @@ static bool use_settings(struct viewer *viewer, const struct ask_settings *setti
         return false;
     }
     viewer->cone.order = (conus_order)settings->axis.order;
-    bool fine = question_use(viewer, &options, settings->engine.level ? settings->engine.level : "");
+    bool fine = ask_with(viewer, &options, settings->engine.level ? settings->engine.level : "");
     if (!fine) {
         print_error_line("ask: %s", viewer->message);
     }

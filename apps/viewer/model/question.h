@@ -6,16 +6,12 @@
 
 #include "viewer/model/viewer.h"
 
-/** Asks with these options from now on. @p options are without a level; @p level, of the first atlas, is as --level has
- * it, "" = none. False: it was said why not. */
-bool question_use(struct viewer *viewer, const conus_selector_options *options, const char *level);
-
 /** Only what lies between two depths along the axis, mm from the apex, counts; both 0 = everything. */
 bool question_set_range(struct viewer *viewer, double nearest, double farthest);
 /** Moves the limits by so many mm; where there are none they are 0 and 50 mm first. */
 bool question_move_range(struct viewer *viewer, double nearest, double farthest);
 
-/** Rolls areas of the first atlas up, as question_use() says. */
+/** Rolls areas of the first atlas up; @p level is as --level has it, "" = not at all. False: it was said why not. */
 bool question_set_level(struct viewer *viewer, const char *level);
 /** The deepest level of the first atlas; 0 where none of its areas is part of another. */
 unsigned question_deepest(const struct viewer *viewer);

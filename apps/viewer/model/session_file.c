@@ -22,15 +22,6 @@ static const char *text_or_none(const json_t *object, const char *key)
     return text ? text : "";
 }
 
-static bool is_of_texts(const json_t *list)
-{
-    bool is = json_is_array(list);
-    for (size_t i = 0; i < json_array_size(list); i++) {
-        is = is && json_is_string(json_array_get(list, i));
-    }
-    return is;
-}
-
 bool session_file_read(struct session_file *out, const char *path)
 {
     struct stat info;
@@ -44,12 +35,16 @@ bool session_file_read(struct session_file *out, const char *path)
         json_decref(root);
         return false;
     }
+    bool of_texts = json_is_array(options);
+    for (size_t i = 0; i < json_array_size(options); i++) {
+        of_texts = of_texts && json_is_string(json_array_get(options, i));
+    }
     *out = (struct session_file){.root = root,
                                  .atlas = atlas,
                                  .folder = text_or_none(opened, "folder"),
                                  .sha256 = text_or_none(opened, "sha256"),
                                  .bytes = (uint64_t)json_integer_value(json_object_get(opened, "bytes")),
-                                 .options = is_of_texts(options) ? options : NULL};
+                                 .options = of_texts ? options : NULL};
     return true;
 }
 

@@ -10,6 +10,76 @@
 #include <string.h>
 #include <sys/stat.h>
 
+/* Enough to see that a file is another one. */
+struct state {
+    bool is_there;
+    struct timespec changed;
+    off_t size;
+};
+
+struct file_watch {
+    const conus_atlas *atlas;
+    struct state *states; /* [count] of volumes and then of other files, as they were looked at last */
+    struct state *first;  /* [count] and at first */
+    size_t count;
+};
+
+static size_t count_files(const conus_atlas *atlas)
+{
+    return conus_atlas_volume_count(atlas) + conus_atlas_file_count(atlas);
+}
+
+static const char *path_of(const conus_atlas *atlas, size_t index)
+{
+    size_t volumes = conus_atlas_volume_count(atlas);
+    return index < volumes ? conus_atlas_volume(atlas, index)->path : conus_atlas_file(atlas, index - volumes);
+}
+
+static struct state look_at(const char *path)
+{
+    struct stat stat_;
+    if (stat(path, &stat_)) {
+        return (struct state){.is_there = false};
+    }
+    return (struct state){.is_there = true, .changed = stat_.st_mtim, .size = stat_.st_size};
+}
+
+static bool is_same(const struct state *a, const struct state *b)
+{
+    return a->is_there == b->is_there && a->size == b->size && a->changed.tv_sec == b->changed.tv_sec &&
+           a->changed.tv_nsec == b->changed.tv_nsec;
+}
+
+static void file_watch_destroy(struct file_watch *watch)
+{
+    if (watch) {
+        free(watch->states);
+        free(watch->first);
+        free(watch);
+    }
+}
+
+/* Notes how the files are now; NULL without memory. */
+static struct file_watch *file_watch_create(const conus_atlas *atlas)
+{
+    struct file_watch *watch = calloc(1, sizeof *watch);
+    if (!watch) {
+        return NULL;
+    }
+    watch->atlas = atlas;
+    watch->count = count_files(atlas);
+    watch->states = calloc(watch->count + 1, sizeof *watch->states);
+    watch->first = calloc(watch->count + 1, sizeof *watch->first);
+    if (!watch->states || !watch->first) {
+        file_watch_destroy(watch);
+        return NULL;
+    }
+    for (size_t i = 0; i < watch->count; i++) {
+        watch->states[i] = watch->first[i] = look_at(path_of(watch->atlas, i));
+    }
+    return watch;
+}
+
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
 {
     struct view_atlas view = {.atlas = source->atlas,
@@ -156,75 +226,6 @@ const conus_volume_info *view_atlas_pathway(const struct view_atlas *view, uint3
     const conus_object *pathway = conus_atlas_object(view->atlas, object);
     bool has_threshold = pathway && pathway->kind == CONUS_KIND_PATHWAY && !pathway->is_band;
     return has_threshold ? conus_atlas_volume(view->atlas, pathway->volume) : NULL;
-}
-
-/* Enough to see that a file is another one. */
-struct state {
-    bool is_there;
-    struct timespec changed;
-    off_t size;
-};
-
-struct file_watch {
-    const conus_atlas *atlas;
-    struct state *states; /* [count] of volumes and then of other files, as they were looked at last */
-    struct state *first;  /* [count] and at first */
-    size_t count;
-};
-
-static size_t count_files(const conus_atlas *atlas)
-{
-    return conus_atlas_volume_count(atlas) + conus_atlas_file_count(atlas);
-}
-
-static const char *path_of(const conus_atlas *atlas, size_t index)
-{
-    size_t volumes = conus_atlas_volume_count(atlas);
-    return index < volumes ? conus_atlas_volume(atlas, index)->path : conus_atlas_file(atlas, index - volumes);
-}
-
-static struct state look_at(const char *path)
-{
-    struct stat stat_;
-    if (stat(path, &stat_)) {
-        return (struct state){.is_there = false};
-    }
-    return (struct state){.is_there = true, .changed = stat_.st_mtim, .size = stat_.st_size};
-}
-
-static bool is_same(const struct state *a, const struct state *b)
-{
-    return a->is_there == b->is_there && a->size == b->size && a->changed.tv_sec == b->changed.tv_sec &&
-           a->changed.tv_nsec == b->changed.tv_nsec;
-}
-
-struct file_watch *file_watch_create(const conus_atlas *atlas)
-{
-    struct file_watch *watch = calloc(1, sizeof *watch);
-    if (!watch) {
-        return NULL;
-    }
-    watch->atlas = atlas;
-    watch->count = count_files(atlas);
-    watch->states = calloc(watch->count + 1, sizeof *watch->states);
-    watch->first = calloc(watch->count + 1, sizeof *watch->first);
-    if (!watch->states || !watch->first) {
-        file_watch_destroy(watch);
-        return NULL;
-    }
-    for (size_t i = 0; i < watch->count; i++) {
-        watch->states[i] = watch->first[i] = look_at(path_of(watch->atlas, i));
-    }
-    return watch;
-}
-
-void file_watch_destroy(struct file_watch *watch)
-{
-    if (watch) {
-        free(watch->states);
-        free(watch->first);
-        free(watch);
-    }
 }
 
 /* By its name: paths may be absolute now. */

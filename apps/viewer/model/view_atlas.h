@@ -77,12 +77,9 @@ const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_at
 /** The volume of a pathway from a threshold on; NULL of another object. */
 const conus_volume_info *view_atlas_pathway(const struct view_atlas *view, uint32_t object);
 
-/** Watches the files of an atlas that is shown, so that the user is told when one changes on disk. The atlas in memory
- * stays as it was read. */
+/** The files of an atlas that is shown are watched, so that the user is told when one changes on disk. The atlas in
+ * memory stays as it was read. */
 enum { FILE_WATCH_TEXT = 160 };
-/** Notes how the files are now; NULL without memory. Ended by file_watch_destroy(), which accepts NULL. */
-struct file_watch *file_watch_create(const conus_atlas *atlas);
-void file_watch_destroy(struct file_watch *watch);
 /** Looks again. True: one changed, went away or came back since the last look, as @p text says in a line. */
 bool file_watch_check(struct file_watch *watch, char text[FILE_WATCH_TEXT]);
 /** The name of a file that @p now has, too, and that is another one than when the watch began; NULL = there is none. */

@@ -231,18 +231,6 @@ static conus_status change_atlas(const struct exchange *exchange)
     return status ? status : conus_atlas_set_hidden(to->atlas, to->shown.hidden);
 }
 
-/* A confirmed result keeps its name; an area that is gone has no number. */
-static void renumber_pins(struct viewer *viewer, const struct exchange *exchange, size_t atlas)
-{
-    for (size_t i = 0; i < viewer->pin_count; i++) {
-        struct pin *pin = &viewer->pins[i];
-        if (pin->atlas == atlas && pin->object) {
-            const struct identity *was = &exchange->before.by_number[pin->object];
-            pin->object = find_part(&exchange->now, was, was->part);
-        }
-    }
-}
-
 static conus_status exchange_prepare(struct exchange *exchange, const struct replacement *as)
 {
     bool fine = identities_find(&exchange->before, exchange->from->atlas, as->before) &&
@@ -295,8 +283,13 @@ bool viewer_replace(struct viewer *viewer, const struct replacement *now, char *
                  : status == CONUS_ERROR_MEMORY ? "not enough memory"
                                                 : conus_message());
     }
-    for (size_t i = 0; i < viewer->atlas_count && !status; i++) {
-        renumber_pins(viewer, &all[i], i);
+    for (size_t i = 0; i < viewer->pin_count && !status; i++) { /* a result whose area is gone keeps only its name */
+        struct pin *pin = &viewer->pins[i];
+        if (pin->object) {
+            const struct exchange *exchange = &all[pin->atlas];
+            const struct identity *was = &exchange->before.by_number[pin->object];
+            pin->object = find_part(&exchange->now, was, was->part);
+        }
     }
     if (!status) {
         viewer_exchange(viewer, next);

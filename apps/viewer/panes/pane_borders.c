@@ -31,20 +31,6 @@ static void use_mouse(struct window *window, enum border border)
     }
 }
 
-/* Draws the middle third of a border. */
-static void draw_mark(const struct ui_box *box, enum border border)
-{
-    struct ui_box mark = *box;
-    if (border == BORDER_ROW) {
-        mark.y += box->height / 3;
-        mark.height /= 3;
-    } else {
-        mark.x += box->width / 3;
-        mark.width /= 3;
-    }
-    ui_draw_box(mark, light, 0);
-}
-
 void pane_borders(struct window *window)
 {
     static const char *const ids[] = {"border left", "border right", "border column", "border row"};
@@ -58,7 +44,10 @@ void pane_borders(struct window *window)
         if (ui_surface("surface", box)) {
             use_mouse(window, border);
             ui_resize_pointer(border == BORDER_ROW);
-            draw_mark(&box, border);
+            struct ui_box third = border == BORDER_ROW
+                                      ? (struct ui_box){box.x, box.y + box.height / 3, box.width, box.height / 3}
+                                      : (struct ui_box){box.x + box.width / 3, box.y, box.width / 3, box.height};
+            ui_draw_box(third, light, 0);
             ui_tip("drag it; a double click puts it back");
         }
         ui_panel_end();

@@ -252,20 +252,6 @@ static void draw_chances(struct window *window, const struct study_table *table)
     }
 }
 
-static void draw_answer(struct window *window, const struct study_answer *answer, bool is_old)
-{
-    const struct viewer *viewer = window->viewer;
-    size_t drawn = (size_t)(viewer->drawn - viewer->atlases);
-    const struct study_table *table = drawn < answer->atlas_count ? &answer->tables[drawn] : NULL;
-    if (!answer->text || !table) {
-        ui_text_wrapped(answer->error);
-    } else if (answer->question.settings.kind == STUDY_SWEEP) {
-        draw_shares(window, answer, table, draw_plot(window, answer, table, is_old));
-    } else {
-        draw_chances(window, table);
-    }
-}
-
 static void draw_study(struct window *window, bool cone_is_old)
 {
     const struct viewer *viewer = window->viewer;
@@ -279,8 +265,14 @@ static void draw_study(struct window *window, bool cone_is_old)
                      : is_behind ? "OLD: computing the new one"
                                  : "OLD ANSWER");
     ui_dim(is_old ? theme_pale : 1);
-    if (fits) {
-        draw_answer(window, answer, is_old);
+    size_t drawn = (size_t)(viewer->drawn - viewer->atlases);
+    const struct study_table *table = fits && drawn < answer->atlas_count ? &answer->tables[drawn] : NULL;
+    if (fits && (!answer->text || !table)) {
+        ui_text_wrapped(answer->error);
+    } else if (fits && answer->question.settings.kind == STUDY_SWEEP) {
+        draw_shares(window, answer, table, draw_plot(window, answer, table, is_old));
+    } else if (fits) {
+        draw_chances(window, table);
     }
     ui_dim_end();
     if (ui_button("copy study")) {

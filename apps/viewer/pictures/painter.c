@@ -183,15 +183,6 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
     return stage == STAGE_COARSE && is_full ? STAGE_FULL : stage;
 }
 
-static void note_device(struct painter *painter, const char *device)
-{
-    pthread_mutex_lock(&painter->lock);
-    snprintf(painter->device, sizeof painter->device, "%s", device);
-    pthread_mutex_unlock(&painter->lock);
-    bool is_software = strstr(device, "llvmpipe") || strstr(device, "softpipe");
-    painter->ms_per_pixel = is_software ? software_ms_per_pixel : 0;
-}
-
 /* The window draws a frame of it, but not beside the first picture, which comes with it where one is asked for. */
 static void note_transfer(struct painter *painter, const conus_renderer *renderer)
 {
@@ -308,7 +299,12 @@ static void *run(void *user)
         pthread_mutex_unlock(&painter->lock);
         return NULL;
     }
-    note_device(painter, conus_renderer_device(renderer));
+    const char *device = conus_renderer_device(renderer);
+    bool is_software = strstr(device, "llvmpipe") || strstr(device, "softpipe");
+    pthread_mutex_lock(&painter->lock);
+    snprintf(painter->device, sizeof painter->device, "%s", device);
+    pthread_mutex_unlock(&painter->lock);
+    painter->ms_per_pixel = is_software ? software_ms_per_pixel : 0;
     note_transfer(painter, renderer);
     paint_all(painter, renderer);
     conus_renderer_destroy(renderer);

@@ -66,26 +66,20 @@ void keep_as(struct window *window)
     free(path);
 }
 
-static void keep_study(struct viewer *viewer)
-{
-    char name[NAME_SIZE];
-    const char *text = studies_text(viewer);
-    make_name(name, ".tsv");
-    if (text && !conus_write_file(name, text, strlen(text))) {
-        viewer_say(viewer, "saved: %s", name);
-    } else if (text) {
-        viewer_say(viewer, "%s", conus_message());
-    }
-}
-
 void keep(struct window *window, enum keep what)
 {
-    if (what == KEEP_STUDY) {
-        keep_study(window->viewer);
-        return;
-    }
     char name[NAME_SIZE];
     char ending[16];
+    if (what == KEEP_STUDY) {
+        const char *text = studies_text(window->viewer);
+        make_name(name, ".tsv");
+        if (text && !conus_write_file(name, text, strlen(text))) {
+            viewer_say(window->viewer, "saved: %s", name);
+        } else if (text) {
+            viewer_say(window->viewer, "%s", conus_message());
+        }
+        return;
+    }
     char why[PROPERTY_REASON] = "";
     snprintf(ending, sizeof ending, "%s%s", what == KEEP_RESULTS ? "-hits" : "",
              what == KEEP_PICTURE   ? ".png"

@@ -163,16 +163,6 @@ void ui_separator(void)
     ImGui::Separator();
 }
 
-void ui_indent(void)
-{
-    ImGui::Indent();
-}
-
-void ui_unindent(void)
-{
-    ImGui::Unindent();
-}
-
 float ui_room_below(void)
 {
     return ImGui::GetContentRegionAvail().y;
@@ -333,11 +323,6 @@ bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high)
     audit_item(label);
     audit_widget(label);
     return changed;
-}
-
-bool ui_number(const char *label, double *value, const char *format)
-{
-    return ImGui::InputDouble(label, value, 0, 0, format, ImGuiInputTextFlags_EnterReturnsTrue);
 }
 
 bool ui_numbers(const char *label, double value[3], const char *format)

@@ -64,8 +64,6 @@ void ui_gap(float height); /**< Nothing, so high. */
 void ui_same_line(void);
 void ui_same_line_at(float x); /**< The next widget x from the panel's, or column's, left edge. */
 void ui_separator(void);
-void ui_indent(void);
-void ui_unindent(void);
 float ui_room_below(void);  /**< From where the next widget comes to the panel's, or the scrolled part's, lower edge. */
 float ui_room(void);        /**< From where the next widget comes to the panel's right edge. */
 void ui_width(float width); /**< Sets the width of the next widget. */
@@ -93,7 +91,6 @@ bool ui_check(const char *label, bool *value);
 bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count);
 bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic);
 bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high);
-bool ui_number(const char *label, double *value, const char *format);
 bool ui_numbers(const char *label, double value[3], const char *format);
 /** The next widget takes the keyboard. */
 void ui_take_keys(void);

@@ -182,12 +182,17 @@ void figure_form_save(struct window *window)
     say(window, "saving ", form->name);
 }
 
-static void write_now(struct window *window)
+void figure_form_step(struct window *window)
 {
     struct figure_form *form = &window->forms.figure;
     struct figure_settings settings;
     char why[FIGURE_REASON];
     char whole[PATH_MAX];
+    form->frames -= form->frames > 0;
+    if (form->frames != 1 || !window->viewer) {
+        return;
+    }
+    form->frames = 0;
     figure_of_window(&settings, window);
     if (!figure_write(window, form->pane, &settings, form->name, why)) {
         say(window, "", why);
@@ -197,16 +202,6 @@ static void write_now(struct window *window)
     snprintf(form->saved, sizeof form->saved, "%.*s", FIGURE_NAME - 1, found ? whole : form->name);
     form->replaced[0] = '\0';
     say(window, "saved: ", form->saved);
-}
-
-void figure_form_step(struct window *window)
-{
-    struct figure_form *form = &window->forms.figure;
-    form->frames -= form->frames > 0;
-    if (form->frames == 1 && window->viewer) {
-        form->frames = 0;
-        write_now(window);
-    }
 }
 
 void figure_form_copy(struct window *window)
