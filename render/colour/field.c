@@ -326,13 +326,8 @@ static void find_reach(size_t *first, size_t *end, size_t b, size_t dim)
     *end = low + BRICKS_EDGE + BORDER < dim ? low + BRICKS_EDGE + BORDER : dim;
 }
 
-/* The least and the largest value of each column of rows. */
-struct columns {
-    uint8_t *low, *high;
-};
-
 /* The ranges of a row of bricks, from those of each column of voxels that they sample. */
-static void find_row_ranges(struct field *field, const struct columns *columns, size_t index)
+static void find_row_ranges(struct field *field, const uint8_t *lows, const uint8_t *highs, size_t index)
 {
     for (size_t b = 0; b < field->brick_dim[0]; b++) {
         size_t first, end;
@@ -340,8 +335,8 @@ static void find_row_ranges(struct field *field, const struct columns *columns, 
         uint8_t high = 0;
         find_reach(&first, &end, b, field->dim[0]);
         for (size_t i = first; i < end; i++) {
-            low = columns->low[i] < low ? columns->low[i] : low;
-            high = columns->high[i] > high ? columns->high[i] : high;
+            low = lows[i] < low ? lows[i] : low;
+            high = highs[i] > high ? highs[i] : high;
         }
         field->low[index + b] = low;
         field->high[index + b] = high;
@@ -349,19 +344,17 @@ static void find_row_ranges(struct field *field, const struct columns *columns, 
 }
 
 /* Least and largest value of each column, over all rows of voxels that the row of bricks (b[1], b[2]) samples. */
-static void find_columns(const struct columns *out, const uint8_t *values, const size_t dim[3], const size_t b[3])
+static void find_columns(uint8_t *low, uint8_t *high, const uint8_t *values, const size_t dim[3], const size_t b[3])
 {
     size_t first[3], end[3];
-    memset(out->low, UINT8_MAX, dim[0]);
-    memset(out->high, 0, dim[0]);
+    memset(low, UINT8_MAX, dim[0]);
+    memset(high, 0, dim[0]);
     for (int a = 1; a < 3; a++) {
         find_reach(&first[a], &end[a], b[a], dim[a]);
     }
     for (size_t k = first[2]; k < end[2]; k++) {
         for (size_t j = first[1]; j < end[1]; j++) {
             const uint8_t *row = values + dim[0] * (j + dim[1] * k);
-            uint8_t *low = out->low;
-            uint8_t *high = out->high;
             for (size_t i = 0; i < dim[0]; i++) {
                 low[i] = row[i] < low[i] ? row[i] : low[i];
                 high[i] = row[i] > high[i] ? row[i] : high[i];
@@ -373,19 +366,19 @@ static void find_columns(const struct columns *out, const uint8_t *values, const
 static conus_status find_ranges(struct field *field)
 {
     const size_t *dim = field->dim;
-    uint8_t *memory = memory_raw(dim[0], 2);
+    uint8_t *low = memory_raw(dim[0], 2);
     size_t b[3] = {0};
-    if (!memory) {
+    if (!low) {
         return CONUS_ERROR_MEMORY;
     }
-    const struct columns columns = {memory, memory + dim[0]};
+    uint8_t *high = low + dim[0];
     for (b[2] = 0; b[2] < field->brick_dim[2]; b[2]++) {
         for (b[1] = 0; b[1] < field->brick_dim[1]; b[1]++) {
-            find_columns(&columns, field->density, dim, b);
-            find_row_ranges(field, &columns, field->brick_dim[0] * (b[1] + field->brick_dim[1] * b[2]));
+            find_columns(low, high, field->density, dim, b);
+            find_row_ranges(field, low, high, field->brick_dim[0] * (b[1] + field->brick_dim[1] * b[2]));
         }
     }
-    memory_free(memory);
+    memory_free(low);
     return CONUS_OK;
 }
 

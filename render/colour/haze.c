@@ -29,26 +29,21 @@ static void find_span(double span[2], const conus_atlas *atlas, uint32_t number)
     }
 }
 
-/* The pathway's own colour, thin where it begins. */
-static conus_status own_transfer(struct transfer *out, const conus_object *pathway)
-{
-    conus_transfer_point points[2] = {{0, {0, 0, 0, 0.02}}, {1, {0, 0, 0, 0.4}}};
-    for (int n = 0; n < 2; n++) {
-        for (int c = 0; c < 3; c++) {
-            points[n].rgba[c] = pathway->rgb[c] / 255.0;
-        }
-    }
-    conus_status status = transfer_copy(out, points, 2);
-    out->relative = true;
-    return status;
-}
-
 static conus_status choose_one(struct haze_choice *choice, const conus_atlas *atlas, uint32_t number, const char *name)
 {
     struct transfer *transfer = &choice->transfers[number];
+    conus_status status;
     transfer_finish(transfer);
-    conus_status status =
-        strcmp(name, "own") == 0 ? own_transfer(transfer, &atlas->objects[number - 1]) : transfer_load(transfer, name);
+    if (strcmp(name, "own") == 0) { /* the pathway's own colour, thin where it begins */
+        conus_transfer_point points[2] = {{0, {0, 0, 0, 0.02}}, {1, {0, 0, 0, 0.4}}};
+        for (int c = 0; c < 3; c++) {
+            points[0].rgba[c] = points[1].rgba[c] = atlas->objects[number - 1].rgb[c] / 255.0;
+        }
+        status = transfer_copy(transfer, points, 2);
+        transfer->relative = true;
+    } else {
+        status = transfer_load(transfer, name);
+    }
     if (status || !transfer->relative) {
         return status;
     }

@@ -554,11 +554,6 @@ enum { HATCH = 6, PALE = 40 };
 /* Lines of surfaces around the areas: a grey that is visible on the context's black and white. */
 static const uint8_t around_rgb[3] = {172, 165, 155};
 
-/* Opacities by emphasis, between stripes and on them. */
-struct opacities {
-    double of[3][2];
-};
-
 static double size_of(const conus_atlas *atlas, uint32_t number)
 {
     return fabs(atlas_object_mesh(atlas, number)->shape.volume_mm3);
@@ -641,8 +636,9 @@ static conus_status reserve_pixels(struct cut *cut, size_t pixels)
     return CONUS_OK;
 }
 
-/* 1 on an area's outline: its own pixels that have a different neighbour beside, above or below. */
-static double opacity_at(const struct cut *cut, const struct cut_view *view, const struct opacities *opacities,
+/* The opacity by emphasis, between stripes and on them; 1 on an area's outline: its own pixels that have a different
+ * neighbour beside, above or below. */
+static double opacity_at(const struct cut *cut, const struct cut_view *view, const double opacities[3][2],
                          uint32_t column, uint32_t row)
 {
     uint32_t width = cut->of.width;
@@ -651,11 +647,10 @@ static double opacity_at(const struct cut *cut, const struct cut_view *view, con
                                (row > 0 && *(at - width) != *at) || (row + 1 < cut->of.height && at[width] != *at))) {
         return 1;
     }
-    return opacities->of[view->emphasis ? view->emphasis[*at] : EMPHASIS_FULL][(column + row) % HATCH < HATCH / 3];
+    return opacities[view->emphasis ? view->emphasis[*at] : EMPHASIS_FULL][(column + row) % HATCH < HATCH / 3];
 }
 
-static void draw_row(const struct cut *cut, const struct cut_view *view, const struct opacities *opacities,
-                     uint32_t row)
+static void draw_row(const struct cut *cut, const struct cut_view *view, const double opacities[3][2], uint32_t row)
 {
     const conus_object *list = cut->atlas->objects;
     size_t at = (size_t)cut->of.width * row;
@@ -678,9 +673,9 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const s
 conus_status cut_draw(struct cut *cut, const struct cut_view *view)
 {
     double pale = view->fill * PALE / 100;
-    struct opacities opacities = {{[EMPHASIS_PALE] = {pale, pale},
-                                   [EMPHASIS_FULL] = {view->fill, view->fill},
-                                   [EMPHASIS_HATCHED] = {0.35 * view->fill, fmin(1.6 * view->fill, 1)}}};
+    const double opacities[3][2] = {[EMPHASIS_PALE] = {pale, pale},
+                                    [EMPHASIS_FULL] = {view->fill, view->fill},
+                                    [EMPHASIS_HATCHED] = {0.35 * view->fill, fmin(1.6 * view->fill, 1)}};
     conus_status status = reserve_pixels(cut, (size_t)view->place.width * view->place.height);
     if (status) {
         return status;
@@ -702,7 +697,7 @@ conus_status cut_draw(struct cut *cut, const struct cut_view *view)
     }
     cut->has_grey = cut->has_objects = true;
     for (uint32_t row = 0; row < view->place.height; row++) {
-        draw_row(cut, view, &opacities, row);
+        draw_row(cut, view, opacities, row);
     }
     if (view->cone) {
         cut_draw_cone(cut->rgba, &view->place, view->cone);

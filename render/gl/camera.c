@@ -27,18 +27,6 @@ void camera_from_frustum(struct camera *out, const conus_pose *pose, const doubl
     }
 }
 
-/* Columns x, y, z of a frame that looks along `forward` with z up (y up where that is along z). */
-static void set_axes(double m[16], const double forward[3])
-{
-    double *x = m, *y = m + 4, *z = m + 8;
-    mat4_identity(m);
-    vec3_scale(z, forward, -1 / vec3_length(forward));
-    const double up[3] = {0, fabs(z[2]) > 0.999, fabs(z[2]) <= 0.999};
-    vec3_cross(x, up, z);
-    vec3_normalise(x, x);
-    vec3_cross(y, z, x);
-}
-
 /* The points along one axis, moved along the frustum's two planes of that axis to the depth 0. */
 struct extent {
     double low, high;
@@ -73,19 +61,25 @@ void camera_frame_points(struct camera *out, const double *points, size_t count,
                          double field_of_view, const struct camera_frame *frame)
 {
     double *m = out->world_from_camera;
-    set_axes(m, forward);
+    double *x = m, *y = m + 4, *z = m + 8; /* z up in the picture, or y where it looks along z */
+    mat4_identity(m);
+    vec3_scale(z, forward, -1 / vec3_length(forward));
+    const double up[3] = {0, fabs(z[2]) > 0.999, fabs(z[2]) <= 0.999};
+    vec3_cross(x, up, z);
+    vec3_normalise(x, x);
+    vec3_cross(y, z, x);
     set_slopes(out, field_of_view, frame->width, frame->height);
     double h[2] = {(frame->left * 2.0 / frame->width - 1) * out->slope[0],
                    (1 - frame->right * 2.0 / frame->width) * out->slope[0]};
     double v[2] = {(frame->bottom * 2.0 / frame->height - 1) * out->slope[1],
                    (1 - frame->top * 2.0 / frame->height) * out->slope[1]};
-    struct extent across = extent_along(m, m + 8, h, points, count);
-    struct extent upward = extent_along(m + 4, m + 8, v, points, count);
+    struct extent across = extent_along(x, z, h, points, count);
+    struct extent upward = extent_along(y, z, v, points, count);
     double distance = fmax(nearest(&across), nearest(&upward));
     double eye[3];
-    vec3_scale(eye, m + 8, distance);
-    vec3_add_scaled(eye, eye, middle(&across, distance), m);
-    vec3_add_scaled(eye, eye, middle(&upward, distance), m + 4);
+    vec3_scale(eye, z, distance);
+    vec3_add_scaled(eye, eye, middle(&across, distance), x);
+    vec3_add_scaled(eye, eye, middle(&upward, distance), y);
     memcpy(m + 12, eye, sizeof eye);
 }
 

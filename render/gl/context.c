@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { DEVICE_LIMIT = 32 };
+enum { DEVICE_LIMIT = 32, ATTEMPTS_SIZE = 512 };
 
 struct gl_context {
     EGLDisplay display;
@@ -52,15 +52,11 @@ void gl_current_restore(const struct gl_current *previous)
     eglMakeCurrent(previous->display, previous->draw, previous->read, previous->context);
 }
 
-/* Why the last display could not be used; grows by one clause per try. */
-struct attempts {
-    char text[512];
-};
-
-static void note_attempt(struct attempts *attempts, const char *display, const char *reason)
+/* Adds a clause to `attempts`: why a display cannot be used. */
+static void note_attempt(char attempts[ATTEMPTS_SIZE], const char *display, const char *reason)
 {
-    size_t used = strlen(attempts->text);
-    snprintf(attempts->text + used, sizeof attempts->text - used, "%s%s: %s", used ? "; " : "", display, reason);
+    size_t used = strlen(attempts);
+    snprintf(attempts + used, ATTEMPTS_SIZE - used, "%s%s: %s", used ? "; " : "", display, reason);
 }
 
 static bool has_word(const char *words, const char *word)
@@ -119,7 +115,7 @@ static const char *egl_reason(char out[64], const char *what)
 }
 
 /* Fills context->display and ->context, or says why `display` cannot be used. */
-static bool open_display(struct gl_context *context, EGLDisplay display, const char *name, struct attempts *attempts)
+static bool open_display(struct gl_context *context, EGLDisplay display, const char *name, char attempts[ATTEMPTS_SIZE])
 {
     char reason[64];
     if (display == EGL_NO_DISPLAY || !eglInitialize(display, NULL, NULL)) {
@@ -152,7 +148,7 @@ static bool open_display(struct gl_context *context, EGLDisplay display, const c
 
 /* Checks the context's version: Mesa may promise a version that its override then takes back. Reads the renderer's name
  * and sends its messages to the log. */
-static bool set_up(struct gl_context *context, const char *name, struct attempts *attempts)
+static bool set_up(struct gl_context *context, const char *name, char attempts[ATTEMPTS_SIZE])
 {
     struct gl_current previous = {0};
     char reason[64];
@@ -178,7 +174,7 @@ static bool set_up(struct gl_context *context, const char *name, struct attempts
     return version >= 45;
 }
 
-static bool try_display(struct gl_context *context, EGLDisplay display, const char *name, struct attempts *attempts)
+static bool try_display(struct gl_context *context, EGLDisplay display, const char *name, char attempts[ATTEMPTS_SIZE])
 {
     if (!open_display(context, display, name, attempts)) {
         return false;
@@ -191,7 +187,7 @@ static bool try_display(struct gl_context *context, EGLDisplay display, const ch
     return false;
 }
 
-static bool try_devices(struct gl_context *context, bool software, struct attempts *attempts)
+static bool try_devices(struct gl_context *context, bool software, char attempts[ATTEMPTS_SIZE])
 {
     EGLDeviceEXT devices[DEVICE_LIMIT];
     EGLint count = 0;
@@ -212,7 +208,7 @@ static bool try_devices(struct gl_context *context, bool software, struct attemp
     return false;
 }
 
-static bool try_all(struct gl_context *context, struct attempts *attempts)
+static bool try_all(struct gl_context *context, char attempts[ATTEMPTS_SIZE])
 {
     const char *extensions = eglQueryString(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     bool has_devices =
@@ -240,16 +236,16 @@ conus_status gl_context_create(struct gl_context **out, conus_log log, void *log
     }
     context->log = log;
     context->log_user = log_user;
-    struct attempts attempts = {0};
+    char attempts[ATTEMPTS_SIZE] = "";
     EGLenum api = eglQueryAPI();
-    bool found = try_all(context, &attempts);
+    bool found = try_all(context, attempts);
     eglBindAPI(api);
     if (!found) {
         memory_free(context);
         return fail(
             CONUS_ERROR_GL,
             "no OpenGL 4.5 core context: a driver that has it is needed (a GPU's, or Mesa's libgl1-mesa-dri); tried %s",
-            attempts.text);
+            attempts);
     }
     *out = context;
     return CONUS_OK;

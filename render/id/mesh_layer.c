@@ -118,47 +118,47 @@ static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *a
 {
     struct sizes sizes = {0};
     conus_status status = check_sizes(&sizes, atlas, memory_left);
-    if (!status && !sizes.indices) {
-        return CONUS_OK; /* streamlines alone */
+    if (status || !sizes.indices) {
+        return status; /* without triangles: streamlines alone */
     }
-    struct vertex *vertices = status ? NULL : memory_raw(sizes.vertices, sizeof *vertices);
-    uint32_t *indices = status ? NULL : memory_raw(sizes.indices, sizeof *indices);
-    if (!status && vertices && indices) {
-        struct sizes next = {0};
-        for (size_t part = 0; part < count_parts(atlas); part++) {
-            const struct mesh *mesh = part_mesh(atlas, part);
-            if (mesh) {
-                fill_mesh(vertices + next.vertices, indices + next.indices, (uint32_t)next.vertices, mesh,
-                          (uint32_t)part + 1);
-                layer->parts[part].count = (GLsizei)(3 * mesh->triangle_count);
-                layer->parts[part].offset = (const void *)(next.indices * sizeof *indices); /* as GL has it */
-                next.vertices += mesh->vertex_count;
-                next.indices += 3 * mesh->triangle_count;
-            }
-        }
-        static const GLuint offsets[] = {offsetof(struct vertex, position), offsetof(struct vertex, normal)};
-        glCreateBuffers(1, &layer->vertex_buffer);
-        glNamedBufferStorage(layer->vertex_buffer, (GLsizeiptr)(next.vertices * sizeof *vertices), vertices, 0);
-        glCreateBuffers(1, &layer->index_buffer);
-        glNamedBufferStorage(layer->index_buffer, (GLsizeiptr)(next.indices * sizeof *indices), indices, 0);
-        glCreateVertexArrays(1, &layer->vertices);
-        glVertexArrayVertexBuffer(layer->vertices, 0, layer->vertex_buffer, 0, sizeof *vertices);
-        glVertexArrayElementBuffer(layer->vertices, layer->index_buffer);
-        for (GLuint k = 0; k < 3; k++) {
-            glEnableVertexArrayAttrib(layer->vertices, k);
-            glVertexArrayAttribBinding(layer->vertices, k, 0);
-        }
-        for (GLuint k = 0; k < 2; k++) {
-            glVertexArrayAttribFormat(layer->vertices, k, 3, GL_FLOAT, GL_FALSE, offsets[k]);
-        }
-        glVertexArrayAttribIFormat(layer->vertices, 2, 1, GL_UNSIGNED_INT, offsetof(struct vertex, object));
-        status = gl_check("meshes");
-    } else {
-        status = status ? status : CONUS_ERROR_MEMORY;
+    struct vertex *vertices = memory_raw(sizes.vertices, sizeof *vertices);
+    uint32_t *indices = memory_raw(sizes.indices, sizeof *indices);
+    if (!vertices || !indices) {
+        memory_free(vertices);
+        memory_free(indices);
+        return CONUS_ERROR_MEMORY;
     }
+    struct sizes next = {0};
+    for (size_t part = 0; part < count_parts(atlas); part++) {
+        const struct mesh *mesh = part_mesh(atlas, part);
+        if (mesh) {
+            fill_mesh(vertices + next.vertices, indices + next.indices, (uint32_t)next.vertices, mesh,
+                      (uint32_t)part + 1);
+            layer->parts[part].count = (GLsizei)(3 * mesh->triangle_count);
+            layer->parts[part].offset = (const void *)(next.indices * sizeof *indices); /* as GL has it */
+            next.vertices += mesh->vertex_count;
+            next.indices += 3 * mesh->triangle_count;
+        }
+    }
+    static const GLuint offsets[] = {offsetof(struct vertex, position), offsetof(struct vertex, normal)};
+    glCreateBuffers(1, &layer->vertex_buffer);
+    glNamedBufferStorage(layer->vertex_buffer, (GLsizeiptr)(next.vertices * sizeof *vertices), vertices, 0);
+    glCreateBuffers(1, &layer->index_buffer);
+    glNamedBufferStorage(layer->index_buffer, (GLsizeiptr)(next.indices * sizeof *indices), indices, 0);
+    glCreateVertexArrays(1, &layer->vertices);
+    glVertexArrayVertexBuffer(layer->vertices, 0, layer->vertex_buffer, 0, sizeof *vertices);
+    glVertexArrayElementBuffer(layer->vertices, layer->index_buffer);
+    for (GLuint k = 0; k < 3; k++) {
+        glEnableVertexArrayAttrib(layer->vertices, k);
+        glVertexArrayAttribBinding(layer->vertices, k, 0);
+    }
+    for (GLuint k = 0; k < 2; k++) {
+        glVertexArrayAttribFormat(layer->vertices, k, 3, GL_FLOAT, GL_FALSE, offsets[k]);
+    }
+    glVertexArrayAttribIFormat(layer->vertices, 2, 1, GL_UNSIGNED_INT, offsetof(struct vertex, object));
     memory_free(vertices);
     memory_free(indices);
-    return status;
+    return gl_check("meshes");
 }
 
 static conus_status make_program(struct mesh_program *out, const char *file, const char *text)
