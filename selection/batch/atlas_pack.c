@@ -191,16 +191,6 @@ static void pass_list(struct pack_walk *walk, void *list, size_t *counted, size_
     }
 }
 
-/* Makes the distance map, and writes it to where the block has `at`. */
-static void write_distances(struct pack_walk *walk, size_t at, const struct volume *source)
-{
-    size_t size = distance_map_size(source);
-    uint8_t *map = memory_raw((size + PACK_LINE - 1) / PACK_LINE, PACK_LINE);
-    walk->status = map ? distance_map_write(map, source) : CONUS_ERROR_MEMORY;
-    pack_write_at(walk, at, map, size);
-    memory_free(map);
-}
-
 static void pass_distances(struct pack_walk *walk, struct volume *volume, const struct volume *source)
 {
     bool is_there = pack_whether(walk, walk->mode != PACK_ATTACH && volume_can_be_hit(source) ? source : NULL);
@@ -209,7 +199,11 @@ static void pass_distances(struct pack_walk *walk, struct volume *volume, const 
     if (place && walk->mode == PACK_COPY) {
         walk->status = distance_map_write(place, source);
     } else if (is_there && walk->mode == PACK_WRITE && !walk->status) {
-        write_distances(walk, at, source);
+        size_t size = distance_map_size(source);
+        uint8_t *map = memory_raw((size + PACK_LINE - 1) / PACK_LINE, PACK_LINE);
+        walk->status = map ? distance_map_write(map, source) : CONUS_ERROR_MEMORY;
+        pack_write_at(walk, at, map, size);
+        memory_free(map);
     } else if (walk->mode == PACK_ATTACH) {
         volume->distances = place;
     }
@@ -317,15 +311,6 @@ static struct tractogram bare_tractogram(const struct tractogram *tractogram)
     return bare;
 }
 
-/* Counts that arrays in the block can have, and texts that end. */
-static bool tractogram_fits(const struct tractogram *plain, const struct pack_walk *walk)
-{
-    return plain->point_count <= walk->size && plain->streamline_count < UINT32_MAX &&
-           plain->streamline_count <= walk->size && plain->tree.run_count <= walk->size &&
-           plain->tree.run_count <= UINT32_MAX && memchr(plain->format, 0, sizeof plain->format) &&
-           memchr(plain->sha256, 0, sizeof plain->sha256);
-}
-
 static void pass_scalar(struct pack_walk *walk, void *item, const void *owner)
 {
     struct tract_scalar *scalar = item;
@@ -377,7 +362,11 @@ static void pass_tractogram(struct pack_walk *walk, void *item, const void *owne
     struct tractogram plain = bare_tractogram(tractogram);
     bool attaches = walk->mode == PACK_ATTACH;
     pack_bytes(walk, &plain, sizeof plain);
-    if (!walk->status && attaches && !tractogram_fits(&plain, walk)) {
+    bool fits = plain.point_count <= walk->size && plain.streamline_count < UINT32_MAX && /* arrays in the block */
+                plain.streamline_count <= walk->size && plain.tree.run_count <= walk->size &&
+                plain.tree.run_count <= UINT32_MAX && memchr(plain.format, 0, sizeof plain.format) &&
+                memchr(plain.sha256, 0, sizeof plain.sha256);
+    if (!walk->status && attaches && !fits) {
         walk->status = fail_damaged();
     }
     if (walk->status) {
@@ -466,35 +455,6 @@ static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
     }
 }
 
-static void pass_objects(struct pack_walk *walk, conus_atlas *atlas, const conus_atlas *counts)
-{
-    atlas->objects = pack_reserve(walk, atlas->objects, counts->object_count, sizeof *atlas->objects);
-    atlas->places = pack_reserve(walk, atlas->places, counts->object_count, sizeof *atlas->places);
-    for (size_t i = 0; i < counts->object_count && !walk->status; i++) {
-        conus_object object = walk->mode == PACK_ATTACH ? (conus_object){0} : atlas->objects[i];
-        pass_object(walk, &object, &atlas->places[i]);
-        if (walk->mode == PACK_ATTACH) {
-            atlas->objects[i] = object;
-            atlas->object_count = i + 1;
-        }
-    }
-}
-
-static void pass_files_and_notes(struct pack_walk *walk, conus_atlas *atlas, const conus_atlas *counts)
-{
-    atlas->files.items = pack_reserve(walk, atlas->files.items, counts->files.count, sizeof *atlas->files.items);
-    for (size_t i = 0; i < counts->files.count && !walk->status; i++) {
-        atlas->files.count = i + 1;
-        pack_bytes(walk, atlas->files.items[i].sha256, sizeof atlas->files.items[i].sha256);
-        pack_text(walk, &atlas->files.items[i].path);
-    }
-    atlas->notes.lines = pack_reserve(walk, atlas->notes.lines, counts->notes.count, sizeof *atlas->notes.lines);
-    for (size_t i = 0; i < counts->notes.count && !walk->status; i++) {
-        atlas->notes.count = i + 1;
-        pack_text(walk, &atlas->notes.lines[i]);
-    }
-}
-
 static conus_atlas bare_atlas(const conus_atlas *atlas)
 {
     conus_atlas bare = *atlas;
@@ -541,11 +501,30 @@ static void pass_atlas(struct pack_walk *walk, conus_atlas *atlas)
         pass_list(walk, &atlas->meshes, &atlas->mesh_count, counts.mesh_count, sizeof *atlas->meshes, pass_mesh, atlas);
         pass_list(walk, &atlas->tractograms, &atlas->tractogram_count, counts.tractogram_count,
                   sizeof *atlas->tractograms, pass_tractogram, atlas);
-        pass_objects(walk, atlas, &counts);
+        atlas->objects = pack_reserve(walk, atlas->objects, counts.object_count, sizeof *atlas->objects);
+        atlas->places = pack_reserve(walk, atlas->places, counts.object_count, sizeof *atlas->places);
+        for (size_t i = 0; i < counts.object_count && !walk->status; i++) {
+            conus_object object = walk->mode == PACK_ATTACH ? (conus_object){0} : atlas->objects[i];
+            pass_object(walk, &object, &atlas->places[i]);
+            if (walk->mode == PACK_ATTACH) {
+                atlas->objects[i] = object;
+                atlas->object_count = i + 1;
+            }
+        }
         for (size_t i = 0; i < atlas->object_count && walk->mode == PACK_ATTACH && !walk->status; i++) {
             walk->status = bundle_is_sound(atlas, i) ? CONUS_OK : fail_damaged();
         }
-        pass_files_and_notes(walk, atlas, &counts);
+        atlas->files.items = pack_reserve(walk, atlas->files.items, counts.files.count, sizeof *atlas->files.items);
+        for (size_t i = 0; i < counts.files.count && !walk->status; i++) {
+            atlas->files.count = i + 1;
+            pack_bytes(walk, atlas->files.items[i].sha256, sizeof atlas->files.items[i].sha256);
+            pack_text(walk, &atlas->files.items[i].path);
+        }
+        atlas->notes.lines = pack_reserve(walk, atlas->notes.lines, counts.notes.count, sizeof *atlas->notes.lines);
+        for (size_t i = 0; i < counts.notes.count && !walk->status; i++) {
+            atlas->notes.count = i + 1;
+            pack_text(walk, &atlas->notes.lines[i]);
+        }
     }
 }
 
@@ -651,13 +630,6 @@ conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atla
     return walk.status;
 }
 
-static bool is_whole(const struct head *head, const uint8_t *memory, size_t size)
-{
-    return memcmp(head->magic, magic, sizeof magic) == 0 && head->layout == layout_of_structures() &&
-           head->size <= size && head->small_end >= sizeof *head && head->small_end <= head->size &&
-           round_up(head->small_end) <= head->size && crc_of(memory, head->small_end) == head->crc;
-}
-
 conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size)
 {
     struct head head;
@@ -665,7 +637,11 @@ conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t si
         return fail(CONUS_ERROR_ARGUMENT, "memory %p of an atlas: a multiple of %d is needed", memory, PACK_LINE);
     }
     memcpy(&head, memory, size < sizeof head ? 0 : sizeof head);
-    if (size < sizeof head || !is_whole(&head, memory, size)) {
+    bool is_whole = size >= sizeof head && memcmp(head.magic, magic, sizeof magic) == 0 &&
+                    head.layout == layout_of_structures() && head.size <= size && head.small_end >= sizeof head &&
+                    head.small_end <= head.size && round_up(head.small_end) <= head.size &&
+                    crc_of(memory, head.small_end) == head.crc;
+    if (!is_whole) {
         return fail_damaged();
     }
     conus_atlas *atlas = memory_zeroed(1, sizeof *atlas);

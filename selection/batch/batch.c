@@ -44,19 +44,6 @@ struct conus_batch {
     struct buffer header;
 };
 
-static conus_status fill_in(conus_batch_options *options, const conus_selector *selector)
-{
-    if (options->report.format == CONUS_FORMAT_TABLE || options->report.format == CONUS_FORMAT_JSON) {
-        return fail(CONUS_ERROR_ARGUMENT, "format: tables for people and JSON hold all answers at once, no batch");
-    }
-    conus_status status = batch_fill_in(&options->threads, &options->block, &options->angle, selector);
-    if (report_is_of_probe(options->report.format)) {
-        options->threads = 1;
-        options->block = BATCH_BLOCK_LIMIT;
-    }
-    return status;
-}
-
 static void finish_atlas(struct batch_atlas *atlas, size_t threads)
 {
     for (size_t i = 0; atlas->reports && i < threads; i++) {
@@ -100,7 +87,14 @@ static conus_status add_atlas(conus_batch *batch, conus_selector *selector, cons
 conus_status conus_batch_create(conus_batch **out, conus_selector *selector, const conus_batch_options *options)
 {
     conus_batch_options filled = *options_of(conus_batch_options, options);
-    conus_status status = fill_in(&filled, selector);
+    if (filled.report.format == CONUS_FORMAT_TABLE || filled.report.format == CONUS_FORMAT_JSON) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: tables for people and JSON hold all answers at once, no batch");
+    }
+    conus_status status = batch_fill_in(&filled.threads, &filled.block, &filled.angle, selector);
+    if (report_is_of_probe(filled.report.format)) {
+        filled.threads = 1;
+        filled.block = BATCH_BLOCK_LIMIT;
+    }
     if (status) {
         return status;
     }

@@ -101,10 +101,11 @@ static conus_status answer_one(const struct answering *answering, size_t index)
     return status;
 }
 
-/* Begins the selections of the poses and traces all of them. Those that have none are left to answer_one(), which says
- * why. */
-static conus_status begin_and_trace(struct batch_worker *worker, const struct batch_pose *poses, size_t count)
+/* answer_one() for poses number `first` to first + count - 1, of which at_once may be given. */
+static conus_status answer_together(const struct answering *answering, size_t first, size_t count)
 {
+    struct batch_worker *worker = answering->worker;
+    const struct batch_pose *poses = answering->poses + first; /* answer_one() says why one has no selection */
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         if (!poses[i].is_no_pose && !poses[i].is_point) {
@@ -112,14 +113,7 @@ static conus_status begin_and_trace(struct batch_worker *worker, const struct ba
             status = status == CONUS_ERROR_ARGUMENT ? CONUS_OK : status;
         }
     }
-    return status ? status : selections_trace(worker->begun, count, worker->selector);
-}
-
-/* answer_one() for poses number `first` to first + count - 1, of which at_once may be given. */
-static conus_status answer_together(const struct answering *answering, size_t first, size_t count)
-{
-    struct batch_worker *worker = answering->worker;
-    conus_status status = begin_and_trace(worker, answering->poses + first, count);
+    status = status ? status : selections_trace(worker->begun, count, worker->selector);
     for (size_t i = 0; i < count; i++) {
         conus_selection *selection = worker->begun[i];
         if (selection && !status) {
@@ -165,19 +159,15 @@ conus_status batch_worker_answer(struct batch_worker *worker, const struct batch
     return status;
 }
 
-static conus_status follow_axis(conus_segments **out, struct batch_worker *worker, const struct batch_pose *pose)
-{
-    return pose->is_point ? fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that an axis needs")
-                          : conus_segments_create(out, worker->selector, &pose->pose);
-}
-
 conus_status batch_worker_follow(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
                                  const atomic_bool *stop, batch_take_axis *take, void *user)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {
         conus_segments *segments = NULL;
-        status = poses[i].is_no_pose ? CONUS_OK : follow_axis(&segments, worker, &poses[i]);
+        status = poses[i].is_no_pose ? CONUS_OK
+                 : poses[i].is_point ? fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that an axis needs")
+                                     : conus_segments_create(&segments, worker->selector, &poses[i].pose);
         status = status == CONUS_ERROR_ARGUMENT ? CONUS_OK : status; /* the pose's own fault */
         status = status ? status : take(user, i, segments);
         conus_segments_destroy(segments);

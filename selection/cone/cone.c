@@ -13,7 +13,7 @@ static const double perspective_limit = 2 * MATH3_PI / 3 + 1e-9;
 
 enum { RESOLUTION_LIMIT = 1024, RAYS_AT_ONCE = 256 };
 
-static conus_status check_shape(const struct cone *cone)
+conus_status cone_check(const struct cone *cone)
 {
     if (!(cone->radius >= 0 && isfinite(cone->radius))) {
         return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, allowed is more than 0", cone->radius);
@@ -30,15 +30,6 @@ static conus_status check_shape(const struct cone *cone)
     if ((range[0] != 0 || range[1] != 0) && !(range[0] >= 0 && range[1] > range[0] && isfinite(range[1]))) {
         return fail(CONUS_ERROR_ARGUMENT, "range: %g to %g mm, allowed is NEAR from 0 on and FAR beyond it", range[0],
                     range[1]);
-    }
-    return CONUS_OK;
-}
-
-conus_status cone_check(const struct cone *cone)
-{
-    conus_status status = check_shape(cone);
-    if (status) {
-        return status;
     }
     if (cone->resolution < 1 || cone->resolution > RESOLUTION_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "resolution: %u, allowed is 1 to %d", cone->resolution, RESOLUTION_LIMIT);

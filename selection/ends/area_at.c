@@ -28,21 +28,6 @@ static void take(struct nearest *nearest, uint32_t area, double distance)
     }
 }
 
-static void prepare_cells(struct area_cells *out, const struct volume *volume, const struct census_box *box)
-{
-    const double *m = volume->voxel_from_world;
-    bool has_box = volume_is_scalar(volume);
-    bool is_empty = has_box && box->first[0] > box->last[0];
-    near_cells_init(&out->cells, volume);
-    out->step = INFINITY;
-    for (int a = 0; a < 3; a++) {
-        const double row[3] = {m[a], m[4 + a], m[8 + a]};
-        out->step = fmin(out->step, 1 / vec3_length(row));
-        out->first[a] = has_box && !is_empty ? (int64_t)box->first[a] : 0;
-        out->last[a] = is_empty ? -1 : has_box ? (int64_t)box->last[a] : (int64_t)volume->info.dim[a] - 1;
-    }
-}
-
 conus_status area_search_init(struct area_search *out, const conus_atlas *atlas, const struct census_box *boxes,
                               double radius)
 {
@@ -52,7 +37,20 @@ conus_status area_search_init(struct area_search *out, const conus_atlas *atlas,
     }
     for (size_t i = 0; i < atlas->volume_count; i++) {
         if (atlas_volume_has_areas(&atlas->volumes[i])) {
-            prepare_cells(&cells[i], &atlas->volumes[i], &boxes[i]);
+            const struct volume *volume = &atlas->volumes[i];
+            const double *m = volume->voxel_from_world;
+            bool has_box = volume_is_scalar(volume);
+            bool is_empty = has_box && boxes[i].first[0] > boxes[i].last[0];
+            near_cells_init(&cells[i].cells, volume);
+            cells[i].step = INFINITY;
+            for (int a = 0; a < 3; a++) {
+                const double row[3] = {m[a], m[4 + a], m[8 + a]};
+                cells[i].step = fmin(cells[i].step, 1 / vec3_length(row));
+                cells[i].first[a] = has_box && !is_empty ? (int64_t)boxes[i].first[a] : 0;
+                cells[i].last[a] = is_empty  ? -1
+                                   : has_box ? (int64_t)boxes[i].last[a]
+                                             : (int64_t)volume->info.dim[a] - 1;
+            }
         }
     }
     *out = (struct area_search){.atlas = atlas, .radius = radius, .cells = cells};

@@ -72,22 +72,17 @@ static conus_status fill(conus_connectivity *connectivity)
     return CONUS_OK;
 }
 
-static void forget(conus_connectivity *connectivity)
-{
-    memory_free(connectivity->areas);
-    memory_free(connectivity->streamlines);
-    memory_free(connectivity->length);
-    connectivity->areas = NULL;
-    connectivity->streamlines = NULL;
-    connectivity->length = NULL;
-}
-
 conus_status conus_connectivity_matrix(conus_connection_matrix *out, conus_connectivity *connectivity)
 {
     conus_status status = connectivity->areas ? CONUS_OK : list_areas(connectivity);
     status = status || connectivity->streamlines ? status : fill(connectivity);
     if (status) {
-        forget(connectivity);
+        memory_free(connectivity->areas);
+        memory_free(connectivity->streamlines);
+        memory_free(connectivity->length);
+        connectivity->areas = NULL;
+        connectivity->streamlines = NULL;
+        connectivity->length = NULL;
         return status;
     }
     *out = (conus_connection_matrix){.count = connectivity->area_count,

@@ -93,22 +93,16 @@ static conus_status add_members(struct connecting *connecting, uint32_t bundle, 
     return CONUS_OK;
 }
 
-static conus_status gather_bundle(struct connecting *connecting, uint32_t bundle)
-{
-    struct members members;
-    conus_status status = list_members(&members, connecting, bundle);
-    status = status ? status : add_members(connecting, bundle, &members);
-    memory_free(members.owned);
-    return status;
-}
-
 static conus_status gather(struct connecting *connecting)
 {
     const conus_atlas *atlas = connecting->selector->atlas;
     conus_status status = CONUS_OK;
     for (size_t i = atlas->area_count; i < atlas->object_count && !status; i++) {
         if (atlas->places[i].is_bundle && !atlas->places[i].is_hidden) {
-            status = gather_bundle(connecting, (uint32_t)i + 1);
+            struct members members;
+            status = list_members(&members, connecting, (uint32_t)i + 1);
+            status = status ? status : add_members(connecting, (uint32_t)i + 1, &members);
+            memory_free(members.owned);
         }
     }
     return status;
@@ -154,34 +148,10 @@ static void sort_all(struct connecting *connecting, int (*order)(const void *a, 
     }
 }
 
-/* Each streamline once, of no bundle. */
-static void drop_bundles(struct connecting *connecting)
-{
-    size_t kept = 0;
-    sort_all(connecting, by_streamline);
-    for (size_t i = 0; i < connecting->count; i++) {
-        struct ended ended = connecting->all[i];
-        ended.bundle = 0;
-        if (!kept || by_streamline(&ended, &connecting->all[kept - 1]) != 0) {
-            connecting->all[kept++] = ended;
-        }
-    }
-    connecting->count = kept;
-}
-
 /* Whether two sorted streamlines connect the same areas. */
 static bool are_alike(const struct ended *a, const struct ended *b)
 {
     return a->bundle == b->bundle && a->a == b->a && a->b == b->b;
-}
-
-static size_t count_kinds(const struct ended *all, size_t count)
-{
-    size_t kinds = 0;
-    for (size_t i = 0; i < count; i++) {
-        kinds += i == 0 || !are_alike(&all[i], &all[i - 1]);
-    }
-    return kinds;
 }
 
 /* Adds the connections of one bundle, which has `whole` streamlines. Returns the end of the rows. */
@@ -209,7 +179,10 @@ static conus_status count_all(conus_connection **out, size_t *count, struct conn
 {
     struct ended *all = connecting->all;
     sort_all(connecting, by_ends);
-    *count = count_kinds(all, connecting->count);
+    *count = 0;
+    for (size_t i = 0; i < connecting->count; i++) {
+        *count += i == 0 || !are_alike(&all[i], &all[i - 1]);
+    }
     *out = memory_raw(*count, sizeof **out);
     if (!*out) {
         return CONUS_ERROR_MEMORY;
@@ -237,7 +210,16 @@ static conus_status build(conus_connectivity *connectivity, conus_selector *sele
     status = status ? status : gather(&connecting);
     status = status ? status : count_all(&connectivity->rows, &connectivity->row_count, &connecting);
     if (!status) {
-        drop_bundles(&connecting);
+        size_t kept = 0;
+        sort_all(&connecting, by_streamline); /* each streamline once, of no bundle */
+        for (size_t i = 0; i < connecting.count; i++) {
+            struct ended ended = connecting.all[i];
+            ended.bundle = 0;
+            if (!kept || by_streamline(&ended, &connecting.all[kept - 1]) != 0) {
+                connecting.all[kept++] = ended;
+            }
+        }
+        connecting.count = kept;
         status = count_all(&connectivity->pairs, &connectivity->pair_count, &connecting);
     }
     area_search_finish(&connecting.search);
@@ -245,38 +227,28 @@ static conus_status build(conus_connectivity *connectivity, conus_selector *sele
     return status;
 }
 
-static conus_status check_radius(double *out, const conus_connectivity_options *options)
-{
-    double radius = options->radius;
-    *out = radius == 0 ? CONUS_ENDPOINT_RADIUS : fmax(radius, 0);
-    return radius <= RADIUS_LIMIT
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT, "radius: %g mm round an end, allowed are up to %g", radius, RADIUS_LIMIT);
-}
-
 conus_status conus_connectivity_create(conus_connectivity **out, conus_selector *selector,
                                        const conus_selection *selection, const conus_connectivity_options *options)
 {
-    double radius;
-    conus_status status = check_radius(&radius, options_of(conus_connectivity_options, options));
-    if (!status && selection && selection->atlas != selector->atlas) {
-        status = fail(CONUS_ERROR_ARGUMENT, "connectivity: the selection is of another atlas than the selector");
+    double radius = options_of(conus_connectivity_options, options)->radius;
+    if (!(radius <= RADIUS_LIMIT)) {
+        return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm round an end, allowed are up to %g", radius, RADIUS_LIMIT);
     }
-    if (status) {
-        return status;
+    if (selection && selection->atlas != selector->atlas) {
+        return fail(CONUS_ERROR_ARGUMENT, "connectivity: the selection is of another atlas than the selector");
     }
     conus_connectivity *connectivity = memory_zeroed(1, sizeof *connectivity);
     if (!connectivity) {
         return CONUS_ERROR_MEMORY;
     }
-    connectivity->radius = radius;
+    connectivity->radius = radius == 0 ? CONUS_ENDPOINT_RADIUS : fmax(radius, 0);
     connectivity->is_whole = !selection;
     if (selection) {
         bool is_ball = selection->region.shape == REGION_BALL;
         connectivity->cone = selection->cone;
         connectivity->ball = is_ball ? selection->region.radius : 0;
     }
-    status = build(connectivity, selector, selection ? &selection->region : NULL);
+    conus_status status = build(connectivity, selector, selection ? &selection->region : NULL);
     if (status) {
         conus_connectivity_destroy(connectivity);
         return status;

@@ -74,9 +74,16 @@ static void sort_pixel(conus_interval *intervals, size_t count)
     }
 }
 
-/* Moves the intervals to out, pixel by pixel; end[p] becomes one past the last of pixel p. */
-static void deal_to_pixels(conus_interval *out, size_t *end, const struct layers *layers, size_t pixels)
+conus_status layers_sort(struct layers *layers, size_t pixels)
 {
+    conus_interval *sorted = memory_raw(layers->capacity, sizeof *sorted);
+    size_t *end = memory_zeroed(pixels, sizeof *end);
+    if (!sorted || !end) {
+        memory_free(sorted);
+        memory_free(end);
+        return CONUS_ERROR_MEMORY;
+    }
+    /* Move the intervals to `sorted`, pixel by pixel; end[p] becomes one past the last of pixel p. */
     size_t total = 0;
     for (size_t i = 0; i < layers->count; i++) {
         end[layers->intervals[i].pixel]++;
@@ -87,20 +94,8 @@ static void deal_to_pixels(conus_interval *out, size_t *end, const struct layers
         end[p] = first;
     }
     for (size_t i = 0; i < layers->count; i++) {
-        out[end[layers->intervals[i].pixel]++] = layers->intervals[i];
+        sorted[end[layers->intervals[i].pixel]++] = layers->intervals[i];
     }
-}
-
-conus_status layers_sort(struct layers *layers, size_t pixels)
-{
-    conus_interval *sorted = memory_raw(layers->capacity, sizeof *sorted);
-    size_t *end = memory_zeroed(pixels, sizeof *end);
-    if (!sorted || !end) {
-        memory_free(sorted);
-        memory_free(end);
-        return CONUS_ERROR_MEMORY;
-    }
-    deal_to_pixels(sorted, end, layers, pixels);
     for (size_t p = 0, first = 0; p < pixels; first = end[p++]) {
         sort_pixel(sorted + first, end[p] - first);
     }

@@ -112,19 +112,7 @@ struct stretches {
     } of[REGION_ROWS + 1];
 };
 
-/* Asks for the voxels of a row of which it is not sure whether they are in the region. */
-static void ask_unsure(const struct walk *walk, const struct piece *piece, size_t r)
-{
-    const struct region_cut *cut = &piece->cut;
-    bool is_none_sure = cut->sure[0][r] > cut->sure[1][r];
-    size_t at[3] = {0};
-    at[walk->axes[1]] = piece->j + r;
-    at[walk->axes[2]] = piece->k;
-    ask(walk, at, cut->maybe[0][r], is_none_sure ? cut->maybe[1][r] + 1 : cut->sure[0][r]);
-    ask(walk, at, is_none_sure ? cut->maybe[1][r] + 1 : cut->sure[1][r] + 1, cut->maybe[1][r] + 1);
-}
-
-/* Takes what is sure. */
+/* Lists the voxels that are surely in the region, and asks for those of which it is not sure. */
 static void list_stretches(struct stretches *out, const struct walk *walk, const struct piece *piece)
 {
     const struct region_cut *cut = &piece->cut;
@@ -133,7 +121,12 @@ static void list_stretches(struct stretches *out, const struct walk *walk, const
     for (size_t r = 0; r < piece->count; r++) {
         struct stretch *stretch = &out->of[out->count];
         if (cut->maybe[0][r] != cut->sure[0][r] || cut->maybe[1][r] != cut->sure[1][r]) {
-            ask_unsure(walk, piece, r);
+            bool is_none_sure = cut->sure[0][r] > cut->sure[1][r];
+            size_t at[3] = {0};
+            at[walk->axes[1]] = piece->j + r;
+            at[walk->axes[2]] = piece->k;
+            ask(walk, at, cut->maybe[0][r], is_none_sure ? cut->maybe[1][r] + 1 : cut->sure[0][r]);
+            ask(walk, at, is_none_sure ? cut->maybe[1][r] + 1 : cut->sure[1][r] + 1, cut->maybe[1][r] + 1);
         }
         if (cut->sure[0][r] <= cut->sure[1][r]) {
             stretch->first = (uint32_t)cut->sure[0][r];
@@ -341,15 +334,6 @@ static void add_areas(void *user, const struct volume *volume, const size_t at[3
     }
 }
 
-static void add_value(struct census_count *sum, double value, const size_t at[3])
-{
-    sum->maximum = sum->voxels > 1 ? fmax(sum->maximum, value) : value;
-    sum->value += value;
-    for (int a = 0; a < 3; a++) {
-        sum->moment[a] += value * (double)at[a];
-    }
-}
-
 static void add_values(void *user, const struct volume *volume, const size_t at[3], size_t count)
 {
     struct census *census = user;
@@ -359,7 +343,13 @@ static void add_values(void *user, const struct volume *volume, const size_t at[
         if (object) {
             const size_t voxel[3] = {at[0] + i, at[1], at[2]};
             add_run(census, object, STORED, voxel, 1);
-            add_value(&census->counts[object], (double)volume->values[first + i], voxel);
+            struct census_count *sum = &census->counts[object];
+            double value = (double)volume->values[first + i];
+            sum->maximum = sum->voxels > 1 ? fmax(sum->maximum, value) : value;
+            sum->value += value;
+            for (int a = 0; a < 3; a++) {
+                sum->moment[a] += value * (double)voxel[a];
+            }
         }
     }
 }
@@ -371,63 +361,43 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The thread that has counted as many voxels without runs, with all others, as the volume has, finds them, which takes
- * about as long. */
-static void note_counted(struct census_labels *labels, const struct volume *volume, size_t counted)
-{
-    size_t before = atomic_fetch_add(&labels->counted, counted);
-    if (before < volume->voxel_count && before + counted >= volume->voxel_count) {
-        for (int a = 0; a < 3; a++) {
-            label_runs_init(&labels->runs[a], volume, a);
-        }
-        atomic_store_explicit(&labels->has_runs, true, memory_order_release);
-    }
-}
-
-/* The runs along the axis of which the region's own has most, since that takes the fewest rows; NULL where there are
- * none. */
-static const struct label_runs *choose_runs(struct census_labels *labels, const struct volume *volume,
-                                            const struct region *region)
-{
-    const struct label_runs *chosen = NULL;
-    double most = -1;
-    double along[3];
-    mat4_direction(along, volume->voxel_from_world, region->axis);
-    for (int a = 0; a < 3 && atomic_load_explicit(&labels->has_runs, memory_order_acquire); a++) {
-        if (labels->runs[a].rows && fabs(along[a]) > most) {
-            most = fabs(along[a]);
-            chosen = &labels->runs[a];
-        }
-    }
-    return chosen;
-}
-
 static void count_areas(struct census *census, const struct region *region, const struct volume *volume,
                         struct census_labels *labels)
 {
     struct areas areas = {.census = census};
     const struct census_box all = whole_box(volume);
     struct walk walk = {.region = region, .volume = volume, .row = add_areas, .user = &areas, .box = &all};
-    walk.runs = choose_runs(labels, volume, region);
+    double most = -1;
+    double along[3];
+    mat4_direction(along, volume->voxel_from_world, region->axis);
+    for (int a = 0; a < 3 && atomic_load_explicit(&labels->has_runs, memory_order_acquire); a++) {
+        if (labels->runs[a].rows && fabs(along[a]) > most) {
+            most = fabs(along[a]);
+            walk.runs = &labels->runs[a]; /* along the axis nearest to the region's own there are fewest rows */
+        }
+    }
     walk.axes = walk.runs ? walk.runs->axes : STORED;
     walk_slices(&walk);
     if (!walk.runs) {
-        note_counted(labels, volume, areas.counted);
+        /* The thread that has counted as many voxels without runs, with all others, as the volume has, finds them,
+         * which takes about as long. */
+        size_t before = atomic_fetch_add(&labels->counted, areas.counted);
+        if (before < volume->voxel_count && before + areas.counted >= volume->voxel_count) {
+            for (int a = 0; a < 3; a++) {
+                label_runs_init(&labels->runs[a], volume, a);
+            }
+            atomic_store_explicit(&labels->has_runs, true, memory_order_release);
+        }
     }
 }
 
-static void forget(struct census *census)
+void census_take(struct census *census, const conus_atlas *atlas, const struct region *region)
 {
     for (size_t i = 0; i < census->touched_count; i++) {
         census->counts[census->touched[i]] = (struct census_count){0};
     }
     census->counts[0] = (struct census_count){0};
     census->touched_count = 0;
-}
-
-void census_take(struct census *census, const conus_atlas *atlas, const struct region *region)
-{
-    forget(census);
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
         if (volume->info.role == CONUS_ROLE_PARCELLATION) {

@@ -50,18 +50,13 @@ static conus_status expected(const struct parser *parser, const char *what)
                : fail(CONUS_ERROR_ARGUMENT, "column %zu: byte 0x%02x, expected is %s", column, found, what);
 }
 
-/* At most this many replaced, missing or extra letters per name make it a slip of the finger. */
-static size_t slips_allowed(size_t length)
-{
-    return (length + 1) / 3;
-}
-
 static conus_status fail_unknown(const struct parser *parser, struct text word)
 {
     const char *name;
     const char *closest = NULL;
     char known[256] = "";
-    size_t least = slips_allowed(word.size) + 1;
+    /* At most this many replaced, missing or extra letters per name make it a slip of the finger. */
+    size_t least = (word.size + 1) / 3 + 1;
     int shown = (int)(word.size < 40 ? word.size : 40);
     for (size_t i = 0; (name = parser->name_at(parser->names, i)); i++) {
         size_t distance = text_distance(word, text_from(name));

@@ -104,19 +104,6 @@ conus_status history_reserve(struct history *history, const struct history_sampl
     return status;
 }
 
-static void forget_changes(struct memory *memory, double before)
-{
-    size_t gone = 0;
-    while (gone < memory->change_count && memory->changes[gone].time <= before) {
-        memory->inside_before = !memory->inside_before;
-        gone++;
-    }
-    memory->change_count -= gone;
-    if (gone && memory->change_count) {
-        memmove(memory->changes, memory->changes + gone, memory->change_count * sizeof *memory->changes);
-    }
-}
-
 static void advance(struct memory *memory, const struct history *history, double time)
 {
     const struct history_constants *constants = &history->constants;
@@ -132,7 +119,15 @@ static void advance(struct memory *memory, const struct history *history, double
         memory->changes[memory->change_count++] = (struct change){time - dt / 2, history->steps > 0};
     }
     memory->last = now;
-    forget_changes(memory, time - constants->window);
+    size_t gone = 0;
+    while (gone < memory->change_count && memory->changes[gone].time <= time - constants->window) {
+        memory->inside_before = !memory->inside_before;
+        gone++;
+    }
+    memory->change_count -= gone;
+    if (gone && memory->change_count) {
+        memmove(memory->changes, memory->changes + gone, memory->change_count * sizeof *memory->changes);
+    }
 }
 
 /* The last memory takes the place of the one that is forgotten. */
@@ -147,19 +142,6 @@ static void forget(struct history *history, size_t index)
     }
 }
 
-/* The memories stay, with nothing in them: history_reserve() has made room in them. */
-static void start_afresh(struct history *history)
-{
-    for (size_t i = 0; i < history->count; i++) {
-        struct memory *memory = &history->memories[i];
-        *memory = (struct memory){.object = memory->object,
-                                  .last_choice = -INFINITY,
-                                  .changes = memory->changes,
-                                  .change_capacity = memory->change_capacity};
-    }
-    history->steps = 0;
-}
-
 static bool is_worth_keeping(const struct history *history, const struct memory *memory)
 {
     return memory->last.inside || history_has_score(memory, HISTORY_ALL) ||
@@ -169,7 +151,15 @@ static bool is_worth_keeping(const struct history *history, const struct memory 
 void history_step(struct history *history, double time, const struct history_sample *samples, size_t count)
 {
     if (history->steps && time - history->time > history->constants.window) {
-        start_afresh(history);
+        /* Empty memories stay: history_reserve() has made room in them. */
+        for (size_t i = 0; i < history->count; i++) {
+            struct memory *memory = &history->memories[i];
+            *memory = (struct memory){.object = memory->object,
+                                      .last_choice = -INFINITY,
+                                      .changes = memory->changes,
+                                      .change_capacity = memory->change_capacity};
+        }
+        history->steps = 0;
     }
     for (size_t i = 0; i < history->count; i++) {
         history->memories[i].now = (struct moment){false, 0};

@@ -124,17 +124,6 @@ static void for_lines(struct label_runs *runs, const struct volume *volume,
     }
 }
 
-/* With the number of each row's runs in the place behind it; gives that of all. */
-static size_t add_up(uint32_t *rows, size_t count)
-{
-    size_t total = 0;
-    for (size_t row = 1; row <= count; row++) {
-        total += rows[row];
-        rows[row] = (uint32_t)total;
-    }
-    return total;
-}
-
 void label_runs_init(struct label_runs *out, const struct volume *volume, int axis)
 {
     const size_t *dim = volume->info.dim;
@@ -148,7 +137,12 @@ void label_runs_init(struct label_runs *out, const struct volume *volume, int ax
         return;
     }
     for_lines(out, volume, count_runs_of);
-    size_t count = add_up(out->rows, row_count);
+    /* With the number of each row's runs in the place behind it; gives that of all. */
+    size_t count = 0;
+    for (size_t row = 1; row <= row_count; row++) {
+        count += out->rows[row];
+        out->rows[row] = (uint32_t)count;
+    }
     bool is_small = count <= smaller(volume->voxel_count / VOXELS_PER_RUN, MOST_RUNS);
     out->starts = is_small ? memory_zeroed(count + LABELS, sizeof *out->starts) : NULL;
     out->objects = is_small ? memory_raw(count, sizeof *out->objects) : NULL;

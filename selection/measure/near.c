@@ -186,16 +186,6 @@ static void search_row(void *user, const struct volume *volume, const size_t at[
     }
 }
 
-static void search_volume(struct near *near, const struct volume *volume, const struct region *ball)
-{
-    struct search search = {.near = near, .ball = ball};
-    struct region wider = *ball;
-    mat4_point(search.at, volume->voxel_from_world, ball->origin);
-    near_cells_init(&search.cells, volume);
-    wider.radius = (ball->radius + search.cells.reach) * (1 + 1e-9);
-    census_walk(&wider, volume, search_row, &search);
-}
-
 /* Distance from the ball's centre to the box around the mesh. */
 static double bounds_distance(const struct mesh *mesh, const double centre[3])
 {
@@ -235,7 +225,13 @@ void near_take(struct near *near, const conus_atlas *atlas, const struct region 
     near->touched_count = 0;
     for (size_t i = 0; i < atlas->volume_count; i++) {
         if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(&atlas->volumes[i])) {
-            search_volume(near, &atlas->volumes[i], ball);
+            const struct volume *volume = &atlas->volumes[i];
+            struct search search = {.near = near, .ball = ball};
+            struct region wider = *ball;
+            mat4_point(search.at, volume->voxel_from_world, ball->origin);
+            near_cells_init(&search.cells, volume);
+            wider.radius = (ball->radius + search.cells.reach) * (1 + 1e-9);
+            census_walk(&wider, volume, search_row, &search);
         }
     }
     for (uint32_t object = 1; atlas->mesh_count && object <= atlas->object_count; object++) {

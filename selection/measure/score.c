@@ -243,22 +243,17 @@ static int compare(const void *a, const void *b)
     return order ? order : (x->object > y->object) - (x->object < y->object);
 }
 
-static double value_of(const struct ranking *ranking, const conus_result *result, const struct score_view *view)
-{
-    double values[SCORE_COUNT];
-    for (size_t i = 0; i < SCORE_COUNT; i++) {
-        values[i] = ranking->uses >> i & 1 ? scores[i].value(result, view) : NAN;
-    }
-    return formula_value(&ranking->formula, values);
-}
-
 void score_rank(struct statistics *statistics, const struct ranking *ranking, const struct score_view *view)
 {
     size_t ranked = statistics->count;
     bool has_unassigned = ranked && !statistics->results[ranked - 1].object; /* not about a point among meshes */
     ranked -= has_unassigned;
     for (size_t i = 0; i < ranked; i++) {
-        statistics->results[i].score = value_of(ranking, &statistics->results[i], view);
+        double values[SCORE_COUNT];
+        for (size_t k = 0; k < SCORE_COUNT; k++) {
+            values[k] = ranking->uses >> k & 1 ? scores[k].value(&statistics->results[i], view) : NAN;
+        }
+        statistics->results[i].score = formula_value(&ranking->formula, values);
     }
     qsort(statistics->results, ranked, sizeof *statistics->results, compare);
     for (size_t i = 0; i < ranked; i++) {

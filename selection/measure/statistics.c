@@ -198,28 +198,25 @@ static void add_intervals(struct tally *tally, const struct gathering *gathering
     }
 }
 
-static void add_count(struct tallied *to, const struct gathering *gathering, uint32_t number)
-{
-    const struct census_count *count = &gathering->census->counts[number];
-    const struct volume *volume = atlas_object_volume(gathering->atlas, number);
-    double weight = census_is_weighted(gathering->atlas, number) ? count->value : (double)count->voxels;
-    double centroid[3];
-    census_centroid(centroid, gathering->census, gathering->atlas, number);
-    vec3_add_scaled(to->moment, to->moment, weight, centroid);
-    to->weight_in_grid += weight;
-    to->maximum = fmax(to->maximum, count->maximum);
-    to->value += count->value;
-    to->voxels += count->voxels;
-    to->mm3 += (double)count->voxels * space_voxel_mm3(&volume->info);
-    to->in_grid = true;
-}
-
 static void add_census(struct tally *tally, const struct gathering *gathering)
 {
     const struct census *census = gathering->census;
     const struct volume *parcellation = atlas_parcellation(gathering->atlas);
     for (size_t i = 0; i < census->touched_count; i++) {
-        add_count(touch(tally, group_of(gathering, census->touched[i])), gathering, census->touched[i]);
+        uint32_t number = census->touched[i];
+        struct tallied *to = touch(tally, group_of(gathering, number));
+        const struct census_count *count = &census->counts[number];
+        const struct volume *volume = atlas_object_volume(gathering->atlas, number);
+        double weight = census_is_weighted(gathering->atlas, number) ? count->value : (double)count->voxels;
+        double centroid[3];
+        census_centroid(centroid, census, gathering->atlas, number);
+        vec3_add_scaled(to->moment, to->moment, weight, centroid);
+        to->weight_in_grid += weight;
+        to->maximum = fmax(to->maximum, count->maximum);
+        to->value += count->value;
+        to->voxels += count->voxels;
+        to->mm3 += (double)count->voxels * space_voxel_mm3(&volume->info);
+        to->in_grid = true;
     }
     if (parcellation) {
         struct tallied *nothing = touch(tally, 0);
@@ -293,34 +290,6 @@ static double fraction_of(double volume, double whole)
     return fraction > 1 && fraction < 1 + rounding ? 1 : fraction;
 }
 
-/* The volume of all areas in the cone. */
-static double volume_of_areas(const struct tally *tally, const struct gathering *gathering, double total)
-{
-    double sum = 0;
-    for (size_t i = 0; i < tally->touched_count; i++) {
-        uint32_t number = tally->touched[i];
-        if (number && number <= gathering->atlas->area_count) {
-            sum += volume_of(&tally->objects[number], gathering, total);
-        }
-    }
-    return sum;
-}
-
-static void describe_voxels(conus_result *result, const struct tallied *object, bool has_values)
-{
-    result->voxels = object->voxels;
-    if (object->weight_in_grid > 0) {
-        vec3_scale(result->centroid, object->moment, 1 / object->weight_in_grid);
-    }
-    if (has_values) {
-        result->sum_value = object->value;
-    }
-    if (has_values && object->voxels) {
-        result->mean_value = object->value / (double)object->voxels;
-        result->max_value = object->maximum;
-    }
-}
-
 static void describe_layers(conus_result *result, const struct tallied *object, const struct gathering *gathering,
                             const struct totals *totals)
 {
@@ -351,16 +320,6 @@ conus_result statistics_empty_result(uint32_t number)
     result.contact_value = NAN;
     result.length = result.near[0] = result.near[1] = result.near[2] = result.along = NAN;
     return result;
-}
-
-static void describe_streamlines(conus_result *result, const struct tract_part *part, const struct gathering *gathering)
-{
-    result->length = part ? tract_part_length(part) : 0;
-    if (part) {
-        result->streamlines = part->streamlines;
-        memcpy(result->near, part->near, sizeof result->near);
-        result->along = tract_index_along(gathering->tract_index, gathering->atlas, result->object, part);
-    }
 }
 
 /* Where the object, or what is reported as it, is hit first: of the voxel that the engine found there, not of the one
@@ -396,13 +355,29 @@ static conus_result describe(uint32_t number, const struct tallied *object, cons
     }
     if (gathering->census) {
         describe_layers(&result, object, gathering, totals);
-        describe_voxels(&result, object, has_values);
+        result.voxels = object->voxels;
+        if (object->weight_in_grid > 0) {
+            vec3_scale(result.centroid, object->moment, 1 / object->weight_in_grid);
+        }
+        if (has_values) {
+            result.sum_value = object->value;
+        }
+        if (has_values && object->voxels) {
+            result.mean_value = object->value / (double)object->voxels;
+            result.max_value = object->maximum;
+        }
     }
     if (is_bundle) {
         result.streamlines_total = gathering->atlas->objects[number - 1].streamlines;
     }
     if (is_bundle && gathering->tracts) {
-        describe_streamlines(&result, object->streamlines, gathering);
+        result.length = object->streamlines ? tract_part_length(object->streamlines) : 0;
+        if (object->streamlines) {
+            result.streamlines = object->streamlines->streamlines;
+            memcpy(result.near, object->streamlines->near, sizeof result.near);
+            result.along =
+                tract_index_along(gathering->tract_index, gathering->atlas, result.object, object->streamlines);
+        }
     }
     return result;
 }
@@ -436,7 +411,12 @@ conus_status statistics_gather(struct statistics *out, const struct gathering *g
         add_solids(tally, gathering);
     }
     if (gathering->census) {
-        totals.areas = volume_of_areas(tally, gathering, totals.weight);
+        for (size_t i = 0; i < tally->touched_count; i++) {
+            uint32_t number = tally->touched[i];
+            if (number && number <= gathering->atlas->area_count) {
+                totals.areas += volume_of(&tally->objects[number], gathering, totals.weight);
+            }
+        }
     }
     size_t count = tally->touched_count;
     conus_result *results = memory_raw(count, sizeof *results);

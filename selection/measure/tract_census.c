@@ -185,26 +185,6 @@ struct taking {
     const struct tract_owners *owners;
 };
 
-static void add_part(struct tract_census *census, uint32_t number, const struct tract_part *part, bool is_first)
-{
-    struct tract_part *sum = &census->parts[number];
-    if (!sum->streamlines) {
-        *sum = (struct tract_part){.square = INFINITY};
-        census->touched[census->touched_count++] = number;
-    }
-    sum->streamlines += is_first;
-    sum->whole_mm += part->whole_mm;
-    sum->parts += part->parts;
-    carry(sum);
-    if (part->square < sum->square || (part->square == sum->square && part->point < sum->point)) {
-        sum->square = part->square;
-        sum->streamline = part->streamline;
-        sum->point = part->point;
-        sum->s = part->s;
-        memcpy(sum->near, part->near, sizeof sum->near);
-    }
-}
-
 static void add_run(void *user, const struct tract_run *run, const struct tract_part *part)
 {
     const struct taking *taking = user;
@@ -218,7 +198,22 @@ static void add_run(void *user, const struct tract_run *run, const struct tract_
     for (uint64_t i = first; i < end; i++) {
         uint32_t number = owners->all ? owners->all : owners->bundles[i];
         if (!taking->atlas->places[number - 1].is_hidden) {
-            add_part(census, number, part, is_first);
+            struct tract_part *sum = &census->parts[number];
+            if (!sum->streamlines) {
+                *sum = (struct tract_part){.square = INFINITY};
+                census->touched[census->touched_count++] = number;
+            }
+            sum->streamlines += is_first;
+            sum->whole_mm += part->whole_mm;
+            sum->parts += part->parts;
+            carry(sum);
+            if (part->square < sum->square || (part->square == sum->square && part->point < sum->point)) {
+                sum->square = part->square;
+                sum->streamline = part->streamline;
+                sum->point = part->point;
+                sum->s = part->s;
+                memcpy(sum->near, part->near, sizeof sum->near);
+            }
         }
     }
 }

@@ -16,27 +16,6 @@ static uint64_t count_members(const struct tractogram *tractogram)
     return count;
 }
 
-/* One bundle's streamlines are its own. Before the bundles are placed, first[k + 1] counts those of streamline k; while
- * they are, first[k] is where the next one goes. */
-static void place(struct tract_owners *owners, const struct tract_group *group, uint32_t number)
-{
-    for (size_t i = 0; i < group->count; i++) {
-        owners->bundles[owners->first[group->members[i]]++] = number;
-    }
-}
-
-static void count_owners(struct tract_owners *owners, const struct tractogram *tractogram)
-{
-    for (size_t g = 0; g < tractogram->group_count; g++) {
-        for (size_t i = 0; i < tractogram->groups[g].count; i++) {
-            owners->first[tractogram->groups[g].members[i] + 1]++;
-        }
-    }
-    for (size_t k = 0; k < tractogram->streamline_count; k++) {
-        owners->first[k + 1] += owners->first[k];
-    }
-}
-
 static conus_status find_owners(struct tract_owners *owners, const conus_atlas *atlas, size_t which)
 {
     const struct tractogram *tractogram = &atlas->tractograms[which];
@@ -47,12 +26,21 @@ static conus_status find_owners(struct tract_owners *owners, const conus_atlas *
         if (!owners->first || !owners->bundles) {
             return CONUS_ERROR_MEMORY;
         }
-        count_owners(owners, tractogram);
+        for (size_t g = 0; g < tractogram->group_count; g++) {
+            for (size_t i = 0; i < tractogram->groups[g].count; i++) {
+                owners->first[tractogram->groups[g].members[i] + 1]++; /* bundles of the streamline before */
+            }
+        }
+        for (size_t k = 0; k < tractogram->streamline_count; k++) {
+            owners->first[k + 1] += owners->first[k];
+        }
     }
     for (uint32_t number = (uint32_t)atlas->area_count + 1; number <= atlas->object_count; number++) {
         const struct tract_group *group = atlas_bundle_group(atlas, number);
         if (atlas_bundle_tractogram(atlas, number) == tractogram && group) {
-            place(owners, group, number);
+            for (size_t i = 0; i < group->count; i++) { /* first[k]: where the next bundle of streamline k goes */
+                owners->bundles[owners->first[group->members[i]]++] = number;
+            }
         } else if (atlas_bundle_tractogram(atlas, number) == tractogram) {
             owners->all = number;
         }

@@ -71,32 +71,6 @@ static conus_status name_object(struct layer *layer, const conus_object *object,
     return kept ? fail(CONUS_ERROR_MEMORY, "no memory for the names in the image") : CONUS_OK;
 }
 
-static conus_status name_objects(struct layer *layer, const conus_selection *selection)
-{
-    const struct evidence *evidence = &selection->evidence;
-    size_t pixels = (size_t)evidence->resolution * evidence->resolution;
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < pixels; i++) {
-        uint32_t number = evidence->object[i];
-        if (number && !layer->hash_of[number]) {
-            status = name_object(layer, conus_atlas_object(selection->atlas, number), number);
-        }
-    }
-    return status;
-}
-
-/* Channels are added one after the other, and a pointer to one lasts only until the next is added. */
-static conus_status add_channels(conus_image *image)
-{
-    static const char *const names[] = {LAYER "00.R", LAYER "00.G", LAYER "00.B", LAYER "00.A"};
-    conus_status status = CONUS_OK;
-    for (size_t c = 0; !status && c < 4; c++) {
-        struct image_channel *channel;
-        status = image_add_channel(image, names[c], IMAGE_FLOAT, &channel);
-    }
-    return status;
-}
-
 static void fill_channels(conus_image *image, const struct layer *layer, const conus_selection *selection)
 {
     float *id = image_find(image, LAYER "00.R")->floats;
@@ -141,8 +115,18 @@ conus_status cryptomatte_add(conus_image *image, const conus_selection *selectio
     struct layer layer = {.manifest = json_object(),
                           .hash_of = memory_zeroed(selection->atlas->object_count + 1, sizeof *layer.hash_of)};
     conus_status status = layer.manifest && layer.hash_of ? CONUS_OK : CONUS_ERROR_MEMORY;
-    status = status ? status : name_objects(&layer, selection);
-    status = status ? status : add_channels(image);
+    const struct evidence *evidence = &selection->evidence;
+    for (size_t i = 0; !status && i < (size_t)evidence->resolution * evidence->resolution; i++) {
+        uint32_t number = evidence->object[i];
+        if (number && !layer.hash_of[number]) {
+            status = name_object(&layer, conus_atlas_object(selection->atlas, number), number);
+        }
+    }
+    static const char *const names[] = {LAYER "00.R", LAYER "00.G", LAYER "00.B", LAYER "00.A"};
+    for (size_t c = 0; !status && c < 4; c++) {
+        struct image_channel *channel; /* which lasts only until the next is added */
+        status = image_add_channel(image, names[c], IMAGE_FLOAT, &channel);
+    }
     if (!status) {
         fill_channels(image, &layer, selection);
         status = add_attributes(image, &layer);

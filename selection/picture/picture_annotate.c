@@ -15,14 +15,6 @@ static const double ACROSS = 0.2588;
 
 static const char letters[6][2] = {"L", "R", "P", "A", "I", "S"};
 
-/* At about `at`, pixels from the image's top left. */
-static conus_status draw_letter(conus_image *image, const struct picture *picture, const double at[2], double size,
-                                const char *letter)
-{
-    const double corner[2] = {at[0] - font_width(picture->font, size, letter) / 2, at[1] + 0.36 * size};
-    return font_draw(picture->font, image, corner, size, picture->ink, letter);
-}
-
 /* The letter of the direction, in the world, to which a picture's axis points; NULL where none is so near. */
 static const char *letter_of(const double axis[3])
 {
@@ -58,7 +50,9 @@ static conus_status draw_edges(conus_image *image, const struct picture *picture
                     : n == 2 ? frame->height - near
                              : near + frame->top - frame->bottom;
         vec3_scale(axis, m + (n < 2 ? 0 : 4), n % 2 ? 1 : -1);
-        status = draw_letter(image, picture, at, size, letter_of(axis));
+        const char *letter = letter_of(axis);
+        const double corner[2] = {at[0] - font_width(picture->font, size, letter) / 2, at[1] + 0.36 * size};
+        status = font_draw(picture->font, image, corner, size, picture->ink, letter);
     }
     return status;
 }
@@ -95,18 +89,16 @@ static conus_status draw_directions(conus_image *image, const struct picture *pi
     return status;
 }
 
-/* The largest of 1, 2, 5, 10, ... that is at most `limit`. */
-static double round_length(double limit)
-{
-    double power = pow(10, floor(log10(limit)));
-    return limit >= 5 * power ? 5 * power : limit >= 2 * power ? 2 * power : power;
-}
-
 /* A bar, as long as so many mm are, at the lower edge, `beside` letters from the right. */
 static conus_status draw_bar(conus_image *image, const struct picture *picture, double pixels_per_mm, double beside)
 {
     double size = picture->em;
-    double length = round_length(0.14 * picture->drawing[0] / pixels_per_mm);
+    double limit = 0.14 * picture->drawing[0] / pixels_per_mm;
+    double power = pow(10, floor(log10(limit)));
+    double length = /* the largest of 1, 2, 5, 10, ... that is at most `limit` */
+        limit >= 5 * power   ? 5 * power
+        : limit >= 2 * power ? 2 * power
+                             : power;
     char text[CELL_SIZE];
     snprintf(text, sizeof text, "%g mm", length);
     double right = picture->drawing[0] - beside * size;

@@ -203,21 +203,6 @@ static conus_status set_up(struct picture *picture, const conus_cut_view *view, 
     return picture_prepare_sheet(picture, memory_limit(0), NULL, NULL);
 }
 
-/* Pixels that are not black count as covered, for the place of a legend. */
-static conus_status find_covered(struct picture *picture, const uint8_t *rgba)
-{
-    size_t width = picture->drawing[0];
-    size_t height = picture->drawing[1];
-    picture->rgba = memory_zeroed(width * height, 4 * sizeof *picture->rgba);
-    for (size_t y = 0; picture->rgba && y < height; y++) {
-        for (size_t x = 0; x < width; x++) {
-            const uint8_t *from = rgba + 4 * (width * (height - 1 - y) + x);
-            picture->rgba[4 * (width * y + x) + 3] = from[0] || from[1] || from[2] ? 1 : 0;
-        }
-    }
-    return picture->rgba ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
 static void lay_out(conus_image *image, const struct picture *picture, const uint8_t *rgba)
 {
     struct image_rgba to = image_rgba(image);
@@ -259,16 +244,6 @@ static conus_status make_image(conus_image **out, struct picture *picture, const
     return CONUS_OK;
 }
 
-/* Shrinks the view to the width beside the legend: the shorter side still shows as many mm. An invalid scale stays
- * invalid; conus_cutter_draw() refuses it. */
-static void fit_beside_legend(conus_cut_view *view, const uint32_t drawing[2])
-{
-    double whole = fmin(view->width, view->height);
-    double mm_per_pixel = view->mm_per_pixel != 0 ? view->mm_per_pixel : 1;
-    view->mm_per_pixel = mm_per_pixel * whole / fmin(drawing[0], drawing[1]);
-    view->width = drawing[0];
-}
-
 conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const conus_cut_view *view,
                              const conus_view *sheet)
 {
@@ -281,11 +256,27 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
     status = status ? status : conus_cutter_create(&cutter, atlas);
     status = status ? status : set_up(&picture, &what, &on);
     if (!status) {
-        fit_beside_legend(&what, picture.drawing);
+        /* Shrinks the view to the width beside the legend: the shorter side still shows as many mm. An invalid scale
+         * stays invalid; conus_cutter_draw() refuses it. */
+        double whole = fmin(what.width, what.height);
+        double mm_per_pixel = what.mm_per_pixel != 0 ? what.mm_per_pixel : 1;
+        what.mm_per_pixel = mm_per_pixel * whole / fmin(picture.drawing[0], picture.drawing[1]);
+        what.width = picture.drawing[0];
     }
     status = status ? status : conus_cutter_draw(cutter, &what);
     if (!status && picture.legend) {
-        status = find_covered(&picture, conus_cutter_rgba(cutter));
+        /* Pixels that are not black count as covered, for the place of a legend. */
+        const uint8_t *rgba = conus_cutter_rgba(cutter);
+        size_t width = picture.drawing[0];
+        size_t height = picture.drawing[1];
+        picture.rgba = memory_zeroed(width * height, 4 * sizeof *picture.rgba);
+        for (size_t y = 0; picture.rgba && y < height; y++) {
+            for (size_t x = 0; x < width; x++) {
+                const uint8_t *from = rgba + 4 * (width * (height - 1 - y) + x);
+                picture.rgba[4 * (width * y + x) + 3] = from[0] || from[1] || from[2] ? 1 : 0;
+            }
+        }
+        status = picture.rgba ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     status = status ? status : make_image(out, &picture, &what, conus_cutter_rgba(cutter));
     conus_cutter_destroy(cutter);

@@ -9,20 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Samples of pixel (x, y) of the image, which begins at its top, begin at this interval. */
-static size_t *first_intervals(const conus_selection *selection)
-{
-    size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
-    size_t *first = memory_zeroed(pixels + 1, sizeof *first);
-    for (size_t i = 0; first && i < selection->layers.count; i++) {
-        first[selection->layers.intervals[i].pixel + 1]++;
-    }
-    for (size_t i = 0; first && i < pixels; i++) {
-        first[i + 1] += first[i];
-    }
-    return first;
-}
-
 static size_t pixel_from_top(const conus_selection *selection, uint32_t x, uint32_t y)
 {
     uint32_t n = selection->cone.resolution;
@@ -61,20 +47,6 @@ static conus_status add_channels(struct deep_image *image)
     return status;
 }
 
-static void fill_sample(struct image_channel *channels, size_t sample, const conus_selection *selection,
-                        const conus_interval *interval)
-{
-    uint32_t n = selection->cone.resolution;
-    double per_depth = cone_per_depth(&selection->cone, interval->pixel % n, interval->pixel / n);
-    channels[ID].uints[sample] = conus_atlas_object(selection->atlas, interval->object)->label;
-    channels[OBJECT].uints[sample] = interval->object;
-    channels[Z].floats[sample] = (float)(interval->entry / per_depth);
-    channels[Z_BACK].floats[sample] = (float)(interval->exit / per_depth);
-    channels[T].floats[sample] = (float)interval->entry;
-    channels[T_BACK].floats[sample] = (float)interval->exit;
-    channels[A].floats[sample] = 1;
-}
-
 static void fill_channels(struct deep_image *image, const conus_selection *selection, const size_t *first)
 {
     uint32_t n = selection->cone.resolution;
@@ -83,7 +55,15 @@ static void fill_channels(struct deep_image *image, const conus_selection *selec
         for (uint32_t x = 0; x < n; x++) {
             size_t pixel = pixel_from_top(selection, x, y);
             for (size_t i = first[pixel]; i < first[pixel + 1]; i++) {
-                fill_sample(image->channels, sample++, selection, &selection->layers.intervals[i]);
+                const conus_interval *interval = &selection->layers.intervals[i];
+                double per_depth = cone_per_depth(&selection->cone, interval->pixel % n, interval->pixel / n);
+                image->channels[ID].uints[sample] = conus_atlas_object(selection->atlas, interval->object)->label;
+                image->channels[OBJECT].uints[sample] = interval->object;
+                image->channels[Z].floats[sample] = (float)(interval->entry / per_depth);
+                image->channels[Z_BACK].floats[sample] = (float)(interval->exit / per_depth);
+                image->channels[T].floats[sample] = (float)interval->entry;
+                image->channels[T_BACK].floats[sample] = (float)interval->exit;
+                image->channels[A].floats[sample++] = 1;
             }
         }
     }
@@ -165,17 +145,6 @@ static conus_status names_init(struct names *out, size_t count)
     return CONUS_OK;
 }
 
-/* "Hippocampus / fornix": an area and a pathway may have one label. */
-static char *join(const char *a, const char *b)
-{
-    size_t size = strlen(a) + strlen(b) + 4;
-    char *joined = memory_raw(size, 1);
-    if (joined) {
-        snprintf(joined, size, "%s / %s", a, b);
-    }
-    return joined;
-}
-
 /* Names for the labels of `named`, which is sorted by them; gives how many in *labels. */
 static conus_status name_labels(struct names *names, size_t *labels, const struct named *named, size_t count)
 {
@@ -189,10 +158,13 @@ static conus_status name_labels(struct names *names, size_t *labels, const struc
             (*labels)++;
             continue;
         }
-        char *joined = join(names->of_labels[at - 1], object->name);
+        /* "Hippocampus / fornix": an area and a pathway may have one label. */
+        size_t size = strlen(names->of_labels[at - 1]) + strlen(object->name) + 4;
+        char *joined = memory_raw(size, 1);
         if (!joined) {
             return CONUS_ERROR_MEMORY;
         }
+        snprintf(joined, size, "%s / %s", names->of_labels[at - 1], object->name);
         memory_free(names->joined[at - 1]);
         names->joined[at - 1] = joined;
         names->of_labels[at - 1] = joined;
@@ -245,7 +217,15 @@ static conus_status add_names(struct deep_image *image, const conus_selection *s
 static conus_status create_image(struct deep_image **out, const conus_selection *selection)
 {
     struct deep_image *image = NULL;
-    size_t *first = first_intervals(selection);
+    /* Samples of pixel (x, y) of the image, which begins at its top, begin at this interval. */
+    size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
+    size_t *first = memory_zeroed(pixels + 1, sizeof *first);
+    for (size_t i = 0; first && i < selection->layers.count; i++) {
+        first[selection->layers.intervals[i].pixel + 1]++;
+    }
+    for (size_t i = 0; first && i < pixels; i++) {
+        first[i + 1] += first[i];
+    }
     conus_status status = first ? count_samples(&image, selection, first) : CONUS_ERROR_MEMORY;
     status = status ? status : add_channels(image);
     if (!status) {

@@ -220,13 +220,6 @@ static void fill_rows(struct picture_legend *out, const struct picture *picture)
                                   .tail = tail};
 }
 
-/* Without a cone, the heading of the colours is the title. */
-static void fill_colours(struct picture_legend *out, const struct picture *picture)
-{
-    size_t count = add_colours(out->rows, out->colours, picture);
-    out->legend = (struct legend){.title = out->colours[0], .rows = out->rows + 1, .count = count - 1};
-}
-
 /* Makes `capacity` rows of more: the last of what is only behind others leave, and one row says how many they are.
  * Where those are too few, all stay, and legend_draw() counts what it leaves out. */
 static void leave_out_behind(struct picture_legend *out, size_t capacity)
@@ -327,7 +320,9 @@ conus_status picture_legend_init(struct picture *picture)
     if (picture->options.selection) {
         fill_rows(legend, picture);
     } else {
-        fill_colours(legend, picture);
+        /* Without a cone, the heading of the colours is the title. */
+        size_t count = add_colours(legend->rows, legend->colours, picture);
+        legend->legend = (struct legend){.title = legend->colours[0], .rows = legend->rows + 1, .count = count - 1};
     }
     if (picture->options.legend == CONUS_LEGEND_INSIDE) {
         place_inside(legend, picture, picture->em);
@@ -368,27 +363,21 @@ static double covered(const struct picture *picture, enum legend_corner corner)
     return sum;
 }
 
-/* The corner in which the legend hides least; the fourth one is taken by the directions. */
-static enum legend_corner free_corner(const struct picture *picture)
-{
-    static const enum legend_corner corners[] = {LEGEND_TOP_LEFT, LEGEND_TOP_RIGHT, LEGEND_BOTTOM_LEFT};
-    enum legend_corner best = LEGEND_TOP_LEFT;
-    double least = INFINITY;
-    for (size_t i = 0; i < sizeof corners / sizeof *corners; i++) {
-        double hidden = covered(picture, corners[i]);
-        if (hidden < 0.8 * least) {
-            least = hidden;
-            best = corners[i];
-        }
-    }
-    return best;
-}
-
 conus_status picture_legend_draw(conus_image *image, const struct picture *picture)
 {
     struct legend legend = picture->legend->legend;
     if (picture->options.legend == CONUS_LEGEND_INSIDE) {
-        legend.corner = free_corner(picture);
+        /* The corner in which the legend hides least; the fourth one is taken by the directions. */
+        static const enum legend_corner corners[] = {LEGEND_TOP_LEFT, LEGEND_TOP_RIGHT, LEGEND_BOTTOM_LEFT};
+        legend.corner = LEGEND_TOP_LEFT;
+        double least = INFINITY;
+        for (size_t i = 0; i < sizeof corners / sizeof *corners; i++) {
+            double hidden = covered(picture, corners[i]);
+            if (hidden < 0.8 * least) {
+                least = hidden;
+                legend.corner = corners[i];
+            }
+        }
     }
     return legend_draw(image, picture->font, &legend);
 }

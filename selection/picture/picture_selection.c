@@ -230,21 +230,6 @@ static void shade(float colour[4], float factor)
     }
 }
 
-/* Fills one pixel of the device, `factor` pixels wide; its first row and column are darker, to make a grid. */
-static void draw_pixel(conus_image *picture, uint32_t x, uint32_t y, uint32_t factor, const float colour[4])
-{
-    const struct image_rgba planes = image_rgba(picture);
-    float shaded[4] = {colour[0], colour[1], colour[2], 1};
-    shade(shaded, LINE_SHADE);
-    for (uint32_t j = 0; j < factor; j++) {
-        for (uint32_t i = 0; i < factor; i++) {
-            size_t pixel = ((size_t)y * factor + j) * picture->width + (size_t)x * factor + i;
-            bool line = factor >= GRID && (i == 0 || j == 0);
-            draw_over(&planes, pixel, line ? shaded : colour, 1);
-        }
-    }
-}
-
 static void draw_pixels(conus_image *picture, const conus_selection *selection, uint32_t factor)
 {
     uint32_t n = selection->evidence.resolution;
@@ -255,7 +240,17 @@ static void draw_pixels(conus_image *picture, const conus_selection *selection, 
             float colour[4];
             draw_colour(colour, object ? object->rgb : NOTHING, 1);
             shade(colour, selection->in_cone[pixel] ? 1 : HIDDEN_SHADE);
-            draw_pixel(picture, x, y, factor, colour);
+            /* A pixel of the device is `factor` pixels wide; its first row and column are darker, to make a grid. */
+            const struct image_rgba planes = image_rgba(picture);
+            float shaded[4] = {colour[0], colour[1], colour[2], 1};
+            shade(shaded, LINE_SHADE);
+            for (uint32_t j = 0; j < factor; j++) {
+                for (uint32_t i = 0; i < factor; i++) {
+                    size_t to = ((size_t)y * factor + j) * picture->width + (size_t)x * factor + i;
+                    bool line = factor >= GRID && (i == 0 || j == 0);
+                    draw_over(&planes, to, line ? shaded : colour, 1);
+                }
+            }
         }
     }
 }
@@ -331,23 +326,6 @@ static conus_status create_panel(conus_image **out, const conus_selection *selec
     return CONUS_OK;
 }
 
-/* Lays the panel over the picture's right edge. */
-static void copy_panel(conus_image *picture, const conus_image *panel)
-{
-    const struct image_rgba to = image_rgba(picture);
-    const struct image_rgba from = image_rgba(panel);
-    for (size_t y = 0; y < panel->height; y++) {
-        size_t start = y * picture->width + picture->width - panel->width;
-        for (size_t x = 0; x < panel->width; x++) {
-            size_t pixel = y * panel->width + x;
-            float rest = 1 - from.plane[3][pixel];
-            for (int c = 0; c < 4; c++) {
-                to.plane[c][start + x] = from.plane[c][pixel] + rest * to.plane[c][start + x];
-            }
-        }
-    }
-}
-
 static conus_status create_picture(conus_image **out, const conus_selection *selection)
 {
     uint32_t n = selection->evidence.resolution;
@@ -363,7 +341,19 @@ static conus_status create_picture(conus_image **out, const conus_selection *sel
         draw_box(picture, &(struct draw_box){-1, -1, picture->width + 1.0, side + 1.0}, 0, background);
         draw_pixels(picture, selection, factor);
         if (panel) {
-            copy_panel(picture, panel);
+            /* Lays the panel over the picture's right edge. */
+            const struct image_rgba to = image_rgba(picture);
+            const struct image_rgba from = image_rgba(panel);
+            for (size_t y = 0; y < panel->height; y++) {
+                size_t start = y * picture->width + picture->width - panel->width;
+                for (size_t x = 0; x < panel->width; x++) {
+                    size_t pixel = y * panel->width + x;
+                    float rest = 1 - from.plane[3][pixel];
+                    for (int c = 0; c < 4; c++) {
+                        to.plane[c][start + x] = from.plane[c][pixel] + rest * to.plane[c][start + x];
+                    }
+                }
+            }
         }
         *out = picture;
     }

@@ -240,35 +240,9 @@ static void set_frame(struct picture *picture)
     }
 }
 
-/* The apex, or where the cone comes near, so that a far device does not make the brain a dot. */
-static void near_end(double out[3], const struct picture *picture)
-{
-    const struct cone *cone = &picture->options.selection->cone;
-    double axis[3], offset[3];
-    cone_axis(axis, cone);
-    memcpy(out, cone->pose.world_from_device + 12, 3 * sizeof *out);
-    vec3_sub(offset, picture->centre, out);
-    double skip = vec3_dot(offset, axis) - 1.6 * picture->radius;
-    if (skip > 0 && skip < picture->view.cone_length) {
-        vec3_add_scaled(out, out, skip, axis);
-    }
-}
-
 static const double forwards[][3] = {
     [CONUS_SIDE_LEFT] = {1, 0, 0}, [CONUS_SIDE_RIGHT] = {-1, 0, 0}, [CONUS_SIDE_FRONT] = {0, -1, 0},
     [CONUS_SIDE_BACK] = {0, 1, 0}, [CONUS_SIDE_TOP] = {0, 0, -1},   [CONUS_SIDE_BOTTOM] = {0, 0, 1}};
-
-static void find_forward(double out[3], const conus_view *options)
-{
-    camera_default_forward(out);
-    if (options->side) {
-        memcpy(out, forwards[options->side], 3 * sizeof *out);
-    } else if (options->selection) {
-        double axis[3];
-        cone_axis(axis, &options->selection->cone);
-        camera_cone_forward(out, axis);
-    }
-}
 
 static conus_status place_camera(struct picture *picture, const struct colour_pass *pass)
 {
@@ -285,7 +259,14 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         return status ? fail_in(status, "camera") : CONUS_OK;
     }
     double forward[3];
-    find_forward(forward, options);
+    camera_default_forward(forward);
+    if (options->side) {
+        memcpy(forward, forwards[options->side], 3 * sizeof *forward);
+    } else if (options->selection) {
+        double axis[3];
+        cone_axis(axis, &options->selection->cone);
+        camera_cone_forward(forward, axis);
+    }
     double(*points)[3] = memory_raw(pass->content_count + 1, sizeof *points);
     if (!points) {
         return CONUS_ERROR_MEMORY;
@@ -293,7 +274,17 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
     memcpy(points, pass->content, pass->content_count * sizeof *points);
     size_t count = pass->content_count;
     if (options->selection) {
-        near_end(points[count++], picture);
+        /* The apex, or where the cone comes near, so that a far device does not make the brain a dot. */
+        double *near = points[count++];
+        const struct cone *cone = &picture->options.selection->cone;
+        double axis[3], offset[3];
+        cone_axis(axis, cone);
+        memcpy(near, cone->pose.world_from_device + 12, 3 * sizeof *near);
+        vec3_sub(offset, picture->centre, near);
+        double skip = vec3_dot(offset, axis) - 1.6 * picture->radius;
+        if (skip > 0 && skip < picture->view.cone_length) {
+            vec3_add_scaled(near, near, skip, axis);
+        }
     }
     camera_frame_points(&picture->camera, points[0], count, forward, options->field_of_view, &picture->frame);
     memory_free(points);
@@ -333,19 +324,6 @@ static void lay_over_background(conus_image *image, const struct picture *pictur
     }
 }
 
-/* Dark, or white on what is dark. */
-static void choose_ink(struct picture *picture)
-{
-    float under[4];
-    picture_background(under, &picture->options, 0);
-    float light = 0.2126F * under[0] + 0.7152F * under[1] + 0.0722F * under[2];
-    bool dark = under[3] > 0 && light < 0.18F;
-    for (int c = 0; c < 3; c++) {
-        picture->ink[c] = dark ? 0.9F : c < 2 ? 0.02F : 0.025F;
-    }
-    picture->ink[3] = 1;
-}
-
 /* Where there is no font, a word about it in the log, and no text. */
 static conus_status find_font(struct picture *picture, conus_log log, void *log_user)
 {
@@ -373,7 +351,14 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     picture->em =
         options->dpi > 0 ? POINTS / 72 * options->dpi : fmax(11, fmin(options->width, options->height) / 54.0);
     picture->line = options->dpi > 0 ? picture->em / 19 : 1;
-    choose_ink(picture);
+    float under[4]; /* the ink is dark, or white on what is dark */
+    picture_background(under, &picture->options, 0);
+    float light = 0.2126F * under[0] + 0.7152F * under[1] + 0.0722F * under[2];
+    bool dark = under[3] > 0 && light < 0.18F;
+    for (int c = 0; c < 3; c++) {
+        picture->ink[c] = dark ? 0.9F : c < 2 ? 0.02F : 0.025F;
+    }
+    picture->ink[3] = 1;
     conus_status status = find_font(picture, log, log_user);
     return status || !picture_has_legend(picture) ? status : picture_legend_init(picture);
 }

@@ -87,17 +87,6 @@ static void see(double out[3], const struct region *region, const double v[3])
     out[2] = region->sine * vec3_dot(v, region->axis);
 }
 
-static bool clip_square(double s[2], const double at[3], const double step[3], double radius)
-{
-    for (int side = 0; side < 4; side++) {
-        double sign = side & 1 ? 1 : -1;
-        if (!clip_half(s, at[2] + radius + sign * at[side >> 1], step[2] + sign * step[side >> 1])) {
-            return false;
-        }
-    }
-    return true;
-}
-
 bool region_line(double s[2], const struct region *region, const double v[3], const double u[3])
 {
     double at[3];
@@ -114,7 +103,13 @@ bool region_line(double s[2], const struct region *region, const double v[3], co
     see(at, region, v);
     see(step, region, u);
     if (region->square) {
-        return clip_square(s, at, step, region->radius);
+        for (int side = 0; side < 4; side++) {
+            double sign = side & 1 ? 1 : -1;
+            if (!clip_half(s, at[2] + region->radius + sign * at[side >> 1], step[2] + sign * step[side >> 1])) {
+                return false;
+            }
+        }
+        return true;
     }
     return region->shape == REGION_CONE ? clip_cone(s, at, step) : clip_about(s, at, step, region->radius);
 }

@@ -131,27 +131,6 @@ struct count {
     double share, square; /* sums */
 };
 
-static void add_result(struct count *counts, const conus_result *result)
-{
-    struct count *count = &counts[result->object];
-    count->seen += result->pixels > 0;
-    count->inside += result->kind != CONUS_KIND_BUNDLE || result->streamlines > 0; /* a ray may hit its tube only */
-    count->share += result->share;
-    count->square += result->share * result->share;
-}
-
-/* The best-ranked object that any pixel hits, 0 if none. */
-static uint32_t best_object(const conus_selection *selection)
-{
-    for (size_t i = 0; i < conus_selection_count(selection); i++) {
-        const conus_result *result = conus_selection_result(selection, i);
-        if (result->object && result->pixels > 0) {
-            return result->object;
-        }
-    }
-    return 0;
-}
-
 static conus_status answer_sample(struct count *counts, conus_selector *selector, const conus_jitter *jitter,
                                   uint32_t index)
 {
@@ -164,10 +143,17 @@ static conus_status answer_sample(struct count *counts, conus_selector *selector
     if (status) {
         return status;
     }
+    uint32_t best = 0; /* the best-ranked object that any pixel hits */
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
-        add_result(counts, conus_selection_result(selection, i));
+        const conus_result *result = conus_selection_result(selection, i);
+        struct count *count = &counts[result->object];
+        count->seen += result->pixels > 0;
+        count->inside += result->kind != CONUS_KIND_BUNDLE || result->streamlines > 0; /* a ray may hit its tube only */
+        count->share += result->share;
+        count->square += result->share * result->share;
+        best = best || !result->pixels ? best : result->object;
     }
-    counts[best_object(selection)].hits[index / (jitter->options.samples / JITTER_SETS)]++;
+    counts[best].hits[index / (jitter->options.samples / JITTER_SETS)]++;
     conus_selection_destroy(selection);
     return CONUS_OK;
 }
@@ -258,25 +244,6 @@ static conus_status fill_rows(conus_jitter *jitter, const struct count *counts, 
     return CONUS_OK;
 }
 
-/* ---- */
-
-static conus_status check_options(const conus_jitter_options *options)
-{
-    if (!(options->tilt >= 0 && options->tilt <= MATH3_PI / 2)) {
-        return fail(CONUS_ERROR_ARGUMENT, "jitter: a tilt of %g degrees, allowed is 0 to 90",
-                    degrees_from_radians(options->tilt));
-    }
-    if (!(options->shift >= 0 && options->shift <= 1e6)) {
-        return fail(CONUS_ERROR_ARGUMENT, "jitter: a shift of %g mm, allowed is 0 to 1e6", options->shift);
-    }
-    uint32_t samples = options->samples;
-    if (samples < JITTER_SETS || samples > SAMPLE_LIMIT || (samples & (samples - 1))) {
-        return fail(CONUS_ERROR_ARGUMENT, "samples: %u, allowed are powers of two from %d to %d", samples, JITTER_SETS,
-                    SAMPLE_LIMIT);
-    }
-    return CONUS_OK;
-}
-
 static conus_status build(conus_jitter *jitter, conus_selector *selector)
 {
     struct count *counts = memory_zeroed(selector->atlas->object_count + 1, sizeof *counts);
@@ -296,8 +263,19 @@ conus_status conus_jitter_create(conus_jitter **out, conus_selector *selector, c
                         .radius = selector->options.radius,
                         .range = {selector->options.range[0], selector->options.range[1]}};
     filled.samples = filled.samples ? filled.samples : DEFAULT_SAMPLES;
-    conus_status status = check_options(&filled);
-    status = status ? status : conus_pose_from_matrix(&cone.pose, pose->world_from_device);
+    if (!(filled.tilt >= 0 && filled.tilt <= MATH3_PI / 2)) {
+        return fail(CONUS_ERROR_ARGUMENT, "jitter: a tilt of %g degrees, allowed is 0 to 90",
+                    degrees_from_radians(filled.tilt));
+    }
+    if (!(filled.shift >= 0 && filled.shift <= 1e6)) {
+        return fail(CONUS_ERROR_ARGUMENT, "jitter: a shift of %g mm, allowed is 0 to 1e6", filled.shift);
+    }
+    uint32_t samples = filled.samples;
+    if (samples < JITTER_SETS || samples > SAMPLE_LIMIT || (samples & (samples - 1))) {
+        return fail(CONUS_ERROR_ARGUMENT, "samples: %u, allowed are powers of two from %d to %d", samples, JITTER_SETS,
+                    SAMPLE_LIMIT);
+    }
+    conus_status status = conus_pose_from_matrix(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
     if (status) {
         return status;

@@ -55,19 +55,6 @@ static const struct mesh *closed_mesh(const conus_atlas *atlas, uint32_t number)
     return atlas->objects[number - 1].closed ? atlas_object_mesh(atlas, number) : NULL;
 }
 
-/* From world mm to numbers of lines, from the first one in the region's bounds on, and voxels along k. */
-static void find_frame(double out[16], const struct counting *counting)
-{
-    const conus_roi *roi = counting->roi;
-    double per_voxel = (double)counting->per_voxel;
-    double lines_from_voxel[16] = {[10] = 1, [15] = 1};
-    for (int a = 0; a < 2; a++) {
-        lines_from_voxel[5 * a] = per_voxel;
-        lines_from_voxel[12 + a] = (0.5 - (double)roi->low[a]) * per_voxel - 0.5;
-    }
-    mat4_multiply(out, lines_from_voxel, roi->volume.voxel_from_world);
-}
-
 static conus_status cross_meshes(struct counting *counting)
 {
     const conus_atlas *atlas = counting->selector->atlas;
@@ -77,7 +64,15 @@ static conus_status cross_meshes(struct counting *counting)
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
         counting->per_voxel = closed_mesh(atlas, number) ? LINES : counting->per_voxel;
     }
-    find_frame(frame, counting);
+    /* `frame`: from world mm to numbers of lines, from the first one in the region's bounds on, and voxels along k */
+    const conus_roi *roi = counting->roi;
+    double per_voxel = (double)counting->per_voxel;
+    double lines_from_voxel[16] = {[10] = 1, [15] = 1};
+    for (int a = 0; a < 2; a++) {
+        lines_from_voxel[5 * a] = per_voxel;
+        lines_from_voxel[12 + a] = (0.5 - (double)roi->low[a]) * per_voxel - 0.5;
+    }
+    mat4_multiply(frame, lines_from_voxel, roi->volume.voxel_from_world);
     for (int a = 0; a < 2; a++) {
         counting->lines.step[a] = 1;
         counting->lines.count[a] = (counting->roi->high[a] - counting->roi->low[a] + 1) * counting->per_voxel;
@@ -214,16 +209,6 @@ static conus_status count_line(struct counting *counting, size_t i, size_t j)
     return status;
 }
 
-static conus_status count_lines(struct counting *counting)
-{
-    const size_t *count = counting->lines.count;
-    conus_status status = CONUS_OK;
-    for (size_t line = 0; !status && line < count[0] * count[1]; line++) {
-        status = count_line(counting, line % count[0], line / count[0]);
-    }
-    return status;
-}
-
 /* Adds up the inside of the mesh in the region's voxels. */
 static conus_status measure_mesh(struct counting *counting, struct tally_of_pieces *tally, const struct mesh *mesh)
 {
@@ -302,17 +287,6 @@ static int compare_rows(const void *a, const void *b)
     return (x->object > y->object) - (x->object < y->object);
 }
 
-static void fill_rows(struct counting *counting)
-{
-    struct conus_overlap *overlap = counting->overlap;
-    for (uint32_t object = 0; object <= counting->selector->atlas->object_count; object++) {
-        if (counting->tallies[object].voxels > 0) {
-            overlap->rows[overlap->count++] = describe(counting, object);
-        }
-    }
-    qsort(overlap->rows, overlap->count, sizeof *overlap->rows, compare_rows);
-}
-
 static conus_status build(struct conus_overlap *overlap, const conus_selector *selector, const conus_roi *roi)
 {
     const conus_volume_info *info = &roi->volume.info;
@@ -333,9 +307,17 @@ static conus_status build(struct conus_overlap *overlap, const conus_selector *s
     counting.shares.user = &counting;
     status = status ? status : measure_meshes(&counting);
     status = status ? status : cross_meshes(&counting);
-    status = status ? status : count_lines(&counting);
+    size_t lines = counting.lines.count[0] * counting.lines.count[1];
+    for (size_t line = 0; !status && line < lines; line++) {
+        status = count_line(&counting, line % counting.lines.count[0], line / counting.lines.count[0]);
+    }
     if (!status) {
-        fill_rows(&counting);
+        for (uint32_t object = 0; object < count; object++) {
+            if (counting.tallies[object].voxels > 0) {
+                overlap->rows[overlap->count++] = describe(&counting, object);
+            }
+        }
+        qsort(overlap->rows, overlap->count, sizeof *overlap->rows, compare_rows);
     }
     shares_finish(&counting.shares);
     mesh_lines_finish(&counting.lines);

@@ -36,18 +36,6 @@ static bool clip(conus_interval *interval, const conus_atlas *atlas, const doubl
     return interval->exit - interval->entry > TOUCH;
 }
 
-static void clip_all(struct layers *layers, const conus_atlas *atlas, const double range[2])
-{
-    size_t kept = 0;
-    for (size_t i = 0; i < layers->count; i++) {
-        conus_interval interval = layers->intervals[i];
-        if (clip(&interval, atlas, range)) {
-            layers->intervals[kept++] = interval;
-        }
-    }
-    layers->count = kept;
-}
-
 /* The last row of an object; NULL = none. */
 static conus_segment *last_of(const conus_segments *segments, uint32_t object)
 {
@@ -121,18 +109,6 @@ static void place(double out[3], const struct cone *axis, double depth)
     }
 }
 
-static void fill_rows(conus_segments *segments, const struct layers *layers, const conus_selector *selector)
-{
-    join_intervals(segments, layers, selector);
-    qsort(segments->rows, segments->count, sizeof *segments->rows, compare);
-    add_gaps(segments);
-    qsort(segments->rows, segments->count, sizeof *segments->rows, compare);
-    for (size_t i = 0; i < segments->count; i++) {
-        place(segments->rows[i].entry_at, &segments->cone, segments->rows[i].entry);
-        place(segments->rows[i].exit_at, &segments->cone, segments->rows[i].exit);
-    }
-}
-
 static conus_status build(conus_segments *segments, conus_selector *selector)
 {
     struct layers layers = {0};
@@ -140,12 +116,26 @@ static conus_status build(conus_segments *segments, conus_selector *selector)
     status = status ? status : selector->axis->functions->pierce(selector->axis, &layers, &segments->cone);
     if (!status) {
         layers_drop_blockers(&layers);
-        clip_all(&layers, selector->atlas, segments->cone.range);
+        size_t kept = 0;
+        for (size_t i = 0; i < layers.count; i++) {
+            conus_interval interval = layers.intervals[i];
+            if (clip(&interval, selector->atlas, segments->cone.range)) {
+                layers.intervals[kept++] = interval;
+            }
+        }
+        layers.count = kept;
         status = layers_sort(&layers, 1);
     }
     segments->rows = status ? NULL : memory_raw(2 * layers.count + 1, sizeof *segments->rows); /* each with a gap */
     if (segments->rows) {
-        fill_rows(segments, &layers, selector);
+        join_intervals(segments, &layers, selector);
+        qsort(segments->rows, segments->count, sizeof *segments->rows, compare);
+        add_gaps(segments);
+        qsort(segments->rows, segments->count, sizeof *segments->rows, compare);
+        for (size_t i = 0; i < segments->count; i++) {
+            place(segments->rows[i].entry_at, &segments->cone, segments->rows[i].entry);
+            place(segments->rows[i].exit_at, &segments->cone, segments->rows[i].exit);
+        }
     }
     layers_finish(&layers);
     return status || segments->rows ? status : CONUS_ERROR_MEMORY;

@@ -96,22 +96,14 @@ static uint32_t object_in(const struct volume *volume, long i, long j, long k)
     return inside ? volume_object(volume, (size_t)i + dim[0] * ((size_t)j + dim[1] * (size_t)k)) : 0;
 }
 
-/* Whether all cells of row (j, k) have the object. */
-static bool row_has(const struct volume *volume, const struct cells *cells, long j, long k, uint32_t object)
-{
-    bool has = true;
-    for (long i = cells->low[0]; has && i <= cells->high[0]; i++) {
-        has = object_in(volume, i, j, k) == object;
-    }
-    return has;
-}
-
 static bool is_uniform(const struct volume *volume, const struct cells *cells, uint32_t object)
 {
     bool uniform = true;
     for (long k = cells->low[2]; uniform && k <= cells->high[2]; k++) {
         for (long j = cells->low[1]; uniform && j <= cells->high[1]; j++) {
-            uniform = row_has(volume, cells, j, k, object);
+            for (long i = cells->low[0]; uniform && i <= cells->high[0]; i++) {
+                uniform = object_in(volume, i, j, k) == object;
+            }
         }
     }
     return uniform;

@@ -29,14 +29,6 @@ static void to_device(double out[3], const struct region *region, const double p
     out[2] = vec3_dot(v, region->axis);
 }
 
-static void to_world(double out[3], const struct region *region, const double p[3])
-{
-    memcpy(out, region->origin, 3 * sizeof *out);
-    vec3_add_scaled(out, out, p[0], region->right);
-    vec3_add_scaled(out, out, p[1], region->up);
-    vec3_add_scaled(out, out, p[2], region->axis);
-}
-
 /* A point this near to the axis, as a part of its depth, counts as on it, for rounding. */
 static const double ON_AXIS = 1e-12;
 
@@ -55,10 +47,11 @@ static bool is_sooner(const struct admission *admission, double slope, double de
     return slope != admission->slope ? slope < admission->slope : isfinite(slope) && depth < admission->depth;
 }
 
+/* The user of admit_row(): admissions[as[k]] is lowered to what the voxels of object k in the region give. */
 struct voxels {
     struct admission *admissions;
     const struct region *region;
-    const uint32_t *as;
+    const uint32_t *as; /* NULL: each object is itself */
 };
 
 static void admit_row(void *user, const struct volume *volume, const size_t at[3], size_t count)
@@ -84,15 +77,6 @@ static void admit_row(void *user, const struct volume *volume, const size_t at[3
             memcpy(admission->point, world, sizeof world);
         }
     }
-}
-
-/* Lowers admissions[as[k]] for each object k of the volume to what its voxels in the region give; as NULL: each object
- * is itself. */
-static void admission_of_volume(struct admission *admissions, const struct region *region, const struct volume *volume,
-                                const uint32_t *as)
-{
-    struct voxels voxels = {admissions, region, as};
-    census_walk(region, volume, admit_row, &voxels);
 }
 
 enum { CORNERS = 5 }; /* a triangle cut by two planes */
@@ -137,7 +121,10 @@ static void admit_point(struct admission *admission, const struct region *region
         admission->slope = slope;
         admission->depth = p[2];
         admission->is_surface = true;
-        to_world(admission->point, region, p);
+        memcpy(admission->point, region->origin, 3 * sizeof *admission->point);
+        vec3_add_scaled(admission->point, admission->point, p[0], region->right);
+        vec3_add_scaled(admission->point, admission->point, p[1], region->up);
+        vec3_add_scaled(admission->point, admission->point, p[2], region->axis);
     }
 }
 
@@ -186,16 +173,6 @@ static bool hits_axis(double *depth, bool *faces, const struct polygon *triangle
     return true;
 }
 
-static void read_triangle(struct polygon *out, const struct region *region, const struct mesh *mesh, size_t triangle)
-{
-    double corners[3][3];
-    mesh_corners(corners, mesh, triangle);
-    out->count = 3;
-    for (int i = 0; i < 3; i++) {
-        to_device(out->corners[i], region, corners[i]);
-    }
-}
-
 static void admit_outline(struct admission *admission, const struct region *region, struct polygon *polygon)
 {
     cut(polygon, 1, region->near);
@@ -217,7 +194,12 @@ static void admission_of_mesh(struct admission *admission, const struct region *
         struct polygon polygon;
         double depth;
         bool faces;
-        read_triangle(&polygon, region, mesh, i);
+        double corners[3][3];
+        mesh_corners(corners, mesh, i);
+        polygon.count = 3;
+        for (int k = 0; k < 3; k++) {
+            to_device(polygon.corners[k], region, corners[k]);
+        }
         if (hits_axis(&depth, &faces, &polygon)) {
             if (depth >= region->near && depth <= region->far) {
                 admit_point(admission, region, (const double[]){0, 0, depth});
@@ -231,22 +213,6 @@ static void admission_of_mesh(struct admission *admission, const struct region *
     }
 }
 
-static void admit_streamline(struct admission *admission, const struct region *region,
-                             const struct tractogram *tractogram, const uint64_t ends[2])
-{
-    for (uint64_t i = ends[0]; i < ends[1]; i++) {
-        struct polygon segment = {.count = i + 1 < ends[1] ? 2 : 1};
-        for (uint64_t k = 0; k < segment.count; k++) {
-            double point[3];
-            tractogram_point(point, tractogram, i + k);
-            to_device(segment.corners[k], region, point);
-        }
-        if (segment.count == 2 || i == ends[0]) { /* the last point was the end of a segment, unless it is alone */
-            admit_outline(admission, region, &segment);
-        }
-    }
-}
-
 /* The same of a tractogram's streamlines, lines without a radius: those of the group, or all if it is NULL. */
 static void admission_of_bundle(struct admission *admission, const struct region *region,
                                 const struct tractogram *tractogram, const struct tract_group *group)
@@ -254,7 +220,18 @@ static void admission_of_bundle(struct admission *admission, const struct region
     struct admission found = *admission;
     size_t count = tract_group_count(group, tractogram);
     for (size_t i = 0; i < count; i++) {
-        admit_streamline(&found, region, tractogram, &tractogram->first[tract_group_member(group, i)]);
+        const uint64_t *ends = &tractogram->first[tract_group_member(group, i)];
+        for (uint64_t r = ends[0]; r < ends[1]; r++) {
+            struct polygon segment = {.count = r + 1 < ends[1] ? 2 : 1};
+            for (uint64_t k = 0; k < segment.count; k++) {
+                double point[3];
+                tractogram_point(point, tractogram, r + k);
+                to_device(segment.corners[k], region, point);
+            }
+            if (segment.count == 2 || r == ends[0]) { /* the last point was the end of a segment, unless it is alone */
+                admit_outline(&found, region, &segment);
+            }
+        }
     }
     found.is_surface = false;
     *admission = found;
@@ -262,18 +239,6 @@ static void admission_of_bundle(struct admission *admission, const struct region
 
 /* The angle of the cone that is searched, so that the next object beyond the widest is found. */
 static const double WIDEST = MATH3_PI * (1 - 1e-9);
-
-static conus_status check_selector(const conus_selector *selector)
-{
-    if (selector->options.radius > 0) {
-        return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, but a cylinder has no angle to sweep",
-                    selector->options.radius);
-    }
-    if (selector->options.aperture == CONUS_APERTURE_SQUARE) {
-        return fail(CONUS_ERROR_ARGUMENT, "aperture: square, but a sweep over the angle is of round cones");
-    }
-    return CONUS_OK;
-}
 
 /* Finds the admission of every object, as which it is reported. */
 static void search(struct admission *admissions, const conus_selector *selector, const struct cone *cone)
@@ -286,7 +251,8 @@ static void search(struct admission *admissions, const conus_selector *selector,
     region_from_cone(&region, &widest);
     for (size_t i = 0; i < atlas->volume_count; i++) {
         if (volume_can_be_hit(&atlas->volumes[i])) {
-            admission_of_volume(admissions, &region, &atlas->volumes[i], group);
+            struct voxels voxels = {admissions, &region, group};
+            census_walk(&region, &atlas->volumes[i], admit_row, &voxels);
         }
     }
     for (uint32_t number = 1; number <= atlas->object_count; number++) {
@@ -330,23 +296,6 @@ static conus_admission describe(const struct admission *admission, const conus_a
     return row;
 }
 
-/* Sorts what was found; keeps what the widest cone admits, and the margin to the first that it does not. */
-static void fill_rows(conus_sweep *sweep, const struct admission *admissions)
-{
-    for (uint32_t number = 1; number <= sweep->atlas->object_count; number++) {
-        if (isfinite(admissions[number].slope)) {
-            sweep->rows[sweep->count++] = describe(&admissions[number], sweep->atlas, &sweep->cone, number);
-        }
-    }
-    qsort(sweep->rows, sweep->count, sizeof *sweep->rows, compare);
-    for (size_t i = 0; i + 1 < sweep->count; i++) {
-        sweep->rows[i].margin = sweep->rows[i + 1].angle - sweep->rows[i].angle;
-    }
-    while (sweep->count > 0 && sweep->rows[sweep->count - 1].angle > sweep->cone.angle) {
-        sweep->count--;
-    }
-}
-
 static conus_status build(conus_sweep *sweep, const conus_selector *selector)
 {
     size_t count = selector->atlas->object_count;
@@ -360,7 +309,19 @@ static conus_status build(conus_sweep *sweep, const conus_selector *selector)
         admissions[i].slope = INFINITY;
     }
     search(admissions, selector, &sweep->cone);
-    fill_rows(sweep, admissions);
+    /* Keep what the widest cone admits, and the margin to the first that it does not. */
+    for (uint32_t number = 1; number <= sweep->atlas->object_count; number++) {
+        if (isfinite(admissions[number].slope)) {
+            sweep->rows[sweep->count++] = describe(&admissions[number], sweep->atlas, &sweep->cone, number);
+        }
+    }
+    qsort(sweep->rows, sweep->count, sizeof *sweep->rows, compare);
+    for (size_t i = 0; i + 1 < sweep->count; i++) {
+        sweep->rows[i].margin = sweep->rows[i + 1].angle - sweep->rows[i].angle;
+    }
+    while (sweep->count > 0 && sweep->rows[sweep->count - 1].angle > sweep->cone.angle) {
+        sweep->count--;
+    }
     memory_free(admissions);
     return CONUS_OK;
 }
@@ -371,8 +332,14 @@ conus_status conus_sweep_create(conus_sweep **out, const conus_selector *selecto
     const conus_selector_options *options = &selector->options;
     struct cone cone = {
         .angle = widest, .resolution = options->resolution, .range = {options->range[0], options->range[1]}};
-    conus_status status = check_selector(selector);
-    status = status ? status : conus_pose_from_matrix(&cone.pose, pose->world_from_device);
+    if (selector->options.radius > 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, but a cylinder has no angle to sweep",
+                    selector->options.radius);
+    }
+    if (selector->options.aperture == CONUS_APERTURE_SQUARE) {
+        return fail(CONUS_ERROR_ARGUMENT, "aperture: square, but a sweep over the angle is of round cones");
+    }
+    conus_status status = conus_pose_from_matrix(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
     if (status) {
         return status;

@@ -45,20 +45,6 @@ static double value_or(double value, double standard)
     return value != 0 ? value : standard;
 }
 
-static conus_tracker_options with_defaults(const conus_tracker_options *options)
-{
-    conus_tracker_options all = *options_of(conus_tracker_options, options);
-    all.window = value_or(all.window, DEFAULT_WINDOW);
-    all.stickiness = value_or(all.stickiness, DEFAULT_STICKINESS);
-    all.snappiness = value_or(all.snappiness, DEFAULT_SNAPPINESS);
-    all.rate = value_or(all.rate, DEFAULT_RATE);
-    all.growth = value_or(all.growth, DEFAULT_GROWTH);
-    all.decay = value_or(all.decay, DEFAULT_DECAY);
-    all.exponent = value_or(all.exponent, DEFAULT_EXPONENT);
-    all.delay = all.delay < 0 ? 0 : value_or(all.delay, fmin(DEFAULT_DELAY, all.window));
-    return all;
-}
-
 static conus_status check_options(const conus_tracker_options *options)
 {
     const struct {
@@ -86,7 +72,15 @@ static conus_status check_options(const conus_tracker_options *options)
 
 conus_status conus_tracker_create(conus_tracker **out, conus_selector *selector, const conus_tracker_options *options)
 {
-    const conus_tracker_options all = with_defaults(options);
+    conus_tracker_options all = *options_of(conus_tracker_options, options);
+    all.window = value_or(all.window, DEFAULT_WINDOW);
+    all.stickiness = value_or(all.stickiness, DEFAULT_STICKINESS);
+    all.snappiness = value_or(all.snappiness, DEFAULT_SNAPPINESS);
+    all.rate = value_or(all.rate, DEFAULT_RATE);
+    all.growth = value_or(all.growth, DEFAULT_GROWTH);
+    all.decay = value_or(all.decay, DEFAULT_DECAY);
+    all.exponent = value_or(all.exponent, DEFAULT_EXPONENT);
+    all.delay = all.delay < 0 ? 0 : value_or(all.delay, fmin(DEFAULT_DELAY, all.window));
     conus_status status = check_options(&all);
     conus_tracker *tracker = status ? NULL : memory_zeroed(1, sizeof *tracker);
     if (!tracker) {
@@ -123,29 +117,6 @@ const conus_tracker_options *tracker_options(const conus_tracker *tracker)
     return &tracker->options;
 }
 
-static conus_status check_time(const conus_tracker *tracker, double time)
-{
-    if (!isfinite(time)) {
-        return fail(CONUS_ERROR_ARGUMENT, "time_s: %g, allowed are finite numbers", time);
-    }
-    if (tracker->history.steps && time < tracker->history.time) {
-        return fail(CONUS_ERROR_ARGUMENT, "time_s: %.10g is before the last step, %.10g", time, tracker->history.time);
-    }
-    return CONUS_OK;
-}
-
-/* One sample for each object in the cone. */
-static size_t take_samples(conus_tracker *tracker, const conus_selection *selection)
-{
-    size_t count = selection->statistics.count - 1; /* the last is CONUS_KIND_UNASSIGNED */
-    for (size_t i = 0; i < count; i++) {
-        const conus_result *result = &selection->statistics.results[i];
-        double contribution = score_contribution(result, &selection->cone, tracker->options.exponent);
-        tracker->samples[i] = (struct history_sample){result->object, contribution};
-    }
-    return count;
-}
-
 /* All that a step may need, so that it cannot fail half way. */
 static conus_status reserve(conus_tracker *tracker, conus_selection *selection, size_t *sample_count)
 {
@@ -155,7 +126,12 @@ static conus_status reserve(conus_tracker *tracker, conus_selection *selection, 
                         sizeof *tracker->choices)) {
         return CONUS_ERROR_MEMORY;
     }
-    *sample_count = take_samples(tracker, selection);
+    *sample_count = statistics->count - 1; /* the last is CONUS_KIND_UNASSIGNED */
+    for (size_t i = 0; i < *sample_count; i++) {
+        const conus_result *result = &statistics->results[i];
+        double contribution = score_contribution(result, &selection->cone, tracker->options.exponent);
+        tracker->samples[i] = (struct history_sample){result->object, contribution};
+    }
     conus_status status = history_reserve(&tracker->history, tracker->samples, *sample_count);
     conus_result *results = NULL;
     if (!status) {
@@ -168,51 +144,28 @@ static conus_status reserve(conus_tracker *tracker, conus_selection *selection, 
     return CONUS_OK;
 }
 
-/* An object that is not in the cone. */
-static conus_result absent_result(const conus_tracker *tracker, uint32_t object)
-{
-    conus_result result = statistics_empty_result(object);
-    result.kind = conus_atlas_object(tracker->selector->atlas, object)->kind;
-    return result;
-}
-
 /* An object in the cone counts, and one that left it while its score lasts. */
 static bool counts(const conus_tracker *tracker, const struct memory *memory)
 {
     return memory->last.inside || history_has_score(memory, tracker->selector->ranking.history);
 }
 
-static bool stays_in_ranking(const conus_tracker *tracker, const struct memory *memory)
-{
-    const struct choice *last = tracker->choice_count ? &tracker->choices[tracker->choice_count - 1] : NULL;
-    bool can_be_confirmed = (last && last->object == memory->object) || /* up to now */
-                            memory->last_choice >= tracker->history.time - tracker->options.delay - MOMENT;
-    return !memory->last.inside && (counts(tracker, memory) || can_be_confirmed);
-}
-
-/* Puts them in front of the last result, CONUS_KIND_UNASSIGNED. */
+/* Puts objects that are not in the cone, but stay in the ranking, in front of the last result, CONUS_KIND_UNASSIGNED.
+ */
 static void add_absent(conus_selection *selection, const conus_tracker *tracker)
 {
     struct statistics *statistics = &selection->statistics;
+    const struct choice *last = tracker->choice_count ? &tracker->choices[tracker->choice_count - 1] : NULL;
     for (size_t i = 0; i < tracker->history.count; i++) {
         const struct memory *memory = &tracker->history.memories[i];
-        if (stays_in_ranking(tracker, memory)) {
+        bool can_be_confirmed = (last && last->object == memory->object) || /* up to now */
+                                memory->last_choice >= tracker->history.time - tracker->options.delay - MOMENT;
+        if (!memory->last.inside && (counts(tracker, memory) || can_be_confirmed)) {
+            conus_result absent = statistics_empty_result(memory->object);
+            absent.kind = conus_atlas_object(tracker->selector->atlas, memory->object)->kind;
             statistics->results[statistics->count] = statistics->results[statistics->count - 1];
-            statistics->results[statistics->count++ - 1] = absent_result(tracker, memory->object);
+            statistics->results[statistics->count++ - 1] = absent;
         }
-    }
-}
-
-static void forget_choices(conus_tracker *tracker)
-{
-    double since = tracker->history.time - tracker->options.window - MOMENT;
-    size_t gone = 0;
-    while (gone + 1 < tracker->choice_count && tracker->choices[gone + 1].time <= since) {
-        gone++;
-    }
-    tracker->choice_count -= gone;
-    if (gone) {
-        memmove(tracker->choices, tracker->choices + gone, tracker->choice_count * sizeof *tracker->choices);
     }
 }
 
@@ -227,7 +180,15 @@ static void choose(conus_tracker *tracker, uint32_t object)
     }
     history_choose(&tracker->history, last); /* it was the choice up to now */
     history_choose(&tracker->history, object);
-    forget_choices(tracker);
+    double since = tracker->history.time - tracker->options.window - MOMENT;
+    size_t gone = 0;
+    while (gone + 1 < tracker->choice_count && tracker->choices[gone + 1].time <= since) {
+        gone++;
+    }
+    tracker->choice_count -= gone;
+    if (gone) {
+        memmove(tracker->choices, tracker->choices + gone, tracker->choice_count * sizeof *tracker->choices);
+    }
 }
 
 uint32_t conus_tracker_selected(const conus_tracker *tracker, double ago)
@@ -260,8 +221,14 @@ conus_status conus_tracker_step(conus_selection **out, conus_tracker *tracker, d
 {
     conus_selection *selection = NULL;
     size_t count = 0;
-    conus_status status = check_time(tracker, time_s);
-    status = status ? status : selection_trace(&selection, tracker->selector, pose, angle);
+    if (!isfinite(time_s)) {
+        return fail(CONUS_ERROR_ARGUMENT, "time_s: %g, allowed are finite numbers", time_s);
+    }
+    if (tracker->history.steps && time_s < tracker->history.time) {
+        return fail(CONUS_ERROR_ARGUMENT, "time_s: %.10g is before the last step, %.10g", time_s,
+                    tracker->history.time);
+    }
+    conus_status status = selection_trace(&selection, tracker->selector, pose, angle);
     status = status ? status : reserve(tracker, selection, &count);
     if (status) {
         conus_selection_destroy(selection);
