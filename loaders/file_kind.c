@@ -24,12 +24,3 @@ conus_status file_kind_fail(const char *path, const struct bytes *stored, const 
     bytes_finish(&unpacked);
     return status;
 }
-
-conus_status file_kind_refuse(const char *path, const char *needed)
-{
-    struct bytes stored = {0};
-    conus_status status = file_read_head(&stored, path, FILE_KIND_HEAD);
-    status = status ? status : fail_in(file_kind_fail(path, &stored, needed), path);
-    bytes_finish(&stored);
-    return status;
-}

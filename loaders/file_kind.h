@@ -12,7 +12,4 @@ const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
  * has its first bytes, packed or not. */
 conus_status file_kind_fail(const char *path, const struct bytes *stored, const char *needed);
 
-/** Reads the beginning of the file @p path, and fails as above with the path in front. */
-conus_status file_kind_refuse(const char *path, const char *needed);
-
 #endif

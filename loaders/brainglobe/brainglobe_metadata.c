@@ -14,7 +14,7 @@ enum { METADATA_LIMIT = 1 << 20 };
 
 static const double micrometre = 0.001; /* in mm */
 
-/* A list of three finite numbers above 0. */
+/* Reads a list of three finite numbers above 0; false if it is none. */
 static bool read_three(double out[3], const json_t *list)
 {
     bool good = json_is_array(list) && json_array_size(list) == 3;

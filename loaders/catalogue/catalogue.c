@@ -28,7 +28,7 @@ static conus_status stop_here(conus_catalogue *catalogue, const char *what, size
                       limit, what);
 }
 
-/* Names are for a line of a terminal, and no paths. */
+/* Makes a name fit for a line of a terminal; it is no path. */
 static char *plain_name(const char *bytes)
 {
     char *name = text_to_utf8(text_trim(text_from(bytes)));

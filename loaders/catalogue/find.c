@@ -123,7 +123,7 @@ struct near {
     size_t distance;
 };
 
-/* The first of several equal names is enough. */
+/* Puts the atlas among the nearest; of equal names the first is kept. */
 static void rank(struct near nearest[NEAR], const conus_installed *atlas, size_t far)
 {
     for (size_t i = 0; i < NEAR; i++) {

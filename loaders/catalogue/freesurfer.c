@@ -112,28 +112,21 @@ static conus_status look_at_annotations(const struct subject *subject)
     return status;
 }
 
-/* $FREESURFER_HOME/FreeSurferColorLUT.txt; NULL in *out where there is none. */
-static conus_status find_colours(char **out)
-{
-    const char *home = getenv("FREESURFER_HOME");
-    struct catalogue_id id;
-    char *path = home && *home ? catalogue_join(home, "FreeSurferColorLUT.txt") : NULL;
-    if (home && *home && !path) {
-        return CONUS_ERROR_MEMORY;
-    }
-    *out = is_file(&id, path) ? path : NULL;
-    if (!*out) {
-        memory_free(path);
-    }
-    return CONUS_OK;
-}
-
 conus_status freesurfer_look(conus_catalogue *catalogue, const char *folder)
 {
     struct names names = {0};
-    char *table = NULL;
-    conus_status status = find_colours(&table);
-    status = status ? status : catalogue_list(&names, catalogue, folder);
+    struct catalogue_id id;
+    const char *home = getenv("FREESURFER_HOME");
+    bool has_home = home && *home;
+    char *table = has_home ? catalogue_join(home, "FreeSurferColorLUT.txt") : NULL;
+    if (has_home && !table) {
+        return CONUS_ERROR_MEMORY;
+    }
+    if (!is_file(&id, table)) {
+        memory_free(table);
+        table = NULL;
+    }
+    conus_status status = catalogue_list(&names, catalogue, folder);
     for (size_t i = 0; !status && i < names.count; i++) {
         struct subject subject = {.catalogue = catalogue, .name = names.names[i], .table = table};
         subject.folder = catalogue_join(folder, subject.name);

@@ -106,7 +106,7 @@ static void expand_rule(struct buffer *out, const char **rest, const char *rule)
     }
 }
 
-/* Takes the path over. */
+/* Notes a place, and takes its path over. */
 static conus_status note_place(conus_catalogue *catalogue, const struct place *place, char *path)
 {
     bool fine = path && memory_reserve(&catalogue->places, &catalogue->place_capacity, catalogue->place_count + 1,

@@ -128,7 +128,7 @@ conus_status mesh_cache_find(struct bytes *out, const char *key, struct notes *n
     return status;
 }
 
-/* A checksum detects a damaged entry, so that nothing need wait for the disk. */
+/* Writes an entry. The checksum detects a damaged one, so that nothing need wait for the disk. */
 static conus_status write_entry(const struct buffer *path, const struct buffer *content)
 {
     struct buffer temporary = {0};

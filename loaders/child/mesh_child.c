@@ -299,7 +299,7 @@ static conus_status take_frames(struct child *child)
     return status ? status : child_reserve(child, size);
 }
 
-/* Closes *descriptor at its end. */
+/* Reads what is there; closes *descriptor at its end. */
 static conus_status read_some(int *descriptor, uint8_t *data, size_t capacity, size_t *got)
 {
     ssize_t n = read(*descriptor, data, capacity);

@@ -35,7 +35,7 @@ void fsl_atlas_finish(struct fsl_atlas *atlas)
     *atlas = (struct fsl_atlas){0};
 }
 
-/* A label without three numbers has no point: only a check is lost. */
+/* Reads x y z of a label. Without three numbers it has no point, and only a check is lost. */
 static struct fsl_point read_point(const struct xml_event *event)
 {
     static const char *const axes[] = {"x", "y", "z"};

@@ -29,7 +29,7 @@ static bool same_image(const char *written, const char *relative)
     return strlen(relative) == length && strncmp(written, relative, length) == 0;
 }
 
-/* `relative`: of the volume, to the XML's folder and without ending. */
+/* Whether the atlas names the volume; `relative` is its path from the XML's folder, without ending. */
 static bool names_volume(const struct fsl_atlas *atlas, enum fsl_use use, const char *relative)
 {
     for (size_t i = 0; i < atlas->image_count; i++) {
@@ -60,7 +60,8 @@ static conus_status is_beside(bool *out, const struct fsl_atlas *atlas, const ch
     return status;
 }
 
-/* XMLs of any kind may lie there: what is no atlas, or damaged, or out of reach speaks of another image. */
+/* Visits the XML if it names the volume. XMLs of any kind may lie there: one that is no atlas, damaged or out of reach
+ * is passed over. */
 static conus_status try_xml(const struct search *search, const char *path, const char *relative)
 {
     struct bytes bytes = {0};

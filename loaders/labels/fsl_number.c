@@ -97,7 +97,8 @@ static conus_status find_fit(struct fit *out, const struct fsl_atlas *atlas, con
     return status;
 }
 
-/* Two points or more, at least half of them, and over four times as many as fit the other way. */
+/* Whether the points decide: two or more fit, at least half of them, and over four times as many as fit the other way.
+ */
 static bool fit_decides(struct fit fit)
 {
     return best_of(fit) >= 2 && 2 * best_of(fit) >= fit.inside && best_of(fit) > 4 * worst_of(fit);

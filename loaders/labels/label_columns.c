@@ -179,7 +179,7 @@ static conus_status note_rival_column(struct header *header, uint32_t number, st
                       where, number, (unsigned long long)other, number);
 }
 
-/* The rows below the header, which is line `number`. */
+/* Parses the rows below the header, which is line `number`. */
 static conus_status parse_below(struct label_table *out, struct header *header, struct text text, size_t number,
                                 struct notes *notes)
 {
@@ -406,7 +406,7 @@ static int compare_column_names(const void *a, const void *b)
     return strcmp((*x)->name, (*y)->name);
 }
 
-/* Two numbers with one name, where another column has words, too: the name may be there. */
+/* Fails where two numbers have one name; it is asked where another column has words, too, and may have the name. */
 static conus_status check_names_differ(const struct label_table *table)
 {
     const struct label **labels = memory_raw(table->count, sizeof(struct label *));

@@ -182,7 +182,7 @@ static conus_status take_offer(struct label_search *search, struct label_offer *
     return status ? status : buffer_status(&search->source);
 }
 
-/* Names have other numbers in the offer than in what was found: most of them, or only one of the two is proved. */
+/* Decides where most names have other numbers in the offer than in the table in use, or where only one is proved. */
 static conus_status settle_contradiction(struct label_search *search, struct label_offer *offer,
                                          const struct comparison *comparison)
 {

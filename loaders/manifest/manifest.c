@@ -12,8 +12,8 @@
 
 #define AT(type, member) offsetof(struct type, member)
 
-/* Reads of a struct manifest_volume. */
-static conus_status manifest_volume_number_read(void *field, const json_t *value, const struct schema_place *place)
+/* Readers of keys of a struct manifest_volume. */
+static conus_status read_volume_number(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest_volume *out = field;
     json_int_t number = json_is_integer(value) ? json_integer_value(value) : -1;
@@ -25,7 +25,7 @@ static conus_status manifest_volume_number_read(void *field, const json_t *value
     return CONUS_OK;
 }
 
-static conus_status manifest_resolution_read(void *field, const json_t *value, const struct schema_place *place)
+static conus_status read_resolution(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest_volume *out = field;
     if (json_array_size(value) != 3) {
@@ -82,12 +82,12 @@ static conus_status read_one_or_list(void **entries, size_t *count, size_t size,
     return *entries ? read(*entries, value, place) : CONUS_ERROR_MEMORY;
 }
 
-static conus_status read_one(void *field, const json_t *value, const struct schema_place *place)
+static conus_status read_context(void *field, const json_t *value, const struct schema_place *place)
 {
     static const struct schema_field keys[] = {
         {"file", schema_path, AT(manifest_context, source.file), true},
-        {"volume", manifest_volume_number_read, AT(manifest_context, source), false},
-        {"resolution", manifest_resolution_read, AT(manifest_context, source), false},
+        {"volume", read_volume_number, AT(manifest_context, source), false},
+        {"resolution", read_resolution, AT(manifest_context, source), false},
         {"orientation", schema_text, AT(manifest_context, source.orientation), false},
         {"transfer", read_transfer, 0, false},
         {"blocks", schema_positive, AT(manifest_context, blocks), false},
@@ -103,7 +103,7 @@ static conus_status read_contexts(void *field, const json_t *value, const struct
 {
     struct manifest *out = field;
     return read_one_or_list((void **)&out->contexts, &out->context_count, sizeof *out->contexts, MANIFEST_MANY, value,
-                            read_one, place);
+                            read_context, place);
 }
 
 static conus_status read_streamlines(void *field, const json_t *value, const struct schema_place *place)
@@ -218,8 +218,8 @@ static conus_status read_labelled(void *field, const json_t *value, const struct
 {
     static const struct schema_field keys[] = {
         {"file", schema_path, AT(manifest_parcellation, source.file), true},
-        {"volume", manifest_volume_number_read, AT(manifest_parcellation, source), false},
-        {"resolution", manifest_resolution_read, AT(manifest_parcellation, source), false},
+        {"volume", read_volume_number, AT(manifest_parcellation, source), false},
+        {"resolution", read_resolution, AT(manifest_parcellation, source), false},
         {"orientation", schema_text, AT(manifest_parcellation, source.orientation), false},
         {"labels", schema_path, AT(manifest_parcellation, labels), false},
         {"label_offset", read_offset, AT(manifest_parcellation, label_offset), false},
@@ -323,8 +323,8 @@ static conus_status read_entry(struct manifest_pathway *out, const json_t *value
 {
     static const struct schema_field keys[] = {
         {"file", schema_path, AT(manifest_pathway, source.file), false},
-        {"volume", manifest_volume_number_read, AT(manifest_pathway, source), false},
-        {"resolution", manifest_resolution_read, AT(manifest_pathway, source), false},
+        {"volume", read_volume_number, AT(manifest_pathway, source), false},
+        {"resolution", read_resolution, AT(manifest_pathway, source), false},
         {"orientation", schema_text, AT(manifest_pathway, source.orientation), false},
         {"fsl", schema_path, AT(manifest_pathway, fsl), false},
         {"name", schema_text, AT(manifest_pathway, name), false},
@@ -412,21 +412,6 @@ static const struct schema_field brainglobe_keys[] = {
     {0},
 };
 
-/* A surface that is cut into areas says nothing of a single one. */
-static conus_status check_area(const struct manifest_area *area, const struct schema_place *place)
-{
-    bool single = area->has_label || area->label.name || area->label.abbreviation || area->label.has_rgb;
-    if (area->vertex_labels && single) {
-        return fail(CONUS_ERROR_DATA,
-                    "%s: has vertex_labels for several areas and label, name, abbreviation or color of one",
-                    place->key);
-    }
-    if (area->file && area->label_offset && !area->vertex_labels) {
-        return fail(CONUS_ERROR_DATA, "%s.label_offset: without vertex_labels, give label", place->key);
-    }
-    return CONUS_OK;
-}
-
 static conus_status read_area(void *field, const json_t *value, const struct schema_place *place)
 {
     static const struct schema_field *const kinds[] = {file_keys, files_keys, brainglobe_keys};
@@ -439,7 +424,19 @@ static conus_status read_area(void *field, const json_t *value, const struct sch
         return fail(CONUS_ERROR_DATA, "%s: file, files or brainglobe is missing", place->key);
     }
     conus_status status = schema_path_or_object(&out->file, out, value, keys, place);
-    return status || json_is_string(value) ? status : check_area(out, place);
+    if (status || json_is_string(value)) {
+        return status;
+    }
+    bool single = out->has_label || out->label.name || out->label.abbreviation || out->label.has_rgb;
+    if (out->vertex_labels && single) {
+        return fail(CONUS_ERROR_DATA,
+                    "%s: has vertex_labels for several areas and label, name, abbreviation or color of one",
+                    place->key);
+    }
+    if (out->file && out->label_offset && !out->vertex_labels) {
+        return fail(CONUS_ERROR_DATA, "%s.label_offset: without vertex_labels, give label", place->key);
+    }
+    return CONUS_OK;
 }
 
 static conus_status read_node(void *field, const json_t *value, const struct schema_place *place)

@@ -96,19 +96,15 @@ conus_status schema_object(void *out, const json_t *object, const struct schema_
     return CONUS_OK;
 }
 
-static bool is_one_line(const char *text)
-{
-    while ((unsigned char)*text >= 0x20 && *text != 0x7f) {
-        text++;
-    }
-    return !*text;
-}
-
 conus_status schema_text(void *field, const json_t *value, const struct schema_place *place)
 {
     char **out = field;
     const char *text = json_string_value(value);
-    if (!text || !text[0] || !is_one_line(text)) {
+    const char *end = text; /* of the first line */
+    while (end && (unsigned char)*end >= 0x20 && *end != 0x7f) {
+        end++;
+    }
+    if (!text || !text[0] || *end) {
         return schema_fail(place, value, "a text of one line that is not empty");
     }
     *out = memory_text(text, json_string_length(value));

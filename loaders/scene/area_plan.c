@@ -329,24 +329,6 @@ static void brainglobe_finish(struct brainglobe *brainglobe)
     label_table_finish(&brainglobe->structures);
 }
 
-static conus_status find_meshes(struct brainglobe *brainglobe)
-{
-    struct label_table *table = &brainglobe->structures;
-    brainglobe->meshes = memory_zeroed(table->count, sizeof *brainglobe->meshes);
-    brainglobe->contains = memory_zeroed(table->count, sizeof *brainglobe->contains);
-    conus_status status = brainglobe->meshes && brainglobe->contains ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < table->count; i++) {
-        struct buffer path = {0};
-        buffer_format(&path, "%s/meshes/%u.obj", brainglobe->folder, table->entries[i].number);
-        status = buffer_status(&path);
-        if (status || !file_exists(path.data)) {
-            buffer_finish(&path);
-        }
-        brainglobe->meshes[i] = path.data;
-    }
-    return status;
-}
-
 /* Marks everything above each structure that has a mesh. */
 static void mark_containers(struct brainglobe *brainglobe)
 {
@@ -375,8 +357,23 @@ static conus_status open_brainglobe(struct brainglobe *brainglobe, struct area_p
     buffer_format(&table, "%s/structures.json", status ? "" : brainglobe->folder);
     status = status ? status : buffer_status(&table);
     status = status ? status : label_file_read(&brainglobe->structures, &format, table.data, &use, notes);
-    status = status ? status : find_meshes(brainglobe);
     buffer_finish(&table);
+    if (status) {
+        return status;
+    }
+    const struct label_table *structures = &brainglobe->structures;
+    brainglobe->meshes = memory_zeroed(structures->count, sizeof *brainglobe->meshes);
+    brainglobe->contains = memory_zeroed(structures->count, sizeof *brainglobe->contains);
+    status = brainglobe->meshes && brainglobe->contains ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < structures->count; i++) {
+        struct buffer mesh = {0};
+        buffer_format(&mesh, "%s/meshes/%u.obj", brainglobe->folder, structures->entries[i].number);
+        status = buffer_status(&mesh);
+        if (status || !file_exists(mesh.data)) {
+            buffer_finish(&mesh);
+        }
+        brainglobe->meshes[i] = mesh.data;
+    }
     if (!status) {
         mark_containers(brainglobe);
     }
@@ -417,7 +414,8 @@ static void find_ccf(struct area_plan *plan, const struct brainglobe_metadata *m
     plan->ccf_from_right = is_asr;
 }
 
-/* From stored coordinates to the world; *orientation is that of the entry, else of metadata.json, else "asr". */
+/* Makes the matrix from stored coordinates to the world. *orientation is the entry's, else that of metadata.json, else
+ * "asr". */
 static conus_status place_meshes(double world_from_mesh[16], char orientation[BRAINGLOBE_ORIENTATION], double scale,
                                  const struct brainglobe *brainglobe, const struct manifest_area *area,
                                  struct area_plan *plan)

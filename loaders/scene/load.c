@@ -55,7 +55,7 @@ static void surface_finish(struct surface *surface)
     file_sums_finish(&surface->read);
 }
 
-/* The whole surface is one area, number 1. */
+/* Makes the whole surface one area, number 1. */
 static conus_status take_whole(struct surface *surface)
 {
     label_table_finish(&surface->labels.table); /* of labels that no vertex has */
@@ -72,21 +72,7 @@ static conus_status take_whole(struct surface *surface)
     return label->name ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status cut_surface(struct surface *surface, const char *path)
-{
-    struct vertex_labels *labels = &surface->labels;
-    conus_status status = vertex_labels_extend(labels, surface->mesh.vertex_count);
-    if (status) {
-        return status;
-    }
-    if (labels->count != surface->mesh.vertex_count) {
-        return fail(CONUS_ERROR_DATA, "%s: labels of %zu vertices, the surface %s has %zu", path, labels->count,
-                    surface->mesh.path, surface->mesh.vertex_count);
-    }
-    return mesh_split(&surface->parts, &surface->mesh, labels->labels, &surface->notes);
-}
-
-/* Every object of the file is an area. */
+/* Reads a file of which each object is an area. */
 static conus_status read_objects(struct surface *out, const char *path, const conus_load_options *options)
 {
     const struct mesh_foreign_options foreign = {.max_memory = options->max_memory};
@@ -122,7 +108,15 @@ static conus_status read_surface(struct surface *out, const char *path, const co
     bool whole = !options->labels && !out->labels.count;
     buffer_format(&out->source, whole ? "the name in %s" : "labels of vertices in %s", labels);
     status = buffer_status(&out->source);
-    return status ? status : whole ? take_whole(out) : cut_surface(out, labels);
+    if (status || whole) {
+        return status ? status : take_whole(out);
+    }
+    status = vertex_labels_extend(&out->labels, out->mesh.vertex_count);
+    if (!status && out->labels.count != out->mesh.vertex_count) {
+        return fail(CONUS_ERROR_DATA, "%s: labels of %zu vertices, the surface %s has %zu", labels, out->labels.count,
+                    out->mesh.path, out->mesh.vertex_count);
+    }
+    return status ? status : mesh_split(&out->parts, &out->mesh, out->labels.labels, &out->notes);
 }
 
 static conus_status add_part(conus_atlas *atlas, const struct surface *surface, struct mesh_part *part)
@@ -137,7 +131,7 @@ static conus_status add_part(conus_atlas *atlas, const struct surface *surface, 
     return atlas_add_mesh(atlas, &area, &part->mesh);
 }
 
-/* Names that have no triangle are no areas, which have a shape. */
+/* Notes the names without a triangle. They are no areas, since an area has a shape. */
 static conus_status note_missing(conus_atlas *atlas, const struct surface *surface)
 {
     enum { SHOWN = 4 };
@@ -230,7 +224,7 @@ static conus_status load_only(struct load_progress *progress, const char *path)
     return load_progress_report(progress, path, 1);
 }
 
-/* One volume of labels, or several of probabilities. */
+/* Loads one volume of labels, or several of probabilities. */
 static conus_status load_volumes(conus_atlas **out, const struct probe *probe, const char *path,
                                  struct load_progress *progress)
 {
@@ -259,7 +253,7 @@ static conus_status load_json(conus_atlas **out, const struct open_file *file, s
     return status;
 }
 
-/* A BrainGlobe folder may have a stack of the sides, which nothing here needs. */
+/* Notes that the stack of sides in a BrainGlobe folder is not used. */
 static conus_status note_hemispheres(conus_atlas *atlas, const char *folder)
 {
     char *path = file_beside(folder, "hemispheres.tiff");

@@ -39,16 +39,7 @@ static void surfaces_finish(struct surfaces *surfaces)
     memory_free(surfaces->foreign);
 }
 
-static conus_status surfaces_init(struct surfaces *out, size_t count)
-{
-    out->count = count;
-    out->meshes = memory_zeroed(count, sizeof *out->meshes);
-    out->received = memory_zeroed(count, sizeof *out->received);
-    out->foreign = memory_zeroed(count, sizeof *out->foreign);
-    return out->meshes && out->received && out->foreign ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
-/* The name in the file, else the file's. */
+/* Names the area by the name in the file, else by the file's name. */
 static conus_status name_area(struct planned_area *area, struct label *said)
 {
     if (!area->label.name && said->name) {
@@ -107,13 +98,14 @@ static conus_status cut_labelled(struct surfaces *surfaces, struct area_plan *pl
     return status;
 }
 
-/* Files of other programs are read together, so that one note says how many of them do not state their space. */
+/* Whether the surface is another program's file. Those are read together, so that one note says how many of them do not
+ * state their space. */
 static bool is_foreign(const struct planned_area *area)
 {
     return !area->is_part && mesh_file_is_foreign(area->path);
 }
 
-/* Reads those with a placement of their own, or those without. */
+/* Reads other programs' files: those with a placement of their own, or those without. */
 static conus_status read_foreign(struct surfaces *surfaces, struct area_plan *plan, bool placed)
 {
     struct mesh_foreign_options options = {placed ? MESH_SPACE_RAS : surfaces->space, surfaces->max_memory};
@@ -199,7 +191,7 @@ static int compare_paths(const void *a, const void *b)
     return order ? order : (x > y) - (x < y);
 }
 
-/* A text is below all notes that say nothing about an area. */
+/* Sorts notes about areas by their text, in front of all other notes. */
 static int compare_said(const void *a, const void *b)
 {
     const struct said *x = a;
@@ -260,8 +252,8 @@ static conus_status gathering_init(struct gathering *out, const struct area_plan
     return CONUS_OK;
 }
 
-/* Adds `note`, or if others say the same about other surfaces "N surfaces (a, b, ...): text". It is heard with the path
- * of the first surface. `said` has `left` from that one on. */
+/* Adds `note`, or if others say the same about other surfaces "N surfaces (a, b, ...): text". The log gets it with the
+ * path of the first surface. `said` has `left` entries from that one on. */
 static conus_status add_gathered(struct notes *to, const struct said *said, size_t left, conus_severity severity,
                                  const char *note, struct load_progress *progress)
 {
@@ -408,9 +400,16 @@ conus_status area_plan_load(struct area_plan *plan, conus_atlas *atlas, enum mes
                             const conus_load_options *options, struct load_progress *progress)
 {
     struct notes notes = {0};
-    struct surfaces surfaces = {
-        .space = space, .max_memory = options->max_memory, .notes = &notes, .progress = progress};
-    conus_status status = surfaces_init(&surfaces, plan->count);
+    struct surfaces surfaces = {.meshes = memory_zeroed(plan->count, sizeof *surfaces.meshes),
+                                .foreign = memory_zeroed(plan->count, sizeof *surfaces.foreign),
+                                .received = memory_zeroed(plan->count, sizeof *surfaces.received),
+                                .count = plan->count,
+                                .space = space,
+                                .max_memory = options->max_memory,
+                                .notes = &notes,
+                                .progress = progress};
+    bool made = surfaces.meshes && surfaces.foreign && surfaces.received;
+    conus_status status = made ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status ? status : read_all(&surfaces, plan);
     conus_status gathered = gather_notes(&atlas->notes, plan, &notes, progress); /* also of what cannot be read */
     status = status ? status : gathered;

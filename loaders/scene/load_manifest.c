@@ -158,7 +158,7 @@ static conus_status refuse_labels(const struct loading *loading)
                           labels);
 }
 
-/* An atlas of the parcellations, if there are any, with all voxels that are no surface's. */
+/* Makes an atlas of the parcellations, if there are any, with all voxels that are no surface's. */
 static conus_status create_atlas(struct loading *loading, struct area_plan *plan)
 {
     struct parcellations all = {0};
@@ -545,7 +545,7 @@ conus_status manifest_load_made(conus_atlas **out, const struct manifest *manife
     return load_scene(out, &loading);
 }
 
-/* An entry of probabilities as an atlas of its own: its path is in the folder of `path`. */
+/* Loads an entry of probabilities, whose path is in the folder of `path`, as an atlas of its own. */
 static conus_status load_entry(conus_atlas **out, const char *path, struct manifest_pathway *entry,
                                struct named_maps *maps, struct load_progress *progress)
 {

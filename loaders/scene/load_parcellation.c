@@ -177,7 +177,7 @@ static conus_status open_finest(struct parcellation *parts, const struct fsl_atl
     return status;
 }
 
-/* The volume by itself may have names from elsewhere, or a second XML may name it. */
+/* Compares with the names that the volume has by itself: from elsewhere, or from a second XML. */
 static conus_status compare_with_volume(struct parcellation *parts)
 {
     struct label_table table = {0};

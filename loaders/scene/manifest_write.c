@@ -339,7 +339,7 @@ static conus_status name_volume(struct buffer *out, bool *named, const struct ma
     return status ? status : buffer_status(out);
 }
 
-/* The volumes of `name` that load, each by itself. */
+/* Takes the volumes of `name` that load, each by itself. */
 static conus_status take_volumes(struct manifest_draft *draft, const char *name, size_t count)
 {
     conus_status status = CONUS_OK;
@@ -484,7 +484,8 @@ static void raise_offset(struct manifest_draft *draft, uint64_t largest)
     draft->label_offset = next < UINT32_MAX ? (uint32_t)next : UINT32_MAX;
 }
 
-/* The surfaces that a .dlabel.nii labels by numbers up to `largest`, above those of a parcellation that is there. */
+/* Takes the surfaces that a .dlabel.nii labels by numbers up to `largest`; their labels begin above those of a
+ * parcellation that is there. */
 static conus_status take_labelled(struct manifest_draft *draft, const struct manifest *manifest, uint32_t largest)
 {
     conus_status status = CONUS_OK;
@@ -563,7 +564,7 @@ static conus_status look_for_cifti(const char **found, struct manifest_draft *dr
     return status;
 }
 
-/* The voxels of a BrainGlobe folder, if they load; then its other stacks and its meshes are no further areas. */
+/* Takes the voxels of a BrainGlobe folder, if they load; then its other stacks and its meshes are no further areas. */
 static conus_status take_brainglobe(bool *taken, struct manifest_draft *draft)
 {
     struct volume_guess guess = {0};
@@ -636,8 +637,8 @@ static conus_status scan_folder(struct manifest_draft *draft)
                      file);
 }
 
-/* Areas of probabilities may overlap, so a manifest has them or a parcellation and surfaces: beside those they are
- * pathways, the first ones. */
+/* Makes areas of probabilities the first pathways where there is a parcellation or a surface. Areas of probabilities
+ * may overlap, so a manifest has no others beside them. */
 static conus_status settle_maps(struct manifest_draft *draft)
 {
     conus_status status = CONUS_OK;
@@ -662,7 +663,7 @@ static conus_status settle_maps(struct manifest_draft *draft)
     return status || alone || !json_array_clear(draft->maps) ? status : CONUS_ERROR_MEMORY;
 }
 
-/* The parser must read what is written. */
+/* Writes the manifest, once the parser has read it. */
 static conus_status write_checked(const char *path, const struct buffer *text)
 {
     struct manifest manifest;

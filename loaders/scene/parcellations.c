@@ -11,12 +11,6 @@
 #include <math.h>
 #include <string.h>
 
-size_t parcellation_voxels(const struct parcellation *part)
-{
-    const size_t *dim = part->file.info.dim;
-    return dim[0] * dim[1] * dim[2];
-}
-
 conus_status parcellations_reserve(struct parcellations *out, size_t count, const struct note_sink *sink)
 {
     out->parts = memory_zeroed(count, sizeof *out->parts);
@@ -124,7 +118,7 @@ static conus_status refuse_clashes(const struct parcellations *all)
     return status;
 }
 
-/* An area without voxels that tables before that of part `p` have with another hemisphere is of both. */
+/* Gives an area without voxels the hemisphere 'B' in the tables before part `p` that have another one. */
 static void settle_hemisphere(struct parcellations *all, size_t p, const struct label *label)
 {
     for (size_t q = 0; q < p; q++) {
@@ -168,7 +162,7 @@ static conus_status move_entry(struct parcellations *all, size_t p, struct label
     return CONUS_OK;
 }
 
-/* Labels of voxels that no table has get an entry without a name, for the hemisphere. */
+/* Adds an entry without a name, for the hemisphere, for each label of voxels that no table has. */
 static conus_status add_nameless(struct parcellations *all, const struct parcellation *part,
                                  const struct label_map *voxels)
 {
@@ -220,7 +214,7 @@ static const char *file_name(const struct parcellation *part)
     return path_base(part->file.path);
 }
 
-/* A part as those behind it see it. */
+/* A part as later parts see it. */
 struct claim {
     const struct parcellation *part;
     struct volume grid; /* without voxels */
@@ -247,7 +241,7 @@ static conus_status take_claimed(struct label_map *lost, struct parcellation *pa
     for (size_t q = 0; q < count; q++) {
         claims[q].same = space_same_grid(&claims[q].grid.info, info);
     }
-    for (size_t voxel = 0; voxel < parcellation_voxels(part); voxel++) {
+    for (size_t voxel = 0; voxel < info->dim[0] * info->dim[1] * info->dim[2]; voxel++) {
         const size_t at[3] = {voxel % info->dim[0], voxel / info->dim[0] % info->dim[1],
                               voxel / info->dim[0] / info->dim[1]};
         double centre[3] = {(double)at[0], (double)at[1], (double)at[2]};
@@ -275,7 +269,7 @@ struct loss {
     size_t gone_count;
 };
 
-/* `before` has the voxels of each label. */
+/* Sums the loss; `before` has the voxels of each label. */
 static conus_status add_up(struct loss *loss, struct label_map *before)
 {
     const struct label_map *lost = &loss->voxels;
@@ -347,7 +341,7 @@ static size_t find_grid(const struct parcellations *all, size_t count, size_t p)
     return q;
 }
 
-/* "left.nii with right.nii; cerebellum.nii": files on one grid, and on others. */
+/* Notes which files share a grid: "left.nii with right.nii; cerebellum.nii". */
 static conus_status note_grids(struct parcellations *all)
 {
     struct buffer list = {0};
@@ -387,7 +381,7 @@ static conus_status note_spaces(struct parcellations *all)
     return status;
 }
 
-/* No voxel is an area's in both any more. */
+/* Merges two parts on one grid; no voxel is an area's in both any more. */
 static conus_status merge_into(struct parcellation *to, struct parcellation *from, struct file_sums *read)
 {
     conus_status status = label_voxels_merge(&to->labels, &from->labels);

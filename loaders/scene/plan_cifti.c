@@ -133,27 +133,21 @@ static conus_status plan_model(struct planning *planning, const struct cifti_mod
     return status;
 }
 
-static conus_status plan_all(struct planning *planning)
-{
-    const struct cifti_choice *choice = &planning->file->choice;
-    conus_status status = cifti_choice_has_voxels(choice) ? plan_model(planning, NULL) : CONUS_OK;
-    for (size_t i = 0; !status && i < choice->cifti.model_count; i++) {
-        status = choice->cifti.models[i].is_surface ? plan_model(planning, &choice->cifti.models[i]) : CONUS_OK;
-    }
-    if (!status && !planning->taken_count) {
-        const char *name = choice->cifti.maps[choice->map].name;
-        status = fail(CONUS_ERROR_DATA, "%s: map %zu, \"%.60s\", has no label but 0", planning->file->path, choice->map,
-                      name ? name : "");
-    }
-    return status;
-}
-
 conus_status plan_cifti(struct manifest *out, const struct cifti_file *file, uint64_t max_memory, struct notes *notes)
 {
     struct planning planning = {.file = file, .notes = notes};
     char *folder = path_folder(file->path);
     conus_status status = folder ? surface_list_make(&planning.surfaces, folder, max_memory) : CONUS_ERROR_MEMORY;
-    status = status ? status : plan_all(&planning);
+    const struct cifti_choice *choice = &file->choice;
+    status = status || !cifti_choice_has_voxels(choice) ? status : plan_model(&planning, NULL);
+    for (size_t i = 0; !status && i < choice->cifti.model_count; i++) {
+        status = choice->cifti.models[i].is_surface ? plan_model(&planning, &choice->cifti.models[i]) : CONUS_OK;
+    }
+    if (!status && !planning.taken_count) {
+        const char *name = choice->cifti.maps[choice->map].name;
+        status = fail(CONUS_ERROR_DATA, "%s: map %zu, \"%.60s\", has no label but 0", file->path, choice->map,
+                      name ? name : "");
+    }
     surface_list_finish(&planning.surfaces);
     memory_free(planning.taken);
     memory_free(folder);

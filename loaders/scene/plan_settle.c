@@ -7,21 +7,6 @@
 
 #include <string.h>
 
-/* Voxels of each planned area's label, in the plan's order. */
-static conus_status count_voxels(uint64_t *counts, const struct area_plan *plan, const struct parcellations *all)
-{
-    for (size_t i = 0; i < plan->count; i++) {
-        for (size_t p = 0; p < all->count; p++) {
-            const uint64_t *count = label_map_at(&all->voxels[p], plan->areas[i].label.number);
-            if (!count) {
-                return CONUS_ERROR_MEMORY;
-            }
-            counts[i] += *count;
-        }
-    }
-    return CONUS_OK;
-}
-
 /* Gives the surface what the table's entry says and the manifest does not. */
 static void fill_from_entry(struct label *label, struct label *entry)
 {
@@ -40,8 +25,8 @@ static void fill_from_entry(struct label *label, struct label *entry)
     label->hemisphere = label->hemisphere ? label->hemisphere : entry->hemisphere;
 }
 
-/* An entry of the table that lies in a surface becomes a node of the tree, since the table will not know its parent.
- * The first `stated` nodes are the manifest's. */
+/* Makes an entry whose parent is a planned surface a node of the tree, since the table will not know its parent. The
+ * first `stated` nodes are the manifest's. */
 static conus_status hand_over_link(struct area_plan *plan, struct label *entry, size_t stated)
 {
     if (!entry->name || !entry->has_parent || !area_plan_find(plan, entry->parent)) {
@@ -135,8 +120,15 @@ static conus_status apply_preference(struct area_plan *plan, struct parcellation
 
 conus_status area_plan_settle(struct area_plan *plan, struct parcellations *all, enum manifest_preference preference)
 {
-    uint64_t *counts = memory_zeroed(plan->count, sizeof *counts);
-    conus_status status = counts ? count_voxels(counts, plan, all) : CONUS_ERROR_MEMORY;
+    uint64_t *counts = memory_zeroed(plan->count, sizeof *counts); /* voxels of each planned area's label */
+    conus_status status = counts ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < plan->count; i++) {
+        for (size_t p = 0; !status && p < all->count; p++) {
+            const uint64_t *count = label_map_at(&all->voxels[p], plan->areas[i].label.number);
+            status = count ? CONUS_OK : CONUS_ERROR_MEMORY;
+            counts[i] += count ? *count : 0;
+        }
+    }
     status = status ? status : apply_preference(plan, all, counts, preference);
     status = status ? status : hand_over_entries(plan, &all->table);
     status = status ? status : label_table_sort(&plan->groups, &all->notes);

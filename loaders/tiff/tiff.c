@@ -164,7 +164,7 @@ static conus_status read_side(uint64_t *out, const struct directory *directory, 
                       (unsigned long long)*out);
 }
 
-/* Fields that have one meaning here. */
+/* Checks the fields that have few values here. */
 static conus_status check_plain_fields(const struct directory *directory)
 {
     static const struct {
