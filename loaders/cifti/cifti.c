@@ -122,19 +122,22 @@ static conus_status start_indices(struct parsing *parsing, const struct xml_even
     static const char *const types[] = {"CIFTI_INDEX_TYPE_LABELS", "CIFTI_INDEX_TYPE_BRAIN_MODELS"};
     size_t dimension = 0;
     conus_status status = read_whole(&dimension, event, "AppliesToMatrixDimension", 0, 1);
+    if (status) {
+        return status;
+    }
     const char *type = quote(xml_attribute(event, "IndicesMapToDataType"));
-    if (!status && strcmp(type, types[dimension]) != 0) {
+    if (strcmp(type, types[dimension]) != 0) {
         return fail(CONUS_ERROR_DATA, "IndicesMapToDataType: found \"%.60s\" for dimension %zu, a .dlabel.nii has %s",
                     type, dimension, types[dimension]);
     }
     bool *seen = dimension ? &parsing->has_models : &parsing->has_labels;
-    if (!status && *seen) {
+    if (*seen) {
         return fail(CONUS_ERROR_DATA, "AppliesToMatrixDimension: %zu twice, allowed is one MatrixIndicesMap for each",
                     dimension);
     }
     *seen = true;
     parsing->inside = dimension ? IN_MODELS : IN_LABELS;
-    return status;
+    return CONUS_OK;
 }
 
 static conus_status start_named(struct parsing *parsing, const struct xml_event *event)
@@ -270,8 +273,14 @@ static conus_status end_volume(struct parsing *parsing, struct text text)
                                                            "missing");
 }
 
-static conus_status read_structure(struct cifti_model *model, const struct xml_event *event)
+static conus_status start_model(struct parsing *parsing, const struct xml_event *event)
 {
+    struct cifti *cifti = parsing->cifti;
+    if (!memory_reserve(&cifti->models, &parsing->model_capacity, cifti->model_count + 1, sizeof *cifti->models)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    struct cifti_model *model = &cifti->models[cifti->model_count++];
+    *model = (struct cifti_model){0};
     const char *type = quote(xml_attribute(event, "ModelType"));
     const char *structure = quote(xml_attribute(event, "BrainStructure"));
     model->is_surface = strcmp(type, "CIFTI_MODEL_TYPE_SURFACE") == 0;
@@ -281,28 +290,21 @@ static conus_status read_structure(struct cifti_model *model, const struct xml_e
                     type);
     }
     model->structure = cifti_structure_find(structure);
-    return model->structure ? CONUS_OK
-                            : fail(CONUS_ERROR_DATA,
-                                   "BrainStructure: found \"%.60s\", allowed are the names of CIFTI-2 "
-                                   "(CIFTI_STRUCTURE_CORTEX_LEFT, ...)",
-                                   structure);
-}
-
-static conus_status start_model(struct parsing *parsing, const struct xml_event *event)
-{
-    struct cifti *cifti = parsing->cifti;
-    if (!memory_reserve(&cifti->models, &parsing->model_capacity, cifti->model_count + 1, sizeof *cifti->models)) {
-        return CONUS_ERROR_MEMORY;
+    if (!model->structure) {
+        return fail(CONUS_ERROR_DATA,
+                    "BrainStructure: found \"%.60s\", allowed are the names of CIFTI-2 "
+                    "(CIFTI_STRUCTURE_CORTEX_LEFT, ...)",
+                    structure);
     }
-    struct cifti_model *model = &cifti->models[cifti->model_count++];
-    *model = (struct cifti_model){0};
+    conus_status status;
+    if ((status = read_whole(&model->offset, event, "IndexOffset", 0, cifti->count - 1)) ||
+        (status = read_whole(&model->count, event, "IndexCount", 1, cifti->count - model->offset))) {
+        return status;
+    }
     uint64_t vertices = parsing->max_memory / sizeof(uint32_t);
-    conus_status status = read_structure(model, event);
-    status = status ? status : read_whole(&model->offset, event, "IndexOffset", 0, cifti->count - 1);
-    status = status ? status : read_whole(&model->count, event, "IndexCount", 1, cifti->count - model->offset);
-    return status || !model->is_surface ? status
-                                        : read_whole(&model->vertex_count, event, "SurfaceNumberOfVertices", 1,
-                                                     vertices < INT_MAX ? vertices : INT_MAX);
+    return !model->is_surface ? CONUS_OK
+                              : read_whole(&model->vertex_count, event, "SurfaceNumberOfVertices", 1,
+                                           vertices < INT_MAX ? vertices : INT_MAX);
 }
 
 static struct cifti_model *open_model(const struct parsing *parsing)
@@ -526,17 +528,6 @@ static conus_status on_end(void *user, const struct xml_event *event)
     return fail_at_line(end_element(user, event), event);
 }
 
-/* Parses the document text of a matrix of maps maps and out->count grayordinates. Fills maps, models and volume
- * of out, which is the caller's to finish, also on failure. Errors name the line. */
-static conus_status cifti_xml_parse(struct cifti *out, struct text text, size_t maps, uint64_t max_memory)
-{
-    struct parsing parsing = {.cifti = out, .max_memory = max_memory, .maps_wanted = maps};
-    const struct xml_handler handler = {on_start, on_end, &parsing, false};
-    conus_status status = xml_parse(&handler, text);
-    label_finish(&parsing.entry.label);
-    return status ? fail_in(status, "XML") : CONUS_OK;
-}
-
 enum { XML_CODE = 32 }; /* nifti1.h: NIFTI_ECODE_CIFTI */
 
 void cifti_finish(struct cifti *cifti)
@@ -625,7 +616,13 @@ conus_status cifti_parse(struct cifti *out, const uint8_t *data, size_t size, ui
     struct cifti cifti = {
         .count = shape[1], .values = data + header.offset, .datatype = header.datatype, .swapped = header.swapped};
     status = find_xml(&xml, &head, &header);
-    status = status ? status : cifti_xml_parse(&cifti, xml, shape[0], max_memory);
+    if (!status) {
+        struct parsing parsing = {.cifti = &cifti, .max_memory = max_memory, .maps_wanted = shape[0]};
+        const struct xml_handler handler = {on_start, on_end, &parsing, false};
+        status = xml_parse(&handler, xml);
+        label_finish(&parsing.entry.label);
+        status = status ? fail_in(status, "XML") : CONUS_OK;
+    }
     if (status) {
         cifti_finish(&cifti);
         return status;

@@ -49,61 +49,58 @@ static conus_status take_text(struct annot *annot, const char *field, struct tex
 {
     int32_t length = 0;
     conus_status status = take_int(annot, field, 0, INT32_MAX, &length);
-    if (!status && (size_t)length > annot->size) {
-        status = fail(CONUS_ERROR_DATA, "%s: %d bytes long, %zu are left", field, length, annot->size);
+    if (status) {
+        return status;
     }
-    if (!status) {
-        *out = (struct text){(const char *)annot->data, strnlen((const char *)annot->data, (size_t)length)};
-        annot->data += length;
-        annot->size -= (size_t)length;
+    if ((size_t)length > annot->size) {
+        return fail(CONUS_ERROR_DATA, "%s: %d bytes long, %zu are left", field, length, annot->size);
     }
-    return status;
+    *out = (struct text){(const char *)annot->data, strnlen((const char *)annot->data, (size_t)length)};
+    annot->data += length;
+    annot->size -= (size_t)length;
+    return CONUS_OK;
 }
 
 static conus_status take_vertices(struct annot *annot)
 {
     int32_t count = 0;
     conus_status status = take_int(annot, "number of vertices", 1, INT32_MAX, &count);
-    if (!status && (uint64_t)count > annot->size / 8) {
-        status = fail(CONUS_ERROR_DATA, "number of vertices: found %d, the file has %zu bytes for them, 8 each", count,
-                      annot->size);
+    if (status) {
+        return status;
     }
-    if (!status) {
-        annot->vertices = annot->data;
-        annot->count = (size_t)count;
-        annot->data += 8 * annot->count;
-        annot->size -= 8 * annot->count;
+    if ((uint64_t)count > annot->size / 8) {
+        return fail(CONUS_ERROR_DATA, "number of vertices: found %d, the file has %zu bytes for them, 8 each", count,
+                    annot->size);
     }
-    return status;
-}
-
-static conus_status take_entry(struct annot *annot, bool numbered, int32_t number)
-{
-    struct text name = {0};
-    int32_t rgbt[4] = {0};
-    conus_status status = numbered ? take_int(annot, "colour table: number", 0, INT32_MAX - 1, &number) : CONUS_OK;
-    status = status ? status : take_text(annot, "colour table: name", &name);
-    for (int i = 0; !status && i < 4; i++) {
-        status = take_int(annot, "colour table: colour", 0, 255, &rgbt[i]);
-    }
-    if (!status) {
-        uint32_t colour = (uint32_t)rgbt[0] | (uint32_t)rgbt[1] << 8 | (uint32_t)rgbt[2] << 16;
-        annot->entries[annot->entry_count++] = (struct entry){colour, (uint32_t)number, name};
-    }
-    return status;
+    annot->vertices = annot->data;
+    annot->count = (size_t)count;
+    annot->data += 8 * annot->count;
+    annot->size -= 8 * annot->count;
+    return CONUS_OK;
 }
 
 static conus_status take_entries(struct annot *annot, bool numbered, int32_t count)
 {
-    conus_status status = CONUS_OK;
     annot->entries = memory_raw((size_t)count, sizeof *annot->entries);
     if (!annot->entries) {
         return CONUS_ERROR_MEMORY;
     }
-    for (int32_t i = 0; !status && i < count; i++) {
-        status = take_entry(annot, numbered, i);
+    for (int32_t i = 0; i < count; i++) {
+        struct text name = {0};
+        int32_t number = i;
+        int32_t rgbt[4] = {0};
+        conus_status status = numbered ? take_int(annot, "colour table: number", 0, INT32_MAX - 1, &number) : CONUS_OK;
+        status = status ? status : take_text(annot, "colour table: name", &name);
+        for (int k = 0; !status && k < 4; k++) {
+            status = take_int(annot, "colour table: colour", 0, 255, &rgbt[k]);
+        }
+        if (status) {
+            return status;
+        }
+        uint32_t colour = (uint32_t)rgbt[0] | (uint32_t)rgbt[1] << 8 | (uint32_t)rgbt[2] << 16;
+        annot->entries[annot->entry_count++] = (struct entry){colour, (uint32_t)number, name};
     }
-    return status;
+    return CONUS_OK;
 }
 
 /* Old: the number of entries, where the table is from, the entries. New: -2, a bound of the numbers, where it is from,
@@ -308,37 +305,34 @@ static conus_status next_vertex(uint64_t *out, struct text *rest, size_t line)
                       VERTEX_LIMIT - 1);
 }
 
-static conus_status read_count(uint64_t *out, struct text *rest)
-{
-    struct text line = {0};
-    bool good = text_line(rest, &line); /* what the file is */
-    good = good && text_line(rest, &line) && text_to_uint(text_trim(line), VERTEX_LIMIT, out);
-    return good && *out ? CONUS_OK
-                        : fail(CONUS_ERROR_DATA, "line 2: the number of vertices, 1 to %d, is needed", VERTEX_LIMIT);
-}
-
 conus_status freesurfer_label_parse(uint32_t **labels, size_t *count, struct text text)
 {
     struct text rest = text;
-    struct text again;
+    struct text line;
     uint64_t rows = 0;
     uint64_t vertex = 0;
     uint64_t last = 0;
-    conus_status status = read_count(&rows, &rest);
-    again = rest;
-    for (uint64_t i = 0; !status && i < rows; i++) {
-        status = next_vertex(&vertex, &rest, (size_t)i + 3);
+    bool good = text_line(&rest, &line); /* what the file is */
+    if (!good || !text_line(&rest, &line) || !text_to_uint(text_trim(line), VERTEX_LIMIT, &rows) || !rows) {
+        return fail(CONUS_ERROR_DATA, "line 2: the number of vertices, 1 to %d, is needed", VERTEX_LIMIT);
+    }
+    struct text again = rest;
+    for (uint64_t i = 0; i < rows; i++) {
+        conus_status status = next_vertex(&vertex, &rest, (size_t)i + 3);
+        if (status) {
+            return status;
+        }
         last = vertex > last ? vertex : last;
     }
-    if (!status && text_trim(rest).size) {
-        status = fail(CONUS_ERROR_DATA, "line 2: %llu vertices, but more lines follow", (unsigned long long)rows);
+    if (text_trim(rest).size) {
+        return fail(CONUS_ERROR_DATA, "line 2: %llu vertices, but more lines follow", (unsigned long long)rows);
     }
-    uint32_t *out = status ? NULL : memory_zeroed((size_t)last + 1, sizeof *out);
+    uint32_t *out = memory_zeroed((size_t)last + 1, sizeof *out);
     if (!out) {
-        return status ? status : CONUS_ERROR_MEMORY;
+        return CONUS_ERROR_MEMORY;
     }
-    for (uint64_t i = 0; !status && i < rows; i++) {
-        status = next_vertex(&vertex, &again, 0);
+    for (uint64_t i = 0; i < rows; i++) {
+        (void)next_vertex(&vertex, &again, 0); /* it was good before */
         out[vertex] = 1;
     }
     *labels = out;

@@ -369,22 +369,6 @@ static conus_status end_gifti(struct parsing *parsing, struct text text)
     return CONUS_OK;
 }
 
-static conus_status append_array(struct parsing *parsing)
-{
-    struct gifti *gifti = &parsing->gifti;
-    if (gifti->array_count == ARRAY_LIMIT) {
-        return fail(CONUS_ERROR_DATA, "more than %d DataArrays", ARRAY_LIMIT);
-    }
-    struct gifti_array *arrays = memory_resize(gifti->arrays, gifti->array_count + 1, sizeof *arrays);
-    if (!arrays) {
-        return CONUS_ERROR_MEMORY;
-    }
-    gifti->arrays = arrays;
-    parsing->array = &arrays[gifti->array_count++];
-    *parsing->array = (struct gifti_array){0};
-    return CONUS_OK;
-}
-
 static conus_status read_dims(struct gifti_array *array, const struct xml_event *event, uint64_t max_memory)
 {
     uint64_t rank;
@@ -470,8 +454,18 @@ static conus_status start_array(struct parsing *parsing, const struct xml_event 
     if (parsing->array || !parsing->in_gifti) {
         return fail(CONUS_ERROR_DATA, "DataArray inside another, allowed is one after the other in GIFTI");
     }
-    conus_status status = append_array(parsing);
-    return status ? status : read_storage(parsing, event);
+    struct gifti *gifti = &parsing->gifti;
+    if (gifti->array_count == ARRAY_LIMIT) {
+        return fail(CONUS_ERROR_DATA, "more than %d DataArrays", ARRAY_LIMIT);
+    }
+    struct gifti_array *arrays = memory_resize(gifti->arrays, gifti->array_count + 1, sizeof *arrays);
+    if (!arrays) {
+        return CONUS_ERROR_MEMORY;
+    }
+    gifti->arrays = arrays;
+    parsing->array = &arrays[gifti->array_count++];
+    *parsing->array = (struct gifti_array){0};
+    return read_storage(parsing, event);
 }
 
 static bool is_outline(const struct parsing *parsing)
@@ -585,29 +579,21 @@ static char hemisphere_of(struct text structure)
                                                                     : 0;
 }
 
-/* Keeps what the surface shows, from the first place that says so. */
-static conus_status keep_anatomy(struct gifti *gifti, const char *name, struct text text)
+/* The Value of an MD. Only what is used is kept, from the first place that says so. */
+static conus_status end_value(struct parsing *parsing, struct text text)
 {
-    char **field = strcmp(name, "AnatomicalStructurePrimary") == 0     ? &gifti->structure
+    struct gifti *gifti = &parsing->gifti;
+    const char *name = parsing->md_name ? parsing->md_name : "";
+    if (strcmp(name, "AnatomicalStructurePrimary") == 0 && !gifti->hemisphere) {
+        gifti->hemisphere = hemisphere_of(text_trim(text));
+    }
+    keep_geometry(parsing->array, name, text);
+    char **field = strcmp(name, "Name") == 0 ? parsing->array ? &parsing->array->name : &gifti->name
+                   : strcmp(name, "AnatomicalStructurePrimary") == 0   ? &gifti->structure
                    : strcmp(name, "AnatomicalStructureSecondary") == 0 ? &gifti->layer
                    : strcmp(name, "GeometricType") == 0                ? &gifti->geometric_type
                                                                        : NULL;
     return field && !*field ? label_set_text(field, text) : CONUS_OK;
-}
-
-/* The Value of an MD. Only what is used is kept. */
-static conus_status end_value(struct parsing *parsing, struct text text)
-{
-    const char *name = parsing->md_name ? parsing->md_name : "";
-    if (strcmp(name, "Name") == 0) {
-        char **field = parsing->array ? &parsing->array->name : &parsing->gifti.name;
-        return *field ? CONUS_OK : label_set_text(field, text);
-    }
-    if (strcmp(name, "AnatomicalStructurePrimary") == 0 && !parsing->gifti.hemisphere) {
-        parsing->gifti.hemisphere = hemisphere_of(text_trim(text));
-    }
-    keep_geometry(parsing->array, name, text);
-    return keep_anatomy(&parsing->gifti, name, text);
 }
 
 static conus_status end_name(struct parsing *parsing, struct text text)

@@ -53,18 +53,6 @@ static bool gifti_is_identity(const double m[16])
     return largest <= 1e-6;
 }
 
-/* The matrix from an unknown space into the scanner's or an aligned one; else NULL. */
-static const struct gifti_transform *find_way_home(const struct gifti_array *points)
-{
-    for (size_t i = 0; i < points->transform_count; i++) {
-        int space = points->transforms[i].transformed_space;
-        if (space > SPACE_UNKNOWN && space <= SPACE_ALIGNED) {
-            return &points->transforms[i];
-        }
-    }
-    return NULL;
-}
-
 /* The space in which all matrices say that the vertices are stored. That of one that changes nothing is as good. */
 static conus_status find_space(int *out, const struct gifti_array *points)
 {
@@ -81,17 +69,6 @@ static conus_status find_space(int *out, const struct gifti_array *points)
                                                : *out;
     }
     return CONUS_OK;
-}
-
-static conus_status place_by_geometry(double world[16], const struct gifti_geometry *geometry, struct notes *notes)
-{
-    if (!freesurfer_world_from_surface(world, geometry->axes, geometry->centre)) {
-        return fail(CONUS_ERROR_DATA, "VolGeomX_R to VolGeomZ_S: no directions at right angles");
-    }
-    return notes_add(notes,
-                     "FreeSurfer surface coordinates were moved into the scanner's by the file's VolGeom metadata "
-                     "(c_ras %g, %g, %g)",
-                     geometry->centre[0], geometry->centre[1], geometry->centre[2]);
 }
 
 static conus_status note_matrix(const struct gifti_array *points, struct notes *notes)
@@ -111,13 +88,20 @@ static conus_status note_matrix(const struct gifti_array *points, struct notes *
 static conus_status gifti_find_place(double world[16], const struct gifti_array *points, struct notes *notes)
 {
     int space;
+    const struct gifti_geometry *geometry = &points->geometry;
     conus_status status = find_space(&space, points);
-    const struct gifti_transform *home = find_way_home(points);
     mat4_identity(world);
-    if (status || space != SPACE_UNKNOWN) {
-        return status ? status : note_matrix(points, notes);
+    if (status) {
+        return status;
     }
-    if (home) {
+    if (space != SPACE_UNKNOWN) {
+        return note_matrix(points, notes);
+    }
+    for (size_t i = 0; i < points->transform_count; i++) { /* the first one into the scanner's or an aligned space */
+        const struct gifti_transform *home = &points->transforms[i];
+        if (home->transformed_space <= SPACE_UNKNOWN || home->transformed_space > SPACE_ALIGNED) {
+            continue;
+        }
         double inverse[16];
         memcpy(world, home->matrix, sizeof home->matrix);
         return !mat4_invert_affine(inverse, world)
@@ -126,27 +110,19 @@ static conus_status gifti_find_place(double world[16], const struct gifti_array 
                                           : notes_add(notes, "vertices were moved by the file's matrix into %s space",
                                                       space_code_name(home->transformed_space));
     }
-    if (points->geometry.given == GEOMETRY_WHOLE) {
-        return place_by_geometry(world, &points->geometry, notes);
+    if (geometry->given == GEOMETRY_WHOLE) {
+        return freesurfer_world_from_surface(world, geometry->axes, geometry->centre)
+                   ? notes_add(notes,
+                               "FreeSurfer surface coordinates were moved into the scanner's by the file's VolGeom "
+                               "metadata (c_ras %g, %g, %g)",
+                               geometry->centre[0], geometry->centre[1], geometry->centre[2])
+                   : fail(CONUS_ERROR_DATA, "VolGeomX_R to VolGeomZ_S: no directions at right angles");
     }
     status = note_matrix(points, notes);
     return status ? status
                   : notes_warn(notes,
                                "the surface does not say in which space it is (DataSpace is unknown): vertices were "
                                "taken as the world's");
-}
-
-static conus_status fill_triangles(struct mesh *mesh, const struct gifti_array *triangles)
-{
-    for (size_t i = 0; i < triangles->count; i++) {
-        double index = triangles->values[i];
-        if (!(index >= 0 && index < (double)mesh->vertex_count) || index != floor(index)) {
-            return fail(CONUS_ERROR_DATA, "triangle %zu: vertex index %.9g, allowed are whole numbers from 0 to %zu",
-                        i / 3, index, mesh->vertex_count - 1);
-        }
-        mesh->triangles[i] = (uint32_t)index;
-    }
-    return CONUS_OK;
 }
 
 conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_stored, struct notes *notes)
@@ -165,10 +141,15 @@ conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_sto
     for (size_t i = 0; i < points->count; i++) {
         mesh.positions[i] = (float)points->values[i];
     }
-    status = fill_triangles(&mesh, triangles);
-    if (status) {
-        mesh_finish(&mesh);
-        return status;
+    for (size_t i = 0; i < triangles->count; i++) {
+        double index = triangles->values[i];
+        if (!(index >= 0 && index < (double)mesh.vertex_count) || index != floor(index)) {
+            status = fail(CONUS_ERROR_DATA, "triangle %zu: vertex index %.9g, allowed are whole numbers from 0 to %zu",
+                          i / 3, index, mesh.vertex_count - 1);
+            mesh_finish(&mesh);
+            return status;
+        }
+        mesh.triangles[i] = (uint32_t)index;
     }
     if (!as_stored && !gifti_is_identity(world)) {
         mesh_transform(&mesh, world);

@@ -25,18 +25,6 @@
 #include <string.h>
 #include <strings.h>
 
-/* "CortexLeft, CortexRight". */
-static void list_surfaces(struct buffer *out, const struct cifti_choice *choice)
-{
-    for (size_t i = 0; i < choice->cifti.model_count; i++) {
-        const struct cifti_model *model = &choice->cifti.models[i];
-        if (model->is_surface) {
-            buffer_format(out, "%s%s", out->size ? ", " : "", model->structure->name);
-        }
-    }
-    buffer_text(out, out->size ? "" : "no surface");
-}
-
 /* The only surface of the file, or NULL. */
 static const struct cifti_model *only_surface(const struct cifti_choice *choice)
 {
@@ -53,8 +41,14 @@ static const struct cifti_model *only_surface(const struct cifti_choice *choice)
 
 static conus_status fail_structure(const struct cifti_choice *choice, const char *structure, const char *surface)
 {
-    struct buffer list = {0};
-    list_surfaces(&list, choice);
+    struct buffer list = {0}; /* "CortexLeft, CortexRight" */
+    for (size_t i = 0; i < choice->cifti.model_count; i++) {
+        const struct cifti_model *model = &choice->cifti.models[i];
+        if (model->is_surface) {
+            buffer_format(&list, "%s%s", list.size ? ", " : "", model->structure->name);
+        }
+    }
+    buffer_text(&list, list.size ? "" : "no surface");
     conus_status status = buffer_status(&list);
     if (!status && structure) {
         status = fail(CONUS_ERROR_DATA, "labels of %s, which %s is, are not there: the file has those of %s", structure,

@@ -83,19 +83,6 @@ static conus_status write_mesh(void *user, uint32_t number, const struct mesh *m
     return go_on ? status : fail(CONUS_ERROR_CANCELLED, "cancelled after %zu of %zu surfaces", work->done, work->total);
 }
 
-static conus_status write_own_meshes(struct writing *work)
-{
-    const conus_atlas *atlas = work->atlas;
-    conus_status status = CONUS_OK;
-    for (uint32_t i = 0; !status && i < atlas->area_count; i++) {
-        const struct mesh *mesh = atlas_object_mesh(atlas, i + 1);
-        if (mesh) {
-            status = write_mesh(work, i + 1, mesh);
-        }
-    }
-    return status;
-}
-
 static conus_status write_surfaces(struct writing *work, struct notes *notes)
 {
     const conus_mesh_options *options = work->options;
@@ -154,7 +141,10 @@ conus_status conus_atlas_write_meshes(const conus_atlas *atlas, const char *fold
     work.space = space_of(atlas);
     status = file_make_folder(folder);
     status = status ? status : count_files(&work, &notes);
-    status = status ? status : write_own_meshes(&work);
+    for (uint32_t i = 0; !status && i < atlas->area_count; i++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, i + 1);
+        status = mesh ? write_mesh(&work, i + 1, mesh) : CONUS_OK;
+    }
     status = status ? status : write_surfaces(&work, &notes);
     notes_finish(&notes);
     buffer_finish(&work.bytes);

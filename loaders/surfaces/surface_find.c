@@ -151,23 +151,17 @@ conus_status surface_list_make(struct surface_list *out, const char *folder, uin
     return CONUS_OK;
 }
 
-/* "a.surf.gii (CortexLeft, 642 vertices, pial)", of the first. */
-static void describe_items(struct buffer *out, const struct surface_list *list)
+static conus_status fail_missing(const struct surface_list *list, const char *structure, size_t vertices)
 {
     enum { SHOWN = 4 };
+    struct buffer there = {0}; /* "a.surf.gii (CortexLeft, 642 vertices, pial)", of the first */
     for (size_t i = 0; i < list->count && i < SHOWN; i++) {
         const struct surface_item *item = &list->items[i];
-        buffer_format(out, "%s%s (%s, %zu vertices, %s)", i ? ", " : "", item->name,
+        buffer_format(&there, "%s%s (%s, %zu vertices, %s)", i ? ", " : "", item->name,
                       item->about.structure ? item->about.structure : "of no structure", item->about.vertices,
                       kinds[item->rank].kind);
     }
-    buffer_text(out, !list->count ? "no surface" : list->count > SHOWN ? ", ..." : "");
-}
-
-static conus_status fail_missing(const struct surface_list *list, const char *structure, size_t vertices)
-{
-    struct buffer there = {0};
-    describe_items(&there, list);
+    buffer_text(&there, !list->count ? "no surface" : list->count > SHOWN ? ", ..." : "");
     conus_status status = buffer_status(&there);
     status = status ? status
                     : fail(CONUS_ERROR_DATA,

@@ -346,26 +346,6 @@ conus_status foreign_end_line(struct foreign_mesh *mesh)
     return CONUS_OK;
 }
 
-/* Takes @p name, or frees it. */
-static conus_status add_array(struct foreign_array **out, struct foreign_lines *lines, char *name, bool per_point,
-                              uint32_t components)
-{
-    conus_status status = lines->array_count < FOREIGN_ARRAY_LIMIT
-                              ? CONUS_OK
-                              : fail(CONUS_ERROR_DATA, "%s: allowed are up to %d arrays", name, FOREIGN_ARRAY_LIMIT);
-    if (!status &&
-        !memory_reserve(&lines->arrays, &lines->array_capacity, lines->array_count + 1, sizeof *lines->arrays)) {
-        status = CONUS_ERROR_MEMORY;
-    }
-    if (status) {
-        memory_free(name);
-        return status;
-    }
-    *out = &lines->arrays[lines->array_count++];
-    **out = (struct foreign_array){.name = name, .per_point = per_point, .components = components};
-    return CONUS_OK;
-}
-
 conus_status foreign_lines_array(struct foreign_array **out, struct foreign_lines *lines, struct text name,
                                  bool per_point, uint64_t components)
 {
@@ -378,14 +358,20 @@ conus_status foreign_lines_array(struct foreign_array **out, struct foreign_line
         struct foreign_array *array = &lines->arrays[i];
         found = !found && array->per_point == per_point && strcmp(array->name, words) == 0 ? array : found;
     }
-    bool fits = components >= 1 && components <= FOREIGN_COMPONENT_LIMIT;
-    if (fits && !found) {
-        return add_array(out, lines, words, per_point, (uint32_t)components);
-    }
+    bool fits = components >= 1 && components <= FOREIGN_COMPONENT_LIMIT && (!found || found->components == components);
     conus_status status = CONUS_OK;
-    if (!fits || found->components != components) {
+    if (!fits) {
         status = fail(CONUS_ERROR_DATA, "%s: %llu numbers for each point or cell, allowed are 1 to %d, the same in all",
                       words, (unsigned long long)components, FOREIGN_COMPONENT_LIMIT);
+    } else if (!found && lines->array_count >= FOREIGN_ARRAY_LIMIT) {
+        status = fail(CONUS_ERROR_DATA, "%s: allowed are up to %d arrays", words, FOREIGN_ARRAY_LIMIT);
+    } else if (!found &&
+               !memory_reserve(&lines->arrays, &lines->array_capacity, lines->array_count + 1, sizeof *lines->arrays)) {
+        status = CONUS_ERROR_MEMORY;
+    } else if (!found) {
+        found = &lines->arrays[lines->array_count++];
+        *found = (struct foreign_array){.name = words, .per_point = per_point, .components = (uint32_t)components};
+        words = NULL; /* the array has it */
     }
     memory_free(words);
     *out = found;

@@ -15,6 +15,7 @@ struct mz3 {
 
 static const bool swapped = !BIG_ENDIAN_IS_SWAPPED;
 
+/* Values of vertices may be many for each, one layer after the other. */
 static conus_status mz3_read_header(struct mz3 *out, const uint8_t *data, size_t size)
 {
     if (size < HEADER || data[0] != 'M' || data[1] != 'Z') {
@@ -30,20 +31,14 @@ static conus_status mz3_read_header(struct mz3 *out, const uint8_t *data, size_t
         return fail(CONUS_ERROR_UNSUPPORTED, "header: an MZ3 file without %s, a surface is needed",
                     out->attributes & VERTICES ? "faces" : "vertices");
     }
-    return CONUS_OK;
-}
-
-/* Values of vertices may be many for each, one layer after the other. */
-static conus_status mz3_check_size(const struct mz3 *mz3, size_t size)
-{
-    const uint64_t vertices = mz3->vertices;
-    const uint64_t colours = mz3->attributes & COLOURS ? 4U : 0U;
+    const uint64_t vertices = out->vertices;
+    const uint64_t colours = out->attributes & COLOURS ? 4U : 0U;
     const uint64_t layer =
-        vertices * ((mz3->attributes & VALUES ? 4U : 0U) + (mz3->attributes & WIDE_VALUES ? 8U : 0U));
-    const uint64_t needed = HEADER + (uint64_t)mz3->skipped + 12 * (uint64_t)mz3->faces + (12 + colours) * vertices;
+        vertices * ((out->attributes & VALUES ? 4U : 0U) + (out->attributes & WIDE_VALUES ? 8U : 0U));
+    const uint64_t needed = HEADER + (uint64_t)out->skipped + 12 * (uint64_t)out->faces + (12 + colours) * vertices;
     if (size < needed + layer) {
-        return fail(CONUS_ERROR_DATA, "content: %zu bytes, %u faces and %u vertices need %llu", size, mz3->faces,
-                    mz3->vertices, (unsigned long long)(needed + layer));
+        return fail(CONUS_ERROR_DATA, "content: %zu bytes, %u faces and %u vertices need %llu", size, out->faces,
+                    out->vertices, (unsigned long long)(needed + layer));
     }
     if (layer ? (size - needed) % layer : size - needed) {
         return fail(CONUS_ERROR_DATA, "content: %llu bytes behind the last vertex's",
@@ -56,7 +51,6 @@ conus_status mz3_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
 {
     struct mz3 mz3 = {0};
     conus_status status = mz3_read_header(&mz3, data, size);
-    status = status ? status : mz3_check_size(&mz3, size);
     if (status) {
         return status;
     }

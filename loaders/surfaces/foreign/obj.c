@@ -115,9 +115,25 @@ static conus_status take_corner(struct obj *obj, struct text word)
     return foreign_add_corner(obj->mesh, back ? (int64_t)obj->vertices + index : index - 1);
 }
 
-static conus_status own_triangles(struct obj *obj, size_t from)
+static conus_status take_face(struct obj *obj)
 {
     struct foreign_mesh *mesh = obj->mesh;
+    size_t from = mesh->triangle_count;
+    conus_status status;
+    struct text word;
+    while (obj_next_word(obj, &word)) {
+        status = take_corner(obj, word);
+        if (status) {
+            return status;
+        }
+    }
+    if (mesh->face.count < 3) {
+        return fail_at(obj, obj->text, "a face has three corners or more");
+    }
+    status = foreign_end_polygon(mesh);
+    if (status) {
+        return status;
+    }
     if (!memory_reserve(&obj->owners, &obj->owner_capacity, mesh->triangle_count, sizeof *obj->owners)) {
         return CONUS_ERROR_MEMORY;
     }
@@ -125,21 +141,6 @@ static conus_status own_triangles(struct obj *obj, size_t from)
         obj->owners[i] = (uint32_t)obj->object_count - 1;
     }
     return CONUS_OK;
-}
-
-static conus_status take_face(struct obj *obj)
-{
-    size_t triangles = obj->mesh->triangle_count;
-    conus_status status = CONUS_OK;
-    struct text word;
-    while (!status && obj_next_word(obj, &word)) {
-        status = take_corner(obj, word);
-    }
-    if (!status && obj->mesh->face.count < 3) {
-        status = fail_at(obj, obj->text, "a face has three corners or more");
-    }
-    status = status ? status : foreign_end_polygon(obj->mesh);
-    return status ? status : own_triangles(obj, triangles);
 }
 
 static conus_status take_object(struct obj *obj, struct text name)

@@ -55,20 +55,6 @@ static conus_status need_word(struct words *words, const char *wanted)
                                                                               : words_fail(words, word, wanted);
 }
 
-/* A normal may be anything that is a number, "nan" too: it is not used. */
-static conus_status skip_normal(struct words *words)
-{
-    conus_status status = need_word(words, "normal");
-    for (int a = 0; !status && a < 3; a++) {
-        struct text word;
-        double value;
-        if (!words_next(words, &word) || !text_to_double(word, &value)) {
-            status = words_fail(words, word, "a normal of three numbers");
-        }
-    }
-    return status;
-}
-
 static conus_status read_corners(struct foreign_mesh *out, struct words *words)
 {
     conus_status status = CONUS_OK;
@@ -86,12 +72,19 @@ static conus_status read_corners(struct foreign_mesh *out, struct words *words)
 /* Reads a facet after the word "facet". */
 static conus_status read_facet(struct foreign_mesh *out, struct words *words)
 {
-    conus_status status = skip_normal(words);
-    status = status ? status : need_word(words, "outer");
-    status = status ? status : need_word(words, "loop");
-    status = status ? status : read_corners(out, words);
-    status = status ? status : need_word(words, "endloop");
-    return status ? status : need_word(words, "endfacet");
+    struct text word;
+    double value;
+    conus_status status = need_word(words, "normal");
+    for (int a = 0; !status && a < 3; a++) { /* the normal is not used: "nan" is a number, too */
+        status = words_next(words, &word) && text_to_double(word, &value)
+                     ? CONUS_OK
+                     : words_fail(words, word, "a normal of three numbers");
+    }
+    if (status || (status = need_word(words, "outer")) || (status = need_word(words, "loop")) ||
+        (status = read_corners(out, words)) || (status = need_word(words, "endloop"))) {
+        return status;
+    }
+    return need_word(words, "endfacet");
 }
 
 /* From "solid" and its name to "endsolid" and perhaps the same. */

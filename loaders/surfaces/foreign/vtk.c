@@ -378,19 +378,23 @@ static conus_status read_points(struct vtk *vtk)
 {
     const struct vtk_type *type = NULL;
     size_t count = 0;
-    conus_status status = vtk->has_points ? fail(CONUS_ERROR_DATA, "POINTS: twice") : CONUS_OK;
-    status = status ? status : words_count(&count, &vtk->words, 3, "POINTS");
-    status = status ? status : vtk_need_type(&type, vtk);
-    status = status ? status : vtk_end_line(vtk);
-    if (!status && type->bits < 8) {
-        status = fail(CONUS_ERROR_UNSUPPORTED, "POINTS: of type bit");
+    if (vtk->has_points) {
+        return fail(CONUS_ERROR_DATA, "POINTS: twice");
     }
-    size_t least = status || vtk->is_text ? 6 : 3 * type->bits / 8; /* in text a digit and a space each */
-    if (!status && count > vtk->words.rest.size / least + 1) {
-        status = fail(CONUS_ERROR_DATA, "POINTS: %zu, more than the %zu bytes that follow can hold", count,
-                      vtk->words.rest.size);
+    conus_status status;
+    if ((status = words_count(&count, &vtk->words, 3, "POINTS")) || (status = vtk_need_type(&type, vtk)) ||
+        (status = vtk_end_line(vtk))) {
+        return status;
     }
-    status = status ? status : foreign_reserve_vertices(vtk->mesh, count);
+    if (type->bits < 8) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "POINTS: of type bit");
+    }
+    size_t least = vtk->is_text ? 6 : 3 * type->bits / 8; /* in text a digit and a space each */
+    if (count > vtk->words.rest.size / least + 1) {
+        return fail(CONUS_ERROR_DATA, "POINTS: %zu, more than the %zu bytes that follow can hold", count,
+                    vtk->words.rest.size);
+    }
+    status = foreign_reserve_vertices(vtk->mesh, count);
     for (size_t i = 0; !status && i < count; i++) {
         float position[3] = {0};
         for (int a = 0; !status && a < 3; a++) {
@@ -404,8 +408,22 @@ static conus_status read_points(struct vtk *vtk)
 
 enum cells { CELLS_VERTICES, CELLS_LINES, CELLS_POLYGONS, CELLS_STRIPS };
 
-static conus_status end_cell(struct foreign_mesh *mesh, enum cells cells)
+static conus_status take_corners(struct vtk *vtk, int64_t count, const struct vtk_type *type, enum cells cells,
+                                 const char *what)
 {
+    struct foreign_mesh *mesh = vtk->mesh;
+    conus_status status = CONUS_OK;
+    bool are_wanted = cells > CELLS_LINES || (cells == CELLS_LINES && mesh->lines); /* by the caller */
+    for (int64_t k = 0; !status && k < count; k++) {
+        int64_t index;
+        status = vtk_next_whole(&index, vtk, type, what);
+        if (!status && are_wanted) {
+            status = foreign_add_corner(mesh, index);
+        }
+    }
+    if (status) {
+        return status;
+    }
     if (mesh->lines) {
         mesh->lines->before += cells == CELLS_VERTICES;
         mesh->lines->behind += cells > CELLS_LINES;
@@ -414,21 +432,6 @@ static conus_status end_cell(struct foreign_mesh *mesh, enum cells cells)
            : cells == CELLS_STRIPS ? foreign_end_strip(mesh)
            : cells == CELLS_LINES  ? foreign_end_line(mesh)
                                    : CONUS_OK;
-}
-
-static conus_status take_corners(struct vtk *vtk, int64_t count, const struct vtk_type *type, enum cells cells,
-                                 const char *what)
-{
-    conus_status status = CONUS_OK;
-    bool are_wanted = cells > CELLS_LINES || (cells == CELLS_LINES && vtk->mesh->lines); /* by the caller */
-    for (int64_t k = 0; !status && k < count; k++) {
-        int64_t index;
-        status = vtk_next_whole(&index, vtk, type, what);
-        if (!status && are_wanted) {
-            status = foreign_add_corner(vtk->mesh, index);
-        }
-    }
-    return status ? status : end_cell(vtk->mesh, cells);
 }
 
 /* `count` cells, each as the number of its corners and the corners; `size` numbers in all. */
@@ -553,19 +556,19 @@ static conus_status read_section(struct vtk *vtk, bool *done)
 static conus_status read_dataset(struct vtk *vtk)
 {
     struct text word;
-    conus_status status = CONUS_OK;
-    if (words_take(&vtk->words, "FIELD")) {
-        status = vtk_take_field(vtk);
+    conus_status status;
+    if (words_take(&vtk->words, "FIELD") && (status = vtk_take_field(vtk))) {
+        return status;
     }
-    if (!status && (!words_next(&vtk->words, &word) || !text_equal_ignoring_case(word, "DATASET"))) {
-        status = words_fail(&vtk->words, word, "DATASET");
+    if (!words_next(&vtk->words, &word) || !text_equal_ignoring_case(word, "DATASET")) {
+        return words_fail(&vtk->words, word, "DATASET");
     }
-    if (!status && !words_take(&vtk->words, "POLYDATA")) {
+    if (!words_take(&vtk->words, "POLYDATA")) {
         (void)words_next(&vtk->words, &word);
-        status = fail(CONUS_ERROR_UNSUPPORTED, "DATASET: found \"%.*s\", only POLYDATA is a surface or lines",
-                      TEXT_SHOW(word, 60));
+        return fail(CONUS_ERROR_UNSUPPORTED, "DATASET: found \"%.*s\", only POLYDATA is a surface or lines",
+                    TEXT_SHOW(word, 60));
     }
-    return status;
+    return CONUS_OK;
 }
 
 static conus_status vtk_read_header(struct vtk *vtk)

@@ -566,22 +566,6 @@ static conus_status add_column(struct vtp *vtp, const struct xml_event *event)
     return CONUS_OK;
 }
 
-static conus_status begin_part(struct vtp *vtp, const struct xml_event *event)
-{
-    const char *components = xml_attribute(event, "NumberOfComponents");
-    if (vtp->use >= USES) {
-        return add_column(vtp, event);
-    }
-    if (vtp->parts[vtp->use].there) {
-        return fail(CONUS_ERROR_DATA, "line %zu: DataArray: the second of its kind", event->line);
-    }
-    if (vtp->use == USE_POINTS && (!components || strcmp(components, "3") != 0)) {
-        return fail(CONUS_ERROR_DATA, "Points: NumberOfComponents is %.60s, 3 are needed",
-                    components ? components : "not given");
-    }
-    return CONUS_OK;
-}
-
 static conus_status open_array(struct vtp *vtp, const struct xml_event *event)
 {
     const char *format = xml_attribute(event, "format");
@@ -594,7 +578,16 @@ static conus_status open_array(struct vtp *vtp, const struct xml_event *event)
     if (vtp->use == USE_NOTHING) {
         return CONUS_OK;
     }
-    conus_status status = begin_part(vtp, event);
+    const char *components = xml_attribute(event, "NumberOfComponents");
+    conus_status status = CONUS_OK;
+    if (vtp->use >= USES) {
+        status = add_column(vtp, event);
+    } else if (vtp->parts[vtp->use].there) {
+        status = fail(CONUS_ERROR_DATA, "line %zu: DataArray: the second of its kind", event->line);
+    } else if (vtp->use == USE_POINTS && (!components || strcmp(components, "3") != 0)) {
+        status = fail(CONUS_ERROR_DATA, "Points: NumberOfComponents is %.60s, 3 are needed",
+                      components ? components : "not given");
+    }
     if (status) {
         vtp->use = USE_NOTHING;
         return status;
@@ -681,29 +674,20 @@ static conus_status read_cells(struct cells *out, const struct vtp *vtp, enum us
 {
     const struct part *corners = &vtp->parts[use];
     const struct part *ends = &vtp->parts[use + 1];
-    conus_status status =
-        corners->there != ends->there ? fail(CONUS_ERROR_DATA, "both connectivity and offsets are needed") : CONUS_OK;
-    if (!status && corners->there) {
-        status = vtp_wholes(&out->corners, &out->corner_count, &corners->storage);
-        status = status ? status : vtp_wholes(&out->ends, &out->count, &ends->storage);
+    if (corners->there != ends->there) {
+        return fail(CONUS_ERROR_DATA, "both connectivity and offsets are needed");
     }
-    if (!status && out->count != wanted) {
-        status = fail(CONUS_ERROR_DATA, "%zu offsets, the piece says that there are %llu", out->count,
-                      (unsigned long long)wanted);
+    conus_status status;
+    if (corners->there && ((status = vtp_wholes(&out->corners, &out->corner_count, &corners->storage)) ||
+                           (status = vtp_wholes(&out->ends, &out->count, &ends->storage)))) {
+        return status;
     }
-    return status;
+    return out->count == wanted ? CONUS_OK
+                                : fail(CONUS_ERROR_DATA, "%zu offsets, the piece says that there are %llu", out->count,
+                                       (unsigned long long)wanted);
 }
 
 /* `first` is the number of the piece's first vertex. */
-static conus_status add_corner(struct vtp *vtp, size_t first, int64_t index)
-{
-    bool fits = index >= 0 && (uint64_t)index < vtp->points;
-    return fits ? foreign_add_corner(vtp->mesh, (int64_t)first + index)
-                : fail(CONUS_ERROR_DATA, "%s %zu: vertex index %lld, the piece has %llu vertices",
-                       foreign_cell_word(vtp->mesh), vtp->mesh->face_count, (long long)index,
-                       (unsigned long long)vtp->points);
-}
-
 static conus_status add_cells(struct vtp *vtp, size_t first, enum use use, uint64_t wanted)
 {
     struct cells cells = {0};
@@ -715,7 +699,12 @@ static conus_status add_cells(struct vtp *vtp, size_t first, enum use use, uint6
                           cells.corner_count);
         }
         while (!status && at < (size_t)cells.ends[i]) {
-            status = add_corner(vtp, first, cells.corners[at++]);
+            int64_t index = cells.corners[at++];
+            bool fits = index >= 0 && (uint64_t)index < vtp->points;
+            status = fits ? foreign_add_corner(vtp->mesh, (int64_t)first + index)
+                          : fail(CONUS_ERROR_DATA, "%s %zu: vertex index %lld, the piece has %llu vertices",
+                                 foreign_cell_word(vtp->mesh), vtp->mesh->face_count, (long long)index,
+                                 (unsigned long long)vtp->points);
         }
         status = status             ? status
                  : use == USE_LINES ? foreign_end_line(vtp->mesh)
@@ -831,11 +820,14 @@ static conus_status vtp_on_start(void *user, const struct xml_event *event)
     }
     vtp->place = place < USE_NOTHING ? place : vtp->place;
     if (strcmp(event->name, "Piece") == 0) {
-        conus_status status = take_count(&vtp->points, event, "NumberOfPoints");
-        status = status ? status : take_count(&vtp->vertices, event, "NumberOfVerts");
-        status = status ? status : take_count(&vtp->lines, event, "NumberOfLines");
-        status = status ? status : take_count(&vtp->polys, event, "NumberOfPolys");
-        return status ? status : take_count(&vtp->strips, event, "NumberOfStrips");
+        conus_status status;
+        if ((status = take_count(&vtp->points, event, "NumberOfPoints")) ||
+            (status = take_count(&vtp->vertices, event, "NumberOfVerts")) ||
+            (status = take_count(&vtp->lines, event, "NumberOfLines")) ||
+            (status = take_count(&vtp->polys, event, "NumberOfPolys"))) {
+            return status;
+        }
+        return take_count(&vtp->strips, event, "NumberOfStrips");
     }
     bool array = strcmp(event->name, "DataArray") == 0 || strcmp(event->name, "Array") == 0;
     return array ? open_array(vtp, event) : keep_text(vtp, event);
