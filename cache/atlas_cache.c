@@ -11,19 +11,11 @@
 
 /* An option that the key lacks would make two loads one. */
 static_assert(sizeof(conus_load_options) <= offsetof(conus_load_options, cache) + alignof(conus_load_options),
-              "append_options() knows all options: cache is the last one");
+              "atlas_cache_init() knows all options: cache is the last one");
 
 static bool is_relative(const char *path)
 {
     return path && path[0] != '/';
-}
-
-static void append_options(struct buffer *key, const conus_load_options *options)
-{
-    cache_key_append(key, options->labels);
-    buffer_append(key, &options->max_memory, sizeof options->max_memory);
-    buffer_append(key, &options->probability, sizeof options->probability);
-    buffer_append(key, options->labels_anyway ? "y" : "n", 1);
 }
 
 /* Ahead of the strings of a note. Sizes count a final NUL; a path of 0 is none. */
@@ -85,7 +77,11 @@ void atlas_cache_init(struct atlas_cache *out, const char *path, const conus_loa
     *out = (struct atlas_cache){.options = *options, .given = options};
     bool relative = is_relative(path) || is_relative(options->labels);
     if (options->cache && cache_store_begin(&out->store, ATLAS_CACHE_ENDING, path, relative)) {
-        append_options(&out->store.key, options);
+        struct buffer *key = &out->store.key;
+        cache_key_append(key, options->labels);
+        buffer_append(key, &options->max_memory, sizeof options->max_memory);
+        buffer_append(key, &options->probability, sizeof options->probability);
+        buffer_append(key, options->labels_anyway ? "y" : "n", 1);
         cache_store_name(&out->store);
     }
 }

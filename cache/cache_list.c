@@ -108,17 +108,6 @@ static conus_status add_entry(conus_cache *cache, int folder, const struct cache
     return CONUS_OK;
 }
 
-static conus_status list_kind(conus_cache *cache, int folder, size_t kind)
-{
-    struct cache_listing list = {0};
-    conus_status status = cache_folder_list(&list, cache->folder.data, kinds[kind].ending);
-    for (size_t i = 0; !status && i < list.count; i++) {
-        status = add_entry(cache, folder, &list.items[i], kinds[kind].kind);
-    }
-    cache_listing_finish(&list);
-    return status;
-}
-
 static conus_status list_folder(conus_cache *cache)
 {
     uint64_t limit;
@@ -129,7 +118,12 @@ static conus_status list_folder(conus_cache *cache)
                      : !cache_limit(&limit) ? "$CONUS_CACHE is not " CACHE_LIMITS
                                             : NULL;
     for (size_t i = 0; folder >= 0 && !status && i < KINDS; i++) {
-        status = list_kind(cache, folder, i);
+        struct cache_listing list = {0};
+        status = cache_folder_list(&list, cache->folder.data, kinds[i].ending);
+        for (size_t k = 0; !status && k < list.count; k++) {
+            status = add_entry(cache, folder, &list.items[k], kinds[i].kind);
+        }
+        cache_listing_finish(&list);
     }
     if (folder >= 0) {
         close(folder);
@@ -175,18 +169,6 @@ const conus_cache_entry *conus_cache_entry_at(const conus_cache *cache, size_t i
     return cache && index < cache->count ? &cache->entries[index] : NULL;
 }
 
-static conus_status remove_entries(const conus_cache *cache, int folder)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; i < cache->count; i++) {
-        const char *name = cache->entries[i].file;
-        if (unlinkat(folder, name, 0) && errno != ENOENT) {
-            status = fail(CONUS_ERROR_IO, "%s/%s: cannot remove: %s", cache->folder.data, name, strerror(errno));
-        }
-    }
-    return status;
-}
-
 conus_status conus_cache_clear(void)
 {
     conus_cache *cache = NULL;
@@ -200,8 +182,13 @@ conus_status conus_cache_clear(void)
         return status;
     }
     int folder = cache_folder_open(cache->folder.data, &theirs);
+    for (size_t i = 0; folder >= 0 && i < cache->count; i++) {
+        const char *name = cache->entries[i].file;
+        if (unlinkat(folder, name, 0) && errno != ENOENT) {
+            status = fail(CONUS_ERROR_IO, "%s/%s: cannot remove: %s", cache->folder.data, name, strerror(errno));
+        }
+    }
     if (folder >= 0) {
-        status = remove_entries(cache, folder);
         close(folder);
     }
     conus_cache_destroy(cache);

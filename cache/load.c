@@ -4,25 +4,6 @@
 #include "base/options.h"
 #include "cache/atlas_cache.h"
 
-/* Reports a cached atlas as one file. */
-static conus_status report(const char *path, const conus_load_options *options)
-{
-    return !options->progress || options->progress(options->progress_user, path, 0, 1)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_CANCELLED, "%s: cancelled before it was read", path);
-}
-
-static conus_status load_and_keep(conus_atlas **out, struct atlas_cache *cache, const char *path)
-{
-    atlas_cache_watch(cache);
-    conus_status status = atlas_load_files(out, path, &cache->options);
-    atlas_cache_watched(cache);
-    if (!status) {
-        atlas_cache_keep(cache, out);
-    }
-    return status;
-}
-
 conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
 {
     struct atlas_cache cache;
@@ -36,7 +17,17 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     }
     atlas_cache_init(&cache, path, options);
     conus_atlas *atlas = atlas_cache_find(&cache);
-    status = atlas ? report(path, options) : load_and_keep(&atlas, &cache, path);
+    if (!atlas) {
+        atlas_cache_watch(&cache);
+        status = atlas_load_files(&atlas, path, &cache.options);
+        atlas_cache_watched(&cache);
+        if (!status) {
+            atlas_cache_keep(&cache, &atlas);
+        }
+    } else if (options->progress &&
+               !options->progress(options->progress_user, path, 0, 1)) { /* it counts as one file */
+        status = fail(CONUS_ERROR_CANCELLED, "%s: cancelled before it was read", path);
+    }
     atlas_cache_finish(&cache);
     if (status) {
         conus_atlas_destroy(atlas);

@@ -59,22 +59,16 @@ static void read_notes(char out[BUILD_ID_SIZE], const uint8_t *at, size_t size, 
     }
 }
 
-/* Whether the object holds this code. */
-static bool is_own(const struct dl_phdr_info *info)
-{
-    uintptr_t here = (uintptr_t)&build_id_find;
-    bool own = false;
-    for (size_t i = 0; i < info->dlpi_phnum; i++) {
-        const ElfW(Phdr) *part = &info->dlpi_phdr[i];
-        own = own || (part->p_type == PT_LOAD && here - (info->dlpi_addr + part->p_vaddr) < part->p_memsz);
-    }
-    return own;
-}
-
 static int look_at(struct dl_phdr_info *info, size_t size, void *out)
 {
     (void)size;
-    if (!is_own(info)) {
+    uintptr_t here = (uintptr_t)&build_id_find;
+    bool is_own = false; /* whether the object holds this code */
+    for (size_t i = 0; i < info->dlpi_phnum; i++) {
+        const ElfW(Phdr) *part = &info->dlpi_phdr[i];
+        is_own = is_own || (part->p_type == PT_LOAD && here - (info->dlpi_addr + part->p_vaddr) < part->p_memsz);
+    }
+    if (!is_own) {
         return 0;
     }
     for (size_t i = 0; i < info->dlpi_phnum; i++) {
@@ -319,20 +313,6 @@ bool cache_store_map(struct cache_mapping *out, const struct cache_store *store)
     return believed;
 }
 
-/* A limit on the sizes of files (ulimit -f) ends programs that exceed it. */
-static bool is_allowed(uint64_t size)
-{
-    struct rlimit limit;
-    return getrlimit(RLIMIT_FSIZE, &limit) == 0 && (limit.rlim_cur == RLIM_INFINITY || size <= limit.rlim_cur);
-}
-
-/* Whether the disk has so much, and as much again for others. */
-static bool has_space(int folder, uint64_t size)
-{
-    struct statvfs info;
-    return fstatvfs(folder, &info) == 0 && info.f_frsize && size / info.f_frsize < info.f_bavail / 2;
-}
-
 /* The checksum of what was written, as it is read back. */
 static bool sum_file(uint32_t *out, int file, size_t at, size_t size)
 {
@@ -397,10 +377,16 @@ static bool write_and_rename(struct cache_store *store, int folder, struct cache
     return written;
 }
 
-/* Makes space for an entry: others leave, those unused for longest first. */
+/* Makes space for an entry: others leave, those unused for longest first. False where it is too large for the cache,
+ * for a limit on the sizes of files (ulimit -f), which ends programs that exceed it, or for the disk, which must have
+ * as much again for others. */
 static bool make_space(struct cache_store *store, int folder, uint64_t size)
 {
-    if (size > store->limit || !is_allowed(size) || !has_space(folder, size)) {
+    struct rlimit limit;
+    struct statvfs disk;
+    if (size > store->limit || getrlimit(RLIMIT_FSIZE, &limit) ||
+        (limit.rlim_cur != RLIM_INFINITY && size > limit.rlim_cur) || fstatvfs(folder, &disk) || !disk.f_frsize ||
+        size / disk.f_frsize >= disk.f_bavail / 2) {
         return false;
     }
     char *end = strrchr(store->path.data, '/');

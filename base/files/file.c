@@ -286,17 +286,6 @@ static conus_status replace_file(const char *path, const void *data, size_t size
     return status;
 }
 
-/* The file that a link leads to is replaced, not the link. */
-static conus_status write_through(const char *link, const void *data, size_t size, unsigned how)
-{
-    /* An open file's name in /dev or /proc: what is there belongs to whoever opened it. */
-    if (strncmp(link, "/dev/", strlen("/dev/")) == 0 || strncmp(link, "/proc/", strlen("/proc/")) == 0) {
-        return write_directly(link, data, size);
-    }
-    char path[PATH_MAX];
-    return realpath(link, path) ? replace_file(path, data, size, how) : fail_errno(link, "write");
-}
-
 static conus_status write_file(const char *path, const void *data, size_t size, unsigned how)
 {
     struct stat info;
@@ -307,8 +296,15 @@ static conus_status write_file(const char *path, const void *data, size_t size, 
     if (exists && !S_ISREG(info.st_mode)) {
         return write_directly(path, data, size);
     }
-    bool through = !(how & WRITE_NEW) && lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
-    return through ? write_through(path, data, size, how) : replace_file(path, data, size, how);
+    if ((how & WRITE_NEW) || lstat(path, &info) || !S_ISLNK(info.st_mode)) {
+        return replace_file(path, data, size, how);
+    }
+    /* An open file's name in /dev or /proc: what is there belongs to whoever opened it. */
+    if (strncmp(path, "/dev/", strlen("/dev/")) == 0 || strncmp(path, "/proc/", strlen("/proc/")) == 0) {
+        return write_directly(path, data, size);
+    }
+    char real[PATH_MAX]; /* the file that a link leads to is replaced, not the link */
+    return realpath(path, real) ? replace_file(real, data, size, how) : fail_errno(path, "write");
 }
 
 conus_status file_write(const char *path, const void *data, size_t size)

@@ -256,21 +256,16 @@ static bool same_names(const struct traced *item)
     return memcmp(sum, item->sum, sizeof sum) == 0;
 }
 
-static bool same_real_path(const struct traced *item)
-{
-    char real[PATH_MAX];
-    return compare_texts(realpath(item->path, real) ? real : NULL, item->more) == 0;
-}
-
 static bool holds(const struct traced *item)
 {
     struct file_state state;
     enum trace_kind kind;
+    char real[PATH_MAX];
     switch (item->kind) {
     case TRACE_NAMES:
         return same_names(item);
     case TRACE_REAL_PATH:
-        return same_real_path(item);
+        return compare_texts(realpath(item->path, real) ? real : NULL, item->more) == 0;
     case TRACE_ENVIRONMENT:
         return compare_texts(getenv(item->path), item->more) == 0;
     case TRACE_NOTHING:

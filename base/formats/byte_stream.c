@@ -180,21 +180,6 @@ void byte_stream_finish(struct byte_stream *stream)
     *stream = (struct byte_stream){0};
 }
 
-static conus_status start_inflating(struct byte_stream *stream)
-{
-    struct byte_source *source = stream->source;
-    source->stored = memory_raw(STORED_BLOCK, 1);
-    if (!source->stored) {
-        return CONUS_ERROR_MEMORY;
-    }
-    memcpy(source->stored, stream->data, stream->size); /* the first bytes, of which there are three */
-    source->z.next_in = source->stored;
-    source->z.avail_in = (uInt)stream->size;
-    stream->size = 0;
-    source->inflates = inflateInit2(&source->z, 16 + MAX_WBITS) == Z_OK;
-    return source->inflates ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
-}
-
 /* Reads the first bytes of a new source, which say whether it is packed. */
 static conus_status stream_start(struct byte_stream *stream)
 {
@@ -210,10 +195,21 @@ static conus_status stream_start(struct byte_stream *stream)
     if (!source->window) {
         return status ? status : CONUS_ERROR_MEMORY;
     }
-    memcpy(source->window, magic, size);
     stream->data = source->window;
-    stream->size = size;
-    return stream->is_packed ? start_inflating(stream) : CONUS_OK;
+    if (!stream->is_packed) {
+        memcpy(source->window, magic, size);
+        stream->size = size;
+        return CONUS_OK;
+    }
+    source->stored = memory_raw(STORED_BLOCK, 1);
+    if (!source->stored) {
+        return CONUS_ERROR_MEMORY;
+    }
+    memcpy(source->stored, magic, size);
+    source->z.next_in = source->stored;
+    source->z.avail_in = (uInt)size;
+    source->inflates = inflateInit2(&source->z, 16 + MAX_WBITS) == Z_OK;
+    return source->inflates ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
 }
 
 static conus_status make(struct byte_stream *out, const struct byte_source *model)

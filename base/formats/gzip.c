@@ -52,17 +52,6 @@ static size_t set_output(struct stream *stream, uint64_t limit)
     return space_left;
 }
 
-static void feed_input(struct stream *stream)
-{
-    if (!stream->z.avail_in) {
-        size_t size = smaller_of(stream->rest_size, INT_MAX);
-        stream->z.next_in = (z_const Bytef *)stream->rest;
-        stream->z.avail_in = (uInt)size;
-        stream->rest += size;
-        stream->rest_size -= size;
-    }
-}
-
 /* At the end of a member: goes on with the next one, if there is one. */
 static void next_member(struct stream *stream)
 {
@@ -96,7 +85,13 @@ static int inflate_once(struct stream *stream, size_t space_left)
 static conus_status inflate_until(struct stream *stream, uint64_t until)
 {
     while (!stream->ended && stream->position < until) {
-        feed_input(stream);
+        if (!stream->z.avail_in) {
+            size_t size = smaller_of(stream->rest_size, INT_MAX);
+            stream->z.next_in = (z_const Bytef *)stream->rest;
+            stream->z.avail_in = (uInt)size;
+            stream->rest += size;
+            stream->rest_size -= size;
+        }
         size_t space_left = set_output(stream, until - stream->position);
         uint64_t before = stream->position;
         int code = inflate_once(stream, space_left);
@@ -299,38 +294,35 @@ conus_status gzip_keep(struct bytes *out, struct gzip_range *range, struct bytes
     return CONUS_OK;
 }
 
-static conus_status grow_output(struct stream *stream, uint64_t limit)
-{
-    size_t count = smaller_of(limit, 2 * (uint64_t)stream->count);
-    uint8_t *kept = memory_resize(stream->kept, count, 1);
-    if (!kept) {
-        return CONUS_ERROR_MEMORY;
-    }
-    stream->kept = kept;
-    stream->count = count;
-    return CONUS_OK;
-}
-
 /* Unpacks into stream->kept, which grows and is the caller's to free. */
 static conus_status unpack_growing(struct stream *stream, uint64_t limit)
 {
-    conus_status status = CONUS_OK;
-    while (!status && !stream->ended) {
+    while (!stream->ended) {
         if (stream->position == stream->count && stream->position == limit) {
             return fail(CONUS_ERROR_MEMORY, "gzip: unpacks to more than the %llu bytes that are allowed",
                         (unsigned long long)limit);
         }
-        status = stream->position == stream->count ? grow_output(stream, limit) : CONUS_OK;
+        if (stream->position == stream->count) {
+            size_t count = smaller_of(limit, 2 * (uint64_t)stream->count);
+            uint8_t *kept = memory_resize(stream->kept, count, 1);
+            if (!kept) {
+                return CONUS_ERROR_MEMORY;
+            }
+            stream->kept = kept;
+            stream->count = count;
+        }
         uint64_t before = stream->position;
-        status = status ? status : inflate_until(stream, stream->count);
-        if (!status && !stream->ended && stream->position == before) {
+        conus_status status = inflate_until(stream, stream->count);
+        if (status) {
+            return status;
+        }
+        if (!stream->ended && stream->position == before) {
             return fail(CONUS_ERROR_DATA, "gzip: cut off after %llu unpacked bytes", (unsigned long long)before);
         }
     }
-    if (!status && count_junk(stream->rest, stream->rest_size)) {
-        status = fail(CONUS_ERROR_DATA, "gzip: %zu bytes after the end of the packed data", stream->rest_size);
-    }
-    return status;
+    return count_junk(stream->rest, stream->rest_size)
+               ? fail(CONUS_ERROR_DATA, "gzip: %zu bytes after the end of the packed data", stream->rest_size)
+               : CONUS_OK;
 }
 
 static conus_status unpack_all(struct bytes *out, const uint8_t *data, size_t size, uint64_t limit, bool zlib)

@@ -70,9 +70,14 @@ static uint32_t append_window(struct gzip_indexer *indexer, z_stream *z)
     return (uint32_t)used;
 }
 
-static void append_point(struct gzip_indexer *indexer, z_stream *z, uint64_t unpacked, uint64_t packed)
+void gzip_indexer_stop(struct gzip_indexer *indexer, struct z_stream_s *z, uint64_t unpacked, uint64_t packed)
 {
+    enum { IN_LAST_BLOCK = 64, BEFORE_A_BLOCK = 128 };
     struct gzip_point *last = last_point(indexer);
+    bool begins = (z->data_type & BEFORE_A_BLOCK) && !(z->data_type & IN_LAST_BLOCK);
+    if (indexer->failed || !begins || (last && unpacked - last->unpacked < indexer->spacing)) {
+        return;
+    }
     struct gzip_point point = {.unpacked = unpacked,
                                .packed = indexer->begin + packed,
                                .bits = (uint32_t)z->data_type & LAST_BITS,
@@ -84,16 +89,6 @@ static void append_point(struct gzip_indexer *indexer, z_stream *z, uint64_t unp
     buffer_append_more(&indexer->points, &point, sizeof point);
     indexer->sum = 0;
     indexer->failed = indexer->failed || indexer->points.failed || indexer->windows.failed;
-}
-
-void gzip_indexer_stop(struct gzip_indexer *indexer, struct z_stream_s *z, uint64_t unpacked, uint64_t packed)
-{
-    enum { IN_LAST_BLOCK = 64, BEFORE_A_BLOCK = 128 };
-    const struct gzip_point *last = last_point(indexer);
-    bool begins = (z->data_type & BEFORE_A_BLOCK) && !(z->data_type & IN_LAST_BLOCK);
-    if (!indexer->failed && begins && (!last || unpacked - last->unpacked >= indexer->spacing)) {
-        append_point(indexer, z, unpacked, packed);
-    }
 }
 
 void gzip_indexer_end_member(struct gzip_indexer *indexer, uint64_t packed)
@@ -270,15 +265,6 @@ bool gzip_index_fits(const struct gzip_index *index, int descriptor)
            order_u32(stored, SWAPPED) == sum && order_u32(stored + 4, SWAPPED) == (uint32_t)index->unpacked;
 }
 
-/* At the end of a span: whether it was what it should be. */
-static conus_status end_span(struct follower *follower)
-{
-    bool same = follower->sum == follower->index->points[follower->point].sum;
-    follower->sum = 0;
-    follower->point++;
-    return same ? CONUS_OK : fail_mismatch();
-}
-
 /* Unpacks `size` bytes, of several spans perhaps. */
 static conus_status inflate_bytes(struct follower *follower, uint8_t *out, size_t size)
 {
@@ -288,7 +274,12 @@ static conus_status inflate_bytes(struct follower *follower, uint8_t *out, size_
         uint64_t end = span_end(follower->index, follower->point);
         size_t part = smaller_of(smaller_of(size, AT_ONCE), end - follower->position);
         status = inflate_part(follower, out, part);
-        status = status || follower->position < end ? status : end_span(follower);
+        if (!status && follower->position >= end) {
+            bool same = follower->sum == follower->index->points[follower->point].sum;
+            follower->sum = 0;
+            follower->point++;
+            status = same ? CONUS_OK : fail_mismatch();
+        }
         out += part;
         size -= part;
     }

@@ -76,20 +76,18 @@ static conus_status take_element(struct element *out, struct text *rest, bool sw
 }
 
 /* Some programs write dimensions as UINT32, and names as UTF8; the bytes are the same. */
-static bool is_type(uint32_t type, uint32_t wanted)
-{
-    return type == wanted || (wanted == INT32 && type == UINT32) || (wanted == INT8 && type == UTF8);
-}
-
 static conus_status take_typed(struct text *out, struct text *rest, bool swapped, uint32_t type, const char *what)
 {
     struct element element;
     conus_status status = take_element(&element, rest, swapped);
-    if (!status && !is_type(element.type, type)) {
-        status = fail(CONUS_ERROR_DATA, "%s: an element of type %u, %u is needed", what, element.type, type);
+    if (status) {
+        return status;
     }
-    *out = status ? *out : element.bytes;
-    return status;
+    if (element.type != type && !(type == INT32 && element.type == UINT32) && !(type == INT8 && element.type == UTF8)) {
+        return fail(CONUS_ERROR_DATA, "%s: an element of type %u, %u is needed", what, element.type, type);
+    }
+    *out = element.bytes;
+    return CONUS_OK;
 }
 
 static conus_status use_memory(struct matlab *matlab, uint64_t bytes)
@@ -293,45 +291,36 @@ static conus_status take_variable(struct matlab *matlab, size_t index, struct te
     return status;
 }
 
-/* How many elements there are, which are all variables. */
-static conus_status count_variables(size_t *count, struct text rest, bool swapped)
-{
-    struct element element;
-    conus_status status = CONUS_OK;
-    for (*count = 0; !status && rest.size; ++*count) {
-        status = take_element(&element, &rest, swapped);
-    }
-    return status;
-}
-
-static conus_status parse_variables(struct matlab *matlab, struct text rest, bool swapped)
-{
-    conus_status status = count_variables(&matlab->variables, rest, swapped);
-    if (status) {
-        matlab->variables = 0;
-        return status;
-    }
-    matlab->unpacked = memory_zeroed(matlab->variables, sizeof *matlab->unpacked);
-    status = matlab->unpacked ? add_arrays(matlab, matlab->variables) : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < matlab->variables; i++) {
-        char where[64];
-        status = take_variable(matlab, i, &rest, swapped);
-        snprintf(where, sizeof where, "variable %zu of MATLAB's file", i + 1);
-        status = status ? fail_in(status, where) : CONUS_OK;
-    }
-    for (size_t i = 0; !status && i < matlab->count; i++) { /* it grows on the way */
-        status = parse_array(matlab, i);
-        status = status ? fail_in(status, "MATLAB's file") : CONUS_OK;
-    }
-    return status;
-}
-
 conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit)
 {
     struct matlab matlab = {.limit = limit};
+    struct element element;
     bool swapped = false;
     conus_status status = matlab_check_header(&swapped, text);
-    status = status ? status : parse_variables(&matlab, rest_of(text, HEADER), swapped);
+    if (status) {
+        return status;
+    }
+    struct text rest = rest_of(text, HEADER);
+    size_t count = 0; /* of elements, which are all variables */
+    for (struct text ahead = rest; ahead.size; count++) {
+        status = take_element(&element, &ahead, swapped);
+        if (status) {
+            return status;
+        }
+    }
+    matlab.variables = count;
+    matlab.unpacked = memory_zeroed(count, sizeof *matlab.unpacked);
+    status = matlab.unpacked ? add_arrays(&matlab, count) : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < count; i++) {
+        char where[64];
+        status = take_variable(&matlab, i, &rest, swapped);
+        snprintf(where, sizeof where, "variable %zu of MATLAB's file", i + 1);
+        status = status ? fail_in(status, where) : CONUS_OK;
+    }
+    for (size_t i = 0; !status && i < matlab.count; i++) { /* it grows on the way */
+        status = parse_array(&matlab, i);
+        status = status ? fail_in(status, "MATLAB's file") : CONUS_OK;
+    }
     if (status) {
         matlab_finish(&matlab);
         return status;

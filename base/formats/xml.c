@@ -152,17 +152,12 @@ const char *xml_attribute(const struct xml_event *event, const char *name)
     return NULL;
 }
 
-/* How a declaration, a comment or a document type at the start of `text` ends. */
-static const char *ending_of(struct text text)
-{
-    const char *close = memchr(text.data, '>', text.size);
-    bool has_subset = close && memchr(text.data, '[', (size_t)(close - text.data));
-    return text_starts(text, "<?") ? "?>" : text_starts(text, "<!--") ? "-->" : has_subset ? "]>" : ">";
-}
-
+/* Skips a declaration, a comment or a document type at the start of `text`. */
 static bool skip_prologue(struct text *text)
 {
-    const char *ending = ending_of(*text);
+    const char *close = memchr(text->data, '>', text->size);
+    bool has_subset = close && memchr(text->data, '[', (size_t)(close - text->data));
+    const char *ending = text_starts(*text, "<?") ? "?>" : text_starts(*text, "<!--") ? "-->" : has_subset ? "]>" : ">";
     const char *end = memmem(text->data, text->size, ending, strlen(ending));
     if (!end) {
         return false;

@@ -109,16 +109,19 @@ static conus_status read_end(struct directory *out, const uint8_t *data, size_t 
     }
     wide = wide && end_at >= LOCATOR_SIZE && u32_at(end - LOCATOR_SIZE) == LOCATOR;
     conus_status status = wide ? read_end64(&directory, data, &end_at) : CONUS_OK;
-    if (!status && (directory.size > end_at || directory.at != end_at - directory.size)) {
-        status = fail(CONUS_ERROR_DATA, "zip: a central directory of %llu bytes from byte %llu, it ends at byte %zu",
-                      (unsigned long long)directory.size, (unsigned long long)directory.at, end_at);
+    if (status) {
+        return status;
     }
-    if (!status && directory.count > directory.size / CENTRAL_SIZE) {
-        status = fail(CONUS_ERROR_DATA, "zip: %llu files in a central directory of %llu bytes",
-                      (unsigned long long)directory.count, (unsigned long long)directory.size);
+    if (directory.size > end_at || directory.at != end_at - directory.size) {
+        return fail(CONUS_ERROR_DATA, "zip: a central directory of %llu bytes from byte %llu, it ends at byte %zu",
+                    (unsigned long long)directory.size, (unsigned long long)directory.at, end_at);
+    }
+    if (directory.count > directory.size / CENTRAL_SIZE) {
+        return fail(CONUS_ERROR_DATA, "zip: %llu files in a central directory of %llu bytes",
+                    (unsigned long long)directory.count, (unsigned long long)directory.size);
     }
     *out = directory;
-    return status;
+    return CONUS_OK;
 }
 
 /* The fields that a header before a file and its entry of the directory have in common. */
@@ -252,15 +255,21 @@ static conus_status read_entry(struct zip_entry *out, uint64_t *place, const uin
     size_t at = 0;
     bool wide = widen(&record);
     conus_status status = check_kind(&record);
-    if (!status && !wide) {
-        status = fail_entry(CONUS_ERROR_DATA, record.name, "sizes of ZIP64 are needed, and not there");
+    if (status) {
+        return status;
     }
-    status = status ? status : zip_check_header(&at, data, &record, end);
+    if (!wide) {
+        return fail_entry(CONUS_ERROR_DATA, record.name, "sizes of ZIP64 are needed, and not there");
+    }
+    status = zip_check_header(&at, data, &record, end);
+    if (status) {
+        return status;
+    }
     *rest = (struct text){rest->data + whole, rest->size - whole};
     *place = record.header_at;
     *out = (struct zip_entry){
         record.name, at, (size_t)record.stored, record.size, record.checksum, record.method == METHOD_DEFLATE};
-    return status;
+    return CONUS_OK;
 }
 
 /* From a file's header to its last byte. */
@@ -276,17 +285,6 @@ static int compare_extents(const void *a, const void *b)
 static int compare_entries(const void *a, const void *b)
 {
     return text_compare(((const struct zip_entry *)a)->name, ((const struct zip_entry *)b)->name);
-}
-
-static conus_status check_extents(struct extent *extents, size_t count)
-{
-    qsort(extents, count, sizeof *extents, compare_extents);
-    for (size_t i = 1; i < count; i++) {
-        if (extents[i].from < extents[i - 1].to) {
-            return fail(CONUS_ERROR_DATA, "zip: two files share the byte %llu", (unsigned long long)extents[i].from);
-        }
-    }
-    return CONUS_OK;
 }
 
 /* Sorts them, and leaves out folders. */
@@ -322,8 +320,16 @@ static conus_status read_entries(struct zip *zip, struct extent *extents, const 
     if (!status && rest.size) {
         status = fail(CONUS_ERROR_DATA, "zip: %zu bytes behind the last file of the central directory", rest.size);
     }
-    status = status ? status : check_extents(extents, zip->count);
-    return status ? status : sort_entries(zip);
+    if (status) {
+        return status;
+    }
+    qsort(extents, zip->count, sizeof *extents, compare_extents);
+    for (size_t i = 1; i < zip->count; i++) {
+        if (extents[i].from < extents[i - 1].to) {
+            return fail(CONUS_ERROR_DATA, "zip: two files share the byte %llu", (unsigned long long)extents[i].from);
+        }
+    }
+    return sort_entries(zip);
 }
 
 conus_status zip_parse(struct zip *out, const uint8_t *data, size_t size)
