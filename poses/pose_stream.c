@@ -72,7 +72,7 @@ static conus_status fail_of(const conus_pose_stream *stream, conus_status status
     return status && stream->name ? fail_in(status, stream->name) : status;
 }
 
-/* Looks no farther than it must, so that it finds the same however the text comes in. */
+/* Reads no more than it needs, so that it finds the same format in whatever pieces the text arrives. */
 static conus_status find_format(conus_pose_stream *stream)
 {
     struct pose_lines *lines = &stream->lines;

@@ -227,10 +227,9 @@ static int resume_file(struct batch_file *file, const char *fingerprint, const c
     }
     write_first_line(wanted, fingerprint);
     if (whole && strcmp(line, wanted) != 0) {
-        print_error_line(
+        return print_usage_error(
             "%s: its partial file was written with other settings, poses, atlas or version; --force begins anew",
             file->path);
-        return EXIT_USAGE;
     }
     if (file->size < strlen(header_row) || length == 0) { /* it was killed before its first block */
         close_files(file);
@@ -273,8 +272,7 @@ int batch_file_open(struct batch_file *out, const char *path, const char *finger
 {
     *out = (struct batch_file){.path = path, .rows = -1, .log = -1};
     if (!name_files(out)) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     bool begun = is_begun(out);
     if (how == BATCH_RESUME && begun) { /* a file of that name was there before, and was to be replaced */

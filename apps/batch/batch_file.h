@@ -50,7 +50,7 @@ void batch_file_disown(struct batch_file *file);
 /** Gives the file its name; the journal is gone then. Gives the exit code likewise. */
 int batch_file_finish(struct batch_file *file);
 
-/** Unfinished, it stays to be continued, unless there is nothing in it. */
+/** Closes it. An unfinished file stays, to be resumed, unless it is empty. */
 void batch_file_close(struct batch_file *file);
 
 /** CRC-32 (as in zlib, PNG and zip) of all bytes of the file at @p path, and their number; false, after an error

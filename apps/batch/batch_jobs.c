@@ -243,7 +243,7 @@ static bool check_both(const struct batch_settings *settings)
     if (!output_is_stdout(settings->output) && share_sidecar(settings->output, segments)) {
         return false;
     }
-    if (batch_is_pipe(settings->poses)) {
+    if (output_is_no_file(settings->poses)) {
         print_error_line("--segments besides --output reads the poses once more: it needs a file of poses, not %s",
                          output_is_stdout(settings->poses) ? "standard input" : "a pipe");
         return false;
@@ -272,20 +272,17 @@ int batch_jobs_answer(const struct batch_settings *settings, const struct argume
                       void *user)
 {
     if (settings->jobs && arguments->operand_count) {
-        print_error_line("ATLAS and --jobs exclude each other");
-        return EXIT_USAGE;
+        return print_usage_error("ATLAS and --jobs exclude each other");
     }
     if (settings->jobs) {
         return answer_table(settings, arguments, answer, user);
     }
     if (!arguments->operand_count) {
         const char *program = arguments->command->program;
-        print_error_line("ATLAS is missing; %s batch --help shows how", program ? program : "conus");
-        return EXIT_USAGE;
+        return print_usage_error("ATLAS is missing; %s batch --help shows how", program ? program : "conus");
     }
     if (!settings->poses) {
-        print_error_line("--poses FILE is missing");
-        return EXIT_USAGE;
+        return print_usage_error("--poses FILE is missing");
     }
     return answer_outputs(settings, arguments, answer, user);
 }

@@ -69,8 +69,7 @@ int batch_fingerprint(char out[65], conus_batch *batch, const struct atlases *at
     }
     sha256_init(&context);
     if (!hash_settings(&context, text)) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     snprintf(line, sizeof line, "%.17g", settings->aim.angle);
     hash_text(&context, line);

@@ -62,8 +62,7 @@ int batch_run_init(struct batch_run *out, const struct batch_settings *settings,
     out->command_line = arguments_text(arguments);
     out->sidecar = out->output ? provenance_path(out->output) : NULL;
     if (!out->command_line || (out->output && !out->sidecar)) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     code = out->output ? output_check_file(out->output) : EXIT_DONE;
     code = code || !out->sidecar ? code : output_check_file(out->sidecar);
@@ -71,12 +70,6 @@ int batch_run_init(struct batch_run *out, const struct batch_settings *settings,
         code = outputs_check_name(arguments->words[i]);
     }
     return code ? code : atlases_name(&out->atlases, arguments->operands[0], &settings->atlas);
-}
-
-bool batch_is_pipe(const char *path)
-{
-    struct stat info;
-    return output_is_stdout(path) || (stat(path, &info) == 0 && !S_ISREG(info.st_mode));
 }
 
 /* Opens the poses, and finds which of them are the shard's. */
@@ -91,7 +84,7 @@ static int open_poses(struct batch_run *run)
     if (run->shard.count > 1 && (run->format == CONUS_FORMAT_SPIKEGLX || run->format == CONUS_FORMAT_OPEN_EPHYS)) {
         return print_usage_error("--shard: a probe's string is one whole; --jobs answers many probes");
     }
-    run->piped = batch_is_pipe(settings->poses);
+    run->piped = output_is_no_file(settings->poses);
     if (run->piped && (run->shard.count > 1 || settings->resume)) {
         return print_usage_error("%s needs a file of poses, not %s", settings->resume ? "--resume" : "--shard",
                                  output_is_stdout(settings->poses) ? "standard input" : "a pipe");
@@ -139,8 +132,7 @@ static int check_files(const struct batch_run *run)
     for (size_t i = 0; !code && i < sizeof endings / sizeof endings[0]; i++) {
         char *path = NULL;
         if (asprintf(&path, "%s%s", run->output, endings[i]) < 0) {
-            print_error_line("not enough memory");
-            return EXIT_DATA;
+            return print_no_memory();
         }
         input = atlases_input(&run->atlases, inputs, path);
         code = input ? print_usage_error("%s would overwrite %s %s", option, input, path) : EXIT_DONE;
@@ -200,8 +192,7 @@ int batch_run_build(struct batch_run *run)
     run->selectors = calloc(run->atlases.count, sizeof(conus_selector *));
     run->astray = calloc(run->atlases.count, sizeof *run->astray);
     if (!run->selectors || !run->astray) {
-        print_error_line("not enough memory");
-        return EXIT_DATA;
+        return print_no_memory();
     }
     for (size_t i = 0; i < run->atlases.count; i++) {
         const struct named_atlas *item = &run->atlases.items[i];

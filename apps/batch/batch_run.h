@@ -37,9 +37,6 @@ struct batch_run {
     char fingerprint[65], pose_hash[65];
 };
 
-/** Whether poses at @p path can be read only once: "-", a pipe or a device. */
-bool batch_is_pipe(const char *path);
-
 /* Functions that return an int return the exit code, and print an error unless it is 0. */
 
 /** Checks the options and names the files and the atlases. @p out is the caller's to batch_run_finish() in any case. */

@@ -41,7 +41,7 @@ bool batch_format(conus_format *out, const struct batch_settings *settings, cons
  * 0. */
 int batch_shard(struct shard *out, const struct batch_settings *settings);
 
-/** Where the shard of @p total things begins and how many it has: as even as can be, the first ones one more. */
+/** Where the shard of @p total things begins and how many it has. Shards differ by one at most; the first have more. */
 void shard_range(uint64_t *first, uint64_t *count, struct shard shard, uint64_t total);
 
 #endif

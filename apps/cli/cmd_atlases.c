@@ -62,18 +62,6 @@ static void put_cell(FILE *out, const char *text)
     free(plain);
 }
 
-/* Writes "2", or "1x1x1.2". */
-static void put_spacing(FILE *out, const double mm[3])
-{
-    if (!(mm[0] > 0)) {
-        fputs("n/a", out);
-    } else if (fabs(mm[1] - mm[0]) < 1e-4 && fabs(mm[2] - mm[0]) < 1e-4) {
-        fprintf(out, "%.4g", mm[0]);
-    } else {
-        fprintf(out, "%.4gx%.4gx%.4g", mm[0], mm[1], mm[2]);
-    }
-}
-
 enum { ATLAS_COLUMNS = 6, PLACE_COLUMNS = 4 };
 
 static void put_atlases(FILE *out, const conus_catalogue *catalogue)
@@ -83,7 +71,14 @@ static void put_atlases(FILE *out, const conus_catalogue *catalogue)
         const conus_installed *atlas = conus_catalogue_atlas(catalogue, i);
         put_cell(out, atlas->name);
         fprintf(out, "\t%s\t%s\t", atlas->source, atlas->kind);
-        put_spacing(out, atlas->spacing);
+        const double *mm = atlas->spacing;
+        if (!(mm[0] > 0)) {
+            fputs("n/a", out);
+        } else if (fabs(mm[1] - mm[0]) < 1e-4 && fabs(mm[2] - mm[0]) < 1e-4) {
+            fprintf(out, "%.4g", mm[0]);
+        } else {
+            fprintf(out, "%.4gx%.4gx%.4g", mm[0], mm[1], mm[2]);
+        }
         fputc('\t', out);
         put_cell(out, atlas->path);
         fputc('\t', out);

@@ -38,27 +38,23 @@ static const struct option_group groups[] = {
 
 enum { COLUMNS = 4 };
 
-static void put_entry(FILE *out, const conus_cache_entry *entry)
-{
-    char when[32] = "n/a";
-    struct tm parts;
-    const time_t used = (time_t)entry->last_used;
-    char *path = strdup(entry->path);
-    if (path) {
-        make_plain_line(path);
-    }
-    if (localtime_r(&used, &parts)) {
-        strftime(when, sizeof when, "%Y-%m-%d %H:%M:%S", &parts);
-    }
-    fprintf(out, "%s\t%" PRIu64 "\t%s\t%s\n", entry->kind, entry->size, when, path && *path ? path : "n/a");
-    free(path);
-}
-
 static void put_tsv(FILE *out, const conus_cache *cache)
 {
     fputs("kind\tbytes\tlast_used\tpath\n", out);
     for (size_t i = 0; i < conus_cache_count(cache); i++) {
-        put_entry(out, conus_cache_entry_at(cache, i));
+        const conus_cache_entry *entry = conus_cache_entry_at(cache, i);
+        char when[32] = "n/a";
+        struct tm parts;
+        const time_t used = (time_t)entry->last_used;
+        char *path = strdup(entry->path);
+        if (path) {
+            make_plain_line(path);
+        }
+        if (localtime_r(&used, &parts)) {
+            strftime(when, sizeof when, "%Y-%m-%d %H:%M:%S", &parts);
+        }
+        fprintf(out, "%s\t%" PRIu64 "\t%s\t%s\n", entry->kind, entry->size, when, path && *path ? path : "n/a");
+        free(path);
     }
 }
 

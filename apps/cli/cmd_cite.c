@@ -92,16 +92,10 @@ static void citing_finish(struct citing *citing)
     atlases_finish(&citing->atlases);
 }
 
-static const char *name_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash && slash[1] ? slash + 1 : path;
-}
-
 /* "aal" of "aal.nii.gz"; NULL without memory. */
 static char *stem_of(const char *path)
 {
-    char *name = strdup(name_of(path));
+    char *name = strdup(path_name(path));
     static const char *const endings[] = {".gz", ".nii", ".json", ".atlas", ".xml", ".mgz", ".nrrd", ".tif", ".tiff"};
     for (size_t i = 0; name && i < sizeof endings / sizeof endings[0]; i++) {
         if (path_ends(name, endings[i])) {
@@ -155,7 +149,7 @@ static int list_recorded(struct citing *citing, struct places *places)
         }
         citing->names[i] = name ? strdup(name) : stem_of(path);
         atlas->name = citing->names[i];
-        atlas->file = name_of(path);
+        atlas->file = path_name(path);
         code = atlas->name ? look_for_references(citing, atlas, path, places) : print_no_memory();
     }
     return code;
@@ -199,15 +193,16 @@ static char *result_of(const struct citing *citing, const char *sidecar)
     const struct record *record = &citing->record;
     const char *path = record->output_count ? record->outputs[record->output_count - 1].path : NULL;
     char *result = NULL;
-    if (strcmp(citing->given, sidecar) != 0 || (path && strcmp(name_of(path), name_of(sidecar)) == 0)) {
+    if (strcmp(citing->given, sidecar) != 0 || (path && strcmp(path_name(path), path_name(sidecar)) == 0)) {
         return strdup(citing->given);
     }
-    return path && asprintf(&result, "%.*s%s", (int)(name_of(sidecar) - sidecar), sidecar, name_of(path)) >= 0 ? result
-                                                                                                               : NULL;
+    return path && asprintf(&result, "%.*s%s", (int)(path_name(sidecar) - sidecar), sidecar, path_name(path)) >= 0
+               ? result
+               : NULL;
 }
 
-/* Nothing is said of a result that is not what its sidecar gives. Of one that cannot be answered again, whose sidecar
- * has its checksum, stderr says why. */
+/* Answers the result again: one that is not what its sidecar gives is not cited. Of one that cannot be answered again,
+ * whose sidecar has its checksum, stderr says why. */
 static int verify_result(const struct citing *citing, const char *sidecar)
 {
     const struct verdict_settings settings = {.sidecar = sidecar, .folders = citing->settings->folders};
@@ -252,7 +247,7 @@ static int cite_atlas(struct citing *citing)
         const conus_volume_info *volume = conus_atlas_volume(citing->atlases.items[0].atlas, i);
         atlas->sha256 = strcmp(volume->path, path) == 0 ? volume->sha256 : NULL;
     }
-    atlas->file = found.atlas && info ? name_of(info->path) : name_of(citing->given);
+    atlas->file = found.atlas && info ? path_name(info->path) : path_name(citing->given);
     atlas->is_here = true;
     atlas_name_finish(&found);
     return atlas->name ? EXIT_DONE : print_no_memory();

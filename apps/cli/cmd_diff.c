@@ -132,20 +132,6 @@ static void compare_tables(struct comparison *diff)
             diff->removed, diff->added);
 }
 
-/* The column by which rows belong together in one of the tables alone, or NULL: one lists objects, say, and the other
- * connections. */
-static const char *find_other_kind(const struct results *a, const struct results *b)
-{
-    static const char *const kinds[] = {"index", "i", "order", "bundle_index"};
-    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
-        size_t column;
-        if (results_column(a, kinds[i], &column) != results_column(b, kinds[i], &column)) {
-            return kinds[i];
-        }
-    }
-    return NULL;
-}
-
 static int diff_tables(const char *a, const char *b, const struct diff_settings *settings)
 {
     uint64_t limit = settings->max_memory ? settings->max_memory : DEFAULT_MEMORY;
@@ -153,10 +139,15 @@ static int diff_tables(const char *a, const char *b, const struct diff_settings 
     struct results second = {0};
     int code = results_load(&first, a, limit);
     code = code ? code : results_load(&second, b, limit);
-    const char *other = code ? NULL : find_other_kind(&first, &second);
-    if (other) {
-        code = print_usage_error("%s and %s are lists of different things: one has a column \"%s\", the other has none",
-                                 a, b, other);
+    /* The columns by which rows belong together: one lists objects, say, and the other connections. */
+    static const char *const kinds[] = {"index", "i", "order", "bundle_index"};
+    for (size_t i = 0; !code && i < sizeof kinds / sizeof kinds[0]; i++) {
+        size_t column;
+        if (results_column(&first, kinds[i], &column) != results_column(&second, kinds[i], &column)) {
+            code = print_usage_error("%s and %s are lists of different things: one has a column \"%s\", the other has "
+                                     "none",
+                                     a, b, kinds[i]);
+        }
     }
     if (!code) {
         struct comparison diff = {.a = &first, .b = &second, .tolerance = settings->tolerance};

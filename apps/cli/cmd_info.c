@@ -115,22 +115,6 @@ static const struct option_group groups[] = {
     {0},
 };
 
-static void put_range(FILE *out, const conus_volume_info *info, char axis, size_t row)
-{
-    const double *m = info->world_from_voxel;
-    double ends[2] = {m[12 + row], m[12 + row]};
-    double scale = 0; /* the largest number in the sums */
-    for (size_t i = 0; i < 3; i++) {
-        double from = -0.5 * m[4 * i + row];
-        double to = ((double)info->dim[i] - 0.5) * m[4 * i + row];
-        ends[0] += from < to ? from : to;
-        ends[1] += from < to ? to : from;
-        scale = fmax(scale, fmax(fabs(m[12 + row]), fabs(to)));
-    }
-    info_drop_rounding(ends, 2, scale);
-    fprintf(out, "%s%c %.6g to %.6g", row ? ", " : "", axis, ends[0], ends[1]);
-}
-
 /* Labels are shown to the last digit. */
 static int digits_of(double value)
 {
@@ -149,7 +133,18 @@ static void put_volume(FILE *out, const conus_volume_info *info)
     fprintf(out, "  orientation  %s: %s\n", info->orientation, info->transform);
     fputs("  covers       ", out);
     for (size_t row = 0; row < 3; row++) {
-        put_range(out, info, "xyz"[row], row);
+        const double *m = info->world_from_voxel;
+        double ends[2] = {m[12 + row], m[12 + row]};
+        double scale = 0; /* the largest number in the sums */
+        for (size_t i = 0; i < 3; i++) {
+            double from = -0.5 * m[4 * i + row];
+            double to = ((double)info->dim[i] - 0.5) * m[4 * i + row];
+            ends[0] += from < to ? from : to;
+            ends[1] += from < to ? to : from;
+            scale = fmax(scale, fmax(fabs(m[12 + row]), fabs(to)));
+        }
+        info_drop_rounding(ends, 2, scale);
+        fprintf(out, "%s%c %.6g to %.6g", row ? ", " : "", "xyz"[row], ends[0], ends[1]);
     }
     fprintf(out, " mm\n  values       %.*g to %.*g", digits_of(info->minimum), info->minimum, digits_of(info->maximum),
             info->maximum);
@@ -157,18 +152,6 @@ static void put_volume(FILE *out, const conus_volume_info *info)
         fprintf(out, ", stored * %.9g + %.9g", info->slope, info->intercept);
     }
     fprintf(out, "\n  sha256       %s\n", info->sha256);
-}
-
-static void put_band(FILE *out, const conus_object *band)
-{
-    fputs("  band        ", out);
-    if (band->low > -INFINITY) {
-        fprintf(out, " from %.9g%s", band->low, band->high < INFINITY ? " to" : " on");
-    }
-    if (band->high < INFINITY) {
-        fprintf(out, " below %.9g", band->high);
-    }
-    fprintf(out, "%s, %" PRIu64 " voxels\n", isfinite(band->low) || isfinite(band->high) ? "" : " all", band->voxels);
 }
 
 /* The pathways, or the area, of a volume of values; the volume itself behind the first. */
@@ -184,7 +167,15 @@ static void put_objects(FILE *out, const conus_atlas *atlas, size_t volume)
         }
         fprintf(out, "%s %" PRIu32 ": %s\n", kind == CONUS_KIND_AREA ? "Area" : "Pathway", object->label, object->name);
         if (object->is_band) {
-            put_band(out, object);
+            fputs("  band        ", out);
+            if (object->low > -INFINITY) {
+                fprintf(out, " from %.9g%s", object->low, object->high < INFINITY ? " to" : " on");
+            }
+            if (object->high < INFINITY) {
+                fprintf(out, " below %.9g", object->high);
+            }
+            fprintf(out, "%s, %" PRIu64 " voxels\n", isfinite(object->low) || isfinite(object->high) ? "" : " all",
+                    object->voxels);
         }
         if (count++ == 0) {
             put_volume(out, info);
@@ -297,14 +288,19 @@ static void put_hemisphere(FILE *out, const conus_atlas *atlas, const conus_obje
     put_text(out, (char[]){object->hemisphere, '\0'});
 }
 
-static void put_parent(FILE *out, const conus_atlas *atlas, const conus_object *object)
+static void put_count(FILE *out, bool is_known, uint64_t count)
 {
-    const conus_object *parent = conus_atlas_object(atlas, object->parent);
-    if (parent) {
-        fprintf(out, "%u", parent->label);
+    if (is_known) {
+        fprintf(out, "%" PRIu64, count);
     } else {
         fputs("n/a", out);
     }
+}
+
+static void put_parent(FILE *out, const conus_atlas *atlas, const conus_object *object)
+{
+    const conus_object *parent = conus_atlas_object(atlas, object->parent);
+    put_count(out, parent, parent ? parent->label : 0);
 }
 
 static void put_color(FILE *out, const conus_atlas *atlas, const conus_object *object)
@@ -316,21 +312,13 @@ static void put_color(FILE *out, const conus_atlas *atlas, const conus_object *o
 static void put_voxels(FILE *out, const conus_atlas *atlas, const conus_object *object)
 {
     (void)atlas;
-    if (object->triangles || object->kind == CONUS_KIND_BUNDLE) {
-        fputs("n/a", out);
-    } else {
-        fprintf(out, "%llu", (unsigned long long)object->voxels);
-    }
+    put_count(out, !object->triangles && object->kind != CONUS_KIND_BUNDLE, object->voxels);
 }
 
 static void put_triangles(FILE *out, const conus_atlas *atlas, const conus_object *object)
 {
     (void)atlas;
-    if (object->triangles) {
-        fprintf(out, "%llu", (unsigned long long)object->triangles);
-    } else {
-        fputs("n/a", out);
-    }
+    put_count(out, object->triangles > 0, object->triangles);
 }
 
 static void put_closed(FILE *out, const conus_atlas *atlas, const conus_object *object)
@@ -352,11 +340,7 @@ static void put_mm3(FILE *out, const conus_atlas *atlas, const conus_object *obj
 static void put_streamlines(FILE *out, const conus_atlas *atlas, const conus_object *object)
 {
     (void)atlas;
-    if (object->kind == CONUS_KIND_BUNDLE) {
-        fprintf(out, "%" PRIu64, object->streamlines);
-    } else {
-        fputs("n/a", out);
-    }
+    put_count(out, object->kind == CONUS_KIND_BUNDLE, object->streamlines);
 }
 
 static const struct column columns[] = {

@@ -51,25 +51,13 @@ static char *folder_name(const char *folder)
     return name;
 }
 
-/* DIR/NAME.atlas.json; NULL without memory. The caller frees it. */
-static char *manifest_path(const char *folder, const char *name)
-{
-    static const char ending[] = ".atlas.json";
-    size_t length = strlen(folder) + 1 + strlen(name) + sizeof ending;
-    char *path = malloc(length);
-    if (path) {
-        bool slash = folder[strlen(folder) - 1] == '/';
-        snprintf(path, length, "%s%s%s%s", folder, slash ? "" : "/", name, ending);
-    }
-    return path;
-}
-
 static int write_manifest(const char *folder, const char *name, const struct manifest_settings *settings)
 {
     const conus_manifest_options options = {.max_memory = settings->max_memory,
                                             .log = settings->common.quiet ? NULL : log_note};
-    char *path = manifest_path(folder, name);
-    if (!path) {
+    bool slash = folder[strlen(folder) - 1] == '/';
+    char *path = NULL;
+    if (asprintf(&path, "%s%s%s.atlas.json", folder, slash ? "" : "/", name) < 0) {
         return print_no_memory();
     }
     conus_status status = conus_manifest_write(path, &options);

@@ -130,25 +130,21 @@ static bool in_bids(const struct form *form, const char *line)
     return tab && strcmp(tab, "\tarea_error\n") != 0 && strcmp(tab, "\tn/a\n") != 0;
 }
 
-/* The header row begins with the column query. */
-static struct form form_of_table(const char *header)
-{
-    struct form form = {.is_error = in_table, .separator = header[strlen("query")]};
-    const char name[] = {'k', 'i', 'n', 'd', form.separator, '\0'};
-    for (const char *cell = header; *cell && strncmp(cell, name, sizeof name - 1) != 0; form.kind++) {
-        cell = next_cell(cell, form.separator);
-    }
-    return form;
-}
-
 /* The form of a file with this first line. */
 static struct form form_after(const char *first)
 {
     bool is_table = strncmp(first, "query\t", 6) == 0 || strncmp(first, "query,", 6) == 0;
-    return is_table ? form_of_table(first)
-                    : (struct form){.is_error = *first == '{'                        ? in_ndjson
-                                                : strncmp(first, "+++++++ ", 8) == 0 ? in_afni
-                                                                                     : in_bids};
+    if (!is_table) {
+        return (struct form){.is_error = *first == '{'                        ? in_ndjson
+                                         : strncmp(first, "+++++++ ", 8) == 0 ? in_afni
+                                                                              : in_bids};
+    }
+    struct form form = {.is_error = in_table, .separator = first[strlen("query")]};
+    const char name[] = {'k', 'i', 'n', 'd', form.separator, '\0'};
+    for (const char *cell = first; *cell && strncmp(cell, name, sizeof name - 1) != 0; form.kind++) {
+        cell = next_cell(cell, form.separator);
+    }
+    return form;
 }
 
 /* Counts the rows that say that a pose has no answer, one for each atlas, in any format that can be a shard. */
@@ -202,7 +198,7 @@ static int print_missing_shard(uint64_t index, const struct part *first)
     return EXIT_DATA;
 }
 
-/* Every shard once, all of one batch. The parts are sorted. */
+/* Checks that every shard is there once, and all are of one batch. The parts are sorted. */
 static int check_set(const struct merge *merge)
 {
     const struct part *first = &merge->parts[0];
@@ -229,7 +225,7 @@ static int check_set(const struct merge *merge)
     return merge->count == first->record.shard.count ? EXIT_DONE : print_missing_shard(merge->count, first);
 }
 
-/* Whether each has the poses that are its own. */
+/* Checks that each shard has the poses that are its own. */
 static int check_poses(struct merge *merge)
 {
     for (size_t i = 0; i < merge->count; i++) {

@@ -157,7 +157,7 @@ static int add_region(struct overlap *overlap, const char *path)
     return code;
 }
 
-static int start(struct overlap *overlap)
+static int answer(struct overlap *overlap)
 {
     struct request *request = &overlap->request;
     messages_hold(true);
@@ -171,14 +171,7 @@ static int start(struct overlap *overlap)
     conus_report_options report = request_report_options(request);
     report.rows = CONUS_ROWS_COVERAGES;
     report.no_voxels = true;
-    return code ? code : request_start_without_rays(request, &report);
-}
-
-static int answer(struct overlap *overlap)
-{
-    struct request *request = &overlap->request;
-    struct provenance provenance = {0};
-    int code = start(overlap);
+    code = code ? code : request_start_without_rays(request, &report);
     code = code ? code : request_check_outputs(request, NULL);
     for (size_t i = 0; !code && i <= request->arguments->more.count; i++) {
         code = add_region(overlap, region_path(overlap, i));
@@ -187,6 +180,7 @@ static int answer(struct overlap *overlap)
         return code;
     }
     request_say_notes(request);
+    struct provenance provenance = {0};
     request_list_inputs(&provenance, request);
     provenance.question.rows = "coverages";
     provenance.question.region = "volume";

@@ -147,18 +147,6 @@ static const char *name_at(const void *list, size_t index)
     return row ? row->id : NULL;
 }
 
-/* The name of which @p id is the part behind the last "/", as in target/M1; NULL if there is none. */
-static const char *name_behind(const conus_pose_list *list, const char *id)
-{
-    const char *found = NULL;
-    for (size_t i = 0; !found && i < conus_pose_list_count(list); i++) {
-        const char *name = conus_pose_list_row(list, i)->id;
-        const char *slash = strrchr(name, '/');
-        found = slash && strcmp(slash + 1, id) == 0 ? name : NULL;
-    }
-    return found;
-}
-
 static int check_count(const struct drawn_rows *rows, const conus_pose_list *list, const struct row_choice *choice,
                        const char *pattern)
 {
@@ -167,7 +155,12 @@ static int check_count(const struct drawn_rows *rows, const conus_pose_list *lis
                                  conus_pose_list_count(list));
     }
     if (!rows->count && choice->id) {
-        const char *close = name_behind(list, choice->id);
+        const char *close = NULL; /* the name that ends with "/" and the id, as target/M1 does with M1 */
+        for (size_t i = 0; !close && i < conus_pose_list_count(list); i++) {
+            const char *name = conus_pose_list_row(list, i)->id;
+            const char *slash = strrchr(name, '/');
+            close = slash && strcmp(slash + 1, choice->id) == 0 ? name : NULL;
+        }
         close = close ? close : closest_name(choice->id, name_at, list);
         return print_usage_error("--query-id: %s has no pose \"%s\"%s%s%s", rows->file, choice->id,
                                  close ? ", did you mean \"" : "", close ? close : "", close ? "\"?" : "");
@@ -277,14 +270,6 @@ static bool translucent_check(const struct translucent_settings *settings)
     return true;
 }
 
-static bool is_below(const conus_atlas *atlas, uint32_t number, uint32_t ancestor)
-{
-    while (number && number != ancestor) {
-        number = conus_atlas_object(atlas, number)->parent;
-    }
-    return number == ancestor;
-}
-
 static int set_opacity(struct translucent *out, const conus_atlas *atlas, const char *name, double opacity)
 {
     uint32_t found = 0;
@@ -292,9 +277,11 @@ static int set_opacity(struct translucent *out, const conus_atlas *atlas, const 
         return print_usage_error("--opacity: %s", conus_message());
     }
     for (uint32_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
-        if (is_below(atlas, number, found)) {
-            out->opacity[number] = opacity;
+        uint32_t above = number; /* itself, or what it is below in the area tree */
+        while (above && above != found) {
+            above = conus_atlas_object(atlas, above)->parent;
         }
+        out->opacity[number] = above == found ? opacity : out->opacity[number];
     }
     return EXIT_DONE;
 }
@@ -544,7 +531,7 @@ static bool has_file(const struct arguments *arguments)
     return option_given(arguments, "pose") || option_given(arguments, "poses");
 }
 
-/* Options about the cone mean nothing without one. */
+/* Refuses options about the cone where there is none. */
 static bool check_cone(const struct render_settings *settings, const struct arguments *arguments)
 {
     static const char *const more[] = {"angle", "space", "range", "level", "radius"};
@@ -763,7 +750,7 @@ static int draw_cone(struct picture *picture, const conus_pose *pose, double ang
     return status && !*fault ? print_status(status) : EXIT_DONE;
 }
 
-/* The exit code is that of a run of which this pose is all; of several poses the others are drawn. */
+/* Gives the exit code where this is the only pose; of several, the others are drawn. */
 static int refuse_row(struct picture *picture, const conus_pose_row *row, const char *why, int code)
 {
     print_error_line("%s:%zu: %s", picture->rows.file, row->line, why);

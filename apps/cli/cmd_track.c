@@ -169,17 +169,6 @@ static void track_finish(struct track *track)
     request_finish(&track->request);
 }
 
-static bool check_source(const struct station_settings *settings, const struct arguments *arguments)
-{
-    bool live = option_given(arguments, "listen") || option_given(arguments, "connect");
-    if (live == option_given(arguments, "poses")) {
-        print_error_line(live ? "poses come from a file or from a tracker, not from both"
-                              : "no poses: --poses FILE, or a tracker by --listen or --connect");
-        return false;
-    }
-    return settings_check_station(settings, arguments);
-}
-
 /* Writes what was answered since the last time. A whole JSON text waits for the end. */
 static int write_steps(struct track *track)
 {
@@ -251,8 +240,8 @@ static int answer_news(struct track *track, const struct station_news *news, dou
     return code || track->held || !fflush(stdout) ? code : EXIT_DATA;
 }
 
-/* By the clock of this machine, from the first pose on; poses that come faster than they are answered are passed over.
- */
+/* Answers poses as they arrive, with times by this machine's clock from the first pose on. Poses that come faster than
+ * they are answered are passed over. */
 static int answer_station(struct track *track)
 {
     const double seconds = track->settings->seconds;
@@ -275,8 +264,8 @@ static int answer_station(struct track *track)
     return code ? code : write_steps(track);
 }
 
-/* One row at a time, so that what comes through a pipe is answered as it comes. A signal ends a pipe, and what it
- * brought is kept; a file is another matter: half of its steps are no answer. */
+/* Answers one row at a time, so that what comes through a pipe is answered as it comes. A signal ends a pipe, and what
+ * it brought is kept; a file is another matter: half of its steps are no answer. */
 static int answer_all(struct track *track)
 {
     if (conus_pose_stream_is_live(track->request.stream)) {
@@ -353,7 +342,7 @@ static int open_poses(void *user)
     return status ? settings_print_poses_error(status, path, "poses", request->arguments) : EXIT_DONE;
 }
 
-/* A hand points here and there: only where all of the track does it may be in another space or unit. */
+/* Whether the whole track lies or points astray, as it does in another space or unit: a hand points here and there. */
 static bool is_astray(const struct request *request)
 {
     bool is = false;
@@ -387,27 +376,25 @@ static int answer_track(struct track *track)
     return request_code(request, code ? code : write_rest(track));
 }
 
-/* A file appears whole or not at all: what goes to one is held. */
-static bool hold_steps(struct track *track)
-{
-    if (!output_is_stdout(track->request.settings->answer.output) && track->request.format != CONUS_FORMAT_JSON) {
-        track->held = open_memstream(&track->held_text, &track->held_size);
-        return track->held || (print_error_line("not enough memory"), false);
-    }
-    return true;
-}
-
 static int run_track(const void *given, const struct arguments *arguments)
 {
     const struct track_settings *settings = given;
-    if (!check_source(&settings->station, arguments) || !request_check(&settings->request, arguments, true)) {
+    bool live = option_given(arguments, "listen") || option_given(arguments, "connect");
+    if (live == option_given(arguments, "poses")) {
+        return print_usage_error(live ? "poses come from a file or from a tracker, not from both"
+                                      : "no poses: --poses FILE, or a tracker by --listen or --connect");
+    }
+    if (!settings_check_station(&settings->station, arguments) || !request_check(&settings->request, arguments, true)) {
         return EXIT_USAGE;
     }
     struct track track = {.settings = settings};
     int code = request_init(&track.request, &settings->request, arguments);
-    if (!code) {
-        code = hold_steps(&track) ? answer_track(&track) : EXIT_DATA;
+    /* A file appears whole or not at all: what goes to one is held. */
+    if (!code && !output_is_stdout(settings->request.answer.output) && track.request.format != CONUS_FORMAT_JSON) {
+        track.held = open_memstream(&track.held_text, &track.held_size);
+        code = track.held ? EXIT_DONE : print_no_memory();
     }
+    code = code ? code : answer_track(&track);
     track_finish(&track);
     return code;
 }

@@ -11,23 +11,16 @@
 
 static const char program[] = "conus-view";
 
-/* Beside this program; false where its path is unknown. */
-static bool find_beside(char path[PATH_MAX])
-{
-    ssize_t length = readlink("/proc/self/exe", path, PATH_MAX - 1);
-    char *slash = length > 0 ? memrchr(path, '/', (size_t)length) : NULL;
-    if (!slash || (size_t)(slash - path) + 1 + sizeof program > PATH_MAX) {
-        return false;
-    }
-    memcpy(slash + 1, program, sizeof program);
-    return true;
-}
-
 int view_run(char **words)
 {
-    char path[PATH_MAX];
-    if (find_beside(path) && access(path, X_OK) == 0) {
-        execv(path, words);
+    char path[PATH_MAX]; /* beside this program, if its own path is known */
+    ssize_t length = readlink("/proc/self/exe", path, PATH_MAX - 1);
+    char *slash = length > 0 ? memrchr(path, '/', (size_t)length) : NULL;
+    if (slash && (size_t)(slash - path) + 1 + sizeof program <= PATH_MAX) {
+        memcpy(slash + 1, program, sizeof program);
+        if (access(path, X_OK) == 0) {
+            execv(path, words);
+        }
     }
     execvp(program, words);
     if (errno == ENOENT) {

@@ -158,13 +158,6 @@ static bool run_on_own_stack(struct call *call)
     return runs && !pthread_sigmask(SIG_SETMASK, &all, NULL) && !pthread_join(thread, NULL);
 }
 
-/* `ulimit -s 64` leaves too little for 256 rays side by side, for Embree and for OpenGL. */
-static bool stack_is_small(void)
-{
-    struct rlimit limit;
-    return getrlimit(RLIMIT_STACK, &limit) == 0 && limit.rlim_cur < ENOUGH;
-}
-
 int main(int argc, char **argv)
 {
     struct call call = {.count = argc, .words = argv};
@@ -174,7 +167,10 @@ int main(int argc, char **argv)
     /* A reader that went away is an error of writing, with a message and an exit code, not a sudden end. */
     struct sigaction ignore = {.sa_handler = SIG_IGN};
     sigaction(SIGPIPE, &ignore, NULL);
-    if (!stack_is_small() || !run_on_own_stack(&call)) {
+    /* `ulimit -s 64` leaves too little for 256 rays side by side, for Embree and for OpenGL. */
+    struct rlimit limit;
+    bool is_small = getrlimit(RLIMIT_STACK, &limit) == 0 && limit.rlim_cur < ENOUGH;
+    if (!is_small || !run_on_own_stack(&call)) {
         run_call(&call);
     }
     return call.code;

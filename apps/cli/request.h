@@ -142,10 +142,10 @@ int request_refuse_row(struct request *request, const conus_pose_row *row, const
 
 /** Prints the notes about the atlases, unless --quiet. */
 void request_say_notes(const struct request *request);
-/** Prints, likewise, that cones lie or point where they hardly should. */
+/** Prints notes about cones that lie or point where they hardly should, unless --quiet. */
 void request_say_aims(const struct request *request);
 
-/** The exit code after @p code: EXIT_DIFFERENT where all went well but for some poses. */
+/** @p code; EXIT_DIFFERENT in place of EXIT_DONE where some poses had no answer. */
 int request_code(const struct request *request, int code);
 
 #endif

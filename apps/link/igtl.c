@@ -65,28 +65,7 @@ uint64_t igtl_crc(const uint8_t *bytes, size_t size)
     return crc;
 }
 
-static bool is_identity(const double m[16])
-{
-    for (int i = 0; i < 16; i++) {
-        if (m[i] != (i % 5 == 0)) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/* 12 floats: three columns of the rotation, then the position. */
-static void matrix_of_columns(double m[16], const uint8_t *body)
-{
-    for (size_t column = 0; column < 4; column++) {
-        for (size_t a = 0; a < 3; a++) {
-            m[4 * column + a] = get_float(body + 4 * (3 * column + a));
-        }
-        m[4 * column + 3] = column == 3;
-    }
-}
-
-/* The library tells what is a rotation and makes it exact; NULL: it is none. */
+/* Adds a pose that the library found to be rigid; NULL, which is none, is counted as refused. */
 static void add_pose(struct igtl_reader *reader, struct igtl_poses *poses, const char *name, const conus_pose *given)
 {
     if (!given || poses->count == IGTL_TOOLS) {
@@ -96,15 +75,24 @@ static void add_pose(struct igtl_reader *reader, struct igtl_poses *poses, const
     struct igtl_pose *pose = &poses->tools[poses->count++];
     snprintf(pose->name, sizeof pose->name, "%s", name);
     memcpy(pose->matrix, given->world_from_device, sizeof pose->matrix);
-    pose->lost = is_identity(pose->matrix);
+    pose->lost = true; /* of the identity */
+    for (int i = 0; i < 16; i++) {
+        pose->lost = pose->lost && pose->matrix[i] == (i % 5 == 0);
+    }
     reader->counts.poses++;
 }
 
+/* 12 floats: three columns of the rotation, then the position. */
 static void add_columns(struct igtl_reader *reader, struct igtl_poses *poses, const char *name, const uint8_t *body)
 {
     double matrix[16];
     conus_pose pose;
-    matrix_of_columns(matrix, body);
+    for (size_t column = 0; column < 4; column++) {
+        for (size_t a = 0; a < 3; a++) {
+            matrix[4 * column + a] = get_float(body + 4 * (3 * column + a));
+        }
+        matrix[4 * column + 3] = column == 3;
+    }
     add_pose(reader, poses, name, conus_pose_from_matrix(&pose, matrix) ? NULL : &pose);
 }
 
@@ -242,7 +230,7 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* With a whole header: begins to pass over the body where it is not wanted. False: nonsense. */
+/* Checks a whole header, and begins to pass over the body where it is not wanted. False where it makes no sense. */
 static bool check_header(struct igtl_reader *reader)
 {
     uint64_t version = get(reader->bytes, 2);

@@ -258,16 +258,6 @@ static void prepare(struct station *station, struct peer *peer)
     pthread_mutex_unlock(&station->lock);
 }
 
-static struct peer *find_free(struct station *station)
-{
-    for (int p = 0; p < PEERS; p++) {
-        if (station->peers[p].socket < 0) {
-            return &station->peers[p];
-        }
-    }
-    return NULL;
-}
-
 /* Frees the place of the peer that has been silent longest; NULL where all have sent something lately. */
 static struct peer *replace_silent(struct station *station)
 {
@@ -285,7 +275,10 @@ static struct peer *replace_silent(struct station *station)
 static void welcome(struct station *station, int socket)
 {
     int yes = 1;
-    struct peer *peer = find_free(station);
+    struct peer *peer = NULL;
+    for (int p = 0; p < PEERS && !peer; p++) {
+        peer = station->peers[p].socket < 0 ? &station->peers[p] : NULL;
+    }
     peer = peer ? peer : replace_silent(station);
     if (!peer) {
         close(socket);
@@ -499,7 +492,7 @@ void station_stop(struct station *station)
     }
 }
 
-/* With the lock held: of a tool whose newest pose is so old. */
+/* The state of a tool whose newest pose is age_s old. The caller holds the lock. */
 static enum station_state state_of(const struct station *station, const struct igtl_pose *tool, double age_s)
 {
     const struct station_options *options = &station->options;

@@ -67,7 +67,7 @@ struct station_news {
     unsigned clients;
 };
 
-/** Starts. False: @p why says why not, in one line. Strings are copied. */
+/** Starts a station. Where that fails, returns false, and @p why says why in one line. Strings are copied. */
 bool station_start(struct station **out, const struct station_options *options, char *why, size_t size);
 void station_stop(struct station *station); /**< NULL is fine. */
 /** Has @p call called, on the station's thread, after each pose of a tool that arrives: the one that

@@ -331,7 +331,7 @@ static int lead(void *user, const struct batch_settings *settings, const struct 
     struct batch_settings own = *settings;
     char text[64];
     struct shard shard;
-    if (!settings->output || output_is_stdout(settings->output) || batch_is_pipe(settings->poses)) {
+    if (!settings->output || output_is_stdout(settings->output) || output_is_no_file(settings->poses)) {
         return print_usage_error("conus-mpi batch needs files for --poses and --%s",
                                  settings->of_segments ? "segments" : "output");
     }

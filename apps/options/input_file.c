@@ -62,26 +62,20 @@ static FILE *open_file_or_pipe(const char *path)
     return file ? file : fail_to("open", path);
 }
 
-static bool grow(char **text, size_t *capacity)
-{
-    size_t more = *capacity ? 2 * *capacity : 1 << 16;
-    char *grown = more > *capacity ? realloc(*text, more) : NULL;
-    if (!grown) {
-        print_error_line("not enough memory");
-        return false;
-    }
-    *text = grown;
-    *capacity = more;
-    return true;
-}
-
 /* Reads until the end, or one byte more than the limit. */
 static bool read_stream(char **text, size_t *size, FILE *file, const char *path, uint64_t limit)
 {
     size_t capacity = 0;
     for (size_t got = 1; got && *size <= limit;) {
-        if (*size + 1 >= capacity && !grow(text, &capacity)) {
-            return false;
+        if (*size + 1 >= capacity) {
+            size_t more = capacity ? 2 * capacity : 1 << 16;
+            char *grown = more > capacity ? realloc(*text, more) : NULL;
+            if (!grown) {
+                print_error_line("not enough memory");
+                return false;
+            }
+            *text = grown;
+            capacity = more;
         }
         size_t space = capacity - *size - 1;
         uint64_t left = limit - *size + 1;

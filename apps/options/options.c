@@ -222,17 +222,6 @@ static int take_short(struct cursor *cursor, const char *word)
     return take_option(cursor, found, word[2] ? word + 2 : NULL);
 }
 
-static int take_another(struct option_list *list, const char *word)
-{
-    const char **items = realloc(list->items, (list->count + 1) * sizeof *items);
-    if (!items) {
-        return print_no_memory();
-    }
-    list->items = items;
-    list->items[list->count++] = word;
-    return CONTINUE;
-}
-
 /* A word behind all operands: a part of a vector, or a file of poses without its option. */
 static int print_unexpected(const struct arguments *arguments, const char *word)
 {
@@ -255,8 +244,17 @@ static int take_operand(struct cursor *cursor, const char *word)
     const struct command *command = arguments->command;
     bool all = arguments->operand_count == OPERAND_LIMIT || !command->operands[arguments->operand_count];
     if (command->repeats && arguments->operand_count && all) {
-        return *word ? take_another(&arguments->more, word)
-                     : print_usage_error("%s is empty", command->operands[arguments->operand_count - 1]);
+        if (!*word) {
+            return print_usage_error("%s is empty", command->operands[arguments->operand_count - 1]);
+        }
+        struct option_list *more = &arguments->more;
+        const char **items = realloc(more->items, (more->count + 1) * sizeof *items);
+        if (!items) {
+            return print_no_memory();
+        }
+        more->items = items;
+        more->items[more->count++] = word;
+        return CONTINUE;
     }
     if (all) {
         return print_unexpected(arguments, word);

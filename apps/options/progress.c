@@ -52,14 +52,6 @@ static double rate_of(const struct progress *progress, uint64_t done)
     return seconds > 0 ? (double)(done - progress->before) / seconds : 0;
 }
 
-/* A time as people say it: in seconds up to two minutes, in minutes up to two hours. */
-static void add_time(char line[LINE_SIZE], double seconds)
-{
-    size_t used = strlen(line);
-    const char *form = seconds < 120 ? ", %.0f s left" : seconds < 7200 ? ", %.0f min left" : ", %.1f h left";
-    snprintf(line + used, LINE_SIZE - used, form, seconds / (seconds < 120 ? 1 : seconds < 7200 ? 60 : 3600));
-}
-
 /* "120 of 1000 poses, 25/s, 12 %, 35 s left, 3 errors" */
 static void make_line(char line[LINE_SIZE], const struct progress *progress, uint64_t done, uint64_t errors)
 {
@@ -73,7 +65,11 @@ static void make_line(char line[LINE_SIZE], const struct progress *progress, uin
     if (progress->total && rate > 0) {
         size_t used = strlen(line);
         snprintf(line + used, LINE_SIZE - used, ", %.0f %%", 100 * (double)done / (double)progress->total);
-        add_time(line, (double)(progress->total - done) / rate);
+        used = strlen(line);
+        double seconds =
+            (double)(progress->total - done) / rate; /* said in minutes from two on, in hours from two on */
+        const char *form = seconds < 120 ? ", %.0f s left" : seconds < 7200 ? ", %.0f min left" : ", %.1f h left";
+        snprintf(line + used, LINE_SIZE - used, form, seconds / (seconds < 120 ? 1 : seconds < 7200 ? 60 : 3600));
     }
     if (errors) {
         size_t used = strlen(line);

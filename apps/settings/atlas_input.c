@@ -225,6 +225,7 @@ static bool is_empty(const char *text)
     return text && !*text;
 }
 
+/* A field and what it resamples may take `max_memory`, 0 = the default. */
 static int transform_apply(conus_atlas *atlas, const char *given, uint64_t max_memory)
 {
     struct transform_option option;
@@ -246,17 +247,6 @@ static int transform_apply(conus_atlas *atlas, const char *given, uint64_t max_m
         code = status ? print_status(status) : EXIT_DONE;
     }
     free(text);
-    return code;
-}
-
-/* Moves `atlas` by the transforms, of which points go through the first one first. A field and what it
- * resamples may take `max_memory`, 0 = the default. Returns the exit code and prints an error unless it is 0. */
-static int transform_options_apply(conus_atlas *atlas, const struct option_list *texts, uint64_t max_memory)
-{
-    int code = EXIT_DONE;
-    for (size_t i = texts->count; i > 0 && !code; i--) { /* the atlas goes back through the last one first */
-        code = transform_apply(atlas, texts->items[i - 1], max_memory);
-    }
     return code;
 }
 
@@ -480,7 +470,10 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
         print_status(status);
     }
     code = code ? code : add_streamlines(atlas, additions->streamlines, true, &progress);
-    code = code ? code : transform_options_apply(atlas, &settings->transforms, settings->max_memory);
+    /* Points go through the first transform first; the atlas goes back through the last one first. */
+    for (size_t i = settings->transforms.count; i > 0 && !code; i--) {
+        code = transform_apply(atlas, settings->transforms.items[i - 1], settings->max_memory);
+    }
     code = code ? code : add_pathways(atlas, additions->pathways, &progress);
     code = code ? code : add_streamlines(atlas, additions->streamlines, false, &progress);
     code = code || !(settings->only.count + settings->hide.count) ? code : show_objects(atlas, settings);

@@ -40,18 +40,6 @@ static conus_status find_point(double world[3], const struct reading *reading, c
     return conus_frame_to_world(world, reading->frame, reading->frame->space == CONUS_SPACE_CCF ? ccf : mm);
 }
 
-static conus_status read_numbers(double out[3], const json_t *const values[3])
-{
-    static const char *const names[] = {"x", "y", "z"};
-    for (int i = 0; i < 3; i++) {
-        if (!json_is_number(values[i])) {
-            return fail(CONUS_ERROR_DATA, "%s: a number is needed, micrometres from bregma", names[i]);
-        }
-        out[i] = json_number_value(values[i]);
-    }
-    return CONUS_OK;
-}
-
 /* Rows are numbered, for the file has no lines that matter. */
 static conus_status add_point(struct reading *reading, const json_t *const values[3], struct text id)
 {
@@ -59,7 +47,13 @@ static conus_status add_point(struct reading *reading, const json_t *const value
     double world[3] = {0};
     conus_pose_row row = pose_row_at(reading->list->count + 1);
     row.is_point = true;
-    conus_status bad = read_numbers(numbers, values);
+    conus_status bad = CONUS_OK;
+    for (int i = 0; i < 3 && !bad; i++) {
+        numbers[i] = json_number_value(values[i]);
+        if (!json_is_number(values[i])) {
+            bad = fail(CONUS_ERROR_DATA, "%c: a number is needed, micrometres from bregma", "xyz"[i]);
+        }
+    }
     for (int i = 0; i < 3 && !bad; i++) {
         reading->farthest = fmax(reading->farthest, fabs(numbers[i]));
     }
@@ -81,9 +75,9 @@ static conus_status read_picks(struct reading *reading, const json_t *picks)
     return status;
 }
 
-/* {"bregma": [ML, AP, DV]}, where the file has it. */
-static conus_status read_origin(struct reading *reading, const json_t *origin)
+static conus_status read_channels(struct reading *reading, json_t *root)
 {
+    const json_t *origin = json_object_get(root, "origin"); /* {"bregma": [ML, AP, DV]}, where the file has it */
     const json_t *bregma = json_object_get(origin, "bregma");
     for (size_t i = 0; origin && i < 3; i++) {
         const json_t *value = json_array_size(bregma) == 3 ? json_array_get(bregma, i) : NULL;
@@ -92,12 +86,7 @@ static conus_status read_origin(struct reading *reading, const json_t *origin)
         }
         reading->bregma[i] = json_number_value(value);
     }
-    return CONUS_OK;
-}
-
-static conus_status read_channels(struct reading *reading, json_t *root)
-{
-    conus_status status = read_origin(reading, json_object_get(root, "origin"));
+    conus_status status = CONUS_OK;
     for (void *at = json_object_iter(root); at && !status; at = json_object_iter_next(root, at)) {
         const char *key = json_object_iter_key(at);
         const json_t *channel = json_object_iter_value(at);

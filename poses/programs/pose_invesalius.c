@@ -99,20 +99,16 @@ static conus_status read_pose(conus_pose_row *row, const struct reading *reading
     return pose_of_matrix(&row->pose, m, false, reading->options->axis);
 }
 
-/* Points on the head, for registration. Old files know them by their labels. */
-static bool is_fiducial(const struct text *fields)
-{
-    bool is_named =
-        text_equal(fields[LABEL], "LEI") || text_equal(fields[LABEL], "REI") || text_equal(fields[LABEL], "NAI");
-    return fields[TYPE].size ? text_equal(fields[TYPE], "0") : is_named;
-}
-
 static conus_status read_row(struct reading *reading, struct text line, size_t number)
 {
     struct text fields[COLUMNS];
     conus_pose_row row = pose_row_at(number);
     conus_status bad = pose_columns_split(fields, &reading->columns, line);
-    if (!bad && is_fiducial(fields)) {
+    /* Points on the head, for registration. Old files know them by their labels. */
+    bool is_named =
+        text_equal(fields[LABEL], "LEI") || text_equal(fields[LABEL], "REI") || text_equal(fields[LABEL], "NAI");
+    bool is_fiducial = fields[TYPE].size ? text_equal(fields[TYPE], "0") : is_named;
+    if (!bad && is_fiducial) {
         reading->fiducials++;
         return CONUS_OK;
     }

@@ -89,20 +89,6 @@ static conus_status read_matrix(struct marker *marker, const struct xml_event *e
     return status || marker->matrices++ == 0 ? status : fail(CONUS_ERROR_DATA, "two matrices");
 }
 
-/* Name, state and time stand at the marker or at what is in it, as the kind of list has it. */
-static void read_attributes(struct marker *marker, const struct xml_event *event)
-{
-    const char *name = xml_attribute(event, "description");
-    const char *set = xml_attribute(event, "set");
-    if (name) {
-        snprintf(marker->name, sizeof marker->name, "%s", name);
-    }
-    marker->unset = marker->unset || (set && text_equal(text_from(set), "false"));
-    if (xml_attribute(event, "recordingTime")) {
-        note_bad(marker, read_number(&marker->time_ms, event, "recordingTime"));
-    }
-}
-
 static conus_status on_start(void *user, const struct xml_event *event)
 {
     struct reading *reading = user;
@@ -118,8 +104,17 @@ static conus_status on_start(void *user, const struct xml_event *event)
     }
     if (text_equal(text_from(event->name), "Matrix4D")) {
         note_bad(marker, read_matrix(marker, event));
-    } else {
-        read_attributes(marker, event);
+        return CONUS_OK;
+    }
+    /* Name, state and time stand at the marker or at what is in it, as the kind of list has it. */
+    const char *name = xml_attribute(event, "description");
+    const char *set = xml_attribute(event, "set");
+    if (name) {
+        snprintf(marker->name, sizeof marker->name, "%s", name);
+    }
+    marker->unset = marker->unset || (set && text_equal(text_from(set), "false"));
+    if (xml_attribute(event, "recordingTime")) {
+        note_bad(marker, read_number(&marker->time_ms, event, "recordingTime"));
     }
     return CONUS_OK;
 }

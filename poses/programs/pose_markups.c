@@ -146,18 +146,6 @@ static conus_status read_markup(struct markup *markup)
                         type.data));
 }
 
-/* An axis is for lines. */
-static conus_status check_axis(const json_t *markups, conus_axis axis)
-{
-    bool used = axis == CONUS_AXIS_OF_FORMAT;
-    for (size_t i = 0; !used && i < json_array_size(markups); i++) {
-        used = text_equal(text_of(json_object_get(json_array_get(markups, i), "type")), "Line");
-    }
-    return used ? CONUS_OK
-                : fail(CONUS_ERROR_DATA, "no markup is a line, so that no axis (%s) can be chosen",
-                       pose_axis_name(axis));
-}
-
 conus_status pose_markups_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     json_t *root = NULL;
@@ -169,7 +157,14 @@ conus_status pose_markups_parse(conus_pose_list *list, struct text text, const c
     if (!status && !json_is_array(markups)) {
         status = fail(CONUS_ERROR_DATA, "no list \"markups\": not a file of 3D Slicer's markups");
     }
-    status = status ? status : check_axis(markups, options->axis);
+    bool fits = options->axis == CONUS_AXIS_OF_FORMAT; /* an axis is for lines */
+    for (size_t i = 0; !fits && i < json_array_size(markups); i++) {
+        fits = text_equal(text_of(json_object_get(json_array_get(markups, i), "type")), "Line");
+    }
+    if (!status && !fits) {
+        status = fail(CONUS_ERROR_DATA, "no markup is a line, so that no axis (%s) can be chosen",
+                      pose_axis_name(options->axis));
+    }
     for (size_t i = 0; !status && i < json_array_size(markups); i++) {
         struct markup markup = {.list = list, .options = options, .number = i + 1, .json = json_array_get(markups, i)};
         status = read_markup(&markup);

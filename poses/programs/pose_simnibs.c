@@ -25,27 +25,22 @@ static conus_status add_matrix(const struct reading *reading, const double m[NUM
     return pose_list_add(reading->list, &row, id, bad ? conus_message() : NULL);
 }
 
-static conus_status check_array(const struct matlab_array *array)
-{
-    if (!array->count) {
-        return fail(CONUS_ERROR_DATA,
-                    "matsimnibs is empty: SimNIBS finds the coil from centre and pos_ydir only when it "
-                    "runs; store the matrix that it finds");
-    }
-    return matlab_is_real(array) && array->rows == 4 && array->columns == 4
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "matsimnibs: %s with %zu x %zu, 4 x 4 numbers are needed",
-                      matlab_class_name(array), array->rows, array->columns);
-}
-
 /* One matrix, or several behind each other. */
 static conus_status add_array(const struct reading *reading, const struct matlab_array *array, struct text id)
 {
-    if (check_array(array)) {
+    conus_status status = CONUS_OK;
+    if (!array->count) {
+        status =
+            fail(CONUS_ERROR_DATA, "matsimnibs is empty: SimNIBS finds the coil from centre and pos_ydir only when it "
+                                   "runs; store the matrix that it finds");
+    } else if (!matlab_is_real(array) || array->rows != 4 || array->columns != 4) {
+        status = fail(CONUS_ERROR_DATA, "matsimnibs: %s with %zu x %zu, 4 x 4 numbers are needed",
+                      matlab_class_name(array), array->rows, array->columns);
+    }
+    if (status) {
         const conus_pose_row row = pose_row_at(reading->list->count + 1);
         return pose_list_add(reading->list, &row, id, conus_message());
     }
-    conus_status status = CONUS_OK;
     for (size_t first = 0; !status && first < array->count; first += NUMBERS) {
         double m[NUMBERS];
         for (size_t i = 0; i < NUMBERS; i++) {
@@ -77,15 +72,6 @@ static conus_status add_structures(struct reading *reading)
     return status;
 }
 
-static conus_status add_variable(struct reading *reading)
-{
-    const struct matlab_array *found = matlab_variable(reading->matlab, "matsimnibs");
-    char name[POSE_ID_LIMIT + 2];
-    struct text id = matlab_text(name, sizeof name, matlab_variable(reading->matlab, "name"));
-    reading->found = reading->found || found;
-    return found ? add_array(reading, found, id) : CONUS_OK;
-}
-
 /* A list without positions is one, too. */
 static bool is_list(const struct matlab *matlab)
 {
@@ -105,7 +91,12 @@ static conus_status parse_matlab(struct reading *reading, struct text text)
     }
     reading->matlab = &matlab;
     status = add_structures(reading);
-    status = status ? status : add_variable(reading);
+    const struct matlab_array *found = status ? NULL : matlab_variable(&matlab, "matsimnibs");
+    if (found) {
+        char name[POSE_ID_LIMIT + 2];
+        reading->found = true;
+        status = add_array(reading, found, matlab_text(name, sizeof name, matlab_variable(&matlab, "name")));
+    }
     if (!status && !reading->found && !is_list(&matlab)) {
         status = fail(CONUS_ERROR_DATA, "a file of MATLAB without matsimnibs (SimNIBS) and reco (Lead-DBS): no poses");
     }

@@ -94,15 +94,6 @@ struct pose_space pose_space_named(struct text name, enum pose_brain brain)
     return space;
 }
 
-/* From a NIfTI header's code. 1 and 2 are anybody's scan, but many programs write them for a template, too. */
-static enum pose_brain brain_of(const char *transform)
-{
-    return strstr(transform, "(MNI 152)")          ? POSE_BRAIN_MNI152
-           : strstr(transform, "(Talairach)")      ? POSE_BRAIN_TALAIRACH
-           : strstr(transform, "(other template)") ? POSE_BRAIN_TEMPLATE
-                                                   : POSE_BRAIN_UNKNOWN;
-}
-
 conus_status pose_space_match(struct notes *notes, const struct pose_space *space, const conus_atlas *atlas)
 {
     if (!space->name[0]) {
@@ -117,7 +108,11 @@ conus_status pose_space_match(struct notes *notes, const struct pose_space *spac
                    : notes_warn(notes, "positions are in \"%s\"; they must be where the atlas was moved to (%s)",
                                 space->name, transform);
     }
-    enum pose_brain brain = brain_of(transform);
+    /* From a NIfTI header's code. 1 and 2 are anybody's scan, but many programs write them for a template, too. */
+    enum pose_brain brain = strstr(transform, "(MNI 152)")          ? POSE_BRAIN_MNI152
+                            : strstr(transform, "(Talairach)")      ? POSE_BRAIN_TALAIRACH
+                            : strstr(transform, "(other template)") ? POSE_BRAIN_TEMPLATE
+                                                                    : POSE_BRAIN_UNKNOWN;
     if (space->brain == POSE_BRAIN_UNKNOWN || brain == POSE_BRAIN_UNKNOWN) {
         return notes_warn(notes, "positions are in \"%s\"; it is not known whether the atlas (%s) is in the same space",
                           space->name, transform);

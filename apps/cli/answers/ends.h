@@ -28,7 +28,7 @@ void rows_file_finish(struct rows_file *file);
 conus_status rows_file_report(struct rows_file *file, const conus_selector *selector,
                               const conus_report_options *options);
 
-/** Adds, for all atlases, why a pose has none. */
+/** Adds a row for each atlas that says why a pose has no answer. */
 int rows_file_refuse(struct rows_file *file, const char *id, size_t line, const char *why);
 
 /** Writes the sidecar and then the rows. */
@@ -43,10 +43,10 @@ struct ends_settings {
 extern const struct option endpoints_options[];
 extern const struct option connectivity_options[]; /**< --connectivity and --endpoint-radius. */
 
-/** False with a message where one needs another, or cannot be. */
+/** Whether the options fit together; prints an error if not. */
 bool ends_check(const struct ends_settings *settings, const struct arguments *arguments);
 
-/** The library's options by them. */
+/** The library's options that these settings mean. */
 conus_connectivity_options ends_options_of(const struct ends_settings *settings, const struct arguments *arguments);
 
 /** False with a message where no atlas has a bundle to look at. */

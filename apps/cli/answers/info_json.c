@@ -48,18 +48,12 @@ void info_put_reach(FILE *out, const double low[3], const double high[3])
             ends[3], ends[4], ends[5]);
 }
 
-static bool has_context_volume(const conus_atlas *atlas)
-{
-    bool found = false;
-    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
-        found = found || conus_atlas_volume(atlas, i)->role == CONUS_ROLE_CONTEXT;
-    }
-    return found;
-}
-
 static void put_context(FILE *out, const conus_atlas *atlas, const conus_placement *place)
 {
-    bool is_volume = has_context_volume(atlas);
+    bool is_volume = false;
+    for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
+        is_volume = is_volume || conus_atlas_volume(atlas, i)->role == CONUS_ROLE_CONTEXT;
+    }
     fprintf(out, "  in context   %.1f %% of its voxels in the %s", 100 * place->in_grid,
             is_volume ? "grid" : "box around the closed surfaces");
     if (!is_volume) {
@@ -98,19 +92,12 @@ static json_t *point(const double p[3])
     return isfinite(p[0] + p[1] + p[2]) ? json_pack("[f,f,f]", p[0], p[1], p[2]) : json_null();
 }
 
-static json_t *in_context(const conus_placement *place)
-{
-    bool known = isfinite(place->head_threshold);
-    return json_pack("{s:f,s:o,s:o}", "in_grid", place->in_grid, "in_head",
-                     known ? json_real(place->in_head) : json_null(), "head_threshold",
-                     known ? json_real(place->head_threshold) : json_null());
-}
-
 static json_t *number(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+/* Row by row, as people write a matrix. */
 static json_t *matrix(const double m[16])
 {
     json_t *rows = json_array();
@@ -126,12 +113,17 @@ json_t *info_place_json(const conus_atlas *atlas)
     if (!find_place(&place, atlas)) {
         return json_null();
     }
+    bool known = isfinite(place.head_threshold);
+    json_t *context = !place.has_context ? json_null()
+                                         : json_pack("{s:f,s:o,s:o}", "in_grid", place.in_grid, "in_head",
+                                                     known ? json_real(place.in_head) : json_null(), "head_threshold",
+                                                     known ? json_real(place.head_threshold) : json_null());
     return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "atlas_from_world",
                      place.is_warped ? json_null() : matrix(place.atlas_from_world), "growth", number(place.growth),
                      "mirrors", place.is_warped ? json_null() : json_boolean(place.mirrors), "centre",
                      point(place.centre), "distance_mm", number(place.distance_mm), "own_low", point(place.own_low),
                      "own_high", point(place.own_high), "low", point(place.low), "high", point(place.high), "context",
-                     place.has_context ? in_context(&place) : json_null());
+                     context);
 }
 
 /* "FA, colour (3) of points; weight of streamlines" */
@@ -257,22 +249,12 @@ json_t *info_json_bytes(const char *bytes)
     return text;
 }
 
-static json_t *text_or_null(const char *text)
-{
-    return *text ? json_string(text) : json_null();
-}
-
 static json_t *hemisphere(char letter)
 {
     return letter ? json_pack("s#", &letter, (size_t)1) : json_null();
 }
 
-static json_t *sizes(const size_t values[3])
-{
-    return json_pack("[I,I,I]", (json_int_t)values[0], (json_int_t)values[1], (json_int_t)values[2]);
-}
-
-/* Row by row, as people write a matrix. Labels to the last digit, which json_real() would cut. */
+/* Labels keep all their digits, which json_real() would cut. */
 static json_t *value(double number)
 {
     bool whole = fabs(number) < 0x1p53 && number == floor(number);
@@ -312,10 +294,11 @@ static json_t *volume(const conus_atlas *atlas, size_t index)
     json_t *json = json_pack(
         "{s:s,s:o,s:s,s:s,s:s,s:o,s:I,s:I,s:o,s:[f,f,f],s:s,s:s,s:f,s:f,s:o,s:o}", "role", roles[info->role], "path",
         info_json_bytes(info->path), "sha256", info->sha256, "format", info->format, "datatype", info->datatype, "dim",
-        sizes(info->dim), "volume", (json_int_t)info->volume, "volume_count", (json_int_t)info->volume_count,
-        "world_from_voxel", matrix(info->world_from_voxel), "spacing_mm", info->spacing[0], info->spacing[1],
-        info->spacing[2], "orientation", info->orientation, "transform", info->transform, "slope", info->slope,
-        "intercept", info->intercept, "minimum", value(info->minimum), "maximum", value(info->maximum));
+        json_pack("[I,I,I]", (json_int_t)info->dim[0], (json_int_t)info->dim[1], (json_int_t)info->dim[2]), "volume",
+        (json_int_t)info->volume, "volume_count", (json_int_t)info->volume_count, "world_from_voxel",
+        matrix(info->world_from_voxel), "spacing_mm", info->spacing[0], info->spacing[1], info->spacing[2],
+        "orientation", info->orientation, "transform", info->transform, "slope", info->slope, "intercept",
+        info->intercept, "minimum", value(info->minimum), "maximum", value(info->maximum));
     if (json_array_size(bands)) {
         json_object_set(json, "bands", bands);
     } else if (info->role == CONUS_ROLE_SCALAR || info->threshold != 0) {
@@ -325,42 +308,25 @@ static json_t *volume(const conus_atlas *atlas, size_t index)
     return json;
 }
 
-static json_t *parent(const conus_atlas *atlas, const conus_object *object)
-{
-    const conus_object *other = conus_atlas_object(atlas, object->parent);
-    return other ? json_integer(other->label) : json_null();
-}
-
-static json_t *triangles(const conus_object *object)
-{
-    return object->triangles ? json_integer((json_int_t)object->triangles) : json_null();
-}
-
-static json_t *closed(const conus_object *object)
-{
-    return object->triangles ? json_boolean(object->closed) : json_null();
-}
-
-static json_t *volume_mm3(const conus_object *object)
-{
-    return object->triangles && object->volume_mm3 == 0 ? json_null() : json_real(object->volume_mm3);
-}
-
 /* `number` is the object's. */
 static json_t *object(const conus_atlas *atlas, size_t number)
 {
     const conus_object *object = conus_atlas_object(atlas, number);
     static const char *const kinds[] = {
         [CONUS_KIND_AREA] = "area", [CONUS_KIND_PATHWAY] = "pathway", [CONUS_KIND_BUNDLE] = "bundle"};
+    const conus_object *parent = conus_atlas_object(atlas, object->parent);
+    bool has_surface = object->triangles > 0;
     char color[8];
     snprintf(color, sizeof color, "#%02x%02x%02x", object->rgb[0], object->rgb[1], object->rgb[2]);
     json_t *json =
         json_pack("{s:s,s:I,s:s,s:b,s:o,s:o,s:o,s:I,s:s,s:I,s:o,s:o,s:o}", "kind", kinds[object->kind], "index",
                   (json_int_t)object->label, "name", object->name, "named", object->named, "abbreviation",
-                  text_or_null(object->abbreviation), "hemisphere", hemisphere(object->hemisphere), "parent",
-                  parent(atlas, object), "depth", (json_int_t)conus_atlas_depth(atlas, number), "color", color,
-                  "voxels", (json_int_t)object->voxels, "triangles", triangles(object), "closed", closed(object),
-                  "volume_mm3", volume_mm3(object));
+                  *object->abbreviation ? json_string(object->abbreviation) : json_null(), "hemisphere",
+                  hemisphere(object->hemisphere), "parent", parent ? json_integer(parent->label) : json_null(), "depth",
+                  (json_int_t)conus_atlas_depth(atlas, number), "color", color, "voxels", (json_int_t)object->voxels,
+                  "triangles", has_surface ? json_integer((json_int_t)object->triangles) : json_null(), "closed",
+                  has_surface ? json_boolean(object->closed) : json_null(), "volume_mm3",
+                  has_surface && object->volume_mm3 == 0 ? json_null() : json_real(object->volume_mm3));
     if (object->kind == CONUS_KIND_BUNDLE) {
         json_object_set_new(json, "streamlines", json_integer((json_int_t)object->streamlines));
         json_object_set_new(json, "points", json_integer((json_int_t)object->points));

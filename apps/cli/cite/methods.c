@@ -229,25 +229,20 @@ static void put_angles(FILE *out, const struct citation *citation)
     }
 }
 
-static double find_ball(const struct citation *citation)
-{
-    size_t index;
-    const json_t *query;
-    double radius = 0;
-    json_array_foreach(queries(citation), index, query)
-    {
-        radius = fmax(radius, json_number_value(json_object_get(query, "radius_mm")));
-    }
-    return radius;
-}
-
 /* "a cone ... angle of 20°,", or what stands in its place. */
 static void put_shape(FILE *out, const struct citation *citation)
 {
     double radius = json_number_value(citation_setting(citation, "radius_mm"));
     bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
     if (is_ball(citation)) {
-        fprintf(out, "a ball with a radius of %.9g mm", find_ball(citation));
+        double ball = 0;
+        size_t index;
+        const json_t *query;
+        json_array_foreach(queries(citation), index, query)
+        {
+            ball = fmax(ball, json_number_value(json_object_get(query, "radius_mm")));
+        }
+        fprintf(out, "a ball with a radius of %.9g mm", ball);
     } else if (radius > 0) {
         fprintf(out, "%s of %.9g mm about the device's axis",
                 is_square ? "a square prism with half an edge" : "a cylinder with a radius", radius);
@@ -309,23 +304,17 @@ static void put_sampling(FILE *out, const struct citation *citation)
     fputs("; thinner objects can be missed.", out);
 }
 
-static long long find_pixels(const struct citation *citation)
+static void put_grid(FILE *out, const struct citation *citation)
 {
+    long long n = json_integer_value(citation_setting(citation, "resolution"));
+    long long pixels = 0;
     size_t index;
     const json_t *query;
-    long long pixels = 0;
     json_array_foreach(queries(citation), index, query)
     {
         long long own = json_integer_value(json_object_get(query, "cone_pixels"));
         pixels = own > pixels ? own : pixels;
     }
-    return pixels;
-}
-
-static void put_grid(FILE *out, const struct citation *citation)
-{
-    long long n = json_integer_value(citation_setting(citation, "resolution"));
-    long long pixels = find_pixels(citation);
     bool is_tube = json_number_value(citation_setting(citation, "radius_mm")) > 0;
     bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
     double angles[LISTED + 1];
@@ -489,30 +478,23 @@ static void put_admission(FILE *out, const struct citation *citation)
     put_range(out, citation);
 }
 
-/* The region that streamlines had to come into. */
-static void put_region(FILE *out, const struct citation *citation)
-{
-    const json_t *query = json_array_get(queries(citation), 0);
-    double radius = json_number_value(citation_setting(citation, "radius_mm"));
-    if (is_ball(citation)) {
-        fprintf(out, " that come into a ball of %g mm", json_number_value(json_object_get(query, "radius_mm")));
-    } else if (radius > 0) {
-        fprintf(out, " that come into a cylinder of %g mm about the device's axis", radius);
-    } else {
-        fprintf(out, " that come into a cone of %g degrees about the device's axis",
-                json_number_value(json_object_get(query, "angle_deg")));
-    }
-    fputs(", for ", out);
-    put_poses(out, citation);
-}
-
 static void put_connections(FILE *out, const struct citation *citation)
 {
     const json_t *query = json_array_get(queries(citation), 0);
     double radius = json_number_value(json_object_get(query, "endpoint_radius_mm"));
+    double tube = json_number_value(citation_setting(citation, "radius_mm"));
     fputs("The areas at both ends were determined of all streamlines", out);
     if (!question_is(citation, "region", "all")) {
-        put_region(out, citation);
+        if (is_ball(citation)) {
+            fprintf(out, " that come into a ball of %g mm", json_number_value(json_object_get(query, "radius_mm")));
+        } else if (tube > 0) {
+            fprintf(out, " that come into a cylinder of %g mm about the device's axis", tube);
+        } else {
+            fprintf(out, " that come into a cone of %g degrees about the device's axis",
+                    json_number_value(json_object_get(query, "angle_deg")));
+        }
+        fputs(", for ", out);
+        put_poses(out, citation);
     }
     put_program(out, citation);
     put_range(out, citation);
@@ -542,7 +524,7 @@ static void put_overlap(FILE *out, const struct citation *citation)
         out);
 }
 
-/* The first that fits says the sentences of a question. No region stands for any. */
+/* The first row that fits a question writes its sentences. A row without a region fits any. */
 static const struct {
     const char *rows, *region;
     void (*put)(FILE *out, const struct citation *citation);
@@ -555,7 +537,7 @@ static const struct {
     {"chances", NULL, put_cone, true},          {"steps", NULL, put_cone, true},
 };
 
-/* Which of them; their number where none fits. */
+/* The index of that row; the number of rows where none fits. */
 static size_t find_sentences(const struct citation *citation)
 {
     size_t count = sizeof sentences / sizeof sentences[0];
@@ -750,17 +732,6 @@ static void put_treatment(FILE *out, const struct citation *citation, const json
     put_way(out, atlas);
 }
 
-/* "sform, code 1 (scanner)", "the Allen CCF's grid", "none: voxel sizes only, ..." */
-static void put_place(FILE *out, const char *transform)
-{
-    static const char none[] = "none: ";
-    bool is_none = strncmp(transform, none, sizeof none - 1) == 0;
-    bool is_its = !is_none && strncmp(transform, "the ", 4) != 0;
-    if (*transform) {
-        fprintf(out, ", placed by %s%s", is_its ? "its " : "", transform + (is_none ? sizeof none - 1 : 0));
-    }
-}
-
 void citation_atlas(FILE *out, const struct citation *citation, size_t index)
 {
     const struct cited_atlas *atlas = &citation->atlases[index];
@@ -773,7 +744,13 @@ void citation_atlas(FILE *out, const struct citation *citation, size_t index)
     if (atlas->sha256) {
         fprintf(out, ", SHA-256 %.8s…", atlas->sha256);
     }
-    put_place(out, transform ? transform : "");
+    if (transform && *transform) {
+        /* "sform, code 1 (scanner)", "the Allen CCF's grid", "none: voxel sizes only, ..." */
+        static const char none[] = "none: ";
+        bool is_none = strncmp(transform, none, sizeof none - 1) == 0;
+        bool is_its = !is_none && strncmp(transform, "the ", 4) != 0;
+        fprintf(out, ", placed by %s%s", is_its ? "its " : "", transform + (is_none ? sizeof none - 1 : 0));
+    }
     fputs(atlas->references.count ? "; see the references)." : ").", out);
     put_treatment(out, citation, own);
 }

@@ -94,29 +94,21 @@ static void read_brainglobe(struct references *out, const char *path, size_t fol
     read_keys(out, path_in(path, folder, "metadata.json"), "orientation", keys);
 }
 
-/* The value of the entity atlas- in a name: "atlas-Schaefer2018_dseg.nii.gz". */
-static void read_atlas(struct references *out, const char *path, size_t folder, const char *name,
-                       const char *const *keys)
-{
-    const char *entity = strstr(name, "atlas-");
-    char *file = NULL;
-    size_t length = entity ? strcspn(entity, "_.") : 0;
-    if (entity && asprintf(&file, "%.*s_description.json", (int)length, entity) >= 0) {
-        read_keys(out, path_in(path, folder, file), NULL, keys);
-        free(file);
-    }
-}
-
 static void read_bids(struct references *out, const char *path, const char *name)
 {
     static const char *const keys[] = {"HowToAcknowledge", "ReferencesAndLinks", "References", "DatasetDOI", NULL};
     static const char *const files[] = {"template_description.json", "dataset_description.json"};
     size_t folder = folder_of(path, strlen(path));
-    if (!strstr(name, "tpl-") && !strstr(name, "atlas-")) {
+    const char *entity = strstr(name, "atlas-"); /* "atlas-Schaefer2018" of "atlas-Schaefer2018_dseg.nii.gz" */
+    if (!strstr(name, "tpl-") && !entity) {
         return; /* a description of somebody's study, in which the file lies */
     }
     for (int i = 0; i <= FOLDERS_UP && !out->count; i++) {
-        read_atlas(out, path, folder, name, keys);
+        char *file = NULL;
+        if (entity && asprintf(&file, "%.*s_description.json", (int)strcspn(entity, "_."), entity) >= 0) {
+            read_keys(out, path_in(path, folder, file), NULL, keys);
+            free(file);
+        }
         for (size_t k = 0; k < sizeof files / sizeof files[0] && !out->count; k++) {
             read_keys(out, path_in(path, folder, files[k]), NULL, keys);
         }

@@ -138,12 +138,6 @@ static size_t count_of(struct piece line, char wanted)
     return count;
 }
 
-/* Whether both lines can be headers of one table. */
-static bool have_as_many_cells(struct piece a, struct piece b)
-{
-    return count_of(a, '\t') == count_of(b, '\t') && count_of(a, ',') == count_of(b, ',');
-}
-
 bool differences_find(struct differences *out, const char *before, size_t before_size, const char *after,
                       size_t after_size, size_t first_line)
 {
@@ -159,7 +153,8 @@ bool differences_find(struct differences *out, const char *before, size_t before
             break;
         }
         if (out->lines++ == 0) {
-            header = have_as_many_cells(a, b) ? b : header;
+            // Lines of as many cells can both be headers of one table.
+            header = (count_of(a, '\t') == count_of(b, '\t') && count_of(a, ',') == count_of(b, ',')) ? b : header;
         }
         if (!equal(a, b)) {
             out->count++;
@@ -275,15 +270,6 @@ static char *json_text(const json_t *value)
     return value ? json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(DIGITS)) : strdup("missing");
 }
 
-/* Takes `root` out of the text wherever it stands. */
-static void take_out(char *text, const char *root)
-{
-    size_t length = strlen(root);
-    for (char *at = text; length && (at = strstr(at, root));) {
-        memmove(at, at + length, strlen(at + length) + 1);
-    }
-}
-
 static bool numbers_equal(const json_t *a, const json_t *b)
 {
     return json_is_number(a) && json_is_number(b) && !(json_is_integer(a) && json_is_integer(b)) &&
@@ -308,8 +294,10 @@ static void compare_values(struct comparing *out, const char *name, const json_t
     }
     char *one = json_text(a);
     char *other = json_text(b);
-    if (other && out->terms->root) {
-        take_out(other, out->terms->root);
+    const char *root = out->terms->root;
+    size_t length = root ? strlen(root) : 0;
+    for (char *at = other; at && length && (at = strstr(at, root));) { /* wherever it stands */
+        memmove(at, at + length, strlen(at + length) + 1);
     }
     if (one && other && strcmp(one, other) != 0 &&
         asprintf(&out->said, "%s is %.60s there, and %.60s when it is answered again", name, one, other) < 0) {
@@ -368,13 +356,6 @@ static void compare_programs(struct comparing *out, const json_t *recorded, cons
     json_decref(programs);
 }
 
-/* The path that the recorded command line gives for the output of `option`; null of standard output. */
-static json_t *path_of(const struct arguments *arguments, const char *option)
-{
-    const char *path = option_text(arguments, option);
-    return output_is_stdout(path) ? json_null() : json_string(path);
-}
-
 /* The files that were made again lie elsewhere: each path must be the one that was asked for. */
 static void compare_outputs(struct comparing *out, const json_t *recorded, const json_t *again)
 {
@@ -386,7 +367,11 @@ static void compare_outputs(struct comparing *out, const json_t *recorded, const
     {
         const json_t *own = json_array_get(given, index);
         const char *option = json_string_value(json_object_get(output, "option"));
-        json_t *path = option && out->terms->arguments ? path_of(out->terms->arguments, option) : NULL;
+        json_t *path = NULL; /* that the recorded command line gives; null of standard output */
+        if (option && out->terms->arguments) {
+            const char *asked = option_text(out->terms->arguments, option);
+            path = output_is_stdout(asked) ? json_null() : json_string(asked);
+        }
         out->failed = (path && json_object_set_new(output, "path", path)) || out->failed;
         if (is_picture(out, output) && is_picture(out, own)) {
             json_object_set(output, "bytes", json_object_get(own, "bytes"));

@@ -99,14 +99,6 @@ char *base_folder(const char *recorded, const char *actual)
     return fits && !(recorded && *recorded == '/') ? strndup(actual, length - folders) : NULL;
 }
 
-static bool is_file(const char *path, int64_t *bytes)
-{
-    struct stat info;
-    bool is = stat(path, &info) == 0 && S_ISREG(info.st_mode);
-    *bytes = is ? info.st_size : 0;
-    return is;
-}
-
 static bool has_sum(const struct recorded_file *file, const char *path, int64_t bytes)
 {
     char sum[SHA256_TEXT];
@@ -117,10 +109,10 @@ static bool has_sum(const struct recorded_file *file, const char *path, int64_t 
 /* Takes `path`, which it frees, if it is the file; else, where it was, keeps in mind that there is another one. */
 static bool try_path(struct found_file *out, const struct recorded_file *file, char *path, enum file_state state)
 {
-    int64_t bytes;
-    bool is = path && is_file(path, &bytes);
+    struct stat info;
+    bool is = path && stat(path, &info) == 0 && S_ISREG(info.st_mode);
     bool known = file->sha256;
-    bool same = is && known && has_sum(file, path, bytes);
+    bool same = is && known && has_sum(file, path, info.st_size);
     if (same || (is && state == FILE_SAME && !out->path)) {
         free(out->path);
         out->path = realpath(path, NULL);
@@ -148,7 +140,7 @@ static char *path_from(const char *folder, const char *path)
     return folder && *path != '/' && asprintf(&joined, "%s%s", folder, path) >= 0 ? joined : NULL;
 }
 
-/* Files of its name come first: of a thousand files of one size it is hardly another one. */
+/* Tries files of its name first: among many of one size, it is most likely one of those. */
 static void search(struct found_file *out, const struct recorded_file *file, const struct places *places)
 {
     for (int named = 1; named >= 0; named--) {

@@ -260,22 +260,6 @@ static const char *read_command(struct record *out)
     return bad ? refuse("GeneratedBy: CommandLine %s", bad) : NULL;
 }
 
-static const char *read_seal(struct record *out)
-{
-    char sum[SHA256_TEXT];
-    const json_t *seal = json_object_get(out->root, "Checksum");
-    const char *given = json_string_value(seal);
-    if (!seal) {
-        return NULL;
-    }
-    if (!provenance_checksum(sum, out->root)) {
-        return "does not fit into memory";
-    }
-    out->is_sealed = true;
-    out->is_intact = given && strcmp(given, sum) == 0;
-    return NULL;
-}
-
 static const char *read_all(struct record *out)
 {
     static const char *const parts[] = {"Atlas", "Atlases", "Queries", "Inputs"};
@@ -288,7 +272,21 @@ static const char *read_all(struct record *out)
     bad = bad ? bad : read_batch(out);
     bad = bad ? bad : join_equal(out);
     out->has_inputs = json_object_get(out->root, "Inputs");
-    return bad ? bad : read_seal(out);
+    if (bad) {
+        return bad;
+    }
+    char sum[SHA256_TEXT];
+    const json_t *seal = json_object_get(out->root, "Checksum");
+    const char *given = json_string_value(seal);
+    if (!seal) {
+        return NULL;
+    }
+    if (!provenance_checksum(sum, out->root)) {
+        return "does not fit into memory";
+    }
+    out->is_sealed = true;
+    out->is_intact = given && strcmp(given, sum) == 0;
+    return NULL;
 }
 
 const char *record_parse(struct record *out, const char *text, size_t size)

@@ -143,7 +143,7 @@ void stage_finish(struct stage *stage)
     *stage = (struct stage){.folder = stage->folder};
 }
 
-/* Before every path that begins with a slash: the word's, "from=/a.nii", "@/names.txt". */
+/* Puts the folder before each absolute path in the word: "/a.nii", "from=/a.nii", "@/names.txt". */
 char *stage_word(const struct stage *stage, const char *given)
 {
     char *word = NULL;
@@ -177,7 +177,7 @@ char *stage_output(const struct stage *stage, const char *option, const char *na
     return path;
 }
 
-/* The one without another that has ".json" behind or in place of its ending: with a sidecar there are two files. */
+/* Of two files, the one that is no sidecar: that has ".json" behind or in place of the other's ending. */
 char *stage_find_output(const char *folder, const char *option)
 {
     char *path = NULL;
@@ -251,27 +251,6 @@ static bool asks_for_help(const struct command_line *line)
     return false;
 }
 
-static bool check_uses(struct replay *out)
-{
-    const struct arguments *arguments = &out->arguments;
-    for (size_t i = 0; i < arguments->use_count; i++) {
-        const struct option_use *use = &arguments->uses[i];
-        const char *name = use->option->name;
-        enum option_role role = use->option->role;
-        bool is_text = use->option->type == OPTION_TEXT || use->option->type == OPTION_LIST;
-        if (role == OPTION_LIVE) {
-            return fail_replay(out, "its poses came from a tracker (--%s), which cannot be asked again", name);
-        }
-        if (role == OPTION_READS_POSES && output_is_stdout(use->value)) {
-            return fail_replay(out, "its poses came from standard input, which cannot be read again");
-        }
-        if (role == OPTION_ENDS || (role == OPTION_PLAIN && is_text)) {
-            return fail_replay(out, "its command line has --%s, which is not asked again", name);
-        }
-    }
-    return true;
-}
-
 bool replay_parse(struct replay *out, const struct command *const *commands)
 {
     const struct command_line *line = &out->record->line;
@@ -298,7 +277,26 @@ bool replay_parse(struct replay *out, const struct command *const *commands)
 
 bool replay_check(struct replay *out, const struct command *const *commands)
 {
-    return replay_parse(out, commands) && check_uses(out);
+    if (!replay_parse(out, commands)) {
+        return false;
+    }
+    const struct arguments *arguments = &out->arguments;
+    for (size_t i = 0; i < arguments->use_count; i++) {
+        const struct option_use *use = &arguments->uses[i];
+        const char *name = use->option->name;
+        enum option_role role = use->option->role;
+        bool is_text = use->option->type == OPTION_TEXT || use->option->type == OPTION_LIST;
+        if (role == OPTION_LIVE) {
+            return fail_replay(out, "its poses came from a tracker (--%s), which cannot be asked again", name);
+        }
+        if (role == OPTION_READS_POSES && output_is_stdout(use->value)) {
+            return fail_replay(out, "its poses came from standard input, which cannot be read again");
+        }
+        if (role == OPTION_ENDS || (role == OPTION_PLAIN && is_text)) {
+            return fail_replay(out, "its command line has --%s, which is not asked again", name);
+        }
+    }
+    return true;
 }
 
 /* Words on the way, in the child. */
@@ -405,21 +403,6 @@ static void put_use(struct writing *out, const struct option_use *use)
     free(read);
 }
 
-/* Writes the operands after "--", since a path may begin with a dash. */
-static void put_operands(struct writing *out)
-{
-    const struct arguments *arguments = &out->replay->arguments;
-    const char *atlas = arguments->operand_count ? arguments->operands[0] : record_atlas(out->replay->record, 0);
-    put(out, strdup("--"));
-    put(out, atlas ? atlas_word(out, atlas, 0) : NULL);
-    for (size_t i = 1; i < arguments->operand_count; i++) {
-        put(out, stage_word(out->stage, arguments->operands[i]));
-    }
-    for (size_t i = 0; i < arguments->more.count; i++) {
-        put(out, stage_word(out->stage, arguments->more.items[i]));
-    }
-}
-
 static void put_words(struct writing *out)
 {
     const struct replay *replay = out->replay;
@@ -450,7 +433,15 @@ static void put_words(struct writing *out)
     } else if (!out->has_output) {
         put_output(out, option_find(replay->command, "output"), NULL);
     }
-    put_operands(out);
+    const char *atlas = arguments->operand_count ? arguments->operands[0] : record_atlas(replay->record, 0);
+    put(out, strdup("--")); /* since a path may begin with a dash */
+    put(out, atlas ? atlas_word(out, atlas, 0) : NULL);
+    for (size_t i = 1; i < arguments->operand_count; i++) {
+        put(out, stage_word(out->stage, arguments->operands[i]));
+    }
+    for (size_t i = 0; i < arguments->more.count; i++) {
+        put(out, stage_word(out->stage, arguments->more.items[i]));
+    }
 }
 
 static bool redirect(const char *path, int flags, int descriptor)
@@ -461,14 +452,6 @@ static bool redirect(const char *path, int flags, int descriptor)
         close(file);
     }
     return done;
-}
-
-static int run_words(const struct command *command, const struct command *const *family, int count, char **words)
-{
-    struct arguments arguments;
-    void *settings = calloc(1, command->settings_size);
-    int code = settings ? options_parse(&arguments, settings, command, family, count, words, 2) : EXIT_DATA;
-    return code < 0 ? command->run(settings, &arguments) : code;
 }
 
 static int answer_in_child(const struct replay *replay, const struct stage *stage)
@@ -487,7 +470,13 @@ static int answer_in_child(const struct replay *replay, const struct stage *stag
         print_error_line("its command line does not fit into memory, or is not whole");
         return EXIT_DATA;
     }
-    int code = run_words(replay->command, replay->arguments.family, writing.count, writing.words);
+    const struct command *command = replay->command;
+    struct arguments arguments;
+    void *settings = calloc(1, command->settings_size);
+    int code = settings ? options_parse(&arguments, settings, command, replay->arguments.family, writing.count,
+                                        writing.words, 2)
+                        : EXIT_DATA;
+    code = code < 0 ? command->run(settings, &arguments) : code;
     fflush(NULL);
     return code;
 }

@@ -255,15 +255,6 @@ static bool same_pixels(struct verdict *verdict, const char *again)
     return !status && !found.differing;
 }
 
-static size_t lines_in(const char *text, size_t size)
-{
-    size_t count = 0;
-    for (const char *at = text; (at = memchr(at, '\n', size - (size_t)(at - text))); at++) {
-        count++;
-    }
-    return count;
-}
-
 static int compare_texts(struct checking *checking, const char *again, size_t again_size, const char *path)
 {
     struct verdict *verdict = checking->verdict;
@@ -284,11 +275,12 @@ static int compare_texts(struct checking *checking, const char *again, size_t ag
         say(&verdict->why, "its bytes differ from those of the new answer");
         return EXIT_DONE;
     }
-    if (!differences_find(&verdict->differences, rows, size, other, other_size,
-                          1 + lines_in(checking->text, (size_t)(rows - checking->text)))) {
-        return print_no_memory();
+    size_t first_line = 1;
+    for (const char *at = checking->text; (at = memchr(at, '\n', (size_t)(rows - at))); at++) {
+        first_line++;
     }
-    return EXIT_DONE;
+    bool found = differences_find(&verdict->differences, rows, size, other, other_size, first_line);
+    return found ? EXIT_DONE : print_no_memory();
 }
 
 static bool is_other_version(const struct record *record)
@@ -296,16 +288,13 @@ static bool is_other_version(const struct record *record)
     return strcmp(record->version, conus_version()) != 0;
 }
 
-/* The option whose file the sidecar is beside: conus lists that one last. */
-static const char *option_of(const struct record *record)
-{
-    return record->output_count ? record->outputs[record->output_count - 1].option : "output";
-}
-
-/* The sidecar that was made again, of the same option; NULL where there is none. */
+/* The sidecar that was made again, of the option whose file it is beside, which conus lists last; NULL where there is
+ * none. */
 static json_t *load_again(const struct checking *checking, const struct replay *replay)
 {
-    char *path = replay_output(replay, option_of(&checking->verdict->record));
+    const struct record *record = &checking->verdict->record;
+    char *path =
+        replay_output(replay, record->output_count ? record->outputs[record->output_count - 1].option : "output");
     char *sidecar = path ? sidecar_find(path) : NULL;
     char *text = NULL;
     size_t size = 0;
@@ -318,8 +307,7 @@ static json_t *load_again(const struct checking *checking, const struct replay *
     return again;
 }
 
-/* Every value of the sidecar is compared. What differs is said where nothing else was said, which it may follow from.
- */
+/* Compares every value of the sidecar. Says a difference only where nothing else was said that it may follow from. */
 static int compare_sidecars(struct checking *checking, const struct replay *replay)
 {
     struct verdict *verdict = checking->verdict;
@@ -344,7 +332,7 @@ static int compare_sidecars(struct checking *checking, const struct replay *repl
     return EXIT_DONE;
 }
 
-/* The version explains other rows where nothing else does. */
+/* Says that another version wrote the result, which explains other rows where nothing else does. */
 static void say_versions(struct checking *checking)
 {
     struct verdict *verdict = checking->verdict;
@@ -488,29 +476,6 @@ static const char *shown(const char *text)
     return text ? text + strspn(text, " ") : "nothing";
 }
 
-static void put_differences(FILE *out, const struct differences *found)
-{
-    for (size_t i = 0; i < found->listed; i++) {
-        const struct difference *item = &found->items[i];
-        fprintf(out, "  line %zu%s%s: %s, answered again: %s\n", item->line, *item->where ? ", " : "", item->where,
-                shown(item->before), shown(item->after));
-    }
-    if (found->count) {
-        fprintf(out, "  %zu of %zu lines differ\n", found->count, found->lines);
-    }
-}
-
-static void put_files(FILE *out, const struct verdict *verdict)
-{
-    size_t same = 0;
-    size_t count = verdict->record.input_count;
-    for (size_t i = 0; i < count; i++) {
-        same += verdict->found[i].state == FILE_SAME || verdict->found[i].state == FILE_MOVED;
-    }
-    fprintf(out, "  answered again from %zu file%s, %zu with the SHA-256 in %s\n", count, count == 1 ? "" : "s", same,
-            verdict->sidecar);
-}
-
 char *verdict_text(const struct verdict *verdict)
 {
     char *text = NULL;
@@ -522,8 +487,22 @@ char *verdict_text(const struct verdict *verdict)
     bool rows_only = verdict->kind == VERDICT_DIFFERENT && verdict->same;
     fprintf(out, "%s: %s%s\n", verdict->result, kinds[verdict->kind],
             rows_only ? ": it is answered the same again, but not all else is as it was" : "");
-    put_files(out, verdict);
-    put_differences(out, &verdict->differences);
+    size_t known = 0;
+    size_t count = verdict->record.input_count;
+    for (size_t i = 0; i < count; i++) {
+        known += verdict->found[i].state == FILE_SAME || verdict->found[i].state == FILE_MOVED;
+    }
+    fprintf(out, "  answered again from %zu file%s, %zu with the SHA-256 in %s\n", count, count == 1 ? "" : "s", known,
+            verdict->sidecar);
+    const struct differences *found = &verdict->differences;
+    for (size_t i = 0; i < found->listed; i++) {
+        const struct difference *item = &found->items[i];
+        fprintf(out, "  line %zu%s%s: %s, answered again: %s\n", item->line, *item->where ? ", " : "", item->where,
+                shown(item->before), shown(item->after));
+    }
+    if (found->count) {
+        fprintf(out, "  %zu of %zu lines differ\n", found->count, found->lines);
+    }
     put_lines(out, "why", &verdict->why);
     put_lines(out, "note", &verdict->notes);
     if (fclose(out)) {
@@ -563,39 +542,30 @@ static json_t *json_from_lines(const struct lines *lines)
     return list;
 }
 
-static json_t *json_from_differences(const struct differences *found)
+char *verdict_json(const struct verdict *verdict)
 {
-    json_t *list = json_array();
-    for (size_t i = 0; i < found->listed; i++) {
-        const struct difference *item = &found->items[i];
-        json_array_append_new(list, json_pack("{s: I, s: o, s: o, s: o}", "line", (json_int_t)item->line, "where",
-                                              json_from_text(item->where), "recorded", json_from_text(item->before),
-                                              "again", json_from_text(item->after)));
+    json_t *differences = json_array();
+    json_t *files = json_array();
+    for (size_t i = 0; i < verdict->differences.listed; i++) {
+        const struct difference *item = &verdict->differences.items[i];
+        json_array_append_new(differences,
+                              json_pack("{s: I, s: o, s: o, s: o}", "line", (json_int_t)item->line, "where",
+                                        json_from_text(item->where), "recorded", json_from_text(item->before), "again",
+                                        json_from_text(item->after)));
     }
-    return list;
-}
-
-static json_t *json_from_files(const struct verdict *verdict)
-{
-    json_t *list = json_array();
     for (size_t i = 0; verdict->found && i < verdict->record.input_count; i++) {
         const struct recorded_file *file = &verdict->record.inputs[i];
-        json_array_append_new(list,
+        json_array_append_new(files,
                               json_pack("{s: s, s: o, s: o, s: s}", "path", file->path, "sha256",
                                         json_from_text(file->sha256), "found", json_from_text(verdict->found[i].path),
                                         "state", file_state_names[verdict->found[i].state]));
     }
-    return list;
-}
-
-char *verdict_json(const struct verdict *verdict)
-{
     json_t *root =
         json_pack("{s: o, s: o, s: s, s: b, s: o, s: o, s: I, s: o, s: o}", "result", json_from_text(verdict->result),
                   "sidecar", json_from_text(verdict->sidecar), "verdict", kinds[verdict->kind], "same_rows",
                   verdict->compared && verdict->same, "why", json_from_lines(&verdict->why), "notes",
                   json_from_lines(&verdict->notes), "lines_that_differ", (json_int_t)verdict->differences.count,
-                  "differences", json_from_differences(&verdict->differences), "files", json_from_files(verdict));
+                  "differences", differences, "files", files);
     char *dumped = root ? json_dumps(root, JSON_INDENT(1)) : NULL;
     char *text = NULL;
     if (dumped && asprintf(&text, "%s\n", dumped) < 0) {

@@ -22,7 +22,7 @@ enum verdict_kind {
 
 enum { VERDICT_LINES = 32 };
 
-/** Texts, of which there is a last one that counts those that no longer fit. */
+/** Up to VERDICT_LINES texts; `more` counts those that did not fit. */
 struct lines {
     char *items[VERDICT_LINES];
     size_t count, more;
@@ -50,7 +50,7 @@ void verdict_finish(struct verdict *verdict);
 /** The verdict for people and as JSON; NULL without memory. The caller frees it. */
 char *verdict_text(const struct verdict *verdict);
 char *verdict_json(const struct verdict *verdict);
-/** Prints why there is none. */
+/** Prints why the result could not be verified. */
 void verdict_print_error(const struct verdict *verdict);
 
 /** The sidecar of @p result: itself, if it is JSON that says how it was made, or the one beside it. NULL if there is
