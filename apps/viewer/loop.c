@@ -217,18 +217,6 @@ static void draw_frame(struct window *window)
     figure_form_step(window);
 }
 
-/* Whatever changes without the user: devices, files, replay, studies. */
-static void serve_viewer(struct window *window)
-{
-    hear_devices(window);
-    if (window->inputs.station) {
-        send_answer(window);
-    }
-    watch_files(window);
-    replay_step(&window->inputs.replay, window->viewer, glfwGetTime());
-    studies_step(window->viewer);
-}
-
 /* One round. False: the script has ended. */
 static bool go_round(struct window *window, struct script *script, int *code)
 {
@@ -243,7 +231,13 @@ static bool go_round(struct window *window, struct script *script, int *code)
     }
     atomic_store(&awake, false);
     if (window->viewer) {
-        serve_viewer(window);
+        hear_devices(window);
+        if (window->inputs.station) {
+            send_answer(window);
+        }
+        watch_files(window);
+        replay_step(&window->inputs.replay, window->viewer, glfwGetTime());
+        studies_step(window->viewer);
     }
     if (!window_wants_frame(window) && !acts && !ui_wants_keys()) {
         return true;

@@ -29,15 +29,14 @@ enum addition addition_of(const char **value, const char *word)
     return (enum addition)kind;
 }
 
-static bool is_key(enum addition kind, const char *text)
-{
-    return strchr(text, '=') || (kind == ADD_STREAMLINES && strcmp(text, "moves") == 0);
-}
-
 bool addition_path(char path[PATH_MAX], enum addition kind, const char *value)
 {
     int size = snprintf(path, PATH_MAX, "%s", value);
-    for (char *comma; size < PATH_MAX && (comma = strrchr(path, ',')) && is_key(kind, comma + 1);) {
+    for (char *comma; size < PATH_MAX && (comma = strrchr(path, ','));) {
+        bool is_key = strchr(comma + 1, '=') || (kind == ADD_STREAMLINES && strcmp(comma + 1, "moves") == 0);
+        if (!is_key) {
+            break;
+        }
         *comma = '\0';
     }
     return size < PATH_MAX;
@@ -234,21 +233,6 @@ static const char *text_of(const json_t *entry, const char *key)
     return text ? text : "";
 }
 
-/* The word, with the path where its file is now; NULL: it is nowhere, or there is no memory. */
-static json_t *find_word(const char *word, const char *path, const json_t *entry, const char *session)
-{
-    const char *value = NULL;
-    char now[PATH_MAX];
-    enum addition kind = addition_of(&value, word);
-    const struct session_file file = {.atlas = path,
-                                      .folder = "",
-                                      .sha256 = text_of(entry, "sha256"),
-                                      .bytes = (uint64_t)json_integer_value(json_object_get(entry, "bytes"))};
-    return kind < ADDITION_COUNT && session_file_find(now, &file, session, NULL, 0)
-               ? json_sprintf("--%s=%s%s", addition_names[kind], now, value + strlen(path))
-               : NULL;
-}
-
 json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, const json_t *described,
                        const char *session)
 {
@@ -268,7 +252,16 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
             fine = !json_array_append(found, json_array_get(words, i));
             continue;
         }
-        json_t *now = find_word(word, path, entry, session);
+        const char *value = NULL;
+        char where[PATH_MAX];
+        const struct session_file file = {.atlas = path,
+                                          .folder = "",
+                                          .sha256 = text_of(entry, "sha256"),
+                                          .bytes = (uint64_t)json_integer_value(json_object_get(entry, "bytes"))};
+        (void)addition_of(&value, word);
+        json_t *now = session_file_find(where, &file, session, NULL, 0)
+                          ? json_sprintf("--%s=%s%s", addition_names[kind], where, value + strlen(path))
+                          : NULL;
         if (now) {
             fine = !json_array_append_new(found, now);
         } else {

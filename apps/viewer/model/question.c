@@ -103,19 +103,6 @@ static double depth_of(const conus_result *result, bool by_entry)
     return result->object && isfinite(depth) ? depth : INFINITY;
 }
 
-/* Sorts by depth; the selection comes by rank, so equal depths stay in the order of rank. */
-static void sort_by_depth(size_t *order, size_t count, const conus_selection *selection, bool by_entry)
-{
-    for (size_t i = 0; i < count; i++) {
-        double depth = depth_of(conus_selection_result(selection, i), by_entry);
-        size_t place = i;
-        for (; place && depth_of(conus_selection_result(selection, order[place - 1]), by_entry) > depth; place--) {
-            order[place] = order[place - 1];
-        }
-        order[place] = i;
-    }
-}
-
 size_t *question_order(const struct viewer *viewer, const conus_selection *selection)
 {
     size_t count = conus_selection_count(selection);
@@ -123,8 +110,14 @@ size_t *question_order(const struct viewer *viewer, const conus_selection *selec
     conus_selector_options asked;
     size_t *order = by_depth ? malloc(count * sizeof *order) : NULL;
     viewer_question(&asked, viewer, FIRST_TOOL, 0);
-    if (order) {
-        sort_by_depth(order, count, selection, asked.layers == CONUS_LAYERS_ALL);
+    bool by_entry = asked.layers == CONUS_LAYERS_ALL;
+    for (size_t i = 0; order && i < count; i++) { /* it comes by rank: equal depths stay so */
+        double depth = depth_of(conus_selection_result(selection, i), by_entry);
+        size_t place = i;
+        for (; place && depth_of(conus_selection_result(selection, order[place - 1]), by_entry) > depth; place--) {
+            order[place] = order[place - 1];
+        }
+        order[place] = i;
     }
     return order;
 }

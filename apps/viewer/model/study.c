@@ -163,20 +163,6 @@ static bool list_angles(struct study_answer *answer)
     return answer->angles;
 }
 
-static conus_status note_chances(struct study_table *table, const conus_jitter *jitter)
-{
-    size_t count = conus_jitter_count(jitter);
-    table->chances = calloc(count + 1, sizeof *table->chances);
-    if (!table->chances) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < count; i++) {
-        table->chances[i] = *conus_jitter_chance(jitter, i);
-    }
-    table->chance_count = count;
-    return CONUS_OK;
-}
-
 static conus_status shake(struct work *work, size_t atlas)
 {
     const struct study_question *question = &work->answer->question;
@@ -189,7 +175,14 @@ static conus_status shake(struct work *work, size_t atlas)
     conus_status status =
         conus_jitter_create(&jitter, work->selectors[atlas], &question->pose, question->angle, &options);
     status = status ? status : conus_report_add_jitter(work->reports[atlas], "1", jitter);
-    status = status ? status : note_chances(&work->answer->tables[atlas], jitter);
+    struct study_table *table = &work->answer->tables[atlas];
+    size_t count = status ? 0 : conus_jitter_count(jitter);
+    table->chances = status ? NULL : calloc(count + 1, sizeof *table->chances);
+    table->chance_count = table->chances ? count : 0;
+    for (size_t i = 0; i < table->chance_count; i++) {
+        table->chances[i] = *conus_jitter_chance(jitter, i);
+    }
+    status = status || table->chances ? status : CONUS_ERROR_MEMORY;
     conus_jitter_destroy(jitter);
     return status;
 }

@@ -9,13 +9,6 @@
 
 static const char *const names[TIMED_KINDS] = {"frame_ms", "period_ms", "selection_ms", "latency_ms", "picture_ms"};
 
-static double processor_ms(void)
-{
-    struct timespec used;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
-    return 1e3 * (double)used.tv_sec + 1e-6 * (double)used.tv_nsec;
-}
-
 void times_start(struct times *times, double started)
 {
     memset(times, 0, sizeof *times);
@@ -57,7 +50,9 @@ conus_status times_write(struct times *times, const char *path)
         return CONUS_ERROR_MEMORY;
     }
     double now = clock_ms();
-    double used = processor_ms();
+    struct timespec processor;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &processor);
+    double used = 1e3 * (double)processor.tv_sec + 1e-6 * (double)processor.tv_nsec;
     fprintf(out, "{\"first_frame_ms\": %.1f, \"first_picture_ms\": %.1f,\n \"wall_ms\": %.1f, \"cpu_ms\": %.1f",
             times->first_frame, times->first_picture, now - times->written, used - times->used);
     times->written = now;

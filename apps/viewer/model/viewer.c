@@ -53,19 +53,6 @@ static void finish_atlases(struct viewer *viewer, bool with_them)
     free((void *)viewer->names);
 }
 
-static bool init_atlases(struct viewer *viewer, const struct view_source *sources, size_t count)
-{
-    viewer->atlases = viewer->drawn = calloc(count, sizeof *viewer->atlases);
-    viewer->names = calloc(count, sizeof *viewer->names);
-    bool fine = viewer->atlases && viewer->names;
-    for (size_t i = 0; i < count && fine; i++) {
-        fine = view_atlas_init(&viewer->atlases[i], &sources[i]);
-        viewer->names[i] = fine ? viewer->atlases[i].name : NULL;
-        viewer->atlas_count += fine;
-    }
-    return fine;
-}
-
 conus_status viewer_create(struct viewer *out, const struct view_source *sources, size_t count, const char *transfer,
                            conus_log log, void (*wake)(void))
 {
@@ -76,8 +63,15 @@ conus_status viewer_create(struct viewer *out, const struct view_source *sources
     viewer.study.settings = study_defaults;
     viewer.cone.options.log = log;
     viewer.magnification = 1;
-    if ((transfer && !viewer.transfer) || !init_atlases(&viewer, sources, count) ||
-        !painter_create(&viewer.painter, viewer.drawn->atlas, transfer, &viewer.drawn->look, log, wake)) {
+    viewer.atlases = viewer.drawn = calloc(count, sizeof *viewer.atlases);
+    viewer.names = calloc(count, sizeof *viewer.names);
+    bool fine = (viewer.transfer || !transfer) && viewer.atlases && viewer.names;
+    for (size_t i = 0; i < count && fine; i++) {
+        fine = view_atlas_init(&viewer.atlases[i], &sources[i]);
+        viewer.names[i] = fine ? viewer.atlases[i].name : NULL;
+        viewer.atlas_count += fine;
+    }
+    if (!fine || !painter_create(&viewer.painter, viewer.drawn->atlas, transfer, &viewer.drawn->look, log, wake)) {
         finish_atlases(&viewer, false);
         free(viewer.transfer);
         return CONUS_ERROR_MEMORY;
@@ -160,15 +154,6 @@ const char *viewer_place_text(char out[VIEWER_PLACE_TEXT], const struct viewer *
     return out;
 }
 
-static double distance_between(const double a[3], const double b[3])
-{
-    double square = 0;
-    for (int i = 0; i < 3; i++) {
-        square += (a[i] - b[i]) * (a[i] - b[i]);
-    }
-    return sqrt(square);
-}
-
 void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, const char *name, double share, double distance,
                 const double contact[3])
 {
@@ -181,7 +166,11 @@ void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, const char
     snprintf(pin.name, sizeof pin.name, "%s",
              name ? name : conus_atlas_object(viewer->atlases[atlas].atlas, object)->name);
     memcpy(pin.contact, contact, sizeof pin.contact);
-    pin.apart = last ? distance_between(last->contact, pin.contact) : NAN;
+    double square = 0;
+    for (int a = 0; a < 3 && last; a++) {
+        square += (last->contact[a] - pin.contact[a]) * (last->contact[a] - pin.contact[a]);
+    }
+    pin.apart = last ? sqrt(square) : NAN;
     viewer->pins[viewer->pin_count++] = pin;
 }
 

@@ -33,13 +33,20 @@ struct file_set {
 
 enum { RESUME_WHY = 512 };
 
-/* A session that is opened, with its atlas. */
+/* A session that is opened, with its atlas: what prepare_session() is asked for, and what it found. */
 struct resume {
-    char path[PATH_MAX]; /* Path or name of the atlas. */
+    const char *session;
+    const char *atlas;                    /* A path that somebody named in place of the session's; NULL = none. */
+    const struct view_settings *settings; /* Those of the command line, */
+    bool with_options;                    /* whose options come before the session's. */
+
+    bool fine, missing;           /* Missing: the atlas was not found. */
+    char why[RESUME_WHY];         /* Why it is not fine. */
+    char path[PATH_MAX];          /* Path or name of the atlas. */
+    char lost[ADDITIONS_MISSING]; /* Files that were added then, and are not found now; "" = none. */
     struct session_file file;
-    struct worded worded;            /* Its settings. */
-    json_t *words;                   /* The session's options without those of missing files. */
-    char missing[ADDITIONS_MISSING]; /* Files that were added then, and are not found now; "" = none. */
+    struct worded worded; /* Its settings. */
+    json_t *words;        /* The session's options without those of missing files. */
 };
 
 enum kind { IS_OTHER = 0, IS_TRACTOGRAM, IS_SESSION };
@@ -156,20 +163,6 @@ static bool file_set_find(struct file_set *out, struct window *window, const str
     }
     free(looking.kinds);
     return fine;
-}
-
-/* The options `words` with all that is to be added; NULL without memory, or where a name is not UTF-8. */
-static json_t *file_set_add(const json_t *words, const struct file_set *set)
-{
-    json_t *all = json_copy((json_t *)words);
-    for (size_t i = 0; i < set->image_count + set->tractogram_count && all; i++) {
-        bool is_image = i < set->image_count;
-        const char *path = is_image ? set->images[i] : set->tractograms[i - set->image_count];
-        json_t *more = additions_with(all, is_image ? ADD_CONTEXT : ADD_STREAMLINES, path);
-        json_decref(all);
-        all = more;
-    }
-    return all;
 }
 
 /* Looks for the session's atlas among recent and installed ones, and by name if it was opened by name. */
@@ -374,55 +367,44 @@ static bool open_named(struct window *window, const char *text, const struct vie
 }
 
 /* Says which added files are missing now, or are others. */
-static void say_added(struct window *window, const struct resume *resume, const char *session, char *why)
+static void say_added(struct window *window, const struct resume *resume, char *why)
 {
     const json_t *then = json_object_get(json_object_get(resume->file.root, "opened"), "added");
     char name[ADDITIONS_MISSING];
     if (additions_differ(name, then, json_object_get(window->files.opened, "added"))) {
         viewer_say(window->viewer, "the session is of another %s than this: numbers may differ", name);
     }
-    if (resume->missing[0]) {
-        snprintf(why, LOADER_WHY, "%.100s is opened without what is not found: %s", path_name(session),
-                 resume->missing);
+    if (resume->lost[0]) {
+        snprintf(why, LOADER_WHY, "%.100s is opened without what is not found: %s", path_name(resume->session),
+                 resume->lost);
         print_error_line("%s", why);
     }
 }
-
-/* What prepare_session() is asked for, and what it found. */
-struct preparation {
-    struct resume *out;                   /* It borrows the session. */
-    const char *session, *atlas;          /* The atlas: a path that somebody named in place of the session's, or NULL */
-    const struct view_settings *settings; /* Those of the command line, */
-    bool with_options;                    /* whose options come before the session's. */
-    bool fine, missing;                   /* The atlas is missing. */
-    char why[RESUME_WHY];                 /* Why it is not fine. */
-};
 
 /* Finds the atlas of a session and how it was opened. Runs on another thread, since it reads the files beside the
  * session. */
 static void prepare_session(void *user)
 {
-    struct preparation *of = user;
-    struct resume *out = of->out;
-    const struct session_file *file = &out->file;
-    if (!session_file_read(&out->file, of->session)) {
+    struct resume *of = user;
+    const struct session_file *file = &of->file;
+    if (!session_file_read(&of->file, of->session)) {
         snprintf(of->why, RESUME_WHY, "%s: no session of conus view, or it cannot be read", of->session);
         print_error_line("%s", of->why);
         return;
     }
-    out->words = additions_find(out->missing, file->options,
-                                json_object_get(json_object_get(file->root, "opened"), "added"), of->session);
-    if (!out->words) {
+    of->words = additions_find(of->lost, file->options, json_object_get(json_object_get(file->root, "opened"), "added"),
+                               of->session);
+    if (!of->words) {
         snprintf(of->why, RESUME_WHY, "%.200s: not enough memory", of->session);
         return;
     }
-    if (worded_parse(&out->worded, out->words, of->settings, of->with_options)) {
+    if (worded_parse(&of->worded, of->words, of->settings, of->with_options)) {
         snprintf(of->why, RESUME_WHY, "%.200s: opened: options: %.200s", of->session, error_line());
         return;
     }
-    out->worded.settings.session = of->session;
-    of->fine = of->atlas ? snprintf(out->path, PATH_MAX, "%s", of->atlas) < PATH_MAX
-                         : find_session_atlas(out->path, file, of->session);
+    of->worded.settings.session = of->session;
+    of->fine = of->atlas ? snprintf(of->path, PATH_MAX, "%s", of->atlas) < PATH_MAX
+                         : find_session_atlas(of->path, file, of->session);
     of->missing = !of->fine;
     if (of->missing) {
         const char *joint = file->folder[0] && file->atlas[0] != '/' ? "/" : "";
@@ -438,13 +420,12 @@ static void prepare_session(void *user)
 static bool open_session(struct window *window, const char *session, const char *atlas,
                          const struct view_settings *settings, bool with_options, char why[LOADER_WHY])
 {
-    struct resume resume = {.path = ""};
-    struct preparation of = {&resume, session, atlas, settings, .with_options = with_options};
-    bool is_read = wait_look(window, session, prepare_session, &of, why);
-    bool fine = is_read && of.fine;
-    bool missing = is_read && of.missing;
+    struct resume resume = {.session = session, .atlas = atlas, .settings = settings, .with_options = with_options};
+    bool is_read = wait_look(window, session, prepare_session, &resume, why);
+    bool fine = is_read && resume.fine;
+    bool missing = is_read && resume.missing;
     if (is_read) {
-        snprintf(why, LOADER_WHY, "%s", of.why);
+        snprintf(why, LOADER_WHY, "%s", resume.why);
     }
     /* The window shows it already: the same atlas, opened in the same way. */
     bool was_open = fine && !atlas && window->viewer && window->files.opened &&
@@ -461,7 +442,7 @@ static bool open_session(struct window *window, const char *session, const char 
                    window->viewer->atlases->path);
     }
     if (fine && !was_open) {
-        say_added(window, &resume, session, why);
+        say_added(window, &resume, why);
     }
     if (fine && window->files.remembers) {
         recent_add(session);
@@ -492,7 +473,14 @@ static bool add_all(struct window *window, const struct file_set *set, const str
         return false;
     }
     const json_t *words = window_words(window);
-    json_t *all = words ? file_set_add(words, set) : NULL;
+    json_t *all = json_copy((json_t *)words);
+    for (size_t i = 0; i < set->image_count + set->tractogram_count && all; i++) {
+        bool is_image = i < set->image_count;
+        const char *path = is_image ? set->images[i] : set->tractograms[i - set->image_count];
+        json_t *more = additions_with(all, is_image ? ADD_CONTEXT : ADD_STREAMLINES, path);
+        json_decref(all);
+        all = more;
+    }
     bool fine = all && reopen(window, all, 0, settings, why);
     if (words && !all) {
         snprintf(why, LOADER_WHY, "%.300s: not enough memory, or a name that is not UTF-8", first);

@@ -103,17 +103,6 @@ static void world_at(double out[3], const struct frame *frame, float x, float y)
     }
 }
 
-static void place_of(float out[2], const struct frame *frame, const double world[3])
-{
-    const struct ui_box *box = &frame->pane->box;
-    double offset[3];
-    for (int a = 0; a < 3; a++) {
-        offset[a] = world[a] - frame->plane.centre[a];
-    }
-    out[0] = box->x + box->width / 2 + (float)(dot(offset, frame->plane.right) / frame->plane.mm_per_pixel);
-    out[1] = box->y + box->height / 2 - (float)(dot(offset, frame->plane.up) / frame->plane.mm_per_pixel);
-}
-
 static uint32_t object_at(const struct cut_pane *pane, float x, float y)
 {
     float column = x - pane->box.x;
@@ -157,8 +146,12 @@ static void draw_letters(const struct frame *frame)
 static void draw_crosshair(const struct window *window, const struct frame *frame)
 {
     const struct ui_box *box = &frame->pane->box;
-    float at[2];
-    place_of(at, frame, window->viewer->crosshair);
+    double offset[3];
+    for (int a = 0; a < 3; a++) {
+        offset[a] = window->viewer->crosshair[a] - frame->plane.centre[a];
+    }
+    const float at[2] = {box->x + box->width / 2 + (float)(dot(offset, frame->plane.right) / frame->plane.mm_per_pixel),
+                         box->y + box->height / 2 - (float)(dot(offset, frame->plane.up) / frame->plane.mm_per_pixel)};
     ui_draw_line((float[]){box->x, at[1]}, (float[]){at[0] - 6, at[1]}, cross, 1);
     ui_draw_line((float[]){at[0] + 6, at[1]}, (float[]){box->x + box->width, at[1]}, cross, 1);
     ui_draw_line((float[]){at[0], box->y}, (float[]){at[0], at[1] - 6}, cross, 1);

@@ -29,8 +29,7 @@ static double seen_length(const struct window *window)
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object && result->pixels) {
-            most =
-                fmax(most, distance(result->contact, window->viewer->tools[SECOND_TOOL].pose.world_from_device + 12));
+            most = fmax(most, distance(result->contact, viewer->tools[SECOND_TOOL].pose.world_from_device + 12));
         }
     }
     return most > 0 ? most : whole_length(viewer);

@@ -135,7 +135,7 @@ static void choose_property(struct window *window, enum property_id id, const ch
 }
 
 /* Chooses which hits count, and their order: depths, level, list. */
-static void panel_question(struct window *window)
+static void choose_hits(struct window *window)
 {
     static const char *const orders[] = {"the best first", "the nearest first"};
     struct viewer *viewer = window->viewer;
@@ -272,15 +272,15 @@ void panel_cone(struct window *window)
         return;
     }
     if (ui_choose("points", &pointer, pointer_names, POINTER_COUNT)) {
-        tool_choose(window->viewer, FIRST_TOOL, (enum pointer)pointer);
+        tool_choose(viewer, FIRST_TOOL, (enum pointer)pointer);
     }
     ui_tip("what moves the cone: the mouse, keys, a file of poses, or a tracked tool");
-    if (window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY) {
+    if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_REPLAY) {
         show_replay(window);
-    } else if (window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_TRACKER) {
+    } else if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_TRACKER) {
         show_tracker(window);
     }
-    panel_speed(window, window->viewer->tools[FIRST_TOOL].pointer);
+    panel_speed(window, viewer->tools[FIRST_TOOL].pointer);
     if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
         choose_property(window, PROPERTY_APEX_AT_EYE, "begins", apexes, 2);
     }
@@ -299,7 +299,7 @@ void panel_cone(struct window *window)
             tool_reselect(viewer);
         }
     }
-    panel_question(window);
+    choose_hits(window);
     if (ui_section("View", false)) {
         bool shown = ui_slider("context", &viewer->display.fade, 0, 1, "%.2f faded", false);
         panel_tip(PROPERTY_FADE);

@@ -21,7 +21,7 @@ static void draw_number(const char *format, double value)
 static void draw_all_results(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    float lines = fmaxf((window->viewer->tools[SECOND_TOOL].on ? 8.0F : 16.0F) / (float)viewer->atlas_count, 5);
+    float lines = fmaxf((viewer->tools[SECOND_TOOL].on ? 8.0F : 16.0F) / (float)viewer->atlas_count, 5);
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         const struct view_atlas *view = &viewer->atlases[i];
         ui_id((uint32_t)i);
@@ -114,7 +114,7 @@ void panel_results(struct window *window)
     struct viewer *viewer = window->viewer;
     const double *range = viewer->cone.options.range;
     struct notice notice;
-    inputs_notice(&notice, &window->inputs, window->viewer, FIRST_TOOL);
+    inputs_notice(&notice, &window->inputs, viewer, FIRST_TOOL);
     ui_panel("Hits of the cone", window->screen.right, 0);
     if (notice.is_trouble || notice.is_old) { /* then what follows is pale */
         ui_text_coloured(theme_texts[THEME_ORANGE], "%s", notice.text);
@@ -129,7 +129,7 @@ void panel_results(struct window *window)
     if (viewer->atlas_count > 1) {
         draw_all_results(window);
     } else {
-        bool shares_room = window->viewer->tools[SECOND_TOOL].on || viewer->study.settings.kind;
+        bool shares_room = viewer->tools[SECOND_TOOL].on || viewer->study.settings.kind;
         panel_list(window, viewer->drawn, view_atlas_selection(viewer->drawn, FIRST_TOOL), shares_room ? 8 : 14);
     }
     ui_dim_end();
@@ -138,7 +138,7 @@ void panel_results(struct window *window)
         draw_pins(window);
     }
     panel_study(window, notice.is_old);
-    bool two = window->viewer->tools[SECOND_TOOL].on; /* then its list stands below the first one's */
+    bool two = viewer->tools[SECOND_TOOL].on; /* then its list stands below the first one's */
     if (two) {
         panel_second(window);
     }

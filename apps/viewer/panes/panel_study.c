@@ -96,13 +96,6 @@ static size_t nearest_angle(const struct study_answer *answer, double angle)
     return nearest;
 }
 
-static double angle_under(const struct study_answer *answer, struct ui_box box, float x)
-{
-    double low = answer->angles[0];
-    double high = answer->angles[answer->angle_count - 1];
-    return low + (double)((x - box.x) / box.width) * (high - low);
-}
-
 static void draw_numbers(const struct study_answer *answer, struct ui_box box)
 {
     char low[32];
@@ -148,8 +141,10 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
     struct ui_box box = {area.x + left, area.y + ui_line() / 2, fmaxf(area.width - left - 8, 1),
                          fmaxf(area.height - 2 * ui_line(), 1)};
     bool hovered = ui_hovered();
-    size_t angle =
-        nearest_angle(answer, hovered ? angle_under(answer, box, ui_mouse_now().x) : viewer->tools[FIRST_TOOL].angle);
+    double low = answer->angles[0];
+    double high = answer->angles[answer->angle_count - 1];
+    double under = low + (double)((ui_mouse_now().x - box.x) / box.width) * (high - low);
+    size_t angle = nearest_angle(answer, hovered ? under : viewer->tools[FIRST_TOOL].angle);
     if (hovered) {
         tip_of_angle(viewer, answer, table, angle);
     }

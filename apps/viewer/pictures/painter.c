@@ -101,14 +101,6 @@ static uint8_t *bytes_of(const struct painter *painter, const conus_image *image
     return rgba;
 }
 
-/* Pixels of the pane per pixel of the picture. */
-static double coarseness(const struct painter *painter, const struct painting *what, enum stage stage)
-{
-    double pixels = (double)what->width * what->height;
-    double wanted = sqrt(painter->ms_per_pixel * pixels / quick_ms);
-    return stage == STAGE_COARSE ? fmin(fmax(wanted, 1), COARSEST) : 1;
-}
-
 static bool is_news(const struct scene_news *news)
 {
     return news->hidden || news->points || news->opacity;
@@ -139,7 +131,10 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
                         enum stage stage)
 {
     struct drawing drawing = {painter, what};
-    double coarse = coarseness(painter, what, stage);
+    double pixels = (double)what->width * what->height;
+    double wanted = sqrt(painter->ms_per_pixel * pixels / quick_ms);
+    /* Pixels of the pane per pixel of the picture. */
+    double coarse = stage == STAGE_COARSE ? fmin(fmax(wanted, 1), COARSEST) : 1;
     conus_image *image = NULL;
     const double *f = what->eye.frustum;
     conus_view view = {.width = (uint32_t)fmax(what->width / coarse, 1),

@@ -37,19 +37,6 @@ static void make_name(char name[NAME_SIZE], const char *ending)
     }
 }
 
-/* False: @p why says why not, or conus_message() does. */
-static bool write_file(struct window *window, enum keep what, const char *path, char why[PROPERTY_REASON])
-{
-    switch (what) {
-    case KEEP_PICTURE:
-        return !window_write(window, path);
-    case KEEP_RESULTS:
-        return export_results(window->viewer, path, why);
-    default:
-        return session_save(window, path, why);
-    }
-}
-
 void keep_as(struct window *window)
 {
     char why[PROPERTY_REASON] = "";
@@ -89,7 +76,10 @@ void keep(struct window *window, enum keep what)
     char path[PATH_MAX];
     snprintf(path, sizeof path, "%s",
              what == KEEP_SAME_SESSION && window->history.session_path ? window->history.session_path : name);
-    if (write_file(window, what, path, why)) {
+    bool fine = what == KEEP_PICTURE   ? !window_write(window, path)
+                : what == KEEP_RESULTS ? export_results(window->viewer, path, why)
+                                       : session_save(window, path, why);
+    if (fine) {
         viewer_say(window->viewer, "saved: %s", path);
     } else {
         viewer_say(window->viewer, "%s", why[0] ? why : conus_message());

@@ -350,7 +350,7 @@ static void put_head(struct head *head, double values[PROPERTY_COUNT][PROPERTY_N
 static void put_session(struct window *window, struct session *session, const json_t *root)
 {
     struct viewer *viewer = window->viewer;
-    struct tool *second = &window->viewer->tools[SECOND_TOOL];
+    struct tool *second = &viewer->tools[SECOND_TOOL];
     for (size_t i = 0; i < PROPERTY_COUNT; i++) {
         if (!properties[i].is_set_apart) {
             property_put(window, &properties[i], session->values[i]);

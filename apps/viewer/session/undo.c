@@ -67,7 +67,7 @@ void undo_note(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     bool is_new = window->history.noted_version != viewer->version || window->history.noted_said != viewer->said ||
-                  window->history.noted_second != window->viewer->tools[SECOND_TOOL].version ||
+                  window->history.noted_second != viewer->tools[SECOND_TOOL].version ||
                   !window->history.changes.count ||
                   !layout_is_same(&window->history.noted_layout, &window->screen.layout);
     if (is_new) {
@@ -77,16 +77,6 @@ void undo_note(struct window *window)
             changes_add(&window->history.changes, text);
         }
     }
-}
-
-/* Whether the atlases must be loaded again, with the hemispheres @p how, to have the areas of the state. */
-static bool needs_others(conus_hemispheres *how, const struct window *window, const char *state)
-{
-    json_t *root = json_loads(state, 0, NULL);
-    const json_t *opened = json_object_get(root, "opened");
-    *how = hemispheres_of_words(json_object_get(opened, "options"));
-    json_decref(root);
-    return opened && *how != window->files.hemispheres;
 }
 
 /* Restores a state; values that it leaves out stay as they are. */
@@ -116,13 +106,17 @@ void undo_go_on(struct window *window, int by)
 
 void undo_step(struct window *window, int by)
 {
-    conus_hemispheres how;
     window->history.noted_version = window->viewer->version - 1; /* what has just changed counts, too */
     undo_note(window);
     const char *state = changes_step(&window->history.changes, by);
+    json_t *root = state ? json_loads(state, 0, NULL) : NULL;
+    const json_t *opened = json_object_get(root, "opened");
+    conus_hemispheres how = hemispheres_of_words(json_object_get(opened, "options"));
+    bool needs_others = opened && how != window->files.hemispheres; /* the atlases must be loaded again */
+    json_decref(root);
     if (!state) {
         viewer_say(window->viewer, by < 0 ? "nothing to undo" : "nothing to do again");
-    } else if (needs_others(&how, window, state)) {
+    } else if (needs_others) {
         changes_step(&window->history.changes, -by);
         window_want_hemispheres(window, how, by);
     } else {

@@ -38,14 +38,6 @@ void shell_find(struct shell *out, const conus_pose *pose, const conus_selector_
     }
 }
 
-/* The point where the edge from a to b meets the plane; da and db are their signed distances from it. */
-static void meet(double out[3], const double a[3], const double b[3], double da, double db)
-{
-    for (int i = 0; i < 3; i++) {
-        out[i] = a[i] + (b[i] - a[i]) * da / (da - db);
-    }
-}
-
 static size_t cut_triangle(struct shell_piece *out, const double *const corners[3], const double at[3],
                            const double normal[3])
 {
@@ -57,9 +49,14 @@ static size_t cut_triangle(struct shell_piece *out, const double *const corners[
     }
     for (int c = 0; c < 3; c++) {
         int next = (c + 1) % 3;
-        if ((beside[c] < 0) != (beside[next] < 0)) {
-            meet(out->ends[found++], corners[c], corners[next], beside[c], beside[next]);
+        if ((beside[c] < 0) == (beside[next] < 0)) {
+            continue;
         }
+        for (int a = 0; a < 3; a++) { /* where the edge meets the plane */
+            out->ends[found][a] =
+                corners[c][a] + (corners[next][a] - corners[c][a]) * beside[c] / (beside[c] - beside[next]);
+        }
+        found++;
     }
     return found == 2;
 }

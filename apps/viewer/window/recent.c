@@ -62,19 +62,6 @@ static bool make_absolute(char out[PATH_MAX], const char *path)
     return size > 0 && size < PATH_MAX;
 }
 
-/* Puts a path first: the others move down to the place where it was, or the last one is dropped. */
-static void put_first(struct recent *recent, const char path[PATH_MAX])
-{
-    size_t at = 0;
-    while (at < recent->count && strcmp(recent->paths[at], path) != 0) {
-        at++;
-    }
-    recent->count += at == recent->count && at < RECENT_LIMIT;
-    at = at < RECENT_LIMIT ? at : RECENT_LIMIT - 1;
-    memmove(recent->paths[1], recent->paths[0], at * sizeof recent->paths[0]);
-    memcpy(recent->paths[0], path, PATH_MAX);
-}
-
 void recent_add(const char *path)
 {
     struct recent recent;
@@ -83,7 +70,15 @@ void recent_add(const char *path)
         return;
     }
     recent_load(&recent);
-    put_first(&recent, absolute);
+    size_t at = 0;
+    while (at < recent.count && strcmp(recent.paths[at], absolute) != 0) {
+        at++;
+    }
+    recent.count += at == recent.count && at < RECENT_LIMIT;
+    /* The others move down to the place where it was, or the last one goes. */
+    at = at < RECENT_LIMIT ? at : RECENT_LIMIT - 1;
+    memmove(recent.paths[1], recent.paths[0], at * sizeof recent.paths[0]);
+    memcpy(recent.paths[0], absolute, PATH_MAX);
     json_t *list = json_array();
     bool fine = list;
     for (size_t i = 0; fine && i < recent.count; i++) {

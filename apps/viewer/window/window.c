@@ -573,7 +573,7 @@ static bool is_behind(const struct window *window)
     }
     return window->frame.frames_wanted || window->frame.shown_version != viewer->version ||
            window->frame.shown_said != viewer->said || window->frame.shown_head != viewer->head.number ||
-           window->frame.shown_second != window->viewer->tools[SECOND_TOOL].version;
+           window->frame.shown_second != viewer->tools[SECOND_TOOL].version;
 }
 
 bool window_wants_frame(struct window *window)
@@ -824,10 +824,10 @@ void window_copy(struct window *window, enum copied what)
 {
     struct viewer *viewer = window->viewer;
     if (what == COPY_STUDY) {
-        const char *text = studies_text(window->viewer);
+        const char *text = studies_text(viewer);
         if (text) {
             glfwSetClipboardString(window->handle, text);
-            viewer_say(window->viewer, "copied the study");
+            viewer_say(viewer, "copied the study");
         }
         return;
     }
