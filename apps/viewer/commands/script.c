@@ -15,6 +15,7 @@
 #include "viewer/tools/point.h"
 #include "viewer/window/figure_form.h"
 
+#include <GLFW/glfw3.h>
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -603,7 +604,7 @@ static bool do_size(struct call *call)
     uint32_t size[2];
     bool fine = read_size(size, call, 0);
     if (fine) {
-        window_resize(call->window, (int)size[0], (int)size[1]);
+        glfwSetWindowSize(call->window->handle, (int)size[0], (int)size[1]); /* the screen may give another one */
     }
     return fine;
 }

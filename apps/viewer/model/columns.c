@@ -351,7 +351,7 @@ bool export_results(struct viewer *viewer, const char *path, char why[EXPORT_WHY
     char *sidecar = format == CONUS_FORMAT_JSON ? NULL : provenance_path(path); /* JSON is its own */
     bool whole = reports && (sidecar || format == CONUS_FORMAT_JSON);
     messages_hold(true);
-    conus_status status = whole ? viewer_report(reports, viewer, format, NULL) : CONUS_ERROR_MEMORY;
+    conus_status status = whole ? viewer_report(reports, viewer, FIRST_TOOL, format) : CONUS_ERROR_MEMORY;
     int code = status ? print_status(status) : answer_write(reports[0], path, sidecar, &provenance);
     messages_hold(false);
     free(sidecar);

@@ -203,47 +203,33 @@ char *viewer_pins_text(const struct viewer *viewer)
     return text;
 }
 
-/* The answer of atlas @p index, or why there is none, behind those of the atlases before it. */
-static conus_status add_report(conus_report **reports, struct viewer *viewer, enum tool_number tool, size_t index,
-                               conus_format format, const char *command)
+conus_status viewer_report(conus_report **reports, struct viewer *viewer, enum tool_number tool, conus_format format)
 {
-    struct view_atlas *view = &viewer->atlases[index];
-    const conus_report_options options = {.format = format,
-                                          .atlas = view->name[0] ? view->name : NULL,
-                                          .frame = &viewer->frame,
-                                          .command = command,
-                                          .order = viewer->cone.order,
-                                          .no_voxels = true};
-    const conus_selection *selection = view_atlas_selection(view, tool);
-    conus_selector_options asked;
+    conus_status status = CONUS_OK;
     bool was_asked = false;
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         was_asked = was_asked || view_atlas_selection(&viewer->atlases[i], tool);
     }
-    viewer_question(&asked, viewer, tool, index);
-    conus_status status = view_atlas_prepare(view, &asked);
-    status = status ? status : conus_report_create(&reports[index], view->selector, &options);
-    if (!status && selection) {
-        status = conus_report_add(reports[index], "1", selection);
-    } else if (!status && was_asked) {
-        status = conus_report_add_error(reports[index], "1", 0, "there is no answer");
-    }
-    return status || !index ? status : conus_report_join(reports[0], reports[index]);
-}
-
-static conus_status report_tool(conus_report **reports, struct viewer *viewer, enum tool_number tool,
-                                conus_format format, const char *command)
-{
-    conus_status status = CONUS_OK;
     for (size_t i = 0; i < viewer->atlas_count && !status; i++) {
-        status = add_report(reports, viewer, tool, i, format, command);
+        struct view_atlas *view = &viewer->atlases[i];
+        const conus_report_options options = {.format = format,
+                                              .atlas = view->name[0] ? view->name : NULL,
+                                              .frame = &viewer->frame,
+                                              .order = viewer->cone.order,
+                                              .no_voxels = true};
+        const conus_selection *selection = view_atlas_selection(view, tool);
+        conus_selector_options asked;
+        viewer_question(&asked, viewer, tool, i);
+        status = view_atlas_prepare(view, &asked);
+        status = status ? status : conus_report_create(&reports[i], view->selector, &options);
+        if (!status && selection) {
+            status = conus_report_add(reports[i], "1", selection);
+        } else if (!status && was_asked) {
+            status = conus_report_add_error(reports[i], "1", 0, "there is no answer");
+        }
+        status = status || !i ? status : conus_report_join(reports[0], reports[i]);
     }
     return status;
-}
-
-conus_status viewer_report(conus_report **reports, struct viewer *viewer, conus_format format, const char *command)
-{
-    return report_tool(reports, viewer, FIRST_TOOL, format, command);
 }
 
 /* The answers of a tool in all atlases, as a table; to be freed. */
@@ -253,7 +239,7 @@ static conus_status tabulate(char **out, struct viewer *viewer, enum tool_number
     conus_status status = reports ? CONUS_OK : CONUS_ERROR_MEMORY;
     const char *text;
     size_t size;
-    status = status ? status : report_tool(reports, viewer, tool, CONUS_FORMAT_TSV, NULL);
+    status = status ? status : viewer_report(reports, viewer, tool, CONUS_FORMAT_TSV);
     status = status ? status : conus_report_text(&text, &size, reports[0]);
     *out = status ? NULL : strdup(text);
     for (size_t i = 0; reports && i < viewer->atlas_count; i++) {

@@ -508,11 +508,6 @@ void window_say(struct window *window, const char *text)
     }
 }
 
-void window_resize(struct window *window, int width, int height)
-{
-    glfwSetWindowSize(window->handle, width, height);
-}
-
 void window_lay_out(struct window *window)
 {
     glfwGetFramebufferSize(window->handle, &window->screen.width, &window->screen.height);

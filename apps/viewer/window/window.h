@@ -251,8 +251,6 @@ void window_say(struct window *window, const char *text);
 /** Where it is now. */
 void window_place(const struct window *window, struct place *out);
 void window_close(struct window *window);
-/** Asks for another size; the screen may give another one, some frames later. */
-void window_resize(struct window *window, int width, int height);
 /** Makes texts and panels larger by so many steps, a tenth each, or smaller; 0 = as large as they were at first. */
 void window_zoom(struct window *window, int steps);
 /** Presses a key: a character as typed ("?"), or "escape", "left", "f1", "ctrl+s", "ctrl+shift+s", ... False if it
