@@ -269,20 +269,6 @@ static conus_status check_new_area(const conus_atlas *atlas, const conus_label *
     return status;
 }
 
-static conus_status copy_mesh(struct mesh *out, const float *positions, size_t vertex_count, const uint32_t *triangles,
-                              size_t triangle_count)
-{
-    if (!positions || !triangles) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: NULL", positions ? "triangles" : "positions");
-    }
-    conus_status status = mesh_init(out, vertex_count, triangle_count);
-    if (!status) {
-        memcpy(out->positions, positions, 3 * vertex_count * sizeof *positions);
-        memcpy(out->triangles, triangles, 3 * triangle_count * sizeof *triangles);
-    }
-    return status;
-}
-
 static conus_status add_mesh(conus_atlas *atlas, const conus_label *area, struct mesh *mesh)
 {
     struct label_table table = {0};
@@ -308,8 +294,15 @@ conus_status conus_atlas_add_surface(conus_atlas *atlas, const conus_label *area
     }
     size_t note_count = atlas->notes.count;
     conus_status status = check_new_area(atlas, area);
-    status = status ? status : copy_mesh(&mesh, positions, vertex_count, triangles, triangle_count);
-    status = status ? status : mesh_check(&mesh, &notes);
+    if (!status && (!positions || !triangles)) {
+        status = fail(CONUS_ERROR_ARGUMENT, "%s: NULL", positions ? "triangles" : "positions");
+    }
+    status = status ? status : mesh_init(&mesh, vertex_count, triangle_count);
+    if (!status) {
+        memcpy(mesh.positions, positions, 3 * vertex_count * sizeof *positions);
+        memcpy(mesh.triangles, triangles, 3 * triangle_count * sizeof *triangles);
+        status = mesh_check(&mesh, &notes);
+    }
     if (status) {
         status = fail_in(status, area->name ? area->name : "surface");
     }

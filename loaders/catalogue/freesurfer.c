@@ -76,36 +76,31 @@ static conus_status find_surface(char **out, struct catalogue_id *id, const stru
     return CONUS_OK;
 }
 
-/* `name`: "lh.aparc.annot", in the folder `labels`. */
-static conus_status look_at_annotation(const struct subject *subject, const char *labels, const char *name)
-{
-    static const char ending[] = ".annot";
-    struct catalogue_id own;
-    struct catalogue_found found = {.kind = "surface"};
-    bool sided = strncmp(name, "lh.", 3) == 0 || strncmp(name, "rh.", 3) == 0;
-    if (!sided || !path_ends_in(name + 3, ending)) {
-        return CONUS_OK;
-    }
-    char *surface = NULL;
-    char *annotation = catalogue_join(labels, name);
-    conus_status status = annotation ? find_surface(&surface, &found.id, subject, name) : CONUS_ERROR_MEMORY;
-    found.path = surface;
-    found.labels = annotation;
-    if (!status && surface && is_file(&own, annotation)) {
-        status = add_file(subject, name, strlen(name) - strlen(ending), &found);
-    }
-    memory_free(surface);
-    memory_free(annotation);
-    return status;
-}
-
+/* Takes "lh.aparc.annot" and others in label/ that have a surface. */
 static conus_status look_at_annotations(const struct subject *subject)
 {
+    static const char ending[] = ".annot";
     struct names names = {0};
     char *labels = catalogue_join(subject->folder, "label");
     conus_status status = labels ? catalogue_list(&names, subject->catalogue, labels) : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < names.count; i++) {
-        status = look_at_annotation(subject, labels, names.names[i]);
+        const char *name = names.names[i];
+        bool sided = strncmp(name, "lh.", 3) == 0 || strncmp(name, "rh.", 3) == 0;
+        if (!sided || !path_ends_in(name + 3, ending)) {
+            continue;
+        }
+        struct catalogue_id own;
+        struct catalogue_found found = {.kind = "surface"};
+        char *surface = NULL;
+        char *annotation = catalogue_join(labels, name);
+        status = annotation ? find_surface(&surface, &found.id, subject, name) : CONUS_ERROR_MEMORY;
+        found.path = surface;
+        found.labels = annotation;
+        if (!status && surface && is_file(&own, annotation)) {
+            status = add_file(subject, name, strlen(name) - strlen(ending), &found);
+        }
+        memory_free(surface);
+        memory_free(annotation);
     }
     names_finish(&names);
     memory_free(labels);

@@ -500,20 +500,6 @@ static conus_status search_fixed(struct label_search *search)
     return status;
 }
 
-/* Tries what the volume's folder has under names of its own: an inherited BIDS table, an FSL atlas XML, ... */
-static conus_status label_search_folder(struct label_search *search)
-{
-    char *folder = path_folder(search->volume->info->path);
-    conus_status status = folder ? CONUS_OK : CONUS_ERROR_MEMORY;
-    status = status || search->found ? status : search_inherited(search, folder);
-    status = status ? status : fsl_atlas_each(search->volume->info->path, FSL_LABELS, offer_atlas, search);
-    status = status || search->found || search->first_error.size ? status : label_search_alike(search, folder);
-    status = status || search->found ? status : search_fixed(search);
-    status = status || search->found ? status : label_search_freesurfer(search, folder);
-    memory_free(folder);
-    return status;
-}
-
 void label_volume_finish(struct label_volume *volume)
 {
     label_table_finish(&volume->segments);
@@ -605,7 +591,14 @@ conus_status label_table_of_volume(struct label_table *out, char **source, struc
         .notes = notes};
     conus_status status = search_inside(&search);
     status = status ? status : search_beside(&search);
-    status = status ? status : label_search_folder(&search);
+    char *folder = path_folder(volume->info->path); /* which may have a table under a name of its own */
+    status = status || folder ? status : CONUS_ERROR_MEMORY;
+    status = status || search.found ? status : search_inherited(&search, folder);
+    status = status ? status : fsl_atlas_each(volume->info->path, FSL_LABELS, offer_atlas, &search);
+    status = status || search.found || search.first_error.size ? status : label_search_alike(&search, folder);
+    status = status || search.found ? status : search_fixed(&search);
+    status = status || search.found ? status : label_search_freesurfer(&search, folder);
+    memory_free(folder);
     status = status ? status : settle_search(&search);
     status = status ? status : colour_beside(&search);
     status = status || !read ? status : file_sums_move(read, &search.read);

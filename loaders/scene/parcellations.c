@@ -85,28 +85,20 @@ static conus_status find_owner(size_t *out, const struct parcellations *all, siz
     return CONUS_OK;
 }
 
-/* The least label that part `p` and one before it have; 0 if there is none. */
-static conus_status find_clash(uint32_t *out, const struct parcellations *all, size_t p)
-{
-    const struct label_map *map = &all->voxels[p];
-    conus_status status = CONUS_OK;
-    *out = 0;
-    for (size_t i = 0; !status && map->slots && i <= map->mask; i++) {
-        size_t owner = p;
-        const struct label_map_slot *slot = &map->slots[i];
-        status = slot->value ? find_owner(&owner, all, p, slot->label) : CONUS_OK;
-        *out = owner < p && (!*out || slot->label < *out) ? slot->label : *out;
-    }
-    return status;
-}
-
+/* Fails where two parts have voxels with one label; the message names the least one. */
 static conus_status refuse_clashes(const struct parcellations *all)
 {
     conus_status status = CONUS_OK;
     for (size_t p = 1; !status && p < all->count; p++) {
-        uint32_t label;
-        size_t owner;
-        status = find_clash(&label, all, p);
+        const struct label_map *map = &all->voxels[p];
+        uint32_t label = 0;
+        size_t owner = p;
+        for (size_t i = 0; !status && map->slots && i <= map->mask; i++) {
+            const struct label_map_slot *slot = &map->slots[i];
+            owner = p;
+            status = slot->value ? find_owner(&owner, all, p, slot->label) : CONUS_OK;
+            label = owner < p && (!label || slot->label < label) ? slot->label : label;
+        }
         status = status || !label ? status : find_owner(&owner, all, p, label);
         if (!status && label) {
             return fail(CONUS_ERROR_DATA,
