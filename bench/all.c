@@ -29,7 +29,7 @@ static int run_here(struct bench *bench, const struct bench_scenario *scenario, 
     return written && !close(out) ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
-/* What `all` gives the scenario to do. */
+/* The options with the poses, repeats and seconds that the scenario has in `all`. */
 static struct bench_options options_for(const struct bench *bench, const struct bench_scenario *scenario)
 {
     struct bench_options options = bench->options;

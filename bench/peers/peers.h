@@ -68,7 +68,7 @@ struct peer_picture_options {
     bool shade;       /**< Shades it by its gradient. */
     bool one_thread;  /**< Only the calling one, where the caster is not OpenGL's. */
     uint32_t size[2]; /**< Pixels. */
-    double sample_mm; /**< From sample to sample along a ray. */
+    double sample_mm; /**< Distance between samples along a ray. */
 };
 
 /** Colour and opacity of grey values from low to high, evenly spaced. */
@@ -88,7 +88,7 @@ void peer_picture_destroy(struct peer_picture *picture); /**< NULL is fine. */
 
 conus_status peer_picture_draw(struct peer_picture *picture);
 
-/** What was drawn last: pixels of R, G, B times A, and A, bottom row first. */
+/** The last picture: pixels of R, G, B times A, and A, bottom row first. */
 conus_status peer_picture_read(struct peer_picture *picture, float *rgba);
 
 #ifdef __cplusplus

@@ -15,8 +15,8 @@
 
 enum { MARGIN_PART = 35 /* of the width, on all sides */, ENTRIES = 256, WAYS = 5 };
 
-/* Of full opacity: how much pictures may differ in theirs (8 bits per pixel, samples at other places along the ray). In
- * a check pictures are a tenth as wide, and edges a larger part of them. */
+/* The most by which the opacities of pictures may differ (rms): they have 8 bits, and samples at other places along the
+ * ray. In a check pictures are a tenth as wide, and edges a larger part of them. */
 #define OPACITY_LIMIT 0.02
 #define OPACITY_LIMIT_CHECK 0.04
 

@@ -31,15 +31,6 @@ static void count_faults(struct faults *out, const struct trace *trace, const st
     }
 }
 
-static json_t *describe(const struct faults *faults)
-{
-    double hits = (double)(faults->hits ? faults->hits : 1);
-    size_t wrong = faults->missed + faults->invented + faults->other;
-    return json_pack("{s:I, s:f, s:f, s:f, s:f}", "pixels_met", (json_int_t)faults->hits, "wrong", (double)wrong / hits,
-                     "missed", (double)faults->missed / hits, "invented", (double)faults->invented / hits, "other",
-                     (double)faults->other / hits);
-}
-
 /* The plain traversal is the truth. An engine takes a fifth of the given number of slices. */
 static conus_status add_ways(struct contest *contest, const char *what)
 {
@@ -71,9 +62,13 @@ static conus_status measure_angle(struct bench *bench, const char *what, const c
         variants[way] = contest_variant(&contest, way);
         variants[way].equal = trace_same(&contest.traces[way], &contest.traces[PLAIN]);
         variants[way].other_by_design = way != EXACT;
-        variants[way].more = describe(&faults);
+        double hits = (double)(faults.hits ? faults.hits : 1);
+        double wrong = (double)(faults.missed + faults.invented + faults.other) / hits;
+        variants[way].more = json_pack("{s:I, s:f, s:f, s:f, s:f}", "pixels_met", (json_int_t)faults.hits, "wrong",
+                                       wrong, "missed", (double)faults.missed / hits, "invented",
+                                       (double)faults.invented / hits, "other", (double)faults.other / hits);
         printf("%s, %g degrees: wrong pixels are %.3g %% of those that hit something\n", variants[way].name, angle,
-               100 * json_number_value(json_object_get(variants[way].more, "wrong")));
+               100 * wrong);
     }
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "%s", contest.engines[EXACT]->name);
@@ -83,23 +78,19 @@ static conus_status measure_angle(struct bench *bench, const char *what, const c
     return status;
 }
 
-static conus_status measure_volume(struct bench *bench, const char *what, const char *path)
-{
-    static const double angles[] = {1, 2, 5, 10, 20, 40};
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; i < sizeof angles / sizeof *angles && !status; i++) {
-        status = measure_angle(bench, what, path, angles[i]);
-    }
-    return status;
-}
-
 conus_status bench_accuracy(struct bench *bench)
 {
+    static const double angles[] = {1, 2, 5, 10, 20, 40};
+    enum { ANGLES = sizeof angles / sizeof *angles };
     char tubes[160];
     bench->one_thread = true;
     snprintf(tubes, sizeof tubes, "%s/tubes.nii.gz", bench->folder);
     const conus_phantom_options options = {.size = bench->options.check ? 32 : 64};
-    conus_status status = measure_volume(bench, "labels", bench->options.atlas);
-    status = status ? status : conus_phantom_write("tubes", bench->folder, &options);
-    return status ? status : measure_volume(bench, "tubes", tubes);
+    conus_status status = conus_phantom_write("tubes", bench->folder, &options);
+    for (size_t i = 0; i < 2 * ANGLES && !status; i++) {
+        bool is_atlas = i < ANGLES;
+        status = measure_angle(bench, is_atlas ? "labels" : "tubes", is_atlas ? bench->options.atlas : tubes,
+                               angles[i % ANGLES]);
+    }
+    return status;
 }

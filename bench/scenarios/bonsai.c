@@ -17,13 +17,13 @@
 
 enum { CONES = 4, SEED = 45, CHECK_EDGE = 48 };
 
-/* Of each copy, in both engines with slices and without, on a driver that has textures in memory, too. */
+/* Memory of each copy, in both engines with slices and without, on a driver that has textures in memory, too. */
 enum { BYTES_PER_VOXEL = 8 };
 
-/* From copy to copy, in edges of one. */
+/* Distance from copy to copy, in edges of one. */
 #define SPACING 1.1
 
-/* Of white: how much pictures may differ. Blending in 8 bits makes no more than one step of it. */
+/* The most by which pictures may differ (rms, white is 1): one step of the 8 bits in which slices are blended. */
 #define PICTURE_RMS_LIMIT (1 / 255.0)
 
 /* Ways to select. GL's slices are compared with the slices of the CPU, which is why they are here. */
@@ -201,7 +201,7 @@ static conus_status aim_camera(struct scene *scene, const struct bench_options *
     return CONUS_OK;
 }
 
-/* From where the camera is, and around it, towards the copies' inner halves. */
+/* Cones begin at the camera and around it, and point at the copies' inner halves. */
 static conus_status aim_cones(struct scene *scene, double angle_deg)
 {
     uint64_t random = SEED;

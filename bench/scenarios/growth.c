@@ -20,7 +20,7 @@ enum { GROWTH_POINTS = 12, GROWTH_NAME = 64, CHECK_SIZES = 3 };
 struct growth_curve {
     struct bench *bench; /* Borrowed. */
     const char *name;    /* A literal; part of the keys in the JSON. */
-    double angle_deg;    /* Of the cones; 0 where they differ, or there are none. */
+    double angle_deg;    /* The cones'; 0 if they differ, or there are none. */
     size_t count;
     double x[GROWTH_POINTS], ms[GROWTH_POINTS];
     bool equal; /* All points' answers are as they should be. */

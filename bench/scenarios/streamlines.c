@@ -21,7 +21,7 @@ enum kind { WALKS, HELICES, KINDS };
 /* How much a step of 1 mm of a walk may turn away from that before. */
 #define TURN 0.15
 
-/* Of all streamlines, from the origin, mm: the half axes of a brain, and those of a box round the helices. */
+/* How far streamlines reach from the origin, mm: the half axes of a brain, and those of a box round the helices. */
 static const double reach[][3] = {[WALKS] = {70, 90, 60}, [HELICES] = {12, 12, 49.5}};
 
 static bool is_in_brain(const double point[3])
@@ -177,7 +177,7 @@ static void walk_all(void *data)
     }
 }
 
-/* What making a tree took. */
+/* The cost of making a tree. */
 struct growth {
     double seconds, bytes; /* of processor time; that lie in memory afterwards and did not before */
 };

@@ -20,19 +20,6 @@ static conus_status add_rays(struct contest *contest, const struct traverse_kern
     return contest_add(contest, engine, name);
 }
 
-static conus_status add_ways(struct contest *contest)
-{
-    struct engine *plain = NULL;
-    conus_status status = plain_engine_create(&plain, contest->atlas);
-    status = status ? status : contest_add(contest, plain, plain->name);
-    for (size_t k = 0; traverse_kernel(k) && !status; k++) {
-        if (traverse_kernel(k)->is_supported()) {
-            status = add_rays(contest, traverse_kernel(k), CONUS_SAMPLING_EXACT);
-        }
-    }
-    return status ? status : add_rays(contest, traverse_best_kernel(), CONUS_SAMPLING_SLICES);
-}
-
 static void build_map(void *data)
 {
     struct distance_map map;
@@ -60,10 +47,18 @@ static conus_status measure_ways(struct bench *bench, struct contest *contest)
 conus_status bench_volume(struct bench *bench)
 {
     struct contest contest;
+    struct engine *plain = NULL;
     const struct bench_options *options = &bench->options;
     bench->one_thread = true;
     conus_status status = contest_load(&contest, options->atlas, options->poses, options->angle, SEED);
-    status = status ? status : add_ways(&contest);
+    status = status ? status : plain_engine_create(&plain, contest.atlas);
+    status = status ? status : contest_add(&contest, plain, plain->name);
+    for (size_t k = 0; traverse_kernel(k) && !status; k++) {
+        if (traverse_kernel(k)->is_supported()) {
+            status = add_rays(&contest, traverse_kernel(k), CONUS_SAMPLING_EXACT);
+        }
+    }
+    status = status ? status : add_rays(&contest, traverse_best_kernel(), CONUS_SAMPLING_SLICES);
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "%s", contest.engines[1]->name);
         status = measure_ways(bench, &contest);

@@ -116,7 +116,7 @@ conus_status bench_streamlines(struct bench *bench);
 conus_status bench_torus(struct bench *bench);
 conus_status bench_torus_frame(struct bench *bench);
 conus_status bench_layers(struct bench *bench);
-/* What people use today; they leave themselves out where VTK was not there to build them. */
+/* Comparisons with VTK; in a build without VTK they are left out. */
 conus_status bench_peers_mesh(struct bench *bench);
 conus_status bench_peers_colour(struct bench *bench);
 

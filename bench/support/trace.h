@@ -16,8 +16,8 @@ struct trace {
     const struct cone *cones; /**< [count]                      */
     size_t count;
     struct evidence *answers; /**< [count] Of trace_init().                                */
-    struct evidence scratch;  /**< What is timed goes here, as a program does that goes on. */
-    conus_status status;      /**< Of the first cone that could not be answered. */
+    struct evidence scratch;  /**< Answers of timed runs go here, as in a long batch. */
+    conus_status status;      /**< The first failure of a cone. */
 };
 
 /** Answers all once. End it with trace_finish() even if this fails. */

@@ -49,13 +49,6 @@ static conus_status round_init(struct round *out, size_t tori, const struct benc
     return status;
 }
 
-static void round_finish(struct round *round)
-{
-    contest_finish(&round->contest);
-    mesh_rays_destroy(round->rays);
-    torus_scene_finish(&round->scene);
-}
-
 /* An atlas has moved vertices, which are rounded: its tori are not quite the placed ones, and a ray in thousands
  * tells. */
 static struct bench_variant compare(struct round *round, size_t way)
@@ -117,22 +110,11 @@ static conus_status measure_angle(struct bench *bench, struct torus_round *round
     return status;
 }
 
-static conus_status measure_angles(struct bench *bench, struct torus_round *round)
-{
-    struct bench_variant variants[ANGLES][TORUS_WAYS];
-    conus_status status = CONUS_OK;
-    for (int a = 0; a < ANGLES && !status; a++) {
-        status = measure_angle(bench, round, angles[a], variants[a]);
-    }
-    const struct bench_variant *narrow = variants[NARROW], *wide = variants[WIDE];
-    status = status ? status : bench_ratio(bench, "naive_over_rays", &narrow[TORUS_ALL_DRAWN], &narrow[TORUS_RAYS]);
-    status = status ? status : bench_ratio(bench, "naive_over_gl", &narrow[TORUS_ALL_DRAWN], &narrow[TORUS_GL]);
-    return status ? status : bench_ratio(bench, "naive_over_gl_20deg", &wide[TORUS_ALL_DRAWN], &wide[TORUS_GL]);
-}
-
 static conus_status bench_torus_gl(struct bench *bench)
 {
     struct torus_round round;
+    struct bench_variant variants[ANGLES][TORUS_WAYS];
+    const struct bench_variant *narrow = variants[NARROW], *wide = variants[WIDE];
     bench_draw_on_this_thread();
     conus_status status = torus_round_init(&round, bench_size(&bench->options, TORI), false);
     if (status == CONUS_ERROR_GL) {
@@ -141,7 +123,12 @@ static conus_status bench_torus_gl(struct bench *bench)
         const char *gl = round.engines[TORUS_GL]->name;
         bench->one_thread = strstr(gl, "llvmpipe") != NULL;
         snprintf(bench->driver, sizeof bench->driver, "%s; %s", gl, round.engines[TORUS_RAYS]->name);
-        status = measure_angles(bench, &round);
+        for (int a = 0; a < ANGLES && !status; a++) {
+            status = measure_angle(bench, &round, angles[a], variants[a]);
+        }
+        status = status ? status : bench_ratio(bench, "naive_over_rays", &narrow[TORUS_ALL_DRAWN], &narrow[TORUS_RAYS]);
+        status = status ? status : bench_ratio(bench, "naive_over_gl", &narrow[TORUS_ALL_DRAWN], &narrow[TORUS_GL]);
+        status = status ? status : bench_ratio(bench, "naive_over_gl_20deg", &wide[TORUS_ALL_DRAWN], &wide[TORUS_GL]);
     }
     torus_round_finish(&round);
     return status;
@@ -160,7 +147,9 @@ conus_status bench_torus(struct bench *bench)
         status = measure_sizes(bench, rounds);
     }
     for (size_t s = 0; s < SIZES; s++) {
-        round_finish(&rounds[s]);
+        contest_finish(&rounds[s].contest);
+        mesh_rays_destroy(rounds[s].rays);
+        torus_scene_finish(&rounds[s].scene);
     }
     return status ? status : bench_torus_gl(bench);
 }

@@ -57,7 +57,8 @@ static void scene_finish(struct scene *scene)
     torus_round_finish(&scene->round);
 }
 
-/* Of one number of tori; beyond the paper's, a frame and selections alone. Fills in those of `out` that there are. */
+/* Measures one number of tori, and fills in those of `out` that it has: with more tori than the paper's there is no
+ * frame with a selection. */
 static conus_status measure_scene(struct bench *bench, struct scene *scene, struct bench_variant out[VARIANTS])
 {
     struct shot shots[1 + TORUS_WAYS] = {{.draw = draw_frame, .wait = wait_for, .scene = scene}};
@@ -111,7 +112,7 @@ static conus_status run_count(struct bench *bench, size_t tori, bool placed, str
     return status;
 }
 
-/* Of the paper's largest scene, a selection as a part of a frame. */
+/* A selection as a part of a frame, in the paper's largest scene. */
 static conus_status add_ratios(struct bench *bench, const struct bench_variant v[VARIANTS])
 {
     const struct bench_variant *frame = &v[FRAME];

@@ -22,7 +22,7 @@ struct layer_way {
     size_t cone_count;
     struct evidence *visible; /* [cone_count] of an engine              */
     struct layers *all_hits;  /* [cone_count]                           */
-    conus_status status;      /* Of the last cone without an answer.    */
+    conus_status status;      /* The last cone's without an answer.     */
 };
 
 struct layer_round {
@@ -147,7 +147,7 @@ static bool pierces(const struct mesh *mesh, const double centre[3], const doubl
     return found;
 }
 
-/* What all triangles say of one cone. */
+/* Trying all triangles, over all cones. */
 struct truth {
     size_t pierced, objects;            /* pairs of a ray and a torus in it; tori in the cone */
     size_t other_pierced, lost_objects; /* pairs that the intervals have otherwise; tori that they lack */
@@ -190,27 +190,12 @@ static conus_status find_truth(struct truth *out, const struct layer_way *way, c
     return CONUS_OK;
 }
 
-static conus_status check_layers(bool *equal, const struct layer_round *round)
-{
-    struct truth truth = {0};
-    size_t firsts = count_other_firsts(&round->ways[1], &round->ways[0]);
-    conus_status status = find_truth(&truth, &round->ways[1], round->atlas, &round->scene);
-    double cones = (double)round->ways[1].cone_count;
-    printf("%zu tori: %.1f in a cone, pierced by %.1f rays each; against all triangles in double %zu of %zu pairs of a "
-           "ray and a torus differ, %zu tori are missing; %zu first intervals are not what is visible\n",
-           round->scene.count, (double)truth.objects / cones, (double)truth.pierced / (double)truth.objects,
-           truth.other_pierced, truth.pierced, truth.lost_objects, firsts);
-    *equal = !firsts && !truth.lost_objects && truth.other_pierced <= truth.pierced / 10000;
-    return status;
-}
-
 static conus_status measure_layers(struct bench *bench, struct layer_round *round)
 {
     static const char *const names[LAYER_WAYS] = {
         "20000 tori, rays engine, visible", "20000 tori, rays engine, all layers", "20000 tori, whole query, visible",
         "20000 tori, whole query, all layers"};
     struct bench_variant variants[LAYER_WAYS];
-    bool equal;
     conus_status status = CONUS_OK;
     for (size_t w = 0; w < LAYER_WAYS && !status; w++) {
         status = layer_way_init(round, w, w < 2 ? round->rays : NULL, w % 2);
@@ -223,7 +208,15 @@ static conus_status measure_layers(struct bench *bench, struct layer_round *roun
         variants[w] = (struct bench_variant){.name = names[w], .run = answer_all, .data = &round->ways[w]};
         variants[w].equal = !round->ways[w].status;
     }
-    status = check_layers(&equal, round);
+    struct truth truth = {0};
+    size_t firsts = count_other_firsts(&round->ways[1], &round->ways[0]);
+    status = find_truth(&truth, &round->ways[1], round->atlas, &round->scene);
+    double cones = (double)round->cone_count;
+    printf("%zu tori: %.1f in a cone, pierced by %.1f rays each; against all triangles in double %zu of %zu pairs of a "
+           "ray and a torus differ, %zu tori are missing; %zu first intervals are not what is visible\n",
+           round->scene.count, (double)truth.objects / cones, (double)truth.pierced / (double)truth.objects,
+           truth.other_pierced, truth.pierced, truth.lost_objects, firsts);
+    bool equal = !firsts && !truth.lost_objects && truth.other_pierced <= truth.pierced / 10000;
     variants[1].equal = variants[1].equal && equal;
     variants[3].equal = variants[3].equal && equal;
     status = status ? status

@@ -181,7 +181,7 @@ const char *torus_pass_device(const struct torus_pass *pass)
     return gl_context_renderer(pass->context);
 }
 
-/* Of a view through slopes (tangents of half the angles) to both sides. */
+/* The matrix of a view; the slopes are tangents of half its angles. */
 static void clip_matrix(float out[16], const double world_from_camera[16], const double slope[2])
 {
     const double near = 0.1;
@@ -245,7 +245,7 @@ static conus_status create_pass_engine(struct engine **out, struct torus_pass *p
     return CONUS_OK;
 }
 
-/* From beyond a corner of the cube, all of which is in view. */
+/* The eye is beyond a corner of the cube, all of which is in view. */
 static void draw_frame(struct torus_pass *pass)
 {
     const double eye[3] = {0.9 * pass->side, 0.7 * pass->side, 1.6 * pass->side};

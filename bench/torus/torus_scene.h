@@ -13,14 +13,14 @@ enum { TORUS_RESOLUTION = 16, TORUS_TRIANGLES = 512 };
 #define TORUS_RADIUS 5.0
 #define TORUS_SPACING 12.5
 
-/** Of the circle in the middle of a torus's tube, mm. */
+/** Radius of the circle in the middle of a torus's tube, mm. */
 #define TORUS_RING 3.5
 
 struct torus_scene {
     struct mesh torus; /**< Round its own z axis.                        */
     size_t count;
     double (*places)[16]; /**< [count] world_from_torus, rigid.             */
-    double side;          /**< Of the cube of tori, mm; its middle is at 0. */
+    double side;          /**< The cube's of all tori, mm; its middle is at 0. */
 };
 
 /** End it with torus_scene_finish(). */
