@@ -140,6 +140,9 @@ static void find_index(double out[3], const size_t dim[3], size_t n)
 static void extend(struct extent *extent, const struct volume *volume, size_t voxel)
 {
     double p[3];
+    if (!extent->first) {
+        *extent = (struct extent){volume, {LONG_MAX, LONG_MAX, LONG_MAX}, {LONG_MIN, LONG_MIN, LONG_MIN}};
+    }
     find_index(p, volume->info.dim, voxel);
     if (volume != extent->first) {
         mat4_point(p, volume->info.world_from_voxel, p);
@@ -201,16 +204,10 @@ conus_status haze_fill(struct haze_field *out, const conus_atlas *atlas, const s
     struct extent extent = {0};
     struct haze_field field = {0};
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (is_used(&atlas->volumes[i])) {
-            for (size_t v = 0; v < atlas->volumes[i].voxel_count; v++) {
-                bool hazy = hazy_at(&atlas->volumes[i], choice, v);
-                if (hazy && !extent.first) {
-                    extent = (struct extent){
-                        &atlas->volumes[i], {LONG_MAX, LONG_MAX, LONG_MAX}, {LONG_MIN, LONG_MIN, LONG_MIN}};
-                }
-                if (hazy) {
-                    extend(&extent, &atlas->volumes[i], v);
-                }
+        const struct volume *volume = &atlas->volumes[i];
+        for (size_t v = 0; is_used(volume) && v < volume->voxel_count; v++) {
+            if (hazy_at(volume, choice, v)) {
+                extend(&extent, volume, v);
             }
         }
     }

@@ -503,11 +503,6 @@ static double distance_to_wall(const struct cone_drawing *drawing, double column
     return (wall > end ? wall : end) / drawing->place->mm_per_pixel;
 }
 
-static uint8_t *pixel_at(const struct cone_drawing *drawing, uint32_t column, uint32_t row)
-{
-    return drawing->rgba + 4 * ((size_t)drawing->place->width * row + column);
-}
-
 /* A tile that is all inside or all outside needs one look only. */
 static void draw_tile(const struct cone_drawing *drawing, uint32_t left, uint32_t top)
 {
@@ -521,15 +516,14 @@ static void draw_tile(const struct cone_drawing *drawing, uint32_t left, uint32_
     bool inside = wall < -reach - half_line;
     for (uint32_t row = top; row < bottom; row++) {
         for (uint32_t column = left; column < right; column++) {
-            if (inside) {
-                blend(pixel_at(drawing, column, row), cone_rgb, tint);
-            } else {
+            double opacity = tint;
+            if (!inside) {
                 double outside = distance_to_wall(drawing, column, row);
                 double line = 0.9 * fmin(fmax(half_line - fabs(outside), 0), 1);
-                double opacity = fmax(line, outside < 0 ? tint : 0);
-                if (opacity > 0) {
-                    blend(pixel_at(drawing, column, row), cone_rgb, opacity);
-                }
+                opacity = fmax(line, outside < 0 ? tint : 0);
+            }
+            if (opacity > 0) {
+                blend(drawing->rgba + 4 * ((size_t)drawing->place->width * row + column), cone_rgb, opacity);
             }
         }
     }

@@ -118,6 +118,18 @@ static inline struct seen see(const struct mesh_cull *cull, double x, double y, 
     return (struct seen){vec3_dot(v, cull->right), vec3_dot(v, cull->up), vec3_dot(v, cull->forward), radius};
 }
 
+static struct seen see_mesh(const struct mesh_cull *cull, size_t number)
+{
+    const double *const *ball = (const double *const *)cull->clusters->ball;
+    return see(cull, ball[0][number], ball[1][number], ball[2][number], ball[3][number]);
+}
+
+static struct seen see_cluster(const struct mesh_cull *cull, size_t number)
+{
+    const struct cluster *cluster = &cull->clusters->cluster[number];
+    return see(cull, cluster->centre[0], cluster->centre[1], cluster->centre[2], cluster->radius);
+}
+
 static inline bool is_in_pyramid(const struct mesh_cull *cull, const struct seen *ball)
 {
     double sideways = larger(fabs(ball->x), fabs(ball->y));
@@ -239,11 +251,9 @@ void mesh_cull_begin(struct mesh_cull *cull, const struct mesh_view *view)
         double place = (2.0 * i + 1) / view->resolution - 1; /* Eq. 3 */
         cull->side[i] = place * (view->radius > 0 ? view->radius : view->slope);
     }
-    const struct clusters *clusters = cull->clusters;
     cull->count = 0;
-    for (size_t i = 0; i < clusters->mesh_count; i++) {
-        struct seen ball =
-            see(cull, clusters->ball[0][i], clusters->ball[1][i], clusters->ball[2][i], clusters->ball[3][i]);
+    for (size_t i = 0; i < cull->clusters->mesh_count; i++) {
+        struct seen ball = see_mesh(cull, i);
         if (is_in_pyramid(cull, &ball)) {
             cull->heap[cull->count++] = (struct waiting){key_of(cull, nearest_of(cull, &ball)), (uint32_t)i, true};
         }
@@ -273,18 +283,6 @@ void mesh_cull_hide(struct mesh_cull *cull, const double *distances)
     }
 }
 
-static struct seen see_cluster(const struct mesh_cull *cull, uint32_t number)
-{
-    const struct cluster *cluster = &cull->clusters->cluster[number];
-    return see(cull, cluster->centre[0], cluster->centre[1], cluster->centre[2], cluster->radius);
-}
-
-/* An entry's least distance, which the heap has as 0 without MESH_ORDER. */
-static double nearest_again(const struct mesh_cull *cull, const struct waiting *next, const struct seen *ball)
-{
-    return cull->without & MESH_ORDER ? nearest_of(cull, ball) : next->nearest;
-}
-
 size_t mesh_cull_batch(const uint32_t **out, struct mesh_cull *cull, size_t triangles)
 {
     const struct clusters *clusters = cull->clusters;
@@ -296,25 +294,24 @@ size_t mesh_cull_batch(const uint32_t **out, struct mesh_cull *cull, size_t tria
         sink(cull->heap, cull->count, 0);
         if (next.nearest > cull->farthest) {
             cull->count = 0;
-        } else if (next.is_mesh) {
-            const double *const *ball = (const double *const *)clusters->ball;
-            struct seen seen =
-                see(cull, ball[0][next.number], ball[1][next.number], ball[2][next.number], ball[3][next.number]);
-            if (is_open(cull, &seen, nearest_again(cull, &next, &seen))) {
-                const size_t *first = &cull->clusters->first_cluster[next.number];
-                for (size_t i = first[0]; i < first[1]; i++) {
-                    struct seen cluster = see_cluster(cull, (uint32_t)i);
-                    double distance = nearest_of(cull, &cluster);
-                    if (is_in_pyramid(cull, &cluster) && is_open(cull, &cluster, distance)) {
-                        push_waiting(cull, (struct waiting){key_of(cull, distance), (uint32_t)i, false});
-                    }
-                }
-            }
-        } else {
-            struct seen seen = see_cluster(cull, next.number);
-            if (is_open(cull, &seen, nearest_again(cull, &next, &seen))) {
-                cull->batch[count++] = next.number;
-                given += clusters->cluster[next.number].count;
+            break;
+        }
+        struct seen seen = next.is_mesh ? see_mesh(cull, next.number) : see_cluster(cull, next.number);
+        double nearest = cull->without & MESH_ORDER ? nearest_of(cull, &seen) : next.nearest; /* the heap may have 0 */
+        if (!is_open(cull, &seen, nearest)) {
+            continue;
+        }
+        if (!next.is_mesh) {
+            cull->batch[count++] = next.number;
+            given += clusters->cluster[next.number].count;
+            continue;
+        }
+        const size_t *first = &clusters->first_cluster[next.number];
+        for (size_t i = first[0]; i < first[1]; i++) {
+            struct seen cluster = see_cluster(cull, i);
+            double distance = nearest_of(cull, &cluster);
+            if (is_in_pyramid(cull, &cluster) && is_open(cull, &cluster, distance)) {
+                push_waiting(cull, (struct waiting){key_of(cull, distance), (uint32_t)i, false});
             }
         }
     }
