@@ -134,17 +134,6 @@ static enum column column_named(struct text field, conus_space space)
     return column;
 }
 
-/* How well a column names the rows: query_id before id before name; 0 = it does not. */
-static int rank_of_id(struct text field)
-{
-    static const char *const ids[] = {"name", "id", "query_id"};
-    int rank = 3;
-    while (rank && !text_equal_ignoring_case(field, ids[rank - 1])) {
-        rank--;
-    }
-    return rank;
-}
-
 static conus_status add_column(struct header *header, struct text field)
 {
     struct pose_table *table = &header->table;
@@ -159,7 +148,11 @@ static conus_status add_column(struct header *header, struct text field)
         return fail(CONUS_ERROR_DATA, "header: more than %d columns", POSE_COLUMN_LIMIT);
     }
     enum column column = column_named(field, header->space);
-    const int rank = rank_of_id(field);
+    static const char *const ids[] = {"name", "id", "query_id"}; /* name the rows, the last one best */
+    int rank = 3;
+    while (rank && !text_equal_ignoring_case(field, ids[rank - 1])) {
+        rank--;
+    }
     if ((column < COLUMNS && column != ID && table->has[column]) || (rank && rank == header->id_rank)) {
         field = column < COLUMNS ? text_from(names[column]) : field;
         return fail(CONUS_ERROR_DATA, "header: column \"%.*s\" twice", pose_quote(field), field.data);

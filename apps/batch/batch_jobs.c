@@ -23,7 +23,7 @@ void batch_jobs_finish(struct batch_jobs *jobs)
 }
 
 /* Splits a line into its fields; false unless there are COLUMNS. */
-static bool split(char *fields[COLUMNS], char *line)
+static bool split_fields(char *fields[COLUMNS], char *line)
 {
     size_t count = 0;
     for (char *field; (field = strsep(&line, "\t")); count++) {
@@ -38,7 +38,7 @@ static bool split(char *fields[COLUMNS], char *line)
 static bool read_header(size_t place[COLUMNS], char *line)
 {
     char *fields[COLUMNS] = {NULL};
-    bool found = split(fields, line);
+    bool found = split_fields(fields, line);
     for (size_t i = 0; i < COLUMNS && found; i++) {
         place[i] = 0;
         while (place[i] < COLUMNS && strcmp(fields[place[i]], names[i]) != 0) {
@@ -52,7 +52,7 @@ static bool read_header(size_t place[COLUMNS], char *line)
 static bool add_job(struct batch_jobs *jobs, const size_t place[COLUMNS], char *line, const char *path, size_t number)
 {
     char *fields[COLUMNS] = {NULL};
-    if (!split(fields, line)) {
+    if (!split_fields(fields, line)) {
         print_error_line("%s:%zu: not three fields with tabs between them", path, number);
         return false;
     }
@@ -177,7 +177,7 @@ int batch_jobs_parse(struct batch_jobs *out, const char *path, char *text, size_
 }
 
 /* The more serious of two exit codes. */
-static int worse(int a, int b)
+static int worse_code(int a, int b)
 {
     return a == EXIT_DONE || (a == EXIT_DIFFERENT && b != EXIT_DONE) ? b : a;
 }
@@ -212,7 +212,7 @@ static int answer_table(const struct batch_settings *settings, const struct argu
         own.shard = "0/1";
         aimed.operands[0] = jobs.jobs[i].atlas;
         last = answer(user, &own, &aimed);
-        code = worse(code, last);
+        code = worse_code(code, last);
     }
     batch_jobs_finish(&jobs);
     return is_signal(last) ? last : code;
@@ -265,7 +265,7 @@ static int answer_outputs(const struct batch_settings *settings, const struct ar
     }
     own.of_segments = true;
     own.output = settings->axis.segments;
-    return code == EXIT_DONE || code == EXIT_DIFFERENT ? worse(code, answer(user, &own, arguments)) : code;
+    return code == EXIT_DONE || code == EXIT_DIFFERENT ? worse_code(code, answer(user, &own, arguments)) : code;
 }
 
 int batch_jobs_answer(const struct batch_settings *settings, const struct arguments *arguments, batch_answer *answer,

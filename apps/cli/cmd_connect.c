@@ -42,7 +42,7 @@ static int add_answer(struct connect *connect, size_t index, const conus_report_
     return matrix_file_take(&connect->matrix, answerer->selector, report, "1", connectivity);
 }
 
-static int answer(struct connect *connect)
+static int answer_connect(struct connect *connect)
 {
     struct request *request = &connect->request;
     struct provenance provenance = {0};
@@ -79,7 +79,7 @@ static int run_connect(const void *given, const struct arguments *arguments)
     }
     int code = request_init(&connect.request, &settings->request, arguments);
     code = code ? code : matrix_file_init(&connect.matrix, settings->ends.connectivity);
-    code = code ? code : answer(&connect);
+    code = code ? code : answer_connect(&connect);
     matrix_file_finish(&connect.matrix);
     request_finish(&connect.request);
     return code;

@@ -371,7 +371,7 @@ static int merge_shards(struct merge *merge)
     return code ? code : write_whole(merge);
 }
 
-static bool init(struct merge *merge, const struct arguments *arguments)
+static bool init_merge(struct merge *merge, const struct arguments *arguments)
 {
     merge->count = arguments->operand_count + arguments->more.count;
     merge->parts = calloc(merge->count, sizeof *merge->parts);
@@ -392,7 +392,7 @@ static bool init(struct merge *merge, const struct arguments *arguments)
 static int run_merge(const void *given, const struct arguments *arguments)
 {
     struct merge merge = {.settings = given};
-    int code = init(&merge, arguments) ? merge_shards(&merge) : EXIT_DATA;
+    int code = init_merge(&merge, arguments) ? merge_shards(&merge) : EXIT_DATA;
     progress_finish(&merge.progress, 0, 0);
     for (size_t i = 0; merge.parts && i < merge.count; i++) {
         free(merge.parts[i].sidecar);

@@ -113,20 +113,6 @@ static void say_place(const struct overlap *overlap, size_t index, const conus_r
     }
 }
 
-/* Whether no output is the region's file. */
-static bool check_region(const struct overlap *overlap, const conus_roi *roi)
-{
-    const char *output = overlap->settings->request.answer.output;
-    const char *const outputs[] = {output_is_stdout(output) ? NULL : output, overlap->request.sidecar};
-    for (size_t i = 0; i < 2; i++) {
-        if (outputs[i] && paths_equal(outputs[i], conus_roi_volume(roi)->path)) {
-            print_error_line("--output would overwrite the region %s", outputs[i]);
-            return false;
-        }
-    }
-    return true;
-}
-
 /* Adds the areas of one atlas that the region covers. */
 static int add_answer(struct overlap *overlap, size_t index, const char *path, const conus_roi *roi)
 {
@@ -149,7 +135,14 @@ static int add_region(struct overlap *overlap, const char *path)
         messages_hold(true);
         return print_failure(overlap, path, print_status(status));
     }
-    int code = check_region(overlap, roi) ? EXIT_DONE : EXIT_USAGE;
+    const char *output = overlap->settings->request.answer.output;
+    const char *const outputs[] = {output_is_stdout(output) ? NULL : output, overlap->request.sidecar};
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < 2 && !code; i++) {
+        if (outputs[i] && paths_equal(outputs[i], conus_roi_volume(roi)->path)) {
+            code = print_usage_error("--output would overwrite the region %s", outputs[i]);
+        }
+    }
     for (size_t i = 0; !code && i < overlap->request.atlases.count; i++) {
         code = add_answer(overlap, i, path, roi);
     }
@@ -157,7 +150,7 @@ static int add_region(struct overlap *overlap, const char *path)
     return code;
 }
 
-static int answer(struct overlap *overlap)
+static int answer_overlap(struct overlap *overlap)
 {
     struct request *request = &overlap->request;
     messages_hold(true);
@@ -198,7 +191,7 @@ static int run_overlap(const void *given, const struct arguments *arguments)
         return EXIT_USAGE;
     }
     int code = request_init(&overlap.request, &settings->request, arguments);
-    code = code ? code : answer(&overlap);
+    code = code ? code : answer_overlap(&overlap);
     request_finish(&overlap.request);
     return code;
 }

@@ -346,7 +346,7 @@ static int add_answer(struct query *query, size_t index, const struct asked_row 
 
 /* Asks all atlases. Where the question itself is at fault, nothing is printed or reported: that is for the caller, and
  * *fault is set. */
-static int ask(struct query *query, const struct asked_row *question, bool *fault)
+static int ask_atlases(struct query *query, const struct asked_row *question, bool *fault)
 {
     int code = EXIT_DONE;
     double radius = question->radius;
@@ -397,7 +397,7 @@ static int answer_row(void *user, const conus_pose_row *row)
         question.angle = request_angle(request, row);
         request_count_pose(request, row->line, &row->pose, question.angle);
     }
-    int code = ask(query, &question, &fault);
+    int code = ask_atlases(query, &question, &fault);
     return fault ? refuse_row(query, row, conus_message()) : code;
 }
 
@@ -449,7 +449,7 @@ static int answer_one(struct query *query)
         question.angle = settings_angle(&settings->aim, &settings->engine);
         request_count_pose(request, 1, &question.pose, question.angle);
     }
-    int code = ask(query, &question, &fault);
+    int code = ask_atlases(query, &question, &fault);
     code = fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
     if (!code && question.is_point && !settings->common.quiet) {
         say_nearest(query, &question);

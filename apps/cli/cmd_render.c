@@ -234,7 +234,7 @@ static const struct option translucent_options[] = {
 };
 
 /* Splits `text` behind its last "=": the name is allocated, NULL where there is none. False without memory. */
-static bool split(char **name, const char **value, const char *text)
+static bool split_value(char **name, const char **value, const char *text)
 {
     const char *equals = strrchr(text, '=');
     *value = equals ? equals + 1 : text;
@@ -298,7 +298,7 @@ static int find_opacities(struct translucent *out, const conus_atlas *atlas, con
         char *name = NULL;
         const char *value = NULL;
         double opacity = 0;
-        bool done = out->opacity && split(&name, &value, texts->items[i]) && parse_opacity(&opacity, value);
+        bool done = out->opacity && split_value(&name, &value, texts->items[i]) && parse_opacity(&opacity, value);
         code = !done ? print_no_memory() : name ? set_opacity(out, atlas, name, opacity) : EXIT_DONE;
         out->pale = name ? out->pale : opacity;
         free(name);
@@ -310,7 +310,7 @@ static int find_pathway(conus_pathway_transfer *out, const conus_atlas *atlas, c
 {
     char *name = NULL;
     const char *value = NULL;
-    if (!split(&name, &value, text)) {
+    if (!split_value(&name, &value, text)) {
         return print_no_memory();
     }
     int code = EXIT_DONE;

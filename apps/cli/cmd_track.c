@@ -342,18 +342,6 @@ static int open_poses(void *user)
     return status ? settings_print_poses_error(status, path, "poses", request->arguments) : EXIT_DONE;
 }
 
-/* Whether the whole track lies or points astray, as it does in another space or unit: a hand points here and there. */
-static bool is_astray(const struct request *request)
-{
-    bool is = false;
-    for (size_t i = 0; i < request->atlases.count && !is; i++) {
-        const conus_astray *found = conus_aims_found(request->answerers[i].aims);
-        uint64_t poses = found->poses;
-        is = poses && (found->away.count == poses || found->inside.count == poses || found->tiny.count == poses);
-    }
-    return is;
-}
-
 static int answer_track(struct track *track)
 {
     struct request *request = &track->request;
@@ -370,7 +358,14 @@ static int answer_track(struct track *track)
     }
     conus_status status = start_track(track);
     code = status ? print_status(status) : track->station ? answer_station(track) : answer_all(track);
-    if (!code && is_astray(request)) {
+    /* A hand points here and there: only where the whole track lies or points astray may it be in another space. */
+    bool is_astray = false;
+    for (size_t i = 0; i < request->atlases.count && !code && !is_astray; i++) {
+        const conus_astray *found = conus_aims_found(request->answerers[i].aims);
+        uint64_t poses = found->poses;
+        is_astray = poses && (found->away.count == poses || found->inside.count == poses || found->tiny.count == poses);
+    }
+    if (!code && is_astray) {
         request_say_aims(request);
     }
     return request_code(request, code ? code : write_rest(track));

@@ -296,7 +296,7 @@ bool igtl_read(struct igtl_reader *reader, const uint8_t *bytes, size_t size, ig
 }
 
 /* Puts the header before a body that is there already; gives the whole size. */
-static size_t finish(uint8_t *out, const char *type, const char *device, double time_s, size_t body)
+static size_t finish_message(uint8_t *out, const char *type, const char *device, double time_s, size_t body)
 {
     double whole = floor(time_s);
     memset(out, 0, IGTL_HEADER);
@@ -320,7 +320,7 @@ size_t igtl_write_string(uint8_t *out, size_t capacity, const char *device, doub
     put(out + IGTL_HEADER, 2, UTF_8);
     put(out + IGTL_HEADER + 2, 2, length);
     memcpy(out + IGTL_HEADER + 4, text, length);
-    return finish(out, "STRING", device, time_s, 4 + length);
+    return finish_message(out, "STRING", device, time_s, 4 + length);
 }
 
 size_t igtl_write_points(uint8_t *out, size_t capacity, const char *device, double time_s,
@@ -341,7 +341,7 @@ size_t igtl_write_points(uint8_t *out, size_t capacity, const char *device, doub
         }
         put_float(point + 112, 2); /* diameter, mm */
     }
-    return finish(out, "POINT", device, time_s, count * POINT_SIZE);
+    return finish_message(out, "POINT", device, time_s, count * POINT_SIZE);
 }
 
 size_t igtl_write_transform(uint8_t *out, size_t capacity, const char *device, double time_s, const double matrix[16])
@@ -354,7 +354,7 @@ size_t igtl_write_transform(uint8_t *out, size_t capacity, const char *device, d
             put_float(out + IGTL_HEADER + 4 * (3 * column + a), matrix[4 * column + a]);
         }
     }
-    return finish(out, "TRANSFORM", device, time_s, TRANSFORM_SIZE);
+    return finish_message(out, "TRANSFORM", device, time_s, TRANSFORM_SIZE);
 }
 
 size_t igtl_write_start(uint8_t *out, size_t capacity, const char *type, uint32_t milliseconds)
@@ -364,5 +364,5 @@ size_t igtl_write_start(uint8_t *out, size_t capacity, const char *type, uint32_
     }
     memset(out + IGTL_HEADER, 0, 36);
     put(out + IGTL_HEADER, 4, milliseconds);
-    return finish(out, type, "", 0, 36);
+    return finish_message(out, type, "", 0, 36);
 }

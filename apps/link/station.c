@@ -208,7 +208,7 @@ static void update_counts(struct station *station)
     pthread_mutex_unlock(&station->lock);
 }
 
-static void part(struct station *station, struct peer *peer, bool was_nonsense)
+static void drop_peer(struct station *station, struct peer *peer, bool was_nonsense)
 {
     close(peer->socket);
     pthread_mutex_lock(&station->lock);
@@ -226,12 +226,12 @@ static void receive(struct station *station, struct peer *peer)
     ssize_t size = recv(peer->socket, bytes, sizeof bytes, MSG_DONTWAIT);
     if (size > 0) {
         if (!igtl_read(&peer->reader, bytes, (size_t)size, hear, station)) {
-            part(station, peer, true);
+            drop_peer(station, peer, true);
         } else if (peer->reader.valid) {
             peer->heard_ms = clock_ms();
         }
     } else if (size == 0 || (errno != EAGAIN && errno != EINTR)) {
-        part(station, peer, false);
+        drop_peer(station, peer, false);
     }
 }
 
@@ -241,7 +241,7 @@ static void transmit(struct station *station, struct peer *peer)
     if (size >= 0) {
         peer->sent += (size_t)size;
     } else if (errno != EAGAIN && errno != EINTR) {
-        part(station, peer, false);
+        drop_peer(station, peer, false);
     }
 }
 
@@ -268,7 +268,7 @@ static struct peer *replace_silent(struct station *station)
     if (clock_ms() - silent->heard_ms <= 1e3 * stale_after_s) {
         return NULL;
     }
-    part(station, silent, false);
+    drop_peer(station, silent, false);
     return silent;
 }
 
@@ -401,7 +401,7 @@ static char *copied(const char *text)
     return text ? strdup(text) : NULL;
 }
 
-static void finish(struct station *station)
+static void free_station(struct station *station)
 {
     for (int p = 0; p < PEERS; p++) {
         if (station->peers[p].socket >= 0) {
@@ -466,7 +466,7 @@ bool station_start(struct station **out, const struct station_options *options, 
     station->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     bool open = station->wake >= 0 && (options->host || open_listener(station, why, size));
     if (!open || pthread_create(&station->thread, NULL, run, station)) {
-        finish(station);
+        free_station(station);
         return false;
     }
     *out = station;
@@ -488,7 +488,7 @@ void station_stop(struct station *station)
         pthread_mutex_unlock(&station->lock);
         wake(station);
         pthread_join(station->thread, NULL);
-        finish(station);
+        free_station(station);
     }
 }
 

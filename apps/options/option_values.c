@@ -103,7 +103,7 @@ static bool read_count(const struct option *option, uint32_t *field, const char 
 enum { NUMBERS_SIZE = 256 };
 
 /* Copies the text and cuts the copy at `separator`; false unless that gives exactly `count` parts. */
-static bool split(char copy[NUMBERS_SIZE], const char *text, char separator, const char **parts, size_t count)
+static bool split_numbers(char copy[NUMBERS_SIZE], const char *text, char separator, const char **parts, size_t count)
 {
     if (snprintf(copy, NUMBERS_SIZE, "%s", text) >= NUMBERS_SIZE) {
         return false;
@@ -123,7 +123,7 @@ static bool read_numbers(const struct option *option, double *field, size_t coun
 {
     char copy[NUMBERS_SIZE];
     const char *parts[4];
-    if (!split(copy, text, ',', parts, count)) {
+    if (!split_numbers(copy, text, ',', parts, count)) {
         return refuse_value(option, text, wanted);
     }
     for (size_t i = 0; i < count; i++) {
@@ -141,7 +141,7 @@ static bool read_size(const struct option *option, uint32_t field[2], const char
 {
     char copy[NUMBERS_SIZE];
     const char *parts[2];
-    if (!split(copy, text, 'x', parts, 2)) {
+    if (!split_numbers(copy, text, 'x', parts, 2)) {
         return refuse_value(option, text, "a size WxH");
     }
     for (size_t i = 0; i < 2; i++) {
@@ -190,23 +190,6 @@ static const char *choice_of(const void *option, size_t index)
     return option_choice(option, index);
 }
 
-static bool refuse_choice(const struct option *option, const char *text)
-{
-    const char *near = closest_name(text, choice_of, option);
-    if (near) {
-        print_error_line("--%s: \"%s\" is none of its choices; did you mean %s?", option->name, text, near);
-        return false;
-    }
-    char list[NUMBERS_SIZE] = "";
-    const char *choice;
-    for (size_t i = 0; (choice = option_choice(option, i)); i++) {
-        size_t used = strlen(list);
-        snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", choice);
-    }
-    print_error_line("--%s: \"%s\" is none of its choices: %s", option->name, text, list);
-    return false;
-}
-
 static bool read_choice(const struct option *option, size_t *field, const char *text)
 {
     const char *choice;
@@ -216,7 +199,18 @@ static bool read_choice(const struct option *option, size_t *field, const char *
             return true;
         }
     }
-    return refuse_choice(option, text);
+    const char *near = closest_name(text, choice_of, option);
+    if (near) {
+        print_error_line("--%s: \"%s\" is none of its choices; did you mean %s?", option->name, text, near);
+        return false;
+    }
+    char list[NUMBERS_SIZE] = "";
+    for (size_t i = 0; (choice = option_choice(option, i)); i++) {
+        size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", choice);
+    }
+    print_error_line("--%s: \"%s\" is none of its choices: %s", option->name, text, list);
+    return false;
 }
 
 static bool read_text(const struct option *option, const char **field, const char *text)

@@ -155,18 +155,6 @@ static bool is_among(const char *words, const char *name)
     return found;
 }
 
-/* The option that people call by this name. */
-static const struct option *find_word(const struct command *command, const char *name)
-{
-    const struct option *option;
-    for (size_t i = 0; (option = found_at(command, NULL, i).option); i++) {
-        if (is_among(option->words, name)) {
-            return option;
-        }
-    }
-    return NULL;
-}
-
 /* The name of another command of the family that has the option; NULL = none. */
 static const char *command_with(const struct command *const *other, const char *name)
 {
@@ -182,7 +170,11 @@ static int print_unknown_option(const struct arguments *arguments, const char *w
 {
     const struct command *command = arguments->command;
     const char *program = command->program ? command->program : "conus";
-    const struct option *meant = find_word(command, name);
+    const struct option *meant = NULL; /* the option that people call by this name */
+    const struct option *option;
+    for (size_t i = 0; !meant && (option = option_at(command, i)); i++) {
+        meant = is_among(option->words, name) ? option : NULL;
+    }
     const char *near = meant ? meant->name : closest_name(name, name_at, command);
     const char *other = near ? NULL : command_with(arguments->family, name);
     if (meant && meant->letter) {

@@ -44,15 +44,6 @@ bool settings_space_needs_atlas(const struct space_settings *settings)
     return settings->name >= CONUS_SPACE_CCF;
 }
 
-static bool is_one_place(const conus_frame *a, const conus_frame *b)
-{
-    bool is_one = true;
-    for (int i = 0; i < 16; i++) {
-        is_one = is_one && fabs(a->world_from_space[i] - b->world_from_space[i]) <= (i < 12 ? 1e-6 : 1e-3);
-    }
-    return is_one;
-}
-
 /* By an affine: where a field has moved it, the CCF is not found. */
 static bool is_moved(const conus_atlas *atlas)
 {
@@ -80,7 +71,12 @@ int settings_frame(conus_frame *out, const struct atlases *atlases, const struct
         conus_frame frame;
         const struct named_atlas *at = &atlases->items[i];
         status = conus_frame_find(&frame, at->atlas, (conus_space)settings->name, bregma);
-        if (!status && !is_one_place(&first, &frame)) {
+        bool is_one_place = true;
+        for (int k = 0; k < 16 && !status; k++) {
+            double difference = fabs(first.world_from_space[k] - frame.world_from_space[k]);
+            is_one_place = is_one_place && difference <= (k < 12 ? 1e-6 : 1e-3);
+        }
+        if (!status && !is_one_place) {
             print_error_line(
                 "--space %s: the CCF lies elsewhere in atlas %s than in %s: a position would be two places", name,
                 at->name, atlases->items[0].name);

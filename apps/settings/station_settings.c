@@ -251,8 +251,8 @@ static int read_matrix(double out[16], const char *path)
     return code;
 }
 
-static int start(struct station **out, const struct end *end, const char *world_from_tracker,
-                 struct station_options *options)
+static int start_at(struct station **out, const struct end *end, const char *world_from_tracker,
+                    struct station_options *options)
 {
     char address[ADDRESS_SIZE];
     char why[256];
@@ -286,7 +286,7 @@ int settings_start_station(struct station **out, const struct station_settings *
         return EXIT_DONE;
     }
     int code = settings->screen_pose ? read_matrix(options.tracker_from_screen, settings->screen_pose) : EXIT_DONE;
-    return code ? code : start(out, &end, settings->world_from_tracker, &options);
+    return code ? code : start_at(out, &end, settings->world_from_tracker, &options);
 }
 
 int settings_start_second(struct station **out, const struct station_settings *settings)
@@ -301,7 +301,7 @@ int settings_start_second(struct station **out, const struct station_settings *s
     if (!end.listen && !end.connect) {
         return EXIT_DONE;
     }
-    return start(out, &end, matrix ? matrix : settings->world_from_tracker, &options);
+    return start_at(out, &end, matrix ? matrix : settings->world_from_tracker, &options);
 }
 
 void settings_station_text(char *out, size_t size, struct station *station, const struct station_news *news)

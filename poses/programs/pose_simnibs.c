@@ -72,16 +72,6 @@ static conus_status add_structures(struct reading *reading)
     return status;
 }
 
-/* A list without positions is one, too. */
-static bool is_list(const struct matlab *matlab)
-{
-    bool found = matlab_variable(matlab, "poslist") || matlab_variable(matlab, "pos");
-    for (size_t i = 0; !found && i < matlab->count; i++) {
-        found = matlab_field(matlab, &matlab->arrays[i], 0, "pos") != NULL;
-    }
-    return found;
-}
-
 static conus_status parse_matlab(struct reading *reading, struct text text)
 {
     struct matlab matlab = {0};
@@ -97,7 +87,11 @@ static conus_status parse_matlab(struct reading *reading, struct text text)
         reading->found = true;
         status = add_array(reading, found, matlab_text(name, sizeof name, matlab_variable(&matlab, "name")));
     }
-    if (!status && !reading->found && !is_list(&matlab)) {
+    bool is_list = matlab_variable(&matlab, "poslist") || matlab_variable(&matlab, "pos"); /* perhaps of no position */
+    for (size_t i = 0; !is_list && i < matlab.count; i++) {
+        is_list = matlab_field(&matlab, &matlab.arrays[i], 0, "pos") != NULL;
+    }
+    if (!status && !reading->found && !is_list) {
         status = fail(CONUS_ERROR_DATA, "a file of MATLAB without matsimnibs (SimNIBS) and reco (Lead-DBS): no poses");
     }
     reading->matlab = NULL;

@@ -267,9 +267,9 @@ static json_t *end_of(double end)
     return isfinite(end) ? value(end) : json_null();
 }
 
-/* The bands of values of volume `index`; empty where it has none. */
-static json_t *bands_of(const conus_atlas *atlas, size_t index)
+static json_t *volume(const conus_atlas *atlas, size_t index)
 {
+    const conus_volume_info *info = conus_atlas_volume(atlas, index);
     json_t *bands = json_array();
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         const conus_object *object = conus_atlas_object(atlas, i);
@@ -278,13 +278,6 @@ static json_t *bands_of(const conus_atlas *atlas, size_t index)
                                                    "high", end_of(object->high)));
         }
     }
-    return bands;
-}
-
-static json_t *volume(const conus_atlas *atlas, size_t index)
-{
-    const conus_volume_info *info = conus_atlas_volume(atlas, index);
-    json_t *bands = bands_of(atlas, index);
     static const char *const roles[] = {
         [CONUS_ROLE_PARCELLATION] = "parcellation",
         [CONUS_ROLE_SCALAR] = "pathway",
@@ -354,14 +347,6 @@ static json_t *around(const conus_atlas *atlas)
     return surfaces;
 }
 
-/* From AP, DV, ML in micrometres to the world; null where it is not the Allen CCF. */
-static json_t *ccf(const conus_atlas *atlas)
-{
-    conus_frame frame;
-    bool is_ccf = conus_frame_find(&frame, atlas, CONUS_SPACE_CCF, NULL) == CONUS_OK;
-    return is_ccf ? matrix(frame.world_from_space) : json_null();
-}
-
 json_t *info_json_installed(const conus_installed *atlas)
 {
     const double *mm = atlas->spacing;
@@ -386,11 +371,14 @@ char *info_json(const conus_atlas *atlas, const conus_installed *installed)
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         whole = json_array_append_new(objects, object(atlas, i)) == 0 && whole;
     }
+    conus_frame frame; /* from AP, DV, ML in micrometres; null where the atlas is not the Allen CCF */
+    bool is_ccf = conus_frame_find(&frame, atlas, CONUS_SPACE_CCF, NULL) == CONUS_OK;
     json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
                              installed ? info_json_installed(installed) : json_null(), "labels",
                              info_json_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "tractograms",
-                             info_tracts_json(atlas), "context_surfaces", around(atlas), "world_from_ccf", ccf(atlas),
-                             "moved", info_place_json(atlas), "notes", notes, "objects", objects);
+                             info_tracts_json(atlas), "context_surfaces", around(atlas), "world_from_ccf",
+                             is_ccf ? matrix(frame.world_from_space) : json_null(), "moved", info_place_json(atlas),
+                             "notes", notes, "objects", objects);
     char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
     json_decref(root);
     char *line = NULL;

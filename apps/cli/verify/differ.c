@@ -29,7 +29,7 @@ static struct piece next_line(const char **at, const char *end)
 }
 
 /* The line ends count: a last line without one is another line. */
-static bool equal(struct piece a, struct piece b)
+static bool pieces_equal(struct piece a, struct piece b)
 {
     return a.at && b.at && a.size == b.size && memcmp(a.at, b.at, a.size) == 0;
 }
@@ -44,7 +44,7 @@ static const char *cell_end(const char *at, const char *end, char separator)
     return at < end ? at : NULL;
 }
 
-static struct piece cell(struct piece line, char separator, size_t index)
+static struct piece cell_at(struct piece line, char separator, size_t index)
 {
     const char *end = line.at + line.size;
     const char *at = line.at;
@@ -70,8 +70,8 @@ static void put_cell(FILE *out, struct piece header, struct piece line, char sep
                      const char *before)
 {
     struct piece column;
-    for (size_t i = 0; (column = cell(header, separator, i)).at; i++) {
-        struct piece found = cell(line, separator, i);
+    for (size_t i = 0; (column = cell_at(header, separator, i)).at; i++) {
+        struct piece found = cell_at(line, separator, i);
         if (column.size == strlen(name) && memcmp(column.at, name, column.size) == 0 && found.at) {
             fprintf(out, "%s%.*s", before, (int)found.size, found.at);
         }
@@ -86,10 +86,10 @@ static bool find_cell(struct difference *out, struct piece header, struct piece 
     struct piece column;
     struct piece one = {0};
     struct piece other = {0};
-    for (; (column = cell(header, separator, i)).at; i++) {
-        one = cell(a, separator, i);
-        other = cell(b, separator, i);
-        if (!equal(one, other)) {
+    for (; (column = cell_at(header, separator, i)).at; i++) {
+        one = cell_at(a, separator, i);
+        other = cell_at(b, separator, i);
+        if (!pieces_equal(one, other)) {
             break;
         }
     }
@@ -111,7 +111,7 @@ static bool find_cell(struct difference *out, struct piece header, struct piece 
     return where && out->before && out->after;
 }
 
-static bool list(struct differences *out, struct piece header, struct piece a, struct piece b, size_t line)
+static bool list_difference(struct differences *out, struct piece header, struct piece a, struct piece b, size_t line)
 {
     char separator = header.at && memchr(header.at, '\t', header.size) ? '\t' : ',';
     bool is_table = header.at && memchr(header.at, separator, header.size) && header.at[0] != '{';
@@ -156,9 +156,9 @@ bool differences_find(struct differences *out, const char *before, size_t before
             // Lines of as many cells can both be headers of one table.
             header = (count_of(a, '\t') == count_of(b, '\t') && count_of(a, ',') == count_of(b, ',')) ? b : header;
         }
-        if (!equal(a, b)) {
+        if (!pieces_equal(a, b)) {
             out->count++;
-            whole = out->listed == DIFFERENCES || list(out, header, a, b, line);
+            whole = out->listed == DIFFERENCES || list_difference(out, header, a, b, line);
         }
     }
     bool same = before_size == after_size && memcmp(before, after, before_size) == 0;
@@ -309,7 +309,7 @@ static void compare_values(struct comparing *out, const char *name, const json_t
     free(other);
 }
 
-static void compare(struct comparing *out, const char *name, json_t *a, json_t *b, int depth)
+static void compare_json(struct comparing *out, const char *name, json_t *a, json_t *b, int depth)
 {
     char own[NAME_SIZE];
     const char *key;
@@ -323,7 +323,7 @@ static void compare(struct comparing *out, const char *name, json_t *a, json_t *
     json_object_foreach(b, key, value)
     {
         snprintf(own, sizeof own, "%s.%s", name, key);
-        compare(out, own, json_object_get(a, key), value, depth + 1);
+        compare_json(out, own, json_object_get(a, key), value, depth + 1);
     }
     json_object_foreach(a, key, value)
     {
@@ -334,7 +334,7 @@ static void compare(struct comparing *out, const char *name, json_t *a, json_t *
     }
     for (size_t i = 0; json_is_array(a) && (i < json_array_size(a) || i < json_array_size(b)); i++) {
         snprintf(own, sizeof own, "%s[%zu]", name, i);
-        compare(out, own, json_array_get(a, i), json_array_get(b, i), depth + 1);
+        compare_json(out, own, json_array_get(a, i), json_array_get(b, i), depth + 1);
     }
 }
 
@@ -352,7 +352,7 @@ static void compare_programs(struct comparing *out, const json_t *recorded, cons
         json_object_get(recorded, "Batch")) {
         json_array_remove(programs, 1);
     }
-    compare(out, "GeneratedBy", programs, json_object_get(again, "GeneratedBy"), 0);
+    compare_json(out, "GeneratedBy", programs, json_object_get(again, "GeneratedBy"), 0);
     json_decref(programs);
 }
 
@@ -378,7 +378,7 @@ static void compare_outputs(struct comparing *out, const json_t *recorded, const
             json_object_set(output, "sha256", json_object_get(own, "sha256"));
         }
     }
-    compare(out, "Outputs", given, outputs, 0);
+    compare_json(out, "Outputs", given, outputs, 0);
     json_decref(outputs);
 }
 
@@ -394,7 +394,7 @@ bool sidecars_differ(char **out, const json_t *recorded, const json_t *again, co
         } else if (strcmp(key, "Outputs") == 0) {
             compare_outputs(&comparing, recorded, again);
         } else {
-            compare(&comparing, key, json_object_get(recorded, key), value, 0);
+            compare_json(&comparing, key, json_object_get(recorded, key), value, 0);
         }
     }
     json_object_foreach((json_t *)recorded, key, value)

@@ -44,7 +44,7 @@ static bool take_word(char **to, const char **from)
     return is_word;
 }
 
-static const char *cut(struct command_line *out, const char *text)
+static const char *cut_words(struct command_line *out, const char *text)
 {
     char *to = out->text;
     for (const char *from = text; *from;) {
@@ -66,7 +66,7 @@ const char *command_line_parse(struct command_line *out, const char *text)
 {
     size_t size = strlen(text) + 1;
     *out = (struct command_line){.text = malloc(2 * size), .words = calloc(COMMAND_WORDS + 1, sizeof(char *))};
-    const char *why = out->text && out->words ? cut(out, text) : "does not fit into memory";
+    const char *why = out->text && out->words ? cut_words(out, text) : "does not fit into memory";
     if (why) {
         command_line_finish(out);
     }

@@ -309,7 +309,7 @@ struct writing {
     bool has_output, has_format, whole;
 };
 
-static void put(struct writing *out, char *word)
+static void put_word(struct writing *out, char *word)
 {
     out->whole = out->whole && word && out->count < COMMAND_WORDS + 8;
     if (out->whole) {
@@ -322,7 +322,7 @@ static void put(struct writing *out, char *word)
 static void put_option(struct writing *out, const char *name, const char *value)
 {
     char *word = NULL;
-    put(out, asprintf(&word, "--%s%s%s", name, value ? "=" : "", value ? value : "") < 0 ? NULL : word);
+    put_word(out, asprintf(&word, "--%s%s%s", name, value ? "=" : "", value ? value : "") < 0 ? NULL : word);
 }
 
 /* The command line is not whole if the path is NULL. */
@@ -408,8 +408,8 @@ static void put_words(struct writing *out)
     const struct replay *replay = out->replay;
     const struct arguments *arguments = &replay->arguments;
     char shard[64];
-    put(out, strdup("conus"));
-    put(out, strdup(replay->command->name));
+    put_word(out, strdup("conus"));
+    put_word(out, strdup(replay->command->name));
     put_option(out, "quiet", NULL);
     out->has_format = option_given(arguments, "format");
     for (size_t i = 0; i < arguments->use_count; i++) {
@@ -434,13 +434,13 @@ static void put_words(struct writing *out)
         put_output(out, option_find(replay->command, "output"), NULL);
     }
     const char *atlas = arguments->operand_count ? arguments->operands[0] : record_atlas(replay->record, 0);
-    put(out, strdup("--")); /* since a path may begin with a dash */
-    put(out, atlas ? atlas_word(out, atlas, 0) : NULL);
+    put_word(out, strdup("--")); /* since a path may begin with a dash */
+    put_word(out, atlas ? atlas_word(out, atlas, 0) : NULL);
     for (size_t i = 1; i < arguments->operand_count; i++) {
-        put(out, stage_word(out->stage, arguments->operands[i]));
+        put_word(out, stage_word(out->stage, arguments->operands[i]));
     }
     for (size_t i = 0; i < arguments->more.count; i++) {
-        put(out, stage_word(out->stage, arguments->more.items[i]));
+        put_word(out, stage_word(out->stage, arguments->more.items[i]));
     }
 }
 

@@ -355,7 +355,7 @@ static bool endings_equal(const char *a, const char *b)
     return strcmp(one ? one : "", other ? other : "") == 0;
 }
 
-static int compare(struct checking *checking, struct replay *replay)
+static int compare_again(struct checking *checking, struct replay *replay)
 {
     struct verdict *verdict = checking->verdict;
     const char *option = checking->output ? checking->output->option : "output";
@@ -393,7 +393,7 @@ static bool add_poses(struct replay *replay, struct record *record)
     return true;
 }
 
-static int answer(struct checking *checking, struct replay *replay)
+static int answer_again(struct checking *checking, struct replay *replay)
 {
     struct verdict *verdict = checking->verdict;
     bool there = false;
@@ -409,14 +409,14 @@ static int answer(struct checking *checking, struct replay *replay)
         say(&verdict->why, "%s", replay->why);
         return EXIT_DONE;
     }
-    code = compare(checking, replay);
+    code = compare_again(checking, replay);
     if (verdict->compared) {
         say_versions(checking);
     }
     return code;
 }
 
-static int check(struct checking *checking, const struct command *const *commands)
+static int check_result(struct checking *checking, const struct command *const *commands)
 {
     struct verdict *verdict = checking->verdict;
     struct record *record = &verdict->record;
@@ -439,7 +439,7 @@ static int check(struct checking *checking, const struct command *const *command
         print_error_line("not enough memory");
         code = EXIT_DATA;
     } else {
-        code = answer(checking, &replay);
+        code = answer_again(checking, &replay);
     }
     replay_finish(&replay);
     return code;
@@ -453,7 +453,7 @@ int verdict_find(struct verdict *out, const char *result, const struct verdict_s
     *out = (struct verdict){.kind = VERDICT_NONE, .result = result};
     own.max_memory = own.max_memory ? own.max_memory : DEFAULT_MEMORY;
     int code = input_file_read(&checking.text, &checking.size, result, INPUT_FILE, own.max_memory);
-    code = code ? code : check(&checking, commands);
+    code = code ? code : check_result(&checking, commands);
     free(checking.text);
     out->kind = !out->compared ? VERDICT_NONE : out->same && !out->why.count ? VERDICT_IDENTICAL : VERDICT_DIFFERENT;
     return code;
