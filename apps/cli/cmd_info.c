@@ -401,6 +401,36 @@ static void put_ccf(FILE *out, const conus_atlas *atlas)
     fprintf(out, "  ML grows     to the %s\n", to_right ? "right" : "left, by what the atlas says of its sides");
 }
 
+/* How many objects of each kind there are, and how deep the area tree is. */
+static void put_counts(FILE *out, const conus_atlas *atlas)
+{
+    size_t areas = 0;
+    size_t nameless = 0;
+    size_t empty = 0;
+    size_t bundles = 0;
+    size_t depth = 0; /* of the deepest area, roots having 1 */
+    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
+        const conus_object *object = conus_atlas_object(atlas, i);
+        bool is_area = object->kind == CONUS_KIND_AREA;
+        size_t own_depth = conus_atlas_depth(atlas, i);
+        areas += is_area;
+        nameless += is_area && !object->named;
+        empty += is_area && object->voxels == 0 && object->triangles == 0;
+        bundles += object->kind == CONUS_KIND_BUNDLE;
+        depth = own_depth > depth ? own_depth : depth;
+    }
+    size_t pathways = conus_atlas_object_count(atlas) - areas - bundles;
+    fprintf(out, "\n%zu area%s (%zu without a name, %zu without a shape), %zu pathway%s", areas, areas == 1 ? "" : "s",
+            nameless, empty, pathways, pathways == 1 ? "" : "s");
+    if (bundles) {
+        fprintf(out, ", %zu bundle%s", bundles, bundles == 1 ? "" : "s");
+    }
+    fputc('\n', out);
+    if (depth > 1) {
+        fprintf(out, "area tree of %zu depths; --format tree shows it\n", depth);
+    }
+}
+
 static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed *installed)
 {
     char *tsv = NULL;
@@ -433,31 +463,7 @@ static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed 
     for (size_t i = 0; i < notes; i++) {
         fprintf(out, "  %s\n", conus_atlas_note(atlas, i));
     }
-    size_t areas = 0;
-    size_t nameless = 0;
-    size_t empty = 0;
-    size_t bundles = 0;
-    size_t depth = 0; /* of the deepest area, roots having 1 */
-    for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
-        const conus_object *object = conus_atlas_object(atlas, i);
-        bool is_area = object->kind == CONUS_KIND_AREA;
-        size_t own_depth = conus_atlas_depth(atlas, i);
-        areas += is_area;
-        nameless += is_area && !object->named;
-        empty += is_area && object->voxels == 0 && object->triangles == 0;
-        bundles += object->kind == CONUS_KIND_BUNDLE;
-        depth = own_depth > depth ? own_depth : depth;
-    }
-    size_t pathways = conus_atlas_object_count(atlas) - areas - bundles;
-    fprintf(out, "\n%zu area%s (%zu without a name, %zu without a shape), %zu pathway%s", areas, areas == 1 ? "" : "s",
-            nameless, empty, pathways, pathways == 1 ? "" : "s");
-    if (bundles) {
-        fprintf(out, ", %zu bundle%s", bundles, bundles == 1 ? "" : "s");
-    }
-    fputc('\n', out);
-    if (depth > 1) {
-        fprintf(out, "area tree of %zu depths; --format tree shows it\n", depth);
-    }
+    put_counts(out, atlas);
     bool right[COLUMN_COUNT];
     for (size_t c = 0; c < COLUMN_COUNT; c++) {
         right[c] = columns[c].right;

@@ -87,25 +87,6 @@ static int help(int count, char **words)
     return EXIT_DONE;
 }
 
-static int run_command(const struct command *command, int count, char **words)
-{
-    if (command->hand_over) {
-        return command->hand_over(words + 1);
-    }
-    struct arguments arguments;
-    void *settings = calloc(1, command->settings_size);
-    if (!settings) {
-        return print_no_memory();
-    }
-    int code = options_parse(&arguments, settings, command, commands, count, words, 2);
-    if (code < 0) {
-        code = command->run(settings, &arguments);
-    }
-    options_finish(settings, &arguments);
-    free(settings);
-    return code;
-}
-
 static int dispatch(int count, char **words)
 {
     if (count < 2) {
@@ -127,7 +108,24 @@ static int dispatch(int count, char **words)
         return EXIT_DONE;
     }
     const struct command *command = find_command(name);
-    return command ? run_command(command, count, words) : unknown_command(name);
+    if (!command) {
+        return unknown_command(name);
+    }
+    if (command->hand_over) {
+        return command->hand_over(words + 1);
+    }
+    struct arguments arguments;
+    void *settings = calloc(1, command->settings_size);
+    if (!settings) {
+        return print_no_memory();
+    }
+    code = options_parse(&arguments, settings, command, commands, count, words, 2);
+    if (code < 0) {
+        code = command->run(settings, &arguments);
+    }
+    options_finish(settings, &arguments);
+    free(settings);
+    return code;
 }
 
 struct call {

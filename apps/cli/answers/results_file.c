@@ -80,12 +80,6 @@ static int no_memory(const char *path)
     return EXIT_DATA;
 }
 
-static int refuse_file(const char *path, const char *why)
-{
-    print_error_line("%s: %s", path, why);
-    return EXIT_DATA;
-}
-
 static size_t count_of(const char *text, size_t size, char wanted)
 {
     size_t count = 0;
@@ -109,21 +103,6 @@ static size_t tidy_lines(char *text, size_t size)
     }
     text[kept] = '\0';
     return kept;
-}
-
-static int check_bytes(const struct results *results, const char *path, size_t size)
-{
-    const char *text = results->bytes;
-    if (size == 0) {
-        return refuse_file(path, "is empty, a TSV or CSV result of conus is needed");
-    }
-    if (memchr(text, '\0', size)) {
-        return refuse_file(path, "a zero byte: not a TSV or CSV result of conus");
-    }
-    if (text[0] == '{' || text[0] == '[') {
-        return refuse_file(path, "looks like JSON; diff compares TSV and CSV results and pictures");
-    }
-    return EXIT_DONE;
 }
 
 /* Takes the marks off a quoted cell, RFC 4180; gives what is behind it, NULL if it is not closed. */
@@ -258,7 +237,16 @@ int results_parse(struct results *out, const char *path, const char *bytes, size
     }
     memcpy(results.bytes, bytes, size);
     size = tidy_lines(results.bytes, size);
-    int code = check_bytes(&results, path, size);
+    const char *bad = size == 0                           ? "is empty, a TSV or CSV result of conus is needed"
+                      : memchr(results.bytes, '\0', size) ? "a zero byte: not a TSV or CSV result of conus"
+                      : results.bytes[0] == '{' || results.bytes[0] == '['
+                          ? "looks like JSON; diff compares TSV and CSV results and pictures"
+                          : NULL;
+    int code = EXIT_DONE;
+    if (bad) {
+        print_error_line("%s: %s", path, bad);
+        code = EXIT_DATA;
+    }
     code = code ? code : cut_lines(&results, path, size);
     code = code ? code : check_columns(&results, path);
     code = code ? code : sort_rows(&results, path);

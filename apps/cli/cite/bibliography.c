@@ -66,23 +66,6 @@ static void put_escaped(FILE *out, const char *text)
     }
 }
 
-static void put_atlas(FILE *out, const struct cited_atlas *atlas, size_t number)
-{
-    fprintf(out, "\n@misc{atlas%zu,\n  title = {{", number);
-    put_escaped(out, atlas->name);
-    fputs("}},\n  howpublished = {file ", out);
-    put_escaped(out, atlas->file);
-    if (atlas->sha256) {
-        fprintf(out, ", SHA-256 %s", atlas->sha256);
-    }
-    fputs("}", out);
-    for (size_t i = 0; i < atlas->references.count; i++) {
-        fputs(i ? "; " : ",\n  note = {", out);
-        put_escaped(out, atlas->references.items[i]);
-    }
-    fputs(atlas->references.count ? "}\n}\n" : "\n}\n", out);
-}
-
 void citation_bibtex(FILE *out, const struct citation *citation)
 {
     if (citation_has_rays(citation)) {
@@ -93,6 +76,19 @@ void citation_bibtex(FILE *out, const struct citation *citation)
             "  howpublished = {Software, version %s}\n}\n",
             citation->version, citation->version);
     for (size_t i = 0; i < citation->atlas_count; i++) {
-        put_atlas(out, &citation->atlases[i], i + 1);
+        const struct cited_atlas *atlas = &citation->atlases[i];
+        fprintf(out, "\n@misc{atlas%zu,\n  title = {{", i + 1);
+        put_escaped(out, atlas->name);
+        fputs("}},\n  howpublished = {file ", out);
+        put_escaped(out, atlas->file);
+        if (atlas->sha256) {
+            fprintf(out, ", SHA-256 %s", atlas->sha256);
+        }
+        fputs("}", out);
+        for (size_t k = 0; k < atlas->references.count; k++) {
+            fputs(k ? "; " : ",\n  note = {", out);
+            put_escaped(out, atlas->references.items[k]);
+        }
+        fputs(atlas->references.count ? "}\n}\n" : "\n}\n", out);
     }
 }
