@@ -63,19 +63,7 @@ static char *plain_path(const char *path)
     return copy;
 }
 
-/* The path in the key of a mapped entry; "" where it has none. NULL without memory. */
-static char *copy_path(const void *memory, size_t size)
-{
-    struct cache_entry entry;
-    struct buffer path = {0};
-    if (cache_entry_parse(&entry, memory, size)) {
-        cache_key_path(&path, entry.key.data, entry.key.size);
-    }
-    char *copy = buffer_status(&path) ? NULL : path.size ? plain_path(path.data) : memory_text("", 0);
-    buffer_finish(&path);
-    return copy;
-}
-
+/* The path in the key of the entry `name`; "" where it has none. NULL without memory. */
 static char *path_of(int folder, const char *name)
 {
     int file = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
@@ -83,14 +71,20 @@ static char *path_of(int folder, const char *name)
     bool readable = file >= 0 && cache_is_ours(file, S_IFREG) && fstat(file, &info) == 0 && info.st_size > 0;
     size_t size = readable ? (size_t)info.st_size : 0;
     void *memory = readable ? mmap(NULL, size, PROT_READ, MAP_SHARED, file, 0) : MAP_FAILED;
-    char *path = memory == MAP_FAILED ? memory_text("", 0) : copy_path(memory, size);
+    struct cache_entry entry;
+    struct buffer path = {0};
     if (memory != MAP_FAILED) {
+        if (cache_entry_parse(&entry, memory, size)) {
+            cache_key_path(&path, entry.key.data, entry.key.size);
+        }
         munmap(memory, size);
     }
     if (file >= 0) {
         close(file);
     }
-    return path;
+    char *copy = buffer_status(&path) ? NULL : path.size ? plain_path(path.data) : memory_text("", 0);
+    buffer_finish(&path);
+    return copy;
 }
 
 static conus_status add_entry(conus_cache *cache, int folder, const struct cache_item *item, const char *kind)

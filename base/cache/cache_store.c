@@ -208,17 +208,6 @@ static int open_folder(const struct cache_store *store)
     return folder;
 }
 
-static bool map_file(struct cache_mapping *out, int descriptor)
-{
-    struct stat info;
-    if (!cache_is_ours(descriptor, S_IFREG) || fstat(descriptor, &info) || info.st_size <= 0) {
-        return false;
-    }
-    void *memory = mmap(NULL, (size_t)info.st_size, PROT_READ, MAP_SHARED, descriptor, 0);
-    *out = (struct cache_mapping){.memory = memory == MAP_FAILED ? NULL : memory, .size = (size_t)info.st_size};
-    return out->memory;
-}
-
 /* Whether every file and folder is as it was. */
 static bool sources_hold(const struct cache_entry *entry, const struct cache_part *written)
 {
@@ -284,8 +273,16 @@ void cache_mapping_finish(struct cache_mapping *mapping)
 
 static bool map_believed(struct cache_mapping *out, const struct cache_store *store, int descriptor)
 {
-    struct cache_mapping mapping = {0};
-    bool believed = map_file(&mapping, descriptor) && cache_entry_parse(&mapping.entry, mapping.memory, mapping.size) &&
+    struct stat info;
+    if (!cache_is_ours(descriptor, S_IFREG) || fstat(descriptor, &info) || info.st_size <= 0) {
+        return false;
+    }
+    void *memory = mmap(NULL, (size_t)info.st_size, PROT_READ, MAP_SHARED, descriptor, 0);
+    if (memory == MAP_FAILED) {
+        return false;
+    }
+    struct cache_mapping mapping = {.memory = memory, .size = (size_t)info.st_size};
+    bool believed = cache_entry_parse(&mapping.entry, mapping.memory, mapping.size) &&
                     mapping.entry.key.size == store->key.size &&
                     memcmp(mapping.entry.key.data, store->key.data, mapping.entry.key.size) == 0 &&
                     sources_hold(&mapping.entry, &store->written) && verify(&mapping.entry, store->small, descriptor);
@@ -334,15 +331,6 @@ static bool sum_file(uint32_t *out, int file, size_t at, size_t size)
     return whole;
 }
 
-static bool write_ahead(int file, const struct cache_entry *entry)
-{
-    struct buffer ahead = {0};
-    cache_entry_write(&ahead, entry);
-    bool written = !buffer_status(&ahead) && pwrite(file, ahead.data, ahead.size, 0) == (ssize_t)ahead.size;
-    buffer_finish(&ahead);
-    return written;
-}
-
 /* A large one is on the disk before it has a name: an error of the disk shows here, and a crash leaves no half of it.
  * Of a small one the checksum is verified each time. */
 static bool write_entry(int file, struct cache_entry *entry, uint64_t small, cache_writer *write, void *user)
@@ -352,9 +340,15 @@ static bool write_entry(int file, struct cache_entry *entry, uint64_t small, cac
     struct timespec now = {0};
     clock_gettime(CLOCK_REALTIME, &now);
     cache_stamp_find(entry->stamp, file, &now); /* else it is verified each time */
-    return posix_fallocate(file, 0, (off_t)size) == 0 && write(user, file, at) &&
-           sum_file(&entry->packed_crc, file, at, entry->packed.size) && write_ahead(file, entry) &&
-           (entry->packed.size <= small || fdatasync(file) == 0) && set_written(file, &now);
+    if (posix_fallocate(file, 0, (off_t)size) || !write(user, file, at) ||
+        !sum_file(&entry->packed_crc, file, at, entry->packed.size)) {
+        return false;
+    }
+    struct buffer ahead = {0};
+    cache_entry_write(&ahead, entry);
+    bool written = !buffer_status(&ahead) && pwrite(file, ahead.data, ahead.size, 0) == (ssize_t)ahead.size;
+    buffer_finish(&ahead);
+    return written && (entry->packed.size <= small || fdatasync(file) == 0) && set_written(file, &now);
 }
 
 /* Under a name of its own at first; an entry like others, should it be left behind. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The digits of base64 (RFC 4648, section 4). */
+/** @file The digits of base64 and base16 (RFC 4648, sections 4 and 8). */
 #ifndef CONUS_BASE_FORMATS_BASE64_H
 #define CONUS_BASE_FORMATS_BASE64_H
 
@@ -11,6 +11,15 @@ static inline int base64_value(char c)
            : c >= '0' && c <= '9' ? c - '0' + 52
            : c == '+'             ? 62
            : c == '/'             ? 63
+                                  : -1;
+}
+
+/** The value of the hexadecimal digit @p c, 0 to 15; -1 of any other character. */
+static inline int base16_value(char c)
+{
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
                                   : -1;
 }
 

@@ -199,22 +199,6 @@ static conus_status finish_range(struct stream *stream, struct gzip_range *range
     return status;
 }
 
-static conus_status unpack_in_pieces(uint8_t *kept, struct gzip_range *range, const uint8_t *data, size_t size)
-{
-    struct stream *stream = NULL;
-    conus_status status = stream_open(&stream, data, size, range->zlib);
-    if (status) {
-        return status;
-    }
-    stream->kept = kept;
-    stream->from = range->from;
-    stream->count = range->count;
-    stream->indexer = range->indexer;
-    status = finish_range(stream, range);
-    stream_close(stream);
-    return status;
-}
-
 /* Gives the range to the sink. Of a stream that ends too early it gets the whole slabs. */
 static conus_status give_slabs(struct stream *stream, const struct gzip_range *range)
 {
@@ -232,19 +216,24 @@ static conus_status give_slabs(struct stream *stream, const struct gzip_range *r
     return status;
 }
 
-static conus_status unpack_in_slabs(struct gzip_range *range, const uint8_t *data, size_t size)
+/* Unpacks the range into `kept`, or through it, a slab, to the sink. */
+static conus_status unpack_in_pieces(uint8_t *kept, struct gzip_range *range, const uint8_t *data, size_t size)
 {
     struct stream *stream = NULL;
-    uint8_t *slab = memory_raw(GZIP_SLAB, 1);
-    conus_status status = slab ? stream_open(&stream, data, size, range->zlib) : CONUS_ERROR_MEMORY;
-    if (!status) {
-        stream->kept = slab;
-        stream->indexer = range->indexer;
-        status = give_slabs(stream, range);
-        status = status ? status : finish_range(stream, range);
-        stream_close(stream);
+    conus_status status = stream_open(&stream, data, size, range->zlib);
+    if (status) {
+        return status;
     }
-    memory_free(slab);
+    stream->kept = kept;
+    stream->indexer = range->indexer;
+    if (range->sink) {
+        status = give_slabs(stream, range);
+    } else {
+        stream->from = range->from;
+        stream->count = range->count;
+    }
+    status = status ? status : finish_range(stream, range);
+    stream_close(stream);
     return status;
 }
 
@@ -256,7 +245,9 @@ conus_status gzip_unpack(struct bytes *out, struct gzip_range *range, const uint
                     (unsigned long long)range->total);
     }
     if (range->sink) {
-        conus_status status = unpack_in_slabs(range, data, size);
+        uint8_t *slab = memory_raw(GZIP_SLAB, 1);
+        conus_status status = slab ? unpack_in_pieces(slab, range, data, size) : CONUS_ERROR_MEMORY;
+        memory_free(slab);
         *out = status ? *out : (struct bytes){0};
         return status;
     }

@@ -50,17 +50,6 @@ static const struct cifti_structure structures[] = {
     SIDES("THALAMUS", "Thalamus"),
 };
 
-/* The structure called `word` in CIFTI, or NULL. */
-static const struct cifti_structure *cifti_structure_find(const char *word)
-{
-    for (size_t i = 0; i < sizeof structures / sizeof structures[0]; i++) {
-        if (strcmp(word, structures[i].word) == 0) {
-            return &structures[i];
-        }
-    }
-    return NULL;
-}
-
 /* The element that is open, of those that have a meaning. */
 enum inside { AT_ROOT, IN_CIFTI, IN_MATRIX, IN_LABELS, IN_NAMED, IN_MODELS, IN_VOLUME, IN_MODEL };
 
@@ -289,7 +278,9 @@ static conus_status start_model(struct parsing *parsing, const struct xml_event 
                     "ModelType: found \"%.60s\", allowed are CIFTI_MODEL_TYPE_SURFACE and CIFTI_MODEL_TYPE_VOXELS",
                     type);
     }
-    model->structure = cifti_structure_find(structure);
+    for (size_t i = 0; !model->structure && i < sizeof structures / sizeof structures[0]; i++) {
+        model->structure = strcmp(structure, structures[i].word) == 0 ? &structures[i] : NULL;
+    }
     if (!model->structure) {
         return fail(CONUS_ERROR_DATA,
                     "BrainStructure: found \"%.60s\", allowed are the names of CIFTI-2 "

@@ -186,30 +186,22 @@ void cifti_file_finish(struct cifti_file *file)
     *file = (struct cifti_file){0};
 }
 
-static conus_status read_file(struct cifti_file *file, uint64_t limit)
-{
-    struct file_sums sums = {0};
-    conus_status status = gzip_read(&file->bytes, file->path, limit, &sums);
-    if (!status) {
-        memcpy(file->sha256, sums.items[0].sha256, sizeof file->sha256);
-    }
-    file_sums_finish(&sums);
-    return status;
-}
-
 conus_status cifti_file_open(struct cifti_file *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
     struct cifti_file file = {0};
     struct text map;
     struct notes own = {0};
     uint64_t limit = memory_limit(max_memory);
+    struct file_sums sums = {0};
     conus_status status = map_choice_split(&file.path, &map, path);
-    status = status ? status : read_file(&file, limit);
+    status = status ? status : gzip_read(&file.bytes, file.path, limit, &sums);
     if (!status) {
+        memcpy(file.sha256, sums.items[0].sha256, sizeof file.sha256);
         status = cifti_choice_read(&file.choice, &file.bytes, map, limit, &own);
         status = status ? fail_in(status, file.path) : notes_move_in(notes, &own, file.path);
     }
     notes_finish(&own);
+    file_sums_finish(&sums);
     if (status) {
         cifti_file_finish(&file);
         return status;

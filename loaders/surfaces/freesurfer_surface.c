@@ -117,30 +117,24 @@ static conus_status read_geometry(struct geometry *out, struct text text)
     return CONUS_OK;
 }
 
-/* Reads the tags after the triangles. Two of them matter. */
-static conus_status read_footer(struct geometry *geometry, bool *real_ras, struct cursor cursor)
-{
-    int32_t tag;
-    int32_t value = 0;
-    if (take_int(&cursor, &tag) && tag == TAG_REAL_RAS) {
-        if (!take_int(&cursor, &value)) {
-            return fail(CONUS_ERROR_DATA, "footer: cut off after %zu bytes", cursor.size);
-        }
-        *real_ras = value != 0;
-        if (!take_int(&cursor, &tag)) {
-            return CONUS_OK;
-        }
-    }
-    return tag == TAG_GEOMETRY ? read_geometry(geometry, (struct text){(const char *)cursor.data, cursor.size})
-                               : CONUS_OK;
-}
-
+/* The footer has tags after the triangles, of which two matter. */
 static conus_status place_in_world(struct mesh *mesh, struct cursor footer, struct notes *notes)
 {
     struct geometry geometry = {0};
     bool real_ras = false;
+    int32_t tag;
+    int32_t value = 0;
     double world[16];
-    conus_status status = read_footer(&geometry, &real_ras, footer);
+    if (take_int(&footer, &tag) && tag == TAG_REAL_RAS) {
+        if (!take_int(&footer, &value)) {
+            return fail(CONUS_ERROR_DATA, "footer: cut off after %zu bytes", footer.size);
+        }
+        real_ras = value != 0;
+        (void)take_int(&footer, &tag); /* 0 where there is none */
+    }
+    conus_status status = tag == TAG_GEOMETRY
+                              ? read_geometry(&geometry, (struct text){(const char *)footer.data, footer.size})
+                              : CONUS_OK;
     if (status) {
         return status;
     }

@@ -131,30 +131,6 @@ static conus_status decode_base64(struct bytes *out, struct text text)
     return CONUS_OK;
 }
 
-static conus_status inflate_into(struct bytes *unpacked, const struct bytes *packed)
-{
-    struct libdeflate_decompressor *decompressor = libdeflate_alloc_decompressor();
-    if (!decompressor) {
-        return fail(CONUS_ERROR_MEMORY, "no memory to unpack");
-    }
-    size_t used = 0;
-    size_t got = 0;
-    /* gzip is what the encoding's name says, and no known program writes */
-    enum libdeflate_result result =
-        (gzip_is(packed->data, packed->size) ? libdeflate_gzip_decompress_ex : libdeflate_zlib_decompress_ex)(
-            decompressor, packed->data, packed->size, unpacked->data, unpacked->size, &used, &got);
-    libdeflate_free_decompressor(decompressor);
-    if (result == LIBDEFLATE_INSUFFICIENT_SPACE || (!result && got != unpacked->size)) {
-        return fail(CONUS_ERROR_DATA, "Data: unpacks to %s than the %zu bytes that the Dim attributes ask for",
-                    result ? "more" : "fewer", unpacked->size);
-    }
-    if (result || used != packed->size) {
-        return fail(CONUS_ERROR_DATA, "Data: %s",
-                    result ? "the packed bytes are damaged" : "bytes after the packed ones");
-    }
-    return CONUS_OK;
-}
-
 /* `packed` as `size` bytes. */
 static conus_status unpack_bytes(struct bytes *out, const struct bytes *packed, size_t size)
 {
@@ -166,7 +142,26 @@ static conus_status unpack_bytes(struct bytes *out, const struct bytes *packed, 
     if (!bytes.data) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status = inflate_into(&bytes, packed);
+    struct libdeflate_decompressor *decompressor = libdeflate_alloc_decompressor();
+    if (!decompressor) {
+        bytes_finish(&bytes);
+        return fail(CONUS_ERROR_MEMORY, "no memory to unpack");
+    }
+    size_t used = 0;
+    size_t got = 0;
+    /* gzip is what the encoding's name says, and no known program writes */
+    enum libdeflate_result result =
+        (gzip_is(packed->data, packed->size) ? libdeflate_gzip_decompress_ex : libdeflate_zlib_decompress_ex)(
+            decompressor, packed->data, packed->size, bytes.data, size, &used, &got);
+    libdeflate_free_decompressor(decompressor);
+    conus_status status = CONUS_OK;
+    if (result == LIBDEFLATE_INSUFFICIENT_SPACE || (!result && got != size)) {
+        status = fail(CONUS_ERROR_DATA, "Data: unpacks to %s than the %zu bytes that the Dim attributes ask for",
+                      result ? "more" : "fewer", size);
+    } else if (result || used != packed->size) {
+        status =
+            fail(CONUS_ERROR_DATA, "Data: %s", result ? "the packed bytes are damaged" : "bytes after the packed ones");
+    }
     if (status) {
         bytes_finish(&bytes);
         return status;
@@ -621,16 +616,6 @@ static conus_status start_element(struct parsing *parsing, const struct xml_even
                                                                          : CONUS_OK;
 }
 
-/* The end of an element inside a CoordinateSystemTransformMatrix. */
-static conus_status end_in_transform(struct gifti_transform *transform, const struct xml_event *event)
-{
-    return strcmp(event->name, "DataSpace") == 0 ? end_space(&transform->data_space, event->name, event->text)
-           : strcmp(event->name, "TransformedSpace") == 0
-               ? end_space(&transform->transformed_space, event->name, event->text)
-           : strcmp(event->name, "MatrixData") == 0 ? end_matrix(transform->matrix, event->text)
-                                                    : CONUS_OK;
-}
-
 static conus_status end_element(struct parsing *parsing, const struct xml_event *event)
 {
     static const struct {
@@ -639,9 +624,15 @@ static conus_status end_element(struct parsing *parsing, const struct xml_event 
     } elements[] = {{"Data", end_data},   {"DataArray", end_array}, {"Name", end_name},
                     {"Value", end_value}, {"Label", end_label},     {"GIFTI", end_gifti}};
     const struct gifti_array *array = parsing->array;
-    conus_status status = array && array->transform_count
-                              ? end_in_transform(&array->transforms[array->transform_count - 1], event)
-                              : CONUS_OK;
+    conus_status status = CONUS_OK;
+    if (array && array->transform_count) { /* the CoordinateSystemTransformMatrix that is open, or the last one */
+        struct gifti_transform *transform = &array->transforms[array->transform_count - 1];
+        status = strcmp(event->name, "DataSpace") == 0 ? end_space(&transform->data_space, event->name, event->text)
+                 : strcmp(event->name, "TransformedSpace") == 0
+                     ? end_space(&transform->transformed_space, event->name, event->text)
+                 : strcmp(event->name, "MatrixData") == 0 ? end_matrix(transform->matrix, event->text)
+                                                          : CONUS_OK;
+    }
     for (size_t i = 0; !status && i < sizeof elements / sizeof elements[0]; i++) {
         if (strcmp(event->name, elements[i].name) == 0) {
             return elements[i].end(parsing, event->text);

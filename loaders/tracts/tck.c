@@ -191,16 +191,6 @@ static inline conus_status take_triples(struct tck *tck, size_t count, size_t *t
     return status;
 }
 
-/* take_triples() with what the compiler can know of the numbers. */
-static conus_status tck_take_numbers(struct tck *tck, size_t count, size_t *taken)
-{
-    if (tck->wide) {
-        return tck->swapped ? take_triples(tck, count, taken, true, true)
-                            : take_triples(tck, count, taken, true, false);
-    }
-    return tck->swapped ? take_triples(tck, count, taken, false, true) : take_triples(tck, count, taken, false, false);
-}
-
 static conus_status take_block(struct tck *tck)
 {
     const size_t size = tck->wide ? 24 : 12;
@@ -212,10 +202,18 @@ static conus_status take_block(struct tck *tck)
                     tck->build.tractogram.streamline_count);
     }
     status = status ? status : tract_build_points(&tck->build, count);
-    if (!status) {
-        status = tck_take_numbers(tck, count, &count);
-        byte_stream_skip(tck->stream, count * size);
+    if (status) {
+        return status;
     }
+    size_t taken = 0;
+    if (tck->wide) { /* constants, of which the compiler makes loops of their own */
+        status =
+            tck->swapped ? take_triples(tck, count, &taken, true, true) : take_triples(tck, count, &taken, true, false);
+    } else {
+        status = tck->swapped ? take_triples(tck, count, &taken, false, true)
+                              : take_triples(tck, count, &taken, false, false);
+    }
+    byte_stream_skip(tck->stream, taken * size);
     return status;
 }
 
@@ -278,19 +276,6 @@ static uint8_t *put_point(uint8_t *at, const float point[3])
     return at;
 }
 
-static void put_streamlines(uint8_t *at, const float *points, const uint64_t *first, size_t count)
-{
-    static const float end_of_one[3] = {NAN, NAN, NAN};
-    static const float end_of_all[3] = {INFINITY, INFINITY, INFINITY};
-    for (size_t i = 0; i < count; i++) {
-        for (uint64_t p = first[i]; p < first[i + 1]; p++) {
-            at = put_point(at, points + 3 * p);
-        }
-        at = put_point(at, end_of_one);
-    }
-    (void)put_point(at, end_of_all);
-}
-
 /* The bytes of a file with the streamlines of `list`, Float32LE. `out` is owned by the caller. */
 static conus_status tck_format(struct bytes *out, const conus_streamline_list *list)
 {
@@ -302,9 +287,18 @@ static conus_status tck_format(struct bytes *out, const conus_streamline_list *l
     uint64_t *first = memory_raw(view.count + 1, sizeof *first);
     uint8_t *data = points && first ? memory_raw(lines + (begin + POINT - 1) / POINT, POINT) : NULL;
     if (data) {
+        static const float end_of_one[3] = {NAN, NAN, NAN};
+        static const float end_of_all[3] = {INFINITY, INFINITY, INFINITY};
+        uint8_t *at = data + begin;
         conus_streamline_list_points(points, first, list);
         memcpy(data, header, begin);
-        put_streamlines(data + begin, points, first, view.count);
+        for (size_t i = 0; i < view.count; i++) {
+            for (uint64_t p = first[i]; p < first[i + 1]; p++) {
+                at = put_point(at, points + 3 * p);
+            }
+            at = put_point(at, end_of_one);
+        }
+        (void)put_point(at, end_of_all);
         *out = (struct bytes){.data = data, .size = begin + lines * POINT};
     }
     memory_free(points);

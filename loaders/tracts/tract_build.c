@@ -2,6 +2,7 @@
 /* Grows the arrays of a tractogram. */
 #include "loaders/tracts/tract_build.h"
 
+#include "base/formats/gzip.h"
 #include "base/memory.h"
 
 void tract_build_finish(struct tract_build *build)
@@ -82,11 +83,6 @@ static conus_status resize_streamlines(struct tract_build *build, uint64_t count
     conus_status status = first ? resize_scalars(tractogram, false, count) : CONUS_ERROR_MEMORY;
     build->streamline_capacity = status ? build->streamline_capacity : count;
     return status;
-}
-
-static uint64_t smaller_of(uint64_t a, uint64_t b)
-{
-    return a < b ? a : b;
 }
 
 /* Room for `needed`, at least half as much again as there is. */

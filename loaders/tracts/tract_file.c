@@ -116,19 +116,6 @@ static conus_status read_format(struct tractogram *out, const struct tract_forma
     return CONUS_OK;
 }
 
-/* Says what the file is instead; its name does not count, which may well be that of a tractogram. */
-static conus_status tract_refuse(const char *path)
-{
-    struct bytes stored = {0};
-    conus_status status = file_read_head(&stored, path, FILE_KIND_HEAD);
-    if (!status) {
-        status = fail_in(
-            file_kind_fail(NULL, &stored, "a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"), path);
-    }
-    bytes_finish(&stored);
-    return status;
-}
-
 conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
 {
     struct bytes head = {0};
@@ -138,7 +125,17 @@ conus_status tract_file_read(struct tractogram *out, const char *path, uint64_t 
     if (status) {
         return status;
     }
-    return format ? read_format(out, format, path, max_memory, notes) : tract_refuse(path);
+    if (format) {
+        return read_format(out, format, path, max_memory, notes);
+    }
+    struct bytes stored = {0};
+    status = file_read_head(&stored, path, FILE_KIND_HEAD);
+    if (!status) { /* says what the file is instead; its name does not count, which may well be that of a tractogram */
+        status = fail_in(
+            file_kind_fail(NULL, &stored, "a tractogram: TrackVis, MRtrix, DSI Studio, TRX or polylines of VTK"), path);
+    }
+    bytes_finish(&stored);
+    return status;
 }
 
 conus_status tract_file_parse(struct tractogram *out, const uint8_t *data, size_t size, uint64_t max_memory,

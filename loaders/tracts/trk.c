@@ -58,24 +58,19 @@ static conus_status read_names(struct trk_names *out, const char *field, int16_t
     return count >= 0 ? CONUS_OK : fail(CONUS_ERROR_DATA, "%s: found %d, allowed are 0 and more", field, count);
 }
 
-/* The axis of the world that a letter of either case names, and its direction; 3 if none. */
-static int axis_of_letter(char letter, int *sign)
-{
-    static const char letters[] = "LRPAIS";
-    char upper = (char)(letter >= 'a' && letter <= 'z' ? letter - 'a' + 'A' : letter);
-    const char *at = upper ? strchr(letters, upper) : NULL;
-    ptrdiff_t place = at ? at - letters : 6;
-    *sign = place & 1 ? 1 : -1;
-    return (int)(place / 2);
-}
-
-/* The three letters of voxel_order. */
+/* The three letters of voxel_order, of either case. */
 static conus_status read_order(struct order *out, const uint8_t *field, struct notes *notes)
 {
+    static const char letters[] = "LRPAIS";
     unsigned found = 0;
     snprintf(out->letters, sizeof out->letters, "%.4s", field[0] ? (const char *)field : "LPS");
     for (size_t i = 0; i < 3; i++) {
-        out->axis[i] = axis_of_letter(out->letters[i], &out->sign[i]);
+        char letter = out->letters[i];
+        char upper = (char)(letter >= 'a' && letter <= 'z' ? letter - 'a' + 'A' : letter);
+        const char *at = upper ? strchr(letters, upper) : NULL;
+        ptrdiff_t place = at ? at - letters : 6; /* axis 3: none */
+        out->axis[i] = (int)(place / 2);
+        out->sign[i] = place & 1 ? 1 : -1;
         found |= 1U << out->axis[i];
     }
     if (strlen(out->letters) != 3 || found != 7) {
@@ -446,27 +441,19 @@ static conus_status take_streamline(struct trk *trk)
     return status;
 }
 
-/* Room for what a file that is not packed has: all bytes that are no counts and properties are points. */
-static conus_status expect(struct trk *trk)
+static conus_status trk_take_all(struct trk *trk)
 {
-    uint64_t stated = trk->header.streamline_count;
+    const struct tractogram *tractogram = &trk->build.tractogram;
+    uint32_t stated = trk->header.streamline_count;
     uint64_t bytes = byte_stream_most(trk->stream);
     uint64_t each = 4 + 4 * (uint64_t)trk->header.properties.count;
     if (stated > bytes / each) {
         return fail(CONUS_ERROR_DATA, "n_count: found %llu, the file has room for %llu at most",
                     (unsigned long long)stated, (unsigned long long)(bytes / each));
     }
-    if (trk->stream->is_packed) {
-        return tract_build_expect(&trk->build, 0, 0);
-    }
-    return tract_build_expect(&trk->build, (bytes - stated * each) / trk->stride, stated);
-}
-
-static conus_status trk_take_all(struct trk *trk)
-{
-    const struct tractogram *tractogram = &trk->build.tractogram;
-    uint32_t stated = trk->header.streamline_count;
-    conus_status status = expect(trk);
+    bool is_packed = trk->stream->is_packed; /* else all bytes that are no counts and properties are points */
+    conus_status status =
+        tract_build_expect(&trk->build, is_packed ? 0 : (bytes - stated * each) / trk->stride, is_packed ? 0 : stated);
     bool ends = false;
     while (!status && !ends && (!stated || tractogram->streamline_count < stated)) {
         status = byte_stream_need(trk->stream, 1);

@@ -81,15 +81,6 @@ static conus_status list_in(struct trx_files *out, const char *in)
     return status;
 }
 
-/* Ends either; a zeroed one is fine. */
-static void trx_files_finish(struct trx_files *files)
-{
-    zip_finish(&files->zip);
-    names_finish(&files->names);
-    file_sums_finish(&files->read);
-    *files = (struct trx_files){0};
-}
-
 static size_t trx_files_count(const struct trx_files *files)
 {
     return files->folder ? files->names.count : files->zip.count;
@@ -98,17 +89,6 @@ static size_t trx_files_count(const struct trx_files *files)
 static struct text trx_files_name(const struct trx_files *files, size_t index)
 {
     return files->folder ? text_from(files->names.names[index]) : files->zip.entries[index].name;
-}
-
-static conus_status trx_read_file(struct bytes *out, struct trx_files *files, size_t index)
-{
-    struct buffer path = {0};
-    buffer_format(&path, "%s/%s", files->folder, files->names.names[index]);
-    conus_status status = buffer_status(&path);
-    status = status ? status : file_read_allowed(out, path.data, files->left);
-    status = status ? status : file_sums_add(&files->read, path.data, out);
-    buffer_finish(&path);
-    return status;
 }
 
 /* Opens a file, verified; end it with trx_files_close(). CONUS_ERROR_MEMORY above what is left. */
@@ -120,8 +100,17 @@ static conus_status trx_files_open(struct trx_view *out, struct trx_files *files
         *out = (struct trx_view){.data = files->zip.data + entry->at, .size = entry->stored};
         return zip_verify(&files->zip, entry);
     }
-    conus_status status =
-        entry ? zip_unpack(&owned, &files->zip, entry, files->left) : trx_read_file(&owned, files, index);
+    conus_status status;
+    if (entry) {
+        status = zip_unpack(&owned, &files->zip, entry, files->left);
+    } else {
+        struct buffer path = {0};
+        buffer_format(&path, "%s/%s", files->folder, files->names.names[index]);
+        status = buffer_status(&path);
+        status = status ? status : file_read_allowed(&owned, path.data, files->left);
+        status = status ? status : file_sums_add(&files->read, path.data, &owned);
+        buffer_finish(&path);
+    }
     files->left -= owned.size;
     *out = (struct trx_view){owned.data, owned.size, owned};
     return status;
@@ -584,7 +573,9 @@ static conus_status finish_reading(struct tractogram *out, struct trx *trx, conu
     status = status ? status : read_others(trx);
     status = status ? status : read_positions(trx);
     status = status ? status : file_sums_move(&built.files, &trx->files.read);
-    trx_files_finish(&trx->files);
+    zip_finish(&trx->files.zip);
+    names_finish(&trx->files.names);
+    file_sums_finish(&trx->files.read);
     if (status) {
         tractogram_finish(&built);
         return status;
@@ -599,23 +590,6 @@ conus_status trx_parse(struct tractogram *out, struct bytes *archive, uint64_t m
     conus_status status = trx_files_spend(&trx.files, archive->size, "archive");
     status = status ? status : zip_parse(&trx.files.zip, archive->data, archive->size);
     return finish_reading(out, &trx, status);
-}
-
-static conus_status read_archive(struct tractogram *out, const char *path, uint64_t max_memory, struct notes *notes)
-{
-    struct bytes archive = {0};
-    char sum[sizeof out->sha256];
-    conus_status status = file_read_allowed(&archive, path, max_memory);
-    if (!status) {
-        file_sha256(sum, &archive);
-        status = trx_parse(out, &archive, max_memory, notes);
-        status = status ? fail_in(status, path) : CONUS_OK;
-    }
-    if (!status) {
-        memcpy(out->sha256, sum, sizeof sum);
-    }
-    bytes_finish(&archive);
-    return status;
 }
 
 bool trx_is(const struct bytes *head, const char *path)
@@ -653,5 +627,20 @@ conus_status trx_read(struct tractogram *out, const char *path, uint64_t max_mem
         status = fail(CONUS_ERROR_UNSUPPORTED, "%s: a TRX inside gzip: a TRX is packed itself; unpack the gzip", path);
     }
     bytes_finish(&head);
-    return status ? status : read_archive(out, path, max_memory, notes);
+    if (status) {
+        return status;
+    }
+    struct bytes archive = {0};
+    char sum[sizeof out->sha256];
+    status = file_read_allowed(&archive, path, max_memory);
+    if (!status) {
+        file_sha256(sum, &archive);
+        status = trx_parse(out, &archive, max_memory, notes);
+        status = status ? fail_in(status, path) : CONUS_OK;
+    }
+    if (!status) {
+        memcpy(out->sha256, sum, sizeof sum);
+    }
+    bytes_finish(&archive);
+    return status;
 }

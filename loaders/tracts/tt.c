@@ -188,23 +188,6 @@ static conus_status take_steps(struct tt *tt, int64_t at[3], size_t count)
     return status;
 }
 
-static conus_status end_streamline(struct tt *tt)
-{
-    struct tractogram *tractogram = &tt->build.tractogram;
-    size_t number = tractogram->streamline_count;
-    if (tt->cluster_count && number >= tt->cluster_count) {
-        return fail(CONUS_ERROR_DATA, "cluster: %zu numbers, there are more streamlines", tt->cluster_count);
-    }
-    conus_status status = tract_build_streamline(&tt->build);
-    if (!status) {
-        if (tt->cluster_count) {
-            tractogram->scalars[0].values[number] = tt->clusters[number];
-        }
-        tract_build_end_streamline(&tt->build);
-    }
-    return status;
-}
-
 /* One streamline, of which `left` bytes of the variable are left. */
 static conus_status take_streamline(struct tt *tt, uint64_t *left)
 {
@@ -231,7 +214,21 @@ static conus_status take_streamline(struct tt *tt, uint64_t *left)
         status = take_steps(tt, at, count / 3 - 1);
     }
     *left -= RECORD_SIZE + count - 3;
-    return status ? status : end_streamline(tt);
+    if (status) {
+        return status;
+    }
+    if (tt->cluster_count && number >= tt->cluster_count) {
+        return fail(CONUS_ERROR_DATA, "cluster: %zu numbers, there are more streamlines", tt->cluster_count);
+    }
+    status = tract_build_streamline(&tt->build);
+    if (status) {
+        return status;
+    }
+    if (tt->cluster_count) {
+        tt->build.tractogram.scalars[0].values[number] = tt->clusters[number];
+    }
+    tract_build_end_streamline(&tt->build);
+    return CONUS_OK;
 }
 
 /* "track", then "track1", "track2" and so on. */

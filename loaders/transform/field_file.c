@@ -210,21 +210,6 @@ static size_t count_nodes(const struct deformation *field)
     return field->dim[0] * field->dim[1] * field->dim[2];
 }
 
-/* One component, in the place that it has among the three of each node. */
-static conus_status read_component(float *vectors, struct volume_file *file, size_t component, size_t nodes)
-{
-    float *values = NULL;
-    struct notes unwanted = {0}; /* about numbers that are not finite: the caller counts them */
-    conus_status status = volume_file_select(file, component);
-    status = status ? status : volume_file_values_or_nan(&values, file, &unwanted);
-    for (size_t i = 0; !status && i < nodes; i++) {
-        vectors[3 * i + component] = values[i];
-    }
-    memory_free(values);
-    notes_finish(&unwanted);
-    return status;
-}
-
 static conus_status read_vectors(struct deformation *out, struct volume_file *file, uint64_t max_memory)
 {
     memcpy(out->dim, file->info.dim, sizeof out->dim);
@@ -243,7 +228,15 @@ static conus_status read_vectors(struct deformation *out, struct volume_file *fi
     out->vectors = memory_raw(count_nodes(out), 3 * sizeof *out->vectors);
     conus_status status = out->vectors ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t n = 0; !status && n < 3; n++) {
-        status = read_component(out->vectors, file, n, count_nodes(out));
+        float *values = NULL;
+        struct notes unwanted = {0}; /* about numbers that are not finite: the caller counts them */
+        status = volume_file_select(file, n);
+        status = status ? status : volume_file_values_or_nan(&values, file, &unwanted);
+        for (size_t i = 0; !status && i < count_nodes(out); i++) {
+            out->vectors[3 * i + n] = values[i];
+        }
+        memory_free(values);
+        notes_finish(&unwanted);
     }
     return status;
 }

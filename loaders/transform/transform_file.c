@@ -68,18 +68,6 @@ static bool matrix_text_is(struct text text)
     return next_line(&text, &line) && text_word(&line, &word) && text_to_double(word, &number);
 }
 
-/* Sixteen numbers, four in a line, the last line 0 0 0 1; lines that begin with # are comments. */
-static conus_status matrix_text_parse(double out[16], struct text text)
-{
-    struct text line;
-    conus_status status = matrix_rows_parse(out, &text, 4, "matrix");
-    if (status) {
-        return status;
-    }
-    return next_line(&text, &line) ? fail(CONUS_ERROR_DATA, "matrix: more than four rows")
-                                   : matrix_settle(out, "matrix");
-}
-
 /* The MNI's. */
 static conus_status xfm_parse(double out[16], struct text text)
 {
@@ -324,12 +312,21 @@ static conus_status place_between(double m[16], const char *from, const char *to
     return CONUS_OK;
 }
 
+/* Sixteen numbers, four in a line, the last line 0 0 0 1; lines that begin with # are comments. */
 static conus_status transform_read_matrix(double out[16], struct text text, const char *path, const char *from,
                                           const char *to)
 {
     size_t length = strlen(path);
     bool is_fsl = length > 4 && strcmp(path + length - 4, ".mat") == 0;
-    conus_status status = matrix_text_parse(out, text);
+    struct text line;
+    conus_status status = matrix_rows_parse(out, &text, 4, "matrix");
+    if (status) {
+        return status;
+    }
+    if (next_line(&text, &line)) {
+        return fail(CONUS_ERROR_DATA, "matrix: more than four rows");
+    }
+    status = matrix_settle(out, "matrix");
     if (status) {
         return status;
     }

@@ -110,23 +110,6 @@ static void quaternion_of(double q[4], double r[3][3])
     }
 }
 
-static void put_qform(uint8_t *header, const double m[16], int code)
-{
-    double r[3][3];
-    double q[4];
-    double qfac;
-    if (!rotation_of(r, &qfac, m)) {
-        return;
-    }
-    quaternion_of(q, r);
-    put_float(header + 76, qfac);
-    put_integer(header + 252, (uint32_t)code, 2);
-    for (int i = 0; i < 3; i++) {
-        put_float(header + 256 + 4 * i, q[i + 1]);
-        put_float(header + 268 + 4 * i, m[12 + i]);
-    }
-}
-
 static void put_header(uint8_t *header, const struct header_values *values)
 {
     const double *m = values->world_from_voxel;
@@ -144,7 +127,18 @@ static void put_header(uint8_t *header, const struct header_values *values)
     put_float(header + 112, 1);
     header[123] = UNITS_MM;
     snprintf((char *)header + 148, 80, "%s", values->description);
-    put_qform(header, m, values->code);
+    double r[3][3];
+    double q[4];
+    double qfac;
+    if (rotation_of(r, &qfac, m)) {
+        quaternion_of(q, r);
+        put_float(header + 76, qfac);
+        put_integer(header + 252, (uint32_t)values->code, 2);
+        for (int i = 0; i < 3; i++) {
+            put_float(header + 256 + 4 * i, q[i + 1]);
+            put_float(header + 268 + 4 * i, m[12 + i]);
+        }
+    }
     put_integer(header + 254, (uint32_t)values->code, 2);
     for (int row = 0; row < 3; row++) {
         for (int column = 0; column < 4; column++) {
@@ -167,19 +161,6 @@ static conus_status start_file(struct bytes *out, const struct header_values *va
     return CONUS_OK;
 }
 
-static const struct datatype *narrowest_type(const uint32_t *labels, size_t count)
-{
-    uint32_t most = 0;
-    for (size_t i = 0; i < count; i++) {
-        most = labels[i] > most ? labels[i] : most;
-    }
-    const struct datatype *type = datatypes;
-    while (most > type->limit) {
-        type++;
-    }
-    return type;
-}
-
 static conus_status format_numbers(struct bytes *out, const conus_volume_info *info, const uint32_t *labels, int intent,
                                    int code)
 {
@@ -192,7 +173,14 @@ static conus_status format_numbers(struct bytes *out, const conus_volume_info *i
     if (status) {
         return status;
     }
-    values.type = narrowest_type(labels, info->dim[0] * info->dim[1] * info->dim[2]);
+    uint32_t most = 0;
+    for (size_t i = 0; i < info->dim[0] * info->dim[1] * info->dim[2]; i++) {
+        most = labels[i] > most ? labels[i] : most;
+    }
+    values.type = datatypes;
+    while (most > values.type->limit) {
+        values.type++;
+    }
     status = start_file(out, &values);
     if (status) {
         return status;

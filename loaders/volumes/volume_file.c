@@ -655,23 +655,6 @@ conus_status volume_file_open_series(struct volume_file *out, const char *path, 
     return open_with_retry(out, path, &opening, notes);
 }
 
-/* Reads another volume. Drops the notes, which were given when the file was first opened. */
-static conus_status reopen_volume(struct volume_file *file, size_t volume)
-{
-    struct volume_file other = {0};
-    struct notes notes = {0};
-    struct opening opening = {.limit = file->max_memory,
-                              .selector = {.chosen = true, .volume = volume},
-                              .use = file->cache ? STORED_INDEX : STORED_PLAIN};
-    conus_status status = open_with_retry(&other, file->path, &opening, &notes);
-    notes_finish(&notes);
-    if (!status) {
-        volume_file_finish(file);
-        *file = other;
-    }
-    return status;
-}
-
 conus_status volume_file_select(struct volume_file *file, size_t volume)
 {
     size_t count = file->info.volume_count;
@@ -679,7 +662,18 @@ conus_status volume_file_select(struct volume_file *file, size_t volume)
         return fail(CONUS_ERROR_ARGUMENT, "%s: volume: found %zu, allowed are 0 to %zu", file->path, volume, count - 1);
     }
     if (volume != file->info.volume && !file->series.data) {
-        return reopen_volume(file, volume);
+        struct volume_file other = {0};
+        struct notes notes = {0}; /* they were given when the file was first opened */
+        struct opening opening = {.limit = file->max_memory,
+                                  .selector = {.chosen = true, .volume = volume},
+                                  .use = file->cache ? STORED_INDEX : STORED_PLAIN};
+        conus_status status = open_with_retry(&other, file->path, &opening, &notes);
+        notes_finish(&notes);
+        if (!status) {
+            volume_file_finish(file);
+            *file = other;
+        }
+        return status;
     }
     file->info.volume = volume;
     if (file->series.data) {

@@ -5,6 +5,7 @@
 #include "atlas/space.h"
 #include "base/byte_order.h"
 #include "base/files/folder.h"
+#include "base/formats/base64.h"
 #include "base/formats/gzip.h"
 #include "base/memory.h"
 #include "base/text.h"
@@ -248,15 +249,6 @@ static conus_status text_numbers_read(struct bytes *out, struct gzip_range *rang
     return CONUS_OK;
 }
 
-/* 0 to 15, or -1. */
-static int digit_of(char c)
-{
-    return c >= '0' && c <= '9'   ? c - '0'
-           : c >= 'a' && c <= 'f' ? c - 'a' + 10
-           : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                  : -1;
-}
-
 /* Reads bytes of two hexadecimal digits, with white space anywhere; as above. */
 static conus_status text_hex_read(struct bytes *out, struct gzip_range *range, struct text text)
 {
@@ -268,7 +260,7 @@ static conus_status text_hex_read(struct bytes *out, struct gzip_range *range, s
     uint64_t digits = 0;
     unsigned byte = 0;
     for (size_t i = 0; !status && i < text.size; i++) {
-        int digit = digit_of(text.data[i]);
+        int digit = base16_value(text.data[i]);
         if (digit < 0) {
             bool space = text.data[i] && strchr(" \t\r\n\v\f", text.data[i]);
             status = space ? CONUS_OK : fail(CONUS_ERROR_DATA, "voxels: byte %zu is no hexadecimal digit", i);

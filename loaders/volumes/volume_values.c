@@ -113,44 +113,6 @@ static bool block_labels(uint32_t *out, const struct decoder *decoder, const str
     return fine;
 }
 
-/* Keeps the first of these voxels that is no label. */
-static void note_bad(struct label_reader *reader, const struct decoder *decoder, const uint8_t *voxels, size_t from)
-{
-    size_t size = volume_datatype_size(reader->file->datatype);
-    size_t at = 0;
-    uint32_t label;
-    while (block_labels(&label, decoder, reader->file, voxels + at * size, 1)) {
-        at++;
-    }
-    reader->is_bad = true;
-    reader->bad_voxel = from + at;
-    memcpy(reader->bad_bytes, voxels + at * size, size);
-}
-
-/* The value is written as a person would: integers whole, however big; scaled ones with their scale. */
-static conus_status fail_label(const struct volume_file *file, const struct label_reader *reader)
-{
-    char words[128];
-    const uint8_t *voxel = reader->bad_bytes;
-    double value = volume_value_at(voxel, file->datatype, file->swapped);
-    if (is_scaled(file)) {
-        snprintf(words, sizeof words, "%.12g (stored %.12g, scale %.9g, offset %.9g)",
-                 value * file->info.slope + file->info.intercept, value, file->info.slope, file->info.intercept);
-    } else if (file->datatype == VOLUME_UINT64) {
-        snprintf(words, sizeof words, "%llu", (unsigned long long)order_u64(voxel, file->swapped));
-    } else if (file->datatype == VOLUME_INT64) {
-        snprintf(words, sizeof words, "%lld", (long long)order_i64(voxel, file->swapped));
-    } else {
-        snprintf(words, sizeof words, "%.17g", value);
-    }
-    const size_t *dim = file->info.dim;
-    size_t row = reader->bad_voxel / dim[0];
-    return fail(CONUS_ERROR_DATA,
-                "%s: voxel (%zu, %zu, %zu): found %s, allowed labels are whole numbers from 0 to "
-                "4294967295; --context draws an image, --pathway selects what is bright in it",
-                file->path, reader->bad_voxel % dim[0], row % dim[1], row / dim[1], words);
-}
-
 /* Decodes the next voxels, of which `from` is the first. */
 static conus_status code_labels(struct label_reader *reader, const uint8_t *voxels, size_t from, size_t count)
 {
@@ -162,7 +124,12 @@ static conus_status code_labels(struct label_reader *reader, const uint8_t *voxe
         uint32_t labels[BLOCK];
         size_t block = count - at < BLOCK ? count - at : BLOCK;
         if (!block_labels(labels, decoder, file, voxels + at * size, block)) {
-            note_bad(reader, decoder, voxels + at * size, from + at);
+            while (block_labels(labels, decoder, file, voxels + at * size, 1)) { /* the first one that is no label */
+                at++;
+            }
+            reader->is_bad = true;
+            reader->bad_voxel = from + at;
+            memcpy(reader->bad_bytes, voxels + at * size, size);
             return CONUS_OK;
         }
         for (size_t i = 0; i < block; i++) {
@@ -189,13 +156,31 @@ conus_status label_reader_add(void *user, const uint8_t *voxels, size_t size)
 
 conus_status label_reader_end(struct label_voxels *out, struct label_reader *reader, struct volume_file *file)
 {
-    if (reader->is_bad) {
-        return fail_label(file, reader);
+    if (!reader->is_bad) {
+        file->info.minimum = reader->minimum;
+        file->info.maximum = reader->maximum;
+        label_coder_end(out, &reader->coder);
+        return CONUS_OK;
     }
-    file->info.minimum = reader->minimum;
-    file->info.maximum = reader->maximum;
-    label_coder_end(out, &reader->coder);
-    return CONUS_OK;
+    char words[128]; /* as a person would write it: integers whole, however big; scaled ones with their scale */
+    const uint8_t *voxel = reader->bad_bytes;
+    double value = volume_value_at(voxel, file->datatype, file->swapped);
+    if (is_scaled(file)) {
+        snprintf(words, sizeof words, "%.12g (stored %.12g, scale %.9g, offset %.9g)",
+                 value * file->info.slope + file->info.intercept, value, file->info.slope, file->info.intercept);
+    } else if (file->datatype == VOLUME_UINT64) {
+        snprintf(words, sizeof words, "%llu", (unsigned long long)order_u64(voxel, file->swapped));
+    } else if (file->datatype == VOLUME_INT64) {
+        snprintf(words, sizeof words, "%lld", (long long)order_i64(voxel, file->swapped));
+    } else {
+        snprintf(words, sizeof words, "%.17g", value);
+    }
+    const size_t *dim = file->info.dim;
+    size_t row = reader->bad_voxel / dim[0];
+    return fail(CONUS_ERROR_DATA,
+                "%s: voxel (%zu, %zu, %zu): found %s, allowed labels are whole numbers from 0 to "
+                "4294967295; --context draws an image, --pathway selects what is bright in it",
+                file->path, reader->bad_voxel % dim[0], row % dim[1], row / dim[1], words);
 }
 
 void label_reader_finish(struct label_reader *reader)

@@ -158,14 +158,21 @@ static conus_status fan_out(struct foreign_mesh *mesh, const struct polygon *pol
     return status;
 }
 
-static conus_status foreign_cut(struct foreign_mesh *mesh, struct polygon *polygon, size_t count)
+/* Cuts a polygon of 4 corners or more into triangles and appends them. */
+static conus_status polygon_cut(struct foreign_mesh *mesh, const uint32_t *corners, size_t count)
 {
+    struct polygon *polygon = memory_raw(1, sizeof *polygon);
+    if (!polygon) {
+        return CONUS_ERROR_MEMORY;
+    }
+    setup_polygon(polygon, mesh, corners, count);
     conus_status status = CONUS_OK;
     size_t first = 0;
     while (!status && polygon->left > 2) {
         size_t ear = best_ear(polygon, count);
         if (ear == count) {
-            return fan_out(mesh, polygon, first);
+            status = fan_out(mesh, polygon, first);
+            break;
         }
         if (polygon->ears == polygon->left || is_empty(polygon, ear)) {
             first = polygon->corners[ear].next;
@@ -175,18 +182,6 @@ static conus_status foreign_cut(struct foreign_mesh *mesh, struct polygon *polyg
             polygon->corners[ear].measure = 0; /* until one beside it goes */
         }
     }
-    return status;
-}
-
-/* Cuts a polygon of 4 corners or more into triangles and appends them. */
-static conus_status polygon_cut(struct foreign_mesh *mesh, const uint32_t *corners, size_t count)
-{
-    struct polygon *polygon = memory_raw(1, sizeof *polygon);
-    if (!polygon) {
-        return CONUS_ERROR_MEMORY;
-    }
-    setup_polygon(polygon, mesh, corners, count);
-    conus_status status = foreign_cut(mesh, polygon, count);
     memory_free(polygon);
     return status;
 }

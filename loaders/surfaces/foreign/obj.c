@@ -187,8 +187,10 @@ static int by_place(const void *a, const void *b)
     return (first->place > second->place) - (first->place < second->place);
 }
 
-static void join_names(struct obj *obj)
+/* Numbers the objects that have triangles, and gives each triangle the number of its own. */
+static conus_status number_objects(struct obj_objects *out, struct obj *obj)
 {
+    size_t triangles = obj->mesh->triangle_count;
     struct object *objects = obj->objects;
     qsort(objects, obj->object_count, sizeof *objects, by_name);
     for (size_t i = 0; i < obj->object_count; i++) {
@@ -196,13 +198,6 @@ static void join_names(struct obj *obj)
         objects[i].first = same ? objects[i - 1].first : objects[i].place;
     }
     qsort(objects, obj->object_count, sizeof *objects, by_place);
-}
-
-/* Numbers the objects that have triangles, and gives each triangle the number of its own. */
-static conus_status number_objects(struct obj_objects *out, struct obj *obj)
-{
-    size_t triangles = obj->mesh->triangle_count;
-    join_names(obj);
     uint32_t *numbers = memory_zeroed(obj->object_count, sizeof *numbers); /* from 1, of the first of a name */
     out->names = memory_zeroed(obj->object_count, sizeof *out->names);
     if (!numbers || !out->names) {
@@ -210,9 +205,9 @@ static conus_status number_objects(struct obj_objects *out, struct obj *obj)
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < triangles; i++) {
-        uint32_t first = obj->objects[obj->owners[i]].first;
+        uint32_t first = objects[obj->owners[i]].first;
         if (!numbers[first]) {
-            out->names[out->count++] = obj->objects[first].name;
+            out->names[out->count++] = objects[first].name;
             numbers[first] = (uint32_t)out->count;
         }
         obj->owners[i] = numbers[first] - 1;

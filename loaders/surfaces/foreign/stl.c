@@ -9,13 +9,6 @@
 
 enum { HEADER = 80, COUNT = 4, TRIANGLE = 50, NORMAL = 12, CORNER = 12 };
 
-/* Text begins with "solid". So may the header of a binary file, which has a 0 somewhere. */
-static bool is_text(const uint8_t *data, size_t size)
-{
-    struct text text = {(const char *)data, size};
-    return text_starts(text_trim(text), "solid") && !memchr(data, '\0', size);
-}
-
 static conus_status add_triangle(struct foreign_mesh *mesh)
 {
     uint32_t last = (uint32_t)mesh->vertex_count - 1;
@@ -142,6 +135,9 @@ conus_status stl_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
     if (text_line(&header, &line)) {
         out->space = foreign_space_in(line);
     }
-    conus_status status = is_text(data, size) ? read_text(out, data, size) : read_binary(out, data, size);
+    /* Text begins with "solid". So may the header of a binary file, which has a 0 somewhere. */
+    struct text text = {(const char *)data, size};
+    bool is_text = text_starts(text_trim(text), "solid") && !memchr(data, '\0', size);
+    conus_status status = is_text ? read_text(out, data, size) : read_binary(out, data, size);
     return status ? status : join_corners(out);
 }

@@ -2,6 +2,7 @@
 /* Parses VTK's legacy format: polygons and strips of triangles; for who wants them lines, and numbers of points and
  * lines. */
 #include "base/byte_order.h"
+#include "base/formats/base64.h"
 #include "base/memory.h"
 #include "loaders/surfaces/foreign/foreign_mesh.h"
 #include "loaders/surfaces/foreign/words.h"
@@ -144,30 +145,48 @@ static conus_status skip_numbers(struct vtk *vtk, const struct vtk_type *type, s
     return CONUS_OK;
 }
 
-static int hex_value(char c)
-{
-    return c >= '0' && c <= '9'   ? c - '0'
-           : c >= 'a' && c <= 'f' ? c - 'a' + 10
-           : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                  : -1;
-}
-
 /* A name's spaces and such are written as "%20". */
 static struct text decode_name(char *out, size_t size, struct text name)
 {
     size_t length = 0;
     for (size_t i = 0; i < name.size && length < size; i++) {
-        int high = i + 2 < name.size && name.data[i] == '%' ? hex_value(name.data[i + 1]) : -1;
-        int low = high >= 0 ? hex_value(name.data[i + 2]) : -1;
+        int high = i + 2 < name.size && name.data[i] == '%' ? base16_value(name.data[i + 1]) : -1;
+        int low = high >= 0 ? base16_value(name.data[i + 2]) : -1;
         out[length++] = low >= 0 ? (char)(16 * high + low) : name.data[i];
         i += low >= 0 ? 2 : 0;
     }
     return (struct text){out, length};
 }
 
-/* Keeps the numbers of lines of those of all cells. */
-static conus_status cut_cells(struct foreign_array *array, const struct foreign_lines *lines)
+/* Keeps the numbers that are next, `tuples` of `parts`; of those of all cells the lines'. */
+static conus_status keep_numbers(struct vtk *vtk, struct text name, const struct vtk_type *type, size_t parts,
+                                 size_t tuples)
 {
+    char decoded[NAME_LIMIT];
+    struct foreign_array *array = NULL;
+    size_t count = 0;
+    size_t least = vtk->is_text ? 2 : type->bits / 8;
+    bool fits = memory_multiply(parts, tuples, &count) && count <= vtk->words.rest.size / least + 1;
+    struct foreign_lines *lines = vtk->mesh->lines;
+    conus_status status = foreign_lines_array(&array, lines, decode_name(decoded, sizeof decoded, name),
+                                              vtk->place == VTK_OF_POINTS, parts);
+    if (status) {
+        return status;
+    }
+    if (array->values || !fits) {
+        return fail(CONUS_ERROR_DATA, "%s: %s", array->name, fits ? "twice" : "the file is cut off");
+    }
+    status = foreign_array_reserve(lines, array, count);
+    for (size_t i = 0; !status && i < count; i++) {
+        status = vtk_next_number(&array->values[i], vtk, type, array->name);
+    }
+    if (status) {
+        return status;
+    }
+    array->count = count;
+    if (vtk->place != VTK_OF_CELLS) {
+        return CONUS_OK;
+    }
     size_t cells = array->count / array->components;
     if (cells != lines->before + lines->count + lines->behind) {
         return fail(CONUS_ERROR_DATA, "%s: of %zu cells, there are %zu", array->name, cells,
@@ -178,31 +197,6 @@ static conus_status cut_cells(struct foreign_array *array, const struct foreign_
         memmove(array->values, &array->values[lines->before * array->components], array->count * sizeof *array->values);
     }
     return CONUS_OK;
-}
-
-/* Keeps the numbers that are next: `tuples` of `parts`. */
-static conus_status keep_numbers(struct vtk *vtk, struct text name, const struct vtk_type *type, size_t parts,
-                                 size_t tuples)
-{
-    char decoded[NAME_LIMIT];
-    struct foreign_array *array = NULL;
-    size_t count = 0;
-    size_t least = vtk->is_text ? 2 : type->bits / 8;
-    bool fits = memory_multiply(parts, tuples, &count) && count <= vtk->words.rest.size / least + 1;
-    conus_status status = foreign_lines_array(&array, vtk->mesh->lines, decode_name(decoded, sizeof decoded, name),
-                                              vtk->place == VTK_OF_POINTS, parts);
-    if (!status && (array->values || !fits)) {
-        status = fail(CONUS_ERROR_DATA, "%s: %s", array->name, fits ? "twice" : "the file is cut off");
-    }
-    status = status ? status : foreign_array_reserve(vtk->mesh->lines, array, count);
-    for (size_t i = 0; !status && i < count; i++) {
-        status = vtk_next_number(&array->values[i], vtk, type, array->name);
-    }
-    if (!status) {
-        array->count = count;
-        status = vtk->place == VTK_OF_CELLS ? cut_cells(array, vtk->mesh->lines) : CONUS_OK;
-    }
-    return status;
 }
 
 static conus_status vtk_take_numbers(struct vtk *vtk, struct text name, const struct vtk_type *type, size_t parts,

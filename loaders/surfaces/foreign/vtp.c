@@ -238,24 +238,6 @@ static conus_status read_packed(struct bytes *out, struct source *source, const 
     return status;
 }
 
-/* The bytes of a binary array, in the order in which they are stored. */
-static conus_status vtp_bytes(struct bytes *out, const struct vtp_storage *storage)
-{
-    struct source source = {.rest = storage->content, .is_raw = storage->is_raw};
-    struct bytes bytes = {0};
-    conus_status status =
-        storage->is_packed ? read_packed(&bytes, &source, storage) : read_plain(&bytes, &source, storage);
-    if (!status && bytes.size % storage->size) {
-        status = fail(CONUS_ERROR_DATA, "DataArray: %zu bytes, each number has %zu", bytes.size, storage->size);
-    }
-    if (status) {
-        bytes_finish(&bytes);
-        return status;
-    }
-    *out = bytes;
-    return CONUS_OK;
-}
-
 /* Unsigned numbers above 2^63 - 1 become -1. */
 static int64_t whole_at(const uint8_t *data, const struct vtp_storage *storage)
 {
@@ -327,7 +309,12 @@ static conus_status numbers_of(void **out, size_t *count, const struct vtp_stora
     if (storage->is_text) {
         return numbers_of_text(out, count, storage, kind);
     }
-    conus_status status = vtp_bytes(&bytes, storage);
+    struct source source = {.rest = storage->content, .is_raw = storage->is_raw};
+    conus_status status =
+        storage->is_packed ? read_packed(&bytes, &source, storage) : read_plain(&bytes, &source, storage);
+    if (!status && bytes.size % storage->size) {
+        status = fail(CONUS_ERROR_DATA, "DataArray: %zu bytes, each number has %zu", bytes.size, storage->size);
+    }
     size_t n = bytes.size / storage->size;
     char *numbers = status ? NULL : memory_raw(n, kind->size);
     for (size_t i = 0; numbers && i < n; i++) {

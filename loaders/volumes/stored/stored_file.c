@@ -150,20 +150,6 @@ static void plain_file_finish(struct plain_file *plain)
     plain->descriptor = -1;
 }
 
-/* A file of its own on `file`, if that has more than STORED_LARGE bytes and passes the test. */
-static bool plain_file_open(struct plain_file *out, const struct open_file *file, plain_file_test *test)
-{
-    uint8_t head[TESTED];
-    struct plain_file plain = {.descriptor = file->descriptor, .before = file->before};
-    size_t size = smaller_of(sizeof head, plain.before.size);
-    if (plain.before.size <= STORED_LARGE || read_at(&plain, head, size, 0) || !test(head, size)) {
-        return false;
-    }
-    plain.descriptor = fcntl(file->descriptor, F_DUPFD_CLOEXEC, 0);
-    *out = plain;
-    return plain.descriptor >= 0;
-}
-
 /* The first `limit` bytes, or fewer. CONUS_ERROR_IO, CONUS_ERROR_MEMORY. */
 static conus_status plain_file_head(struct bytes *out, const struct plain_file *plain, size_t limit)
 {
@@ -257,20 +243,6 @@ void stored_finish(struct stored *stored)
     *stored = (struct stored){0};
 }
 
-/* Takes the index if there is one; who may not read so large a file is told so where it is read. */
-static void find_index(struct stored *stored, uint64_t limit, const struct bytes *header)
-{
-    struct kept_index kept;
-    if (!kept_index_open(&kept, stored->path, header)) {
-        return;
-    }
-    stored->index = kept.before.size <= limit ? memory_copy(&kept, 1, sizeof kept) : NULL;
-    if (!stored->index) {
-        kept_index_finish(&kept);
-    }
-    stored->packed = stored->index && !kept.index.begin && !kept.index.zlib;
-}
-
 /* An index follows from what the path leads to at this time: `file`, open before, is not read for it. */
 static conus_status stored_read_whole(struct stored *stored, const struct open_file *file, uint64_t limit,
                                       enum stored_use use, const struct bytes *header)
@@ -295,8 +267,14 @@ static conus_status open_whole(struct stored *out, const char *path, const struc
     struct stored stored = {.path = memory_text(path, strlen(path))};
     conus_status status = use == STORED_PLAIN ? CONUS_OK : cache_check_limit();
     status = status || stored.path ? status : CONUS_ERROR_MEMORY;
-    if (!status && use == STORED_INDEX) {
-        find_index(&stored, limit, header);
+    struct kept_index kept;
+    if (!status && use == STORED_INDEX && kept_index_open(&kept, path, header)) {
+        /* who may not read so large a file is told so where it is read */
+        stored.index = kept.before.size <= limit ? memory_copy(&kept, 1, sizeof kept) : NULL;
+        if (!stored.index) {
+            kept_index_finish(&kept);
+        }
+        stored.packed = stored.index && !kept.index.begin && !kept.index.zlib;
     }
     status = status || stored.index ? status : stored_read_whole(&stored, file, limit, use, header);
     if (status) {
@@ -313,11 +291,15 @@ conus_status stored_open(struct stored *out, const char *path, uint64_t limit, e
     return open_whole(out, path, NULL, limit, use, header);
 }
 
+/* Opens a plain file if it has more than STORED_LARGE bytes and passes the test; else reads it whole. */
 static conus_status open_slabs(struct stored *out, const char *path, const struct open_file *file, uint64_t limit,
                                enum stored_use use, plain_file_test *test)
 {
-    struct plain_file plain;
-    if (!plain_file_open(&plain, file, test)) {
+    uint8_t head[TESTED];
+    struct plain_file plain = {.descriptor = file->descriptor, .before = file->before};
+    size_t size = smaller_of(sizeof head, plain.before.size);
+    if (plain.before.size <= STORED_LARGE || read_at(&plain, head, size, 0) || !test(head, size) ||
+        (plain.descriptor = fcntl(file->descriptor, F_DUPFD_CLOEXEC, 0)) < 0) {
         return open_whole(out, path, file, limit, use, NULL);
     }
     struct stored stored = {.path = memory_text(path, strlen(path)), .plain = memory_copy(&plain, 1, sizeof plain)};

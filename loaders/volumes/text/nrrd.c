@@ -346,20 +346,6 @@ static conus_status set_name(char **out, struct text value)
     return status;
 }
 
-static conus_status set_colour(struct label *label, struct text value, const char *name)
-{
-    double rgb[3];
-    conus_status status = header_numbers(rgb, 3, value, name);
-    for (int i = 0; !status && i < 3; i++) {
-        if (!(rgb[i] >= 0 && rgb[i] <= 1)) {
-            return fail(CONUS_ERROR_DATA, "%s: found %g, allowed are 0 to 1", name, rgb[i]);
-        }
-        label->rgb[i] = (uint8_t)(rgb[i] * 255 + 0.5);
-    }
-    label->has_rgb = !status;
-    return status;
-}
-
 /* One segment. `legacy`: it is label 1 of a volume of its own. */
 static conus_status take_segment(struct text_segment *out, const struct text fields[SEGMENT_FIELDS], size_t number,
                                  int64_t volumes, bool legacy)
@@ -369,26 +355,43 @@ static conus_status take_segment(struct text_segment *out, const struct text fie
     int64_t layer = legacy ? (int64_t)number : 0;
     struct text title = fields[SEGMENT_NAME].size ? fields[SEGMENT_NAME] : fields[SEGMENT_ID];
     snprintf(name, sizeof name, "Segment%zu_LabelValue", number);
-    conus_status status = legacy ? CONUS_OK : header_need(fields[SEGMENT_VALUE], name, "a label is needed");
-    status = status || legacy ? status : header_integer(&value, fields[SEGMENT_VALUE], 1, name);
-    if (!status && value > UINT32_MAX) {
+    conus_status status;
+    if (!legacy && ((status = header_need(fields[SEGMENT_VALUE], name, "a label is needed")) ||
+                    (status = header_integer(&value, fields[SEGMENT_VALUE], 1, name)))) {
+        return status;
+    }
+    if (value > UINT32_MAX) {
         return fail(CONUS_ERROR_DATA, "%s: found %lld, allowed are 1 to 4294967295", name, (long long)value);
     }
     snprintf(name, sizeof name, "Segment%zu_Layer", number);
     bool told = fields[SEGMENT_LAYER].data;
-    status =
-        status || told || legacy || volumes == 1 ? status : header_need((struct text){0}, name, "a layer is needed");
-    status = status || !told ? status : header_integer(&layer, fields[SEGMENT_LAYER], 0, name);
-    if (!status && layer >= volumes) {
+    if (!told && !legacy && volumes != 1) {
+        return header_need((struct text){0}, name, "a layer is needed");
+    }
+    if (told && (status = header_integer(&layer, fields[SEGMENT_LAYER], 0, name))) {
+        return status;
+    }
+    if (layer >= volumes) {
         return fail(CONUS_ERROR_DATA, "%s: found %lld, allowed are 0 to %lld", name, (long long)layer,
                     (long long)volumes - 1);
     }
     snprintf(name, sizeof name, "Segment%zu_Color", number);
-    status = status ? status : set_name(&out->label.name, title);
-    status = status || !fields[SEGMENT_COLOUR].data ? status : set_colour(&out->label, fields[SEGMENT_COLOUR], name);
+    bool coloured = fields[SEGMENT_COLOUR].data;
+    double rgb[3] = {0};
+    if ((status = set_name(&out->label.name, title)) ||
+        (coloured && (status = header_numbers(rgb, 3, fields[SEGMENT_COLOUR], name)))) {
+        return status;
+    }
+    for (int i = 0; coloured && i < 3; i++) {
+        if (!(rgb[i] >= 0 && rgb[i] <= 1)) {
+            return fail(CONUS_ERROR_DATA, "%s: found %g, allowed are 0 to 1", name, rgb[i]);
+        }
+        out->label.rgb[i] = (uint8_t)(rgb[i] * 255 + 0.5);
+    }
+    out->label.has_rgb = coloured;
     out->label.number = (uint32_t)value;
     out->volume = (size_t)layer;
-    return status;
+    return CONUS_OK;
 }
 
 static int compare_segments(const void *a, const void *b)
