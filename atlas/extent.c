@@ -60,35 +60,29 @@ static bool find_ends(size_t *first, size_t *last, const struct volume *volume, 
     return from < to;
 }
 
-/* The box around the centres of all voxels with an object, which `m` maps from their indices: along a row a coordinate
- * is extreme at one of the ends. */
-static struct box find_centres(const struct volume *volume, const double m[16])
-{
-    const size_t *dim = volume->info.dim;
-    struct box box = empty_box;
-    for (size_t row = 0; row < dim[1] * dim[2]; row++) {
-        size_t ends[2];
-        size_t start = row * dim[0];
-        if (find_ends(&ends[0], &ends[1], volume, start, start + dim[0])) {
-            const size_t j = row % dim[1];
-            const size_t k = row / dim[1];
-            for (int end = 0; end < 2; end++) {
-                const double index[3] = {(double)(ends[end] - start), (double)j, (double)k};
-                double centre[3];
-                mat4_point(centre, m, index);
-                add_point(&box, centre);
-            }
-        }
-    }
-    return box;
-}
-
-/* The same, or the box that is known already. */
+/* The box around the centres of all voxels with an object, which `m` maps from their indices. */
 static struct box centres_of(const struct volume *volume, const double m[16])
 {
     struct box box;
     if (!volume->distances || !mat4_is_same(m, volume->centres.m)) {
-        return find_centres(volume, m);
+        /* Along a row a coordinate is extreme at one of the ends. */
+        const size_t *dim = volume->info.dim;
+        box = empty_box;
+        for (size_t row = 0; row < dim[1] * dim[2]; row++) {
+            size_t ends[2];
+            size_t start = row * dim[0];
+            if (find_ends(&ends[0], &ends[1], volume, start, start + dim[0])) {
+                const size_t j = row % dim[1];
+                const size_t k = row / dim[1];
+                for (int end = 0; end < 2; end++) {
+                    const double index[3] = {(double)(ends[end] - start), (double)j, (double)k};
+                    double centre[3];
+                    mat4_point(centre, m, index);
+                    add_point(&box, centre);
+                }
+            }
+        }
+        return box;
     }
     memcpy(box.low, volume->centres.low, sizeof box.low);
     memcpy(box.high, volume->centres.high, sizeof box.high);
@@ -114,25 +108,6 @@ static void add_volume(struct box *box, const struct volume *volume, const doubl
     }
 }
 
-/* Adds the bundle's points and a radius around them; nothing where the object is no bundle. */
-static void add_bundle(struct box *box, const conus_atlas *atlas, uint32_t number)
-{
-    const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
-    const struct tract_group *group = atlas_bundle_group(atlas, number);
-    size_t count = tractogram ? tract_group_count(group, tractogram) : 0;
-    for (size_t i = 0; i < count; i++) {
-        uint32_t k = tract_group_member(group, i);
-        for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++) {
-            double p[3];
-            tractogram_point(p, tractogram, at);
-            for (int a = 0; a < 3; a++) {
-                box->low[a] = fmin(box->low[a], p[a] - tractogram->radius);
-                box->high[a] = fmax(box->high[a], p[a] + tractogram->radius);
-            }
-        }
-    }
-}
-
 conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas *atlas)
 {
     struct box box = empty_box;
@@ -148,7 +123,20 @@ conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas
             add_point(&box, mesh->shape.high);
         }
         if (!atlas->places[number - 1].is_hidden) {
-            add_bundle(&box, atlas, number);
+            const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
+            const struct tract_group *group = atlas_bundle_group(atlas, number);
+            size_t count = tractogram ? tract_group_count(group, tractogram) : 0;
+            for (size_t i = 0; i < count; i++) {
+                uint32_t k = tract_group_member(group, i);
+                for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++) {
+                    double p[3];
+                    tractogram_point(p, tractogram, at);
+                    for (int a = 0; a < 3; a++) {
+                        box.low[a] = fmin(box.low[a], p[a] - tractogram->radius);
+                        box.high[a] = fmax(box.high[a], p[a] + tractogram->radius);
+                    }
+                }
+            }
         }
     }
     if (!(box.low[0] <= box.high[0])) {
@@ -199,43 +187,6 @@ static void add_voxel(struct moment *moment, const size_t dim[3], size_t voxel)
     moment->weight++;
 }
 
-/* Weighted by the triangles' areas. */
-static void add_triangles(struct moment *moment, const struct mesh *mesh)
-{
-    for (size_t t = 0; t < mesh->triangle_count; t++) {
-        double p[3][3];
-        double normal[3];
-        double middle[3];
-        mesh_corners(p, mesh, t);
-        for (int a = 0; a < 3; a++) {
-            middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3;
-        }
-        vec3_sub(p[1], p[1], p[0]);
-        vec3_sub(p[2], p[2], p[0]);
-        vec3_cross(normal, p[1], p[2]);
-        double area = vec3_length(normal) / 2;
-        vec3_add_scaled(moment->sum, moment->sum, area, middle);
-        moment->weight += area;
-    }
-}
-
-/* Each point of a bundle counts 1. */
-static void add_points(struct moment *moment, const conus_atlas *atlas, uint32_t number)
-{
-    const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
-    const struct tract_group *group = atlas_bundle_group(atlas, number);
-    size_t count = tractogram ? tract_group_count(group, tractogram) : 0;
-    for (size_t i = 0; i < count; i++) {
-        uint32_t k = tract_group_member(group, i);
-        for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++) {
-            double p[3];
-            tractogram_point(p, tractogram, at);
-            vec3_add_scaled(moment->sum, moment->sum, 1, p);
-            moment->weight++;
-        }
-    }
-}
-
 conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t number)
 {
     struct moment all = {0};
@@ -278,10 +229,35 @@ conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t 
     for (uint32_t object = 1; object <= atlas->object_count; object++) {
         const struct mesh *mesh = atlas_stored_mesh(atlas, object);
         if (mesh && atlas_is_below(atlas, object, (uint32_t)number)) {
-            add_triangles(&all, mesh);
+            for (size_t t = 0; t < mesh->triangle_count; t++) {
+                double p[3][3];
+                double normal[3];
+                double middle[3];
+                mesh_corners(p, mesh, t);
+                for (int a = 0; a < 3; a++) {
+                    middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3;
+                }
+                vec3_sub(p[1], p[1], p[0]);
+                vec3_sub(p[2], p[2], p[0]);
+                vec3_cross(normal, p[1], p[2]);
+                double area = vec3_length(normal) / 2;
+                vec3_add_scaled(all.sum, all.sum, area, middle);
+                all.weight += area;
+            }
         }
     }
-    add_points(&all, atlas, (uint32_t)number);
+    const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, (uint32_t)number);
+    const struct tract_group *group = atlas_bundle_group(atlas, (uint32_t)number);
+    size_t count = tractogram ? tract_group_count(group, tractogram) : 0;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t k = tract_group_member(group, i);
+        for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++) {
+            double p[3];
+            tractogram_point(p, tractogram, at);
+            vec3_add_scaled(all.sum, all.sum, 1, p);
+            all.weight++;
+        }
+    }
     if (!(all.weight > 0)) {
         return fail(CONUS_ERROR_DATA, "%s has no voxels, triangles or streamlines", atlas->objects[number - 1].name);
     }

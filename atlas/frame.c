@@ -83,13 +83,6 @@ static size_t main_axis(const double direction[3])
     return fabs(direction[2]) > fabs(direction[most]) ? 2 : most;
 }
 
-/* Whether the voxel axes of AP, DV and ML run as the anatomical names say: along y, z and x. */
-static bool is_anatomical(const double world_from_voxel[16], const size_t axes[3])
-{
-    return main_axis(world_from_voxel + 4 * axes[0]) == 1 && main_axis(world_from_voxel + 4 * axes[1]) == 2 &&
-           main_axis(world_from_voxel + 4 * axes[2]) == 0;
-}
-
 /* Where the CCF's grid is that of a volume. ML counts from the left, as the Allen Institute has it; but in a stack of
  * TIFF, which has that array as it is, whatever it calls its sides, from the first voxel. The axes of a grid that is
  * not named as anatomy has it lie as the Allen Institute writes them: AP, DV, ML, each from its first voxel. */
@@ -100,7 +93,9 @@ static bool find_in_grid(double own_from_ccf[16], const conus_volume_info *info,
     if (!find_axes(axes, info, world_from_voxel)) {
         return false;
     }
-    bool named = is_anatomical(world_from_voxel, axes);
+    /* named: the voxel axes of AP, DV and ML run as the anatomical names say, along y, z and x */
+    bool named = main_axis(world_from_voxel + 4 * axes[0]) == 1 && main_axis(world_from_voxel + 4 * axes[1]) == 2 &&
+                 main_axis(world_from_voxel + 4 * axes[2]) == 0;
     if (!named && (axes[0] != 0 || axes[1] != 1)) {
         return false;
     }
@@ -223,27 +218,6 @@ conus_status conus_frame_find(conus_frame *out, const conus_atlas *atlas, conus_
     return status;
 }
 
-static conus_status check_point(conus_space space, const double p[3])
-{
-    double most = fmax(fmax(fabs(p[0]), fabs(p[1])), fabs(p[2]));
-    if (!vec3_is_finite(p)) {
-        return fail(CONUS_ERROR_ARGUMENT, "position: %g,%g,%g, allowed are finite numbers", p[0], p[1], p[2]);
-    }
-    if (space == CONUS_SPACE_CCF && most < corner_um) {
-        return fail(
-            CONUS_ERROR_ARGUMENT,
-            "position: %g,%g,%g um in CCF is the corner of its grid: positions there are in micrometres, not mm", p[0],
-            p[1], p[2]);
-    }
-    if (space == CONUS_SPACE_BREGMA && most > farthest_mm) {
-        return fail(
-            CONUS_ERROR_ARGUMENT,
-            "position: %g,%g,%g mm from bregma is far from any mouse: positions there are in mm, not micrometres", p[0],
-            p[1], p[2]);
-    }
-    return CONUS_OK;
-}
-
 /* LPS to RAS and back, which makes no "-0" of 0. */
 static void flip(double out[3], const double in[3])
 {
@@ -254,9 +228,22 @@ static void flip(double out[3], const double in[3])
 
 conus_status conus_frame_to_world(double world[3], const conus_frame *frame, const double point[3])
 {
-    conus_status status = check_point(frame->space, point);
-    if (status) {
-        return status;
+    double most = fmax(fmax(fabs(point[0]), fabs(point[1])), fabs(point[2]));
+    if (!vec3_is_finite(point)) {
+        return fail(CONUS_ERROR_ARGUMENT, "position: %g,%g,%g, allowed are finite numbers", point[0], point[1],
+                    point[2]);
+    }
+    if (frame->space == CONUS_SPACE_CCF && most < corner_um) {
+        return fail(
+            CONUS_ERROR_ARGUMENT,
+            "position: %g,%g,%g um in CCF is the corner of its grid: positions there are in micrometres, not mm",
+            point[0], point[1], point[2]);
+    }
+    if (frame->space == CONUS_SPACE_BREGMA && most > farthest_mm) {
+        return fail(
+            CONUS_ERROR_ARGUMENT,
+            "position: %g,%g,%g mm from bregma is far from any mouse: positions there are in mm, not micrometres",
+            point[0], point[1], point[2]);
     }
     if (frame->space == CONUS_SPACE_RAS) {
         memmove(world, point, 3 * sizeof *world);

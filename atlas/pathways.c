@@ -161,18 +161,6 @@ conus_status atlas_add_bands(conus_atlas *atlas, const conus_volume_info *info, 
     return status;
 }
 
-static conus_status check_threshold(const conus_atlas *atlas, size_t number, double threshold)
-{
-    const conus_object *object = conus_atlas_object(atlas, number);
-    if (!object || !atlas_object_is_scalar(atlas, (uint32_t)number)) {
-        return fail(CONUS_ERROR_ARGUMENT, "object %zu is no pathway, and no area of probabilities", number);
-    }
-    if (object->is_band) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: a band of values has no threshold", object->name);
-    }
-    return isfinite(threshold) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "threshold: %g, a number is needed", threshold);
-}
-
 /* The voxels of a warped volume, from which it may be resampled again: its present ones. */
 static conus_status mark_source(struct volume_source *source, struct step step)
 {
@@ -198,13 +186,19 @@ static conus_status mark_source(struct volume_source *source, struct step step)
 
 conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double threshold)
 {
-    conus_status status = check_threshold(atlas, number, threshold);
-    if (status) {
-        return status;
+    const conus_object *object = conus_atlas_object(atlas, number);
+    if (!object || !atlas_object_is_scalar(atlas, (uint32_t)number)) {
+        return fail(CONUS_ERROR_ARGUMENT, "object %zu is no pathway, and no area of probabilities", number);
+    }
+    if (object->is_band) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: a band of values has no threshold", object->name);
+    }
+    if (!isfinite(threshold)) {
+        return fail(CONUS_ERROR_ARGUMENT, "threshold: %g, a number is needed", threshold);
     }
     struct volume *volume = &atlas->volumes[atlas->places[number - 1].index];
     struct step step = step_from(threshold, (uint32_t)number);
-    status = volume_own(volume);
+    conus_status status = volume_own(volume);
     struct volume marked = {.values = volume->values, .voxel_count = volume->voxel_count};
     status = status ? status : mark_source(volume->source, step);
     status = status ? status : mark_voxels(&marked, &step, 1);
@@ -220,40 +214,6 @@ conus_status conus_atlas_set_threshold(conus_atlas *atlas, size_t number, double
     return status;
 }
 
-/* Wider masks for the volumes in which numbers of pathways no longer fit, by volume. */
-static conus_status widen_masks(uint32_t **wide, const conus_atlas *atlas, const conus_atlas *areas)
-{
-    size_t shift = areas->area_count - atlas->area_count;
-    conus_status status = CONUS_OK;
-    for (size_t i = atlas->area_count; !status && i < atlas->object_count; i++) {
-        size_t index = atlas->places[i].index;
-        const struct volume *volume = atlas_object_volume(atlas, (uint32_t)i + 1);
-        if (volume && volume->objects16 && !wide[index] && i + 1 + shift > UINT16_MAX) {
-            wide[index] = memory_zeroed(volume->voxel_count, sizeof **wide);
-            status = wide[index] ? CONUS_OK : CONUS_ERROR_MEMORY;
-        }
-    }
-    return status;
-}
-
-/* Adds `shift` to the pathways' numbers in a mask; `wide` replaces it if not NULL. */
-static void renumber_mask(struct volume *volume, uint32_t *wide, uint32_t shift)
-{
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        uint32_t number = volume_object(volume, v);
-        if (number && wide) {
-            wide[v] = number + shift;
-        } else if (number) {
-            volume_set_object(volume, v, number + shift);
-        }
-    }
-    if (wide) {
-        memory_free(volume->objects16);
-        volume->objects16 = NULL;
-        volume->objects32 = wide;
-    }
-}
-
 conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas)
 {
     uint32_t **wide = memory_zeroed(atlas->volume_count, sizeof *wide);
@@ -263,10 +223,30 @@ conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas)
     for (size_t i = atlas->area_count; !status && i < atlas->object_count; i++) {
         status = atlas_append_object(areas, &atlas->objects[i], atlas->places[i]);
     }
-    status = status ? status : widen_masks(wide, atlas, areas);
+    for (size_t i = atlas->area_count; !status && i < atlas->object_count; i++) {
+        size_t index = atlas->places[i].index;
+        const struct volume *volume = atlas_object_volume(atlas, (uint32_t)i + 1);
+        if (volume && volume->objects16 && !wide[index] && i + 1 + areas->area_count - atlas->area_count > UINT16_MAX) {
+            wide[index] = memory_zeroed(volume->voxel_count, sizeof **wide);
+            status = wide[index] ? CONUS_OK : CONUS_ERROR_MEMORY;
+        }
+    }
     for (size_t i = 0; !status && i < atlas->volume_count; i++) {
         if (atlas->volumes[i].info.role == CONUS_ROLE_SCALAR) {
-            renumber_mask(&atlas->volumes[i], wide[i], shift);
+            struct volume *volume = &atlas->volumes[i];
+            for (size_t v = 0; v < volume->voxel_count; v++) {
+                uint32_t number = volume_object(volume, v);
+                if (number && wide[i]) {
+                    wide[i][v] = number + shift;
+                } else if (number) {
+                    volume_set_object(volume, v, number + shift);
+                }
+            }
+            if (wide[i]) {
+                memory_free(volume->objects16);
+                volume->objects16 = NULL;
+                volume->objects32 = wide[i];
+            }
             wide[i] = NULL;
         }
     }

@@ -17,23 +17,6 @@ struct moved {
     struct tractogram *tractograms; /* of which only points and trees count */
 };
 
-static conus_status move_volume(struct volume *out, const struct volume *volume, const double world_from_atlas[16])
-{
-    double matrix[16];
-    char words[sizeof volume->info.transform];
-    out->info = volume->info;
-    mat4_multiply(matrix, world_from_atlas, volume->info.world_from_voxel);
-    bool moved_before = strstr(volume->info.transform, ", moved") != NULL;
-    snprintf(words, sizeof words, "%.*s%s", (int)(sizeof words - sizeof ", moved"), volume->info.transform,
-             moved_before ? "" : ", moved");
-    conus_status status = space_describe(&out->info, matrix, words);
-    out->info.space_code = 0;
-    if (!status && !mat4_invert_affine(out->voxel_from_world, matrix)) {
-        status = fail(CONUS_ERROR_DATA, "%s: the matrix is singular", words);
-    }
-    return status;
-}
-
 static conus_status move_mesh(struct mesh *out, const struct mesh *mesh, const double world_from_atlas[16])
 {
     conus_status status = mesh_copy(out, mesh);
@@ -52,7 +35,20 @@ static conus_status move_all(struct moved *moved, const conus_atlas *atlas, cons
     moved->tractograms = memory_zeroed(atlas->tractogram_count, sizeof *moved->tractograms);
     conus_status status = moved->volumes && moved->meshes && moved->tractograms ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < atlas->volume_count; i++) {
-        status = move_volume(&moved->volumes[i], &atlas->volumes[i], world_from_atlas);
+        struct volume *out = &moved->volumes[i];
+        const struct volume *volume = &atlas->volumes[i];
+        double matrix[16];
+        char words[sizeof volume->info.transform];
+        out->info = volume->info;
+        mat4_multiply(matrix, world_from_atlas, volume->info.world_from_voxel);
+        bool moved_before = strstr(volume->info.transform, ", moved") != NULL;
+        snprintf(words, sizeof words, "%.*s%s", (int)(sizeof words - sizeof ", moved"), volume->info.transform,
+                 moved_before ? "" : ", moved");
+        status = space_describe(&out->info, matrix, words);
+        out->info.space_code = 0;
+        if (!status && !mat4_invert_affine(out->voxel_from_world, matrix)) {
+            status = fail(CONUS_ERROR_DATA, "%s: the matrix is singular", words);
+        }
     }
     for (size_t i = 0; !status && i < atlas->mesh_count; i++) {
         status = move_mesh(&moved->meshes[i], &atlas->meshes[i], world_from_atlas);
@@ -81,21 +77,6 @@ static void take(conus_atlas *atlas, struct moved *moved)
     bundles_take(atlas, moved->tractograms);
 }
 
-/* Volumes scale with the matrix; those of meshes are measured anew. */
-static void measure_objects(conus_atlas *atlas, double growth)
-{
-    for (size_t i = 0; i < atlas->object_count; i++) {
-        const struct object_place *place = &atlas->places[i];
-        conus_object *object = &atlas->objects[i];
-        if (place->is_mesh) {
-            const struct mesh_shape *shape = &atlas->meshes[place->index].shape;
-            object->volume_mm3 = shape->has_volume ? fabs(shape->volume_mm3) : 0;
-        } else {
-            object->volume_mm3 *= growth;
-        }
-    }
-}
-
 conus_status atlas_move(conus_atlas *atlas, const double atlas_from_world[16], const char *words)
 {
     struct moved moved = {0};
@@ -115,7 +96,17 @@ conus_status atlas_move(conus_atlas *atlas, const double atlas_from_world[16], c
             : notes_warn(&atlas->notes, "%s mirrors: left areas of the atlas are right ones where poses are", words);
     if (!status) {
         take(atlas, &moved);
-        measure_objects(atlas, growth);
+        /* Volumes scale with the matrix; those of meshes are measured anew. */
+        for (size_t i = 0; i < atlas->object_count; i++) {
+            const struct object_place *place = &atlas->places[i];
+            conus_object *object = &atlas->objects[i];
+            if (place->is_mesh) {
+                const struct mesh_shape *shape = &atlas->meshes[place->index].shape;
+                object->volume_mm3 = shape->has_volume ? fabs(shape->volume_mm3) : 0;
+            } else {
+                object->volume_mm3 *= growth;
+            }
+        }
         if (atlas->is_moved) {
             mat4_multiply(atlas->own_from_world, atlas->own_from_world, atlas_from_world);
         } else {

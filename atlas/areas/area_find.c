@@ -52,21 +52,6 @@ static int shown_size(struct text text)
     return (int)(text.size < QUOTED_SIZE ? text.size : QUOTED_SIZE);
 }
 
-static conus_status fail_ambiguous(struct text text, const struct matches *found)
-{
-    struct buffer list = {0};
-    for (size_t i = 0; i < found->count && i < SHOWN; i++) {
-        buffer_format(&list, "%s%u", i ? ", " : "", found->labels[i]);
-    }
-    conus_status status = buffer_status(&list);
-    if (!status) {
-        status = fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" may be any of %zu areas, whose labels are %s%s: give a label",
-                      shown_size(text), text.data, found->count, list.data, found->count > SHOWN ? ", ..." : "");
-    }
-    buffer_finish(&list);
-    return status;
-}
-
 /** How likely a name was meant: `near` is compared first, then `far`. */
 struct likeness {
     const char *name; /* NULL = none is close */
@@ -203,7 +188,17 @@ static conus_status find_area(uint32_t *out, const conus_atlas *atlas, struct te
         found = find_matches(atlas, text, is_called_ignoring_case);
     }
     if (found.count > 1) {
-        return fail_ambiguous(text, &found);
+        struct buffer list = {0};
+        for (size_t i = 0; i < found.count && i < SHOWN; i++) {
+            buffer_format(&list, "%s%u", i ? ", " : "", found.labels[i]);
+        }
+        conus_status status = buffer_status(&list);
+        if (!status) {
+            status = fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" may be any of %zu areas, whose labels are %s%s: give a label",
+                          shown_size(text), text.data, found.count, list.data, found.count > SHOWN ? ", ..." : "");
+        }
+        buffer_finish(&list);
+        return status;
     }
     conus_status status = found.count ? CONUS_OK : refuse_changed(atlas, text);
     if (!status) {

@@ -195,22 +195,6 @@ static void number_voxel(struct splitting *splitting, size_t voxel, int side)
     }
 }
 
-static conus_status check_atlas(const conus_atlas *atlas)
-{
-    if (atlas->mesh_count) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "split: %zu areas are surfaces, only areas of voxels can be cut",
-                    atlas->mesh_count);
-    }
-    if (atlas_has_probabilities(atlas)) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "split: areas of probabilities overlap, only those of labels can be cut");
-    }
-    size_t grids = atlas_parcellation_count(atlas);
-    if (grids > 1) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "split: the areas lie on %zu grids, only those on one can be cut", grids);
-    }
-    return grids ? CONUS_OK : fail(CONUS_ERROR_DATA, "split: there are no areas");
-}
-
 static void count_sides(uint64_t out[SIDES], const struct splitting *splitting)
 {
     out[LEFT] = out[RIGHT] = 0;
@@ -233,12 +217,22 @@ static conus_status refuse_uncut(const struct splitting *splitting)
 
 static conus_status prepare_halves(struct splitting *splitting)
 {
-    conus_status status = check_atlas(splitting->atlas);
-    if (status) {
-        return status;
+    if (splitting->atlas->mesh_count) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "split: %zu areas are surfaces, only areas of voxels can be cut",
+                    splitting->atlas->mesh_count);
+    }
+    if (atlas_has_probabilities(splitting->atlas)) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "split: areas of probabilities overlap, only those of labels can be cut");
+    }
+    size_t grids = atlas_parcellation_count(splitting->atlas);
+    if (grids > 1) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "split: the areas lie on %zu grids, only those on one can be cut", grids);
+    }
+    if (!grids) {
+        return fail(CONUS_ERROR_DATA, "split: there are no areas");
     }
     splitting->split = memory_zeroed(splitting->atlas->area_count + 1, sizeof *splitting->split);
-    status = splitting->split ? find_sides(splitting) : CONUS_ERROR_MEMORY;
+    conus_status status = splitting->split ? find_sides(splitting) : CONUS_ERROR_MEMORY;
     status = status ? status : hemispheres_label_step(&splitting->label_step, splitting->atlas);
     if (!status) {
         each_voxel(splitting, count_voxel);
@@ -391,27 +385,6 @@ static bool is_unique(const struct merging *merging, const char *name)
     return first && last;
 }
 
-/* "Precentral", or "Thalamus_L + Thalamus_R" where another is called Thalamus. */
-static void write_name(struct buffer *out, const struct merging *merging, const struct pair *pair)
-{
-    const conus_object *objects = merging->atlas->objects;
-    if (*pair->name && is_unique(merging, pair->name)) {
-        buffer_text(out, pair->name);
-    } else {
-        buffer_format(out, "%s + %s", objects[pair->left - 1].name, objects[pair->right - 1].name);
-    }
-}
-
-/* Abbreviations may end in the side without a separator: AntL and AntR. Their names give the sides. */
-static void write_abbreviation(struct buffer *out, const char *left, const char *right)
-{
-    size_t length = strlen(left);
-    hemispheres_common_name(out, left, right);
-    bool attached = !out->size && length > 1 && strlen(right) == length && left[length - 1] == 'L' &&
-                    right[length - 1] == 'R' && strncmp(left, right, length - 1) == 0;
-    buffer_append(out, left, attached ? length - 1 : 0);
-}
-
 static conus_status add_pair(struct merging *merging, const struct pair *pair)
 {
     const conus_object *left = &merging->atlas->objects[pair->left - 1];
@@ -419,8 +392,18 @@ static conus_status add_pair(struct merging *merging, const struct pair *pair)
     struct buffer name = {0};
     struct buffer abbreviation = {0};
     conus_object area = {.kind = CONUS_KIND_AREA, .hemisphere = 'B', .named = left->named};
-    write_name(&name, merging, pair);
-    write_abbreviation(&abbreviation, left->abbreviation, right->abbreviation);
+    if (*pair->name && is_unique(merging, pair->name)) {
+        buffer_text(&name, pair->name);
+    } else { /* "Thalamus_L + Thalamus_R" where another is called Thalamus */
+        buffer_format(&name, "%s + %s", left->name, right->name);
+    }
+    /* Abbreviations may end in the side without a separator: AntL and AntR. Their names give the sides. */
+    size_t length = strlen(left->abbreviation);
+    hemispheres_common_name(&abbreviation, left->abbreviation, right->abbreviation);
+    bool attached = !abbreviation.size && length > 1 && strlen(right->abbreviation) == length &&
+                    left->abbreviation[length - 1] == 'L' && right->abbreviation[length - 1] == 'R' &&
+                    strncmp(left->abbreviation, right->abbreviation, length - 1) == 0;
+    buffer_append(&abbreviation, left->abbreviation, attached ? length - 1 : 0);
     conus_status status = buffer_status(&name);
     status = status ? status : buffer_status(&abbreviation);
     if (!status) {

@@ -67,18 +67,6 @@ static conus_status target_depth(struct climb *climb, uint64_t depth)
     return CONUS_OK;
 }
 
-/* Reports every area that is a target, or below one, as the nearest target. Overwrites the depths with the targets. */
-static void climb_to_targets(struct climb *climb)
-{
-    uint32_t *target = climb->depth;
-    for (size_t i = 0; i < climb->atlas->area_count; i++) {
-        uint32_t number = climb->order[i];
-        uint32_t parent = parent_of(climb->atlas, number);
-        target[number] = climb->targets[number] ? number : parent ? target[parent] : 0;
-        climb->group[number] = target[number] ? target[number] : climb->group[number];
-    }
-}
-
 static conus_status list_area(void *user, struct text name)
 {
     struct climb *climb = user;
@@ -121,19 +109,16 @@ static conus_status roll_up(struct climb *climb, const char *spec)
     if (status) {
         return fail_in(status, "level");
     }
-    climb_to_targets(climb);
-    return CONUS_OK;
-}
-
-static conus_status keep_areas(struct level *level, const struct climb *climb)
-{
-    level->areas = memory_zeroed(climb->atlas->area_count, sizeof *level->areas);
-    for (uint32_t number = 1; level->areas && number <= climb->atlas->area_count; number++) {
-        if (climb->targets[number]) {
-            level->areas[level->area_count++] = number;
-        }
+    /* Reports every area that is a target, or below one, as the nearest target. Overwrites the depths with the targets.
+     */
+    uint32_t *target = climb->depth;
+    for (size_t i = 0; i < climb->atlas->area_count; i++) {
+        uint32_t number = climb->order[i];
+        uint32_t parent = parent_of(climb->atlas, number);
+        target[number] = climb->targets[number] ? number : parent ? target[parent] : 0;
+        climb->group[number] = target[number] ? target[number] : climb->group[number];
     }
-    return level->areas ? CONUS_OK : CONUS_ERROR_MEMORY;
+    return CONUS_OK;
 }
 
 static conus_status fill_level(struct level *level, const conus_atlas *atlas, const char *spec)
@@ -149,7 +134,15 @@ static conus_status fill_level(struct level *level, const conus_atlas *atlas, co
     conus_status status = climb.depth && climb.order && climb.targets ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status && spec) {
         status = roll_up(&climb, spec);
-        status = status || !climb.is_list ? status : keep_areas(level, &climb);
+        if (!status && climb.is_list) {
+            level->areas = memory_zeroed(climb.atlas->area_count, sizeof *level->areas);
+            for (uint32_t number = 1; level->areas && number <= climb.atlas->area_count; number++) {
+                if (climb.targets[number]) {
+                    level->areas[level->area_count++] = number;
+                }
+            }
+            status = level->areas ? CONUS_OK : CONUS_ERROR_MEMORY;
+        }
     }
     memory_free(climb.depth);
     memory_free(climb.order);

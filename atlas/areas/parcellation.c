@@ -138,14 +138,6 @@ static bool is_cyclic(const conus_atlas *atlas, size_t object)
     return false;
 }
 
-/* Notes the first few missing parents, then only how many there are. */
-static conus_status note_no_parent(struct notes *notes, size_t count, const struct label *label, const char *what)
-{
-    return count > NOTED
-               ? CONUS_OK
-               : notes_warn(notes, "area %u: its parent %u %s: treated as a root", label->number, label->parent, what);
-}
-
 static conus_status link_parents(conus_atlas *atlas, struct label_map *number_of, const struct label_table *table)
 {
     conus_status status = CONUS_OK;
@@ -167,8 +159,10 @@ static conus_status link_parents(conus_atlas *atlas, struct label_map *number_of
         conus_object *area = &atlas->objects[number - 1];
         area->parent = (uint32_t)*parent;
         if (!area->parent || is_cyclic(atlas, number)) {
-            status = note_no_parent(&atlas->notes, ++count, label,
-                                    area->parent ? "lies below it" : "is not in the label table");
+            if (++count <= NOTED) {
+                status = notes_warn(&atlas->notes, "area %u: its parent %u %s: treated as a root", label->number,
+                                    label->parent, area->parent ? "lies below it" : "is not in the label table");
+            }
             area->parent = 0;
         }
     }

@@ -92,26 +92,6 @@ static bool hides_voxels(const struct volume *volume, const struct in_volume *fo
     return found->changes && (volume->info.role == CONUS_ROLE_PARCELLATION || found->count > 1);
 }
 
-static void apply_hidden(conus_atlas *atlas, const bool *hidden, struct runs *runs)
-{
-    for (size_t v = 0; v < atlas->volume_count; v++) {
-        struct volume *volume = &atlas->volumes[v];
-        struct in_volume found = look_at_volume(atlas, v, hidden);
-        if (hides_voxels(volume, &found)) {
-            show_voxels(volume);
-            memory_free(volume->hidden_runs);
-            volume->hidden_runs = runs[v].items;
-            volume->hidden_run_count = runs[v].count;
-            runs[v].items = NULL;
-            hide_voxels(volume);
-        }
-        volume->is_hidden = found.count > 0 && found.hidden == found.count && volume_is_scalar(volume);
-    }
-    for (size_t i = 0; i < atlas->object_count; i++) {
-        atlas->places[i].is_hidden = hidden[i + 1];
-    }
-}
-
 /* On failure nothing is changed. */
 static conus_status set_hidden(conus_atlas *atlas, const bool *hidden)
 {
@@ -123,7 +103,22 @@ static conus_status set_hidden(conus_atlas *atlas, const bool *hidden)
             hides_voxels(&atlas->volumes[v], &found) ? plan_voxels(&runs[v], &atlas->volumes[v], hidden) : CONUS_OK;
     }
     if (!status) {
-        apply_hidden(atlas, hidden, runs);
+        for (size_t v = 0; v < atlas->volume_count; v++) {
+            struct volume *volume = &atlas->volumes[v];
+            struct in_volume found = look_at_volume(atlas, v, hidden);
+            if (hides_voxels(volume, &found)) {
+                show_voxels(volume);
+                memory_free(volume->hidden_runs);
+                volume->hidden_runs = runs[v].items;
+                volume->hidden_run_count = runs[v].count;
+                runs[v].items = NULL;
+                hide_voxels(volume);
+            }
+            volume->is_hidden = found.count > 0 && found.hidden == found.count && volume_is_scalar(volume);
+        }
+        for (size_t i = 0; i < atlas->object_count; i++) {
+            atlas->places[i].is_hidden = hidden[i + 1];
+        }
     }
     for (size_t v = 0; runs && v < atlas->volume_count; v++) {
         memory_free(runs[v].items);

@@ -210,23 +210,6 @@ static conus_status propose_pairs(struct pairing *pairing)
     return status;
 }
 
-/* Keeps proposals whose two areas occur in no other. */
-static void settle_claims(struct pairing *pairing)
-{
-    size_t count = pairing->atlas->area_count;
-    uint32_t *right_of = pairing->right_of;
-    for (uint32_t left = 1; left <= count; left++) {
-        pairing->claims[right_of[left]]++;
-        pairing->claims[left] += right_of[left] != 0;
-    }
-    for (uint32_t left = 1; left <= count; left++) {
-        uint32_t right = right_of[left];
-        if (right && (pairing->claims[right] > 1 || pairing->claims[left] > 1)) {
-            right_of[left] = 0;
-        }
-    }
-}
-
 /* Whether their parents are the same area, or a pair whose parents are, and so on. */
 static bool have_same_place(const struct pairing *pairing, uint32_t left, uint32_t right)
 {
@@ -265,7 +248,19 @@ conus_status hemispheres_pair(uint32_t **out, const conus_atlas *atlas)
     status = status ? status : index_names(&pairing.index, atlas);
     status = status ? status : propose_pairs(&pairing);
     if (!status) {
-        settle_claims(&pairing);
+        /* Keeps proposals whose two areas occur in no other. */
+        size_t count = pairing.atlas->area_count;
+        uint32_t *right_of = pairing.right_of;
+        for (uint32_t left = 1; left <= count; left++) {
+            pairing.claims[right_of[left]]++;
+            pairing.claims[left] += right_of[left] != 0;
+        }
+        for (uint32_t left = 1; left <= count; left++) {
+            uint32_t right = right_of[left];
+            if (right && (pairing.claims[right] > 1 || pairing.claims[left] > 1)) {
+                right_of[left] = 0;
+            }
+        }
         status = check_places(&pairing);
     }
     memory_free(pairing.index.areas);

@@ -157,22 +157,6 @@ struct layers {
     double (*far)[3];
 };
 
-static void visit_layer(struct deformation_facts *out, struct layers *layers, size_t k)
-{
-    const struct deformation *field = layers->field;
-    for (size_t n = 0; n < field->dim[0] * field->dim[1]; n++) {
-        const size_t node[3] = {n % field->dim[0], n / field->dim[0], k};
-        const double q[3] = {(double)node[0], (double)node[1], (double)node[2]};
-        double way[3];
-        deformation_node(layers->far[n], field, node);
-        mat4_point(way, field->world_from_voxel, q);
-        vec3_sub(way, layers->far[n], way);
-        out->nodes++;
-        out->unstated += !vec3_is_finite(way);
-        out->farthest = fmax(out->farthest, vec3_length(way)); /* NaN is passed over */
-    }
-}
-
 /* Whether the map turns over at one of the corners of the cell that begins at node n of the near layer. `turn` is 1 or
  * -1. */
 static bool folds_at(const struct layers *layers, size_t n, double turn)
@@ -206,7 +190,17 @@ conus_status deformation_facts_find(struct deformation_facts *out, const struct 
         double(*last)[3] = layers.near;
         layers.near = layers.far;
         layers.far = last;
-        visit_layer(&facts, &layers, k);
+        for (size_t n = 0; n < nodes; n++) {
+            const size_t node[3] = {n % field->dim[0], n / field->dim[0], k};
+            const double q[3] = {(double)node[0], (double)node[1], (double)node[2]};
+            double way[3];
+            deformation_node(layers.far[n], field, node);
+            mat4_point(way, field->world_from_voxel, q);
+            vec3_sub(way, layers.far[n], way);
+            facts.nodes++;
+            facts.unstated += !vec3_is_finite(way);
+            facts.farthest = fmax(facts.farthest, vec3_length(way)); /* NaN is passed over */
+        }
         if (k > 0) {
             const size_t *dim = layers.field->dim;
             for (size_t j = 0; j + 1 < dim[1]; j++) {

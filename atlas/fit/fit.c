@@ -37,16 +37,6 @@ static const struct reading readings[] = {
     {.none = true, .words = "without the transform"},
 };
 
-/* Changes the signs of x and y on both sides of the matrix. */
-static void exchange_lps(double m[16])
-{
-    for (size_t column = 0; column < 4; column++) {
-        for (size_t row = 0; row < 4; row++) {
-            m[4 * column + row] *= (column < 2) != (row < 2) ? -1 : 1;
-        }
-    }
-}
-
 /* The matrix from where the atlas is to where the reading would have it. False where that is out of question:
  * a matrix that cannot be inverted, or an atlas more than eight times smaller or larger than its own. */
 static bool read_again(double move[16], const conus_atlas *atlas, const struct reading *reading)
@@ -58,7 +48,11 @@ static bool read_again(double move[16], const conus_atlas *atlas, const struct r
         memcpy(own_from_there, atlas->own_from_world, sizeof own_from_there);
     }
     if (reading->lps) {
-        exchange_lps(own_from_there);
+        for (size_t column = 0; column < 4; column++) {
+            for (size_t row = 0; row < 4; row++) {
+                own_from_there[4 * column + row] *= (column < 2) != (row < 2) ? -1 : 1;
+            }
+        }
     }
     for (int a = 12; reading->metres && a < 15; a++) {
         own_from_there[a] *= 1000;
@@ -69,12 +63,6 @@ static bool read_again(double move[16], const conus_atlas *atlas, const struct r
         mat4_multiply(move, reading->inverse ? own_from_there : there_from_own, atlas->own_from_world);
     }
     return possible;
-}
-
-/* Clearly better: a tenth of the atlas more, and at most half as much of it outside. */
-static bool is_better(const struct fit *other, const struct fit *fit)
-{
-    return other->in_head >= fit->in_head + 0.1 && 1 - other->in_head <= (1 - fit->in_head) / 2;
 }
 
 static conus_status compare(conus_atlas *atlas, const struct head *head, const struct area_points *points)
@@ -91,7 +79,8 @@ static conus_status compare(conus_atlas *atlas, const struct head *head, const s
             best = &readings[i];
         }
     }
-    if (best && is_better(&most, &fit)) {
+    /* Clearly better: a tenth of the atlas more, and at most half as much of it outside. */
+    if (best && most.in_head >= fit.in_head + 0.1 && 1 - most.in_head <= (1 - fit.in_head) / 2) {
         return notes_warn(&atlas->notes, "%.0f %% of the atlas is in the head of %s; %s it would be %.0f %%",
                           100 * fit.in_head, head->context->info.path, best->words, 100 * most.in_head);
     }

@@ -66,25 +66,6 @@ static bool find_boxes(struct boxes *boxes, const conus_atlas *atlas)
     return true;
 }
 
-static struct extent measure(const struct tractogram *tractogram, const struct boxes *boxes,
-                             const double world_from_voxel[16])
-{
-    struct extent extent = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
-    for (uint64_t i = 0; i < tractogram->point_count; i++) {
-        double p[3];
-        tractogram_point(p, tractogram, i);
-        for (int a = 0; a < 3; a++) {
-            extent.low[a] = fmin(extent.low[a], p[a]);
-            extent.high[a] = fmax(extent.high[a], p[a]);
-        }
-        extent.inside += is_within(p, boxes->low, boxes->high);
-        extent.before += is_within(p, boxes->own_low, boxes->own_high);
-        mat4_point(p, world_from_voxel, p);
-        extent.as_indices += is_within(p, boxes->low, boxes->high);
-    }
-    return extent;
-}
-
 /* If they are indices, all are in the grid, at least as many come to the areas then, and the areas reach below 0 mm,
  * where no index is. A bundle of the right front in mm is not brought to the areas by that. */
 static bool looks_like_indices(const struct extent *extent, const size_t dim[3], const double areas_low[3])
@@ -98,12 +79,6 @@ static bool looks_like_indices(const struct extent *extent, const size_t dim[3],
     return below && within && extent->as_indices && extent->as_indices >= extent->inside;
 }
 
-/* Better by a twentieth of all points or more: near the edge a few are always elsewhere, and a larger box has more. */
-static bool fits_better_before(const struct extent *extent, double all)
-{
-    return (double)extent->before - (double)extent->inside >= all / 20;
-}
-
 conus_status tract_fit_note(struct notes *notes, const conus_atlas *atlas, const struct tractogram *tractogram,
                             const char *name)
 {
@@ -115,7 +90,19 @@ conus_status tract_fit_note(struct notes *notes, const conus_atlas *atlas, const
     }
     const double all = (double)tractogram->point_count;
     const struct volume *voxels = atlas_parcellation_count(atlas) ? &atlas->volumes[0] : NULL;
-    const struct extent extent = measure(tractogram, &boxes, voxels ? voxels->info.world_from_voxel : world);
+    struct extent extent = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
+    for (uint64_t i = 0; i < tractogram->point_count; i++) {
+        double p[3];
+        tractogram_point(p, tractogram, i);
+        for (int a = 0; a < 3; a++) {
+            extent.low[a] = fmin(extent.low[a], p[a]);
+            extent.high[a] = fmax(extent.high[a], p[a]);
+        }
+        extent.inside += is_within(p, boxes.low, boxes.high);
+        extent.before += is_within(p, boxes.own_low, boxes.own_high);
+        mat4_point(p, voxels ? voxels->info.world_from_voxel : world, p);
+        extent.as_indices += is_within(p, boxes.low, boxes.high);
+    }
     char words[300];
     bool said;
     const struct fit_box areas = fit_box_of_areas(atlas, true, true);
@@ -134,7 +121,8 @@ conus_status tract_fit_note(struct notes *notes, const conus_atlas *atlas, const
                           "reach below 0 mm: are they voxel indices, not mm?",
                           name, dim[0], dim[1], dim[2]);
     }
-    if (fits_better_before(&extent, all)) {
+    /* Near the edge a few points are always elsewhere, and a larger box has more: a twentieth of all is clear. */
+    if ((double)extent.before - (double)extent.inside >= all / 20) {
         return notes_warn(notes,
                           "bundle %s: %.3g %% of its points are in the box around the areas, %.3g %% were before these "
                           "were moved: if it is in the atlas's space, let it move, too (,moves behind the file)",

@@ -142,21 +142,6 @@ static conus_status make_wide(struct label_voxels *voxels)
     return CONUS_OK;
 }
 
-/* All of them must fit. */
-static void make_narrow(struct label_voxels *voxels)
-{
-    uint8_t *memory = (uint8_t *)voxels->wide;
-    for (size_t i = 0; i < voxels->count; i++) {
-        uint32_t wide;
-        memcpy(&wide, memory + i * WIDE, WIDE);
-        uint16_t narrow = (uint16_t)wide;
-        memcpy(memory + i * NARROW, &narrow, NARROW);
-    }
-    uint8_t *less = memory_resize(memory, voxels->count, NARROW);
-    voxels->narrow = (void *)(less ? less : memory);
-    voxels->wide = NULL;
-}
-
 conus_status label_voxels_merge(struct label_voxels *to, const struct label_voxels *from)
 {
     size_t shift = to->label_count - 1; /* of a place: label 0 is there once */
@@ -193,7 +178,16 @@ conus_status label_voxels_renumber(struct label_voxels *voxels, const uint32_t *
         voxels->wide[i] = numbers[voxels->wide[i]];
     }
     if (narrow && voxels->wide) {
-        make_narrow(voxels);
+        uint8_t *memory = (uint8_t *)voxels->wide;
+        for (size_t i = 0; i < voxels->count; i++) {
+            uint32_t number;
+            memcpy(&number, memory + i * WIDE, WIDE);
+            uint16_t less = (uint16_t)number;
+            memcpy(memory + i * NARROW, &less, NARROW);
+        }
+        uint8_t *shorter = memory_resize(memory, voxels->count, NARROW);
+        voxels->narrow = (void *)(shorter ? shorter : memory);
+        voxels->wide = NULL;
     }
     return CONUS_OK;
 }

@@ -101,16 +101,6 @@ static conus_status sort_stably(struct label_table *table)
     return CONUS_OK;
 }
 
-/* Notes the first few labels with two names, then only how many there are. */
-static conus_status note_conflict(struct notes *notes, size_t conflicts, const struct label *kept,
-                                  const struct label *dropped)
-{
-    return conflicts > CONFLICTS_SHOWN
-               ? CONUS_OK
-               : notes_warn(notes, "label %u is named twice in the label table: \"%s\" is used, \"%s\" is not",
-                            kept->number, kept->name, dropped->name);
-}
-
 conus_status label_table_sort(struct label_table *table, struct notes *notes)
 {
     conus_status status = sort_stably(table);
@@ -120,9 +110,11 @@ conus_status label_table_sort(struct label_table *table, struct notes *notes)
         struct label *label = &table->entries[i];
         struct label *last = kept ? &table->entries[kept - 1] : NULL;
         if (last && last->number == label->number) {
-            status = (last->name && label->name && strcmp(last->name, label->name) != 0)
-                         ? note_conflict(notes, ++conflicts, last, label)
-                         : CONUS_OK;
+            bool differ = last->name && label->name && strcmp(last->name, label->name) != 0;
+            if (differ && ++conflicts <= CONFLICTS_SHOWN) {
+                status = notes_warn(notes, "label %u is named twice in the label table: \"%s\" is used, \"%s\" is not",
+                                    last->number, last->name, label->name);
+            }
             label_finish(label);
         } else {
             struct label moved = *label;
@@ -143,14 +135,6 @@ struct label *label_table_find(const struct label_table *table, uint32_t number)
     return table->count ? bsearch(&key, table->entries, table->count, sizeof key, compare_labels) : NULL;
 }
 
-/* HSV to RGB after A. R. Smith, "Color Gamut Transform Pairs", SIGGRAPH 1978, in its closed form. */
-static uint8_t channel_of(double hue, double saturation, double value, double offset)
-{
-    double k = fmod(offset + hue * 6, 6);
-    double slope = fmax(0, fmin(1, fmin(k, 4 - k)));
-    return (uint8_t)lround(255 * value * (1 - saturation * slope));
-}
-
 void palette_colour(uint8_t rgb[3], size_t index)
 {
     static const double offsets[3] = {5, 3, 1};
@@ -159,7 +143,10 @@ void palette_colour(uint8_t rgb[3], size_t index)
     double hue = fmod(0.08 + golden * (double)index, 1);
     double saturation = 0.45 + 0.25 * (double)(index / 3 % 2);
     for (int i = 0; i < 3; i++) {
-        rgb[i] = channel_of(hue, saturation, values[index % 3], offsets[i]);
+        /* HSV to RGB after A. R. Smith, "Color Gamut Transform Pairs", SIGGRAPH 1978, in its closed form. */
+        double k = fmod(offsets[i] + hue * 6, 6);
+        double slope = fmax(0, fmin(1, fmin(k, 4 - k)));
+        rgb[i] = (uint8_t)lround(255 * values[index % 3] * (1 - saturation * slope));
     }
 }
 

@@ -163,24 +163,6 @@ double phantom_area_volume(const struct phantom_drawing *drawing, uint32_t label
     return volume;
 }
 
-static struct phantom_shape scale_shape(struct phantom_shape shape, double scale)
-{
-    vec3_scale(shape.centre, shape.centre, scale);
-    vec3_scale(shape.half, shape.half, scale);
-    shape.radius *= scale;
-    shape.tube *= scale;
-    return shape;
-}
-
-/* Half the edges of a box around the shape's centre that holds it. */
-static void shape_reach(double reach[3], const struct phantom_shape *shape)
-{
-    for (int axis = 0; axis < 3; axis++) {
-        reach[axis] = shape->kind == PHANTOM_BOX ? shape->half[axis] : shape->tube;
-        reach[axis] += shape->kind == PHANTOM_RING && axis == shape->axis ? 0 : shape->radius;
-    }
-}
-
 static conus_status check_options(conus_phantom_options *options)
 {
     double *spacing = options->spacing;
@@ -254,7 +236,11 @@ static void bound_voxels(size_t first[3], size_t last[3], const struct phantom_s
 {
     double reach[3];
     double middle[3];
-    shape_reach(reach, shape);
+    /* Half the edges of a box around the shape's centre that holds it. */
+    for (int axis = 0; axis < 3; axis++) {
+        reach[axis] = shape->kind == PHANTOM_BOX ? shape->half[axis] : shape->tube;
+        reach[axis] += shape->kind == PHANTOM_RING && axis == shape->axis ? 0 : shape->radius;
+    }
     mat4_point(middle, voxel_from_world, shape->centre);
     for (int axis = 0; axis < 3; axis++) {
         double half = 1;
@@ -324,7 +310,12 @@ conus_status phantom_draw(struct phantom_drawing *out, const char *kind, const c
     }
     double edge = used.size * fmin(used.spacing[0], fmin(used.spacing[1], used.spacing[2]));
     for (size_t i = 0; i < drawing.phantom->shape_count; i++) {
-        drawing.shapes[i] = scale_shape(drawing.phantom->shapes[i], edge / PHANTOM_EDGE);
+        drawing.shapes[i] = drawing.phantom->shapes[i];
+        double scale = edge / PHANTOM_EDGE;
+        vec3_scale(drawing.shapes[i].centre, drawing.shapes[i].centre, scale);
+        vec3_scale(drawing.shapes[i].half, drawing.shapes[i].half, scale);
+        drawing.shapes[i].radius *= scale;
+        drawing.shapes[i].tube *= scale;
     }
     status = make_grid(&drawing.grid, drawing.phantom->info.name, &used, edge);
     status = status ? status : paint_shapes(&drawing);

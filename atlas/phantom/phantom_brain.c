@@ -110,24 +110,6 @@ static uint32_t *put_triangle(uint32_t *at, size_t a, size_t b, size_t c)
     return at + 3;
 }
 
-static void join_vertices(struct mesh *mesh, const struct lattice *lattice)
-{
-    uint32_t *at = mesh->triangles;
-    size_t n = lattice->meridians;
-    size_t lower = mesh->vertex_count - 1;
-    for (size_t m = 0; m < n; m++) {
-        size_t next = (m + 1) % n;
-        at = put_triangle(at, 0, 1 + m, 1 + next);
-        for (size_t ring = 0; ring + 1 < lattice->rings; ring++) {
-            size_t above = 1 + ring * n;
-            size_t below = above + n;
-            at = put_triangle(at, above + m, below + m, below + next);
-            at = put_triangle(at, above + m, below + next, above + next);
-        }
-        at = put_triangle(at, lower, lower - n + next, lower - n + m);
-    }
-}
-
 conus_status phantom_brain_mesh(struct mesh *out, size_t index)
 {
     struct mesh mesh = {0};
@@ -146,7 +128,20 @@ conus_status phantom_brain_mesh(struct mesh *out, size_t index)
         }
     }
     place_vertex(mesh.positions + 3 * ++vertex, index, MATH3_PI, 0);
-    join_vertices(&mesh, lattice);
+    uint32_t *at = mesh.triangles;
+    size_t n = lattice->meridians;
+    size_t lower = mesh.vertex_count - 1;
+    for (size_t m = 0; m < n; m++) {
+        size_t next = (m + 1) % n;
+        at = put_triangle(at, 0, 1 + m, 1 + next);
+        for (size_t ring = 0; ring + 1 < lattice->rings; ring++) {
+            size_t above = 1 + ring * n;
+            size_t below = above + n;
+            at = put_triangle(at, above + m, below + m, below + next);
+            at = put_triangle(at, above + m, below + next, above + next);
+        }
+        at = put_triangle(at, lower, lower - n + next, lower - n + m);
+    }
     *out = mesh;
     return CONUS_OK;
 }

@@ -167,21 +167,6 @@ conus_status mesh_is_closed(bool *out, const struct mesh *mesh)
 
 enum { LINES = 64, PAIR_LIMIT = 1 << 26 };
 
-/* The length inside, winding not 0, and that of it around which the mesh does not wind `facing` times. */
-static void sum_lengths(double *inside, double *wrong, const struct mesh_lines *lines, int facing)
-{
-    int winding = 0;
-    for (size_t i = 0; i + 1 < lines->crossing_count; i++) {
-        const struct line_crossing *here = &lines->crossings[i];
-        bool ends = here[1].line != here->line;
-        winding = ends ? 0 : winding + here->side;
-        if (winding != 0) {
-            *inside += here[1].z - here->z;
-            *wrong += winding != facing ? here[1].z - here->z : 0;
-        }
-    }
-}
-
 conus_status mesh_winds_once(bool *out, const struct mesh *mesh, const struct mesh_shape *shape)
 {
     static const double tolerance = 1e-2;
@@ -201,7 +186,17 @@ conus_status mesh_winds_once(bool *out, const struct mesh *mesh, const struct me
     }
     if (!status) {
         mesh_lines_sort(&lines);
-        sum_lengths(&inside, &wrong, &lines, shape->volume_mm3 < 0 ? -1 : 1);
+        const int facing = shape->volume_mm3 < 0 ? -1 : 1;
+        int winding = 0;
+        for (size_t i = 0; i + 1 < lines.crossing_count; i++) {
+            const struct line_crossing *here = &lines.crossings[i];
+            bool ends = here[1].line != here->line;
+            winding = ends ? 0 : winding + here->side;
+            if (winding != 0) {
+                inside += here[1].z - here->z;
+                wrong += winding != facing ? here[1].z - here->z : 0;
+            }
+        }
         *out = lines.pairs <= PAIR_LIMIT && wrong <= tolerance * inside;
     }
     mesh_lines_finish(&lines);

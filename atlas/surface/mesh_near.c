@@ -12,18 +12,6 @@ static void copy_corners(double out[3][3], const struct mesh *mesh, size_t trian
     }
 }
 
-/* The point of the edge from a to b that is nearest to the origin. */
-static double nearest_on_edge(double out[3], const double a[3], const double b[3])
-{
-    double along[3];
-    vec3_sub(along, b, a);
-    double length2 = vec3_dot(along, along);
-    double t = length2 > 0 ? -vec3_dot(a, along) / length2 : 0;
-    t = t < 0 ? 0 : t > 1 ? 1 : t;
-    vec3_add_scaled(out, a, t, along);
-    return vec3_length(out);
-}
-
 /* Whether the origin is above the triangle's inside, and its foot there. */
 static bool foot_inside(double out[3], double corner[3][3])
 {
@@ -60,7 +48,14 @@ static double nearest_on_triangle(double out[3], double corner[3][3])
     double best = INFINITY;
     for (int c = 0; c < 3; c++) {
         double point[3];
-        double distance = nearest_on_edge(point, corner[c], corner[(c + 1) % 3]);
+        /* The point of the edge from a to b that is nearest to the origin. */
+        double along[3];
+        vec3_sub(along, corner[(c + 1) % 3], corner[c]);
+        double length2 = vec3_dot(along, along);
+        double t = length2 > 0 ? -vec3_dot(corner[c], along) / length2 : 0;
+        t = t < 0 ? 0 : t > 1 ? 1 : t;
+        vec3_add_scaled(point, corner[c], t, along);
+        double distance = vec3_length(point);
         if (distance < best) {
             best = distance;
             memcpy(out, point, sizeof point);

@@ -73,30 +73,23 @@ static void find_cells(size_t cells[2], const struct polygon *polygon, const str
     }
 }
 
-/* The signed area of a polygon in the plane of x and y, and its integral of z over that. */
-static void integrate(double *area, double *moment, const struct polygon *polygon)
-{
-    *area = *moment = 0;
-    for (size_t i = 2; i < polygon->count; i++) {
-        const double *a = polygon->p[0];
-        const double *b = polygon->p[i - 1];
-        const double *c = polygon->p[i];
-        double part = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
-        *area += part;
-        *moment += part * (a[2] + b[2] + c[2]) / 3;
-    }
-}
-
 /* Adds the volume under a piece in column (i, j): in its own voxel down to the floor, and all of each voxel below.
  * These take one number here and one below, since columns are summed from the top down later. */
 static void add_piece(struct voxel_box *box, const struct polygon *piece, const size_t cell[3])
 {
-    double area;
-    double moment;
+    double area = 0;   /* signed, of the piece in the plane of x and y, */
+    double moment = 0; /* and its integral of z over that */
     size_t layer = box->count[0] * box->count[1];
     size_t k = cell[2] - box->low[2];
     double *at = box->inside + (cell[0] - box->low[0]) + box->count[0] * (cell[1] - box->low[1]) + layer * k;
-    integrate(&area, &moment, piece);
+    for (size_t i = 2; i < piece->count; i++) {
+        const double *a = piece->p[0];
+        const double *b = piece->p[i - 1];
+        const double *c = piece->p[i];
+        double part = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
+        area += part;
+        moment += part * (a[2] + b[2] + c[2]) / 3;
+    }
     double under = moment - area * ((double)cell[2] - 0.5);
     *at += under;
     if (k > 0) {
@@ -166,23 +159,6 @@ static bool shrink(struct voxel_box *box, const struct mesh *mesh, const double 
     return meets;
 }
 
-/* Sums columns from the top down, and makes volumes positive if the mesh faces inwards. */
-static void sum_columns(struct voxel_box *box)
-{
-    size_t layer = box->count[0] * box->count[1];
-    size_t count = layer * box->count[2];
-    double sum = 0;
-    for (size_t i = count - layer; i-- > 0;) {
-        box->inside[i] += box->inside[i + layer];
-    }
-    for (size_t i = 0; i < count; i++) {
-        sum += box->inside[i];
-    }
-    for (size_t i = 0; sum < 0 && i < count; i++) {
-        box->inside[i] = -box->inside[i];
-    }
-}
-
 conus_status mesh_voxels_measure(struct voxel_box *out, const struct mesh *mesh, const double voxel_from_mesh[16])
 {
     struct voxel_box box = *out;
@@ -201,7 +177,18 @@ conus_status mesh_voxels_measure(struct voxel_box *out, const struct mesh *mesh,
             }
             add_triangle(&box, &triangle);
         }
-        sum_columns(&box);
+        /* Sums columns from the top down, and makes volumes positive if the mesh faces inwards. */
+        size_t layer = box.count[0] * box.count[1];
+        double sum = 0;
+        for (size_t i = count - layer; i-- > 0;) {
+            box.inside[i] += box.inside[i + layer];
+        }
+        for (size_t i = 0; i < count; i++) {
+            sum += box.inside[i];
+        }
+        for (size_t i = 0; sum < 0 && i < count; i++) {
+            box.inside[i] = -box.inside[i];
+        }
     }
     *out = box;
     return CONUS_OK;

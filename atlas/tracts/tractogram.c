@@ -136,18 +136,6 @@ static bool are_within(const struct tractogram *tractogram, uint64_t from, uint6
     return !beyond;
 }
 
-static conus_status refuse_point(const struct tractogram *tractogram, uint64_t index)
-{
-    char text[3][TEXT_NUMBER_SIZE];
-    double point[3];
-    tractogram_point(point, tractogram, index);
-    uint32_t streamline = tractogram_streamline_of(tractogram, index);
-    return fail(CONUS_ERROR_DATA,
-                "point %llu of streamline %u (both from 0): found (%s, %s, %s) mm, allowed is within 1e9 of 0",
-                (unsigned long long)(index - tractogram->first[streamline]), streamline, text_number(text[0], point[0]),
-                text_number(text[1], point[1]), text_number(text[2], point[2]));
-}
-
 static conus_status check_points(const struct tractogram *tractogram)
 {
     enum { BLOCK = 4096 };
@@ -158,7 +146,14 @@ static conus_status check_points(const struct tractogram *tractogram)
             while (are_within(tractogram, from, 1)) {
                 from++;
             }
-            return refuse_point(tractogram, from);
+            char text[3][TEXT_NUMBER_SIZE];
+            double point[3];
+            tractogram_point(point, tractogram, from);
+            uint32_t streamline = tractogram_streamline_of(tractogram, from);
+            return fail(CONUS_ERROR_DATA,
+                        "point %llu of streamline %u (both from 0): found (%s, %s, %s) mm, allowed is within 1e9 of 0",
+                        (unsigned long long)(from - tractogram->first[streamline]), streamline,
+                        text_number(text[0], point[0]), text_number(text[1], point[1]), text_number(text[2], point[2]));
         }
     }
     return CONUS_OK;

@@ -12,11 +12,6 @@
 #define SHORT_WAY 0.1 /* mm; vectors that are all shorter are hardly in mm */
 #define LONG_WAY 300.0
 
-static double percent(size_t part, size_t all)
-{
-    return 100 * (double)part / (double)all;
-}
-
 static conus_status note_length(struct notes *notes, const struct deformation_facts *facts, const char *words)
 {
     if (facts->farthest >= SHORT_WAY && facts->farthest <= LONG_WAY) {
@@ -41,7 +36,7 @@ static conus_status note_facts(struct notes *notes, const struct deformation *fi
     }
     if (!status && facts.unstated) {
         status = notes_warn(notes, "%s: the field has no value at %.3g %% of its nodes: nothing of the atlas is there",
-                            words, percent(facts.unstated, facts.nodes));
+                            words, 100 * (double)facts.unstated / (double)facts.nodes);
     }
     if (!status && facts.mirrors) {
         status = notes_warn(notes, "%s mirrors: left areas of the atlas are right ones where poses are", words);

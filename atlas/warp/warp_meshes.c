@@ -16,22 +16,6 @@ void warped_meshes_finish(struct warped_meshes *meshes, size_t count)
     *meshes = (struct warped_meshes){0};
 }
 
-/* NaN for a vertex that has no place. */
-static void move_vertices(struct warped_meshes *out, struct mesh *mesh, const struct deformation *field)
-{
-    for (size_t i = 0; i < mesh->vertex_count; i++) {
-        float *p = &mesh->positions[3 * i];
-        double point[3] = {(double)p[0], (double)p[1], (double)p[2]};
-        enum deformation_found found = deformation_find(point, field, point);
-        out->vertices++;
-        out->outside += found == DEFORMATION_OUTSIDE;
-        out->lost += found == DEFORMATION_LOST;
-        for (int a = 0; a < 3; a++) {
-            p[a] = found == DEFORMATION_LOST ? NAN : (float)point[a];
-        }
-    }
-}
-
 /* Leaves out vertices without a place, and the triangles that have one. Returns how many triangles in *cut. */
 static conus_status cut_mesh(size_t *cut, struct mesh *mesh)
 {
@@ -82,7 +66,18 @@ static conus_status move_mesh(struct warped_meshes *out, size_t index, const con
     if (status) {
         return status;
     }
-    move_vertices(out, mesh, field);
+    /* NaN for a vertex that has no place. */
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        float *p = &mesh->positions[3 * i];
+        double point[3] = {(double)p[0], (double)p[1], (double)p[2]};
+        enum deformation_found found = deformation_find(point, field, point);
+        out->vertices++;
+        out->outside += found == DEFORMATION_OUTSIDE;
+        out->lost += found == DEFORMATION_LOST;
+        for (int a = 0; a < 3; a++) {
+            p[a] = found == DEFORMATION_LOST ? NAN : (float)point[a];
+        }
+    }
     size_t cut = 0;
     status = cut_mesh(&cut, mesh);
     if (status) {
