@@ -121,32 +121,25 @@ static bool has_neighbour(const conus_selection *selection)
     return false;
 }
 
-/* Where the search begins, and how far it can matter: a twentieth of the diagonal of the box around all objects, as a
- * round number, and the distance of the box's farthest corner. */
-static conus_status find_reach(double *first, double *last, const conus_atlas *atlas, const double centre[3])
+/* The search begins with a twentieth of the diagonal of the box around all objects, as a round number, and matters as
+ * far as the box's farthest corner. */
+static conus_status select_nearest(conus_selection **out, conus_selector *selector, const double centre[3])
 {
     double low[3];
     double high[3];
     double diagonal[3];
     double far[3];
-    conus_status status = conus_atlas_bounds(low, high, atlas);
-    if (!status) {
-        vec3_sub(diagonal, high, low);
-        for (int a = 0; a < 3; a++) {
-            far[a] = fmax(fabs(centre[a] - low[a]), fabs(centre[a] - high[a]));
-        }
-        *first = round_number(vec3_length(diagonal) / 20);
-        *last = vec3_length(far);
+    conus_status status = conus_atlas_bounds(low, high, selector->atlas);
+    if (status) {
+        return status;
     }
-    return status;
-}
-
-static conus_status select_nearest(conus_selection **out, conus_selector *selector, const double centre[3])
-{
-    double radius = 0;
-    double last = 0;
+    vec3_sub(diagonal, high, low);
+    for (int a = 0; a < 3; a++) {
+        far[a] = fmax(fabs(centre[a] - low[a]), fabs(centre[a] - high[a]));
+    }
+    double radius = round_number(vec3_length(diagonal) / 20);
+    double last = vec3_length(far);
     conus_selection *selection = NULL;
-    conus_status status = find_reach(&radius, &last, selector->atlas, centre);
     bool is_enough = false;
     while (!status && !is_enough) {
         conus_selection_destroy(selection);

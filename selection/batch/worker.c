@@ -13,15 +13,6 @@
 
 enum { THREAD_LIMIT = 1024, DEFAULT_BLOCK = 256, DEFAULT_ANGLE_DEG = 10 };
 
-/* Those that the process may use: a job's share of a cluster's node, say. */
-static uint32_t count_processors(void)
-{
-    cpu_set_t set;
-    CPU_ZERO(&set);
-    int count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-    return count < 1 ? 1 : count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
-}
-
 conus_status batch_fill_in(uint32_t *threads, uint32_t *block, double *angle, const conus_selector *selector)
 {
     if (*threads > THREAD_LIMIT) {
@@ -34,7 +25,12 @@ conus_status batch_fill_in(uint32_t *threads, uint32_t *block, double *angle, co
         return fail(CONUS_ERROR_ARGUMENT, "score: %s needs a history, which a batch has not",
                     selector->ranking.formula.text);
     }
-    *threads = *threads ? *threads : count_processors();
+    if (!*threads) { /* as many as processors that the process may use: a job's share of a cluster's node, say */
+        cpu_set_t set;
+        CPU_ZERO(&set);
+        int count = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+        *threads = count < 1 ? 1 : count > THREAD_LIMIT ? THREAD_LIMIT : (uint32_t)count;
+    }
     *threads = selector->options.engine == CONUS_ENGINE_GL ? 1 : *threads;
     *block = *block ? *block : DEFAULT_BLOCK;
     if (*angle == 0 && selector->options.radius == 0) {

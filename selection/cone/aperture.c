@@ -30,22 +30,6 @@ static void list_block(struct aperture *aperture, uint32_t column, uint32_t row)
     }
 }
 
-static void list_pixels(struct aperture *aperture)
-{
-    uint32_t n = aperture->resolution;
-    size_t count = 0;
-    for (uint32_t row = 0; row < n; row += APERTURE_BLOCK) {
-        for (uint32_t column = 0; column < n; column += APERTURE_BLOCK) {
-            list_block(aperture, column, row);
-        }
-    }
-    for (uint32_t pixel = 0; pixel < n * n; pixel++) {
-        if (aperture->in_cone[pixel]) {
-            aperture->inside[count++] = pixel;
-        }
-    }
-}
-
 /* Then the angle, too, decides which pixels are in it. */
 static bool is_wide_square(const struct cone *cone)
 {
@@ -77,7 +61,17 @@ static conus_status make_pixels(struct aperture *aperture, const struct cone *co
             made.square[(size_t)j * n + i] = cone_square(i, j, n);
         }
     }
-    list_pixels(&made);
+    size_t count = 0;
+    for (uint32_t row = 0; row < n; row += APERTURE_BLOCK) {
+        for (uint32_t column = 0; column < n; column += APERTURE_BLOCK) {
+            list_block(&made, column, row);
+        }
+    }
+    for (uint32_t pixel = 0; pixel < n * n; pixel++) {
+        if (made.in_cone[pixel]) {
+            made.inside[count++] = pixel;
+        }
+    }
     made.angle = -1; /* no cone's: weights and rays are to follow */
     aperture_finish(aperture);
     *aperture = made;

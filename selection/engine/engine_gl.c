@@ -104,22 +104,6 @@ static conus_status reserve(struct gl_engine *gl, const struct view *view)
     return CONUS_OK;
 }
 
-/* Puts the wanted pixels of a cone, whose first has number `first`, behind those that are walked: by tiles. */
-static void walk_cone(struct gl_engine *gl, const struct cone *cone, uint32_t first)
-{
-    uint32_t n = cone->resolution;
-    uint32_t across = (n + TILE_WIDTH - 1) / TILE_WIDTH;
-    uint32_t tiles = across * ((n + TILE_HEIGHT - 1) / TILE_HEIGHT);
-    for (uint32_t k = 0; k < tiles * TILE_WIDTH * TILE_HEIGHT; k++) {
-        uint32_t tile = k / (TILE_WIDTH * TILE_HEIGHT);
-        uint32_t i = tile % across * TILE_WIDTH + k % TILE_WIDTH;
-        uint32_t j = tile / across * TILE_HEIGHT + k / TILE_WIDTH % TILE_HEIGHT;
-        if (i < n && j < n && (!cone->wanted || cone->wanted[j * n + i])) {
-            gl->walked[gl->ray_count++] = first + j * n + i;
-        }
-    }
-}
-
 /* The rays of all pixels of all cones, in the world. */
 static conus_status aim(struct gl_engine *gl, const struct view *view)
 {
@@ -132,18 +116,20 @@ static conus_status aim(struct gl_engine *gl, const struct view *view)
             cone_origin(gl->origins[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
             cone_ray(gl->directions[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
         }
-        walk_cone(gl, cone, first);
+        /* Its wanted pixels are walked by tiles. */
+        uint32_t n = cone->resolution;
+        uint32_t across = (n + TILE_WIDTH - 1) / TILE_WIDTH;
+        uint32_t tiles = across * ((n + TILE_HEIGHT - 1) / TILE_HEIGHT);
+        for (uint32_t k = 0; k < tiles * TILE_WIDTH * TILE_HEIGHT; k++) {
+            uint32_t tile = k / (TILE_WIDTH * TILE_HEIGHT);
+            uint32_t i = tile % across * TILE_WIDTH + k % TILE_WIDTH;
+            uint32_t j = tile / across * TILE_HEIGHT + k / TILE_WIDTH % TILE_HEIGHT;
+            if (i < n && j < n && (!cone->wanted || cone->wanted[j * n + i])) {
+                gl->walked[gl->ray_count++] = first + j * n + i;
+            }
+        }
     }
     return status;
-}
-
-static void prepare_exact(struct id_ray *out, const double origin[3], const double direction[3])
-{
-    struct traverse_ray ray;
-    traverse_ray_init(&ray, origin, direction);
-    memcpy(out->origin, ray.origin, sizeof out->origin);
-    memcpy(out->direction, ray.direction, sizeof out->direction);
-    memcpy(out->inverse, ray.inverse, sizeof out->inverse);
 }
 
 /* Sets the planes (Eq. 7) of the rays of one cone. */
@@ -173,7 +159,11 @@ static void prepare_rays(struct gl_engine *gl, const struct volume *volume, cons
         mat4_point(origin, volume->voxel_from_world, gl->origins[gl->walked[r]]);
         mat4_direction(direction, volume->voxel_from_world, gl->directions[gl->walked[r]]);
         if (gl->sampling == CONUS_SAMPLING_EXACT) {
-            prepare_exact(&rays[r], origin, direction);
+            struct traverse_ray ray;
+            traverse_ray_init(&ray, origin, direction);
+            memcpy(rays[r].origin, ray.origin, sizeof rays[r].origin);
+            memcpy(rays[r].direction, ray.direction, sizeof rays[r].direction);
+            memcpy(rays[r].inverse, ray.inverse, sizeof rays[r].inverse);
         } else {
             memcpy(rays[r].origin, origin, sizeof origin);
             memcpy(rays[r].direction, direction, sizeof direction);

@@ -34,8 +34,13 @@ static conus_status find_shown(const bool **out, const struct tract_rays *rays, 
     return CONUS_OK;
 }
 
-static conus_status create_pass(struct tract_draw *draw, uint64_t *memory_left)
+conus_status tract_draw_create(struct tract_draw **out, const struct tract_rays *rays, uint64_t *memory_left)
 {
+    struct tract_draw *draw = memory_zeroed(1, sizeof *draw);
+    if (!draw) {
+        return CONUS_ERROR_MEMORY;
+    }
+    draw->rays = rays;
     size_t count = tract_rays_scenes(draw->rays);
     struct tract_source *sources = memory_zeroed(count, sizeof *sources);
     conus_status status = sources ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -50,17 +55,6 @@ static conus_status create_pass(struct tract_draw *draw, uint64_t *memory_left)
         memory_free((void *)sources[i].shown);
     }
     memory_free(sources);
-    return status;
-}
-
-conus_status tract_draw_create(struct tract_draw **out, const struct tract_rays *rays, uint64_t *memory_left)
-{
-    struct tract_draw *draw = memory_zeroed(1, sizeof *draw);
-    if (!draw) {
-        return CONUS_ERROR_MEMORY;
-    }
-    draw->rays = rays;
-    conus_status status = create_pass(draw, memory_left);
     if (status || !draw->pass) {
         tract_draw_destroy(draw);
         draw = NULL;

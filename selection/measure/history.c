@@ -130,18 +130,6 @@ static void advance(struct memory *memory, const struct history *history, double
     }
 }
 
-/* The last memory takes the place of the one that is forgotten. */
-static void forget(struct history *history, size_t index)
-{
-    struct memory *memory = &history->memories[index];
-    history->slots[memory->object] = 0;
-    memory_free(memory->changes);
-    if (index != --history->count) {
-        *memory = history->memories[history->count];
-        history->slots[memory->object] = (uint32_t)index + 1;
-    }
-}
-
 static bool is_worth_keeping(const struct history *history, const struct memory *memory)
 {
     return memory->last.inside || history_has_score(memory, HISTORY_ALL) ||
@@ -174,7 +162,13 @@ void history_step(struct history *history, double time, const struct history_sam
     history->steps++;
     for (size_t i = history->count; i-- > 0;) {
         if (!is_worth_keeping(history, &history->memories[i])) {
-            forget(history, i);
+            struct memory *memory = &history->memories[i];
+            history->slots[memory->object] = 0;
+            memory_free(memory->changes);
+            if (i != --history->count) { /* the last memory takes the place of the one that is forgotten */
+                *memory = history->memories[history->count];
+                history->slots[memory->object] = (uint32_t)i + 1;
+            }
         }
     }
 }

@@ -203,20 +203,6 @@ static double bounds_distance(const struct mesh *mesh, const double centre[3])
     return vec3_length(gap);
 }
 
-static void search_mesh(struct near *near, uint32_t object, const struct mesh *mesh, const struct region *ball)
-{
-    double point[3] = {ball->origin[0], ball->origin[1], ball->origin[2]};
-    double away = bounds_distance(mesh, ball->origin);
-    if (away > ball->radius) {
-        return;
-    }
-    bool inside = away == 0 && fabs(mesh_winding(mesh, ball->origin)) >= 0.5;
-    double distance = inside ? 0 : mesh_nearest(point, mesh, ball->origin, ball->radius);
-    if (distance <= ball->radius) {
-        note(near, object, distance, point, NAN);
-    }
-}
-
 void near_take(struct near *near, const conus_atlas *atlas, const struct region *ball)
 {
     for (size_t i = 0; i < near->touched_count; i++) {
@@ -236,8 +222,15 @@ void near_take(struct near *near, const conus_atlas *atlas, const struct region 
     }
     for (uint32_t object = 1; atlas->mesh_count && object <= atlas->object_count; object++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, object);
-        if (mesh) {
-            search_mesh(near, object, mesh, ball);
+        double away = mesh ? bounds_distance(mesh, ball->origin) : INFINITY;
+        if (away > ball->radius) {
+            continue;
+        }
+        double point[3] = {ball->origin[0], ball->origin[1], ball->origin[2]};
+        bool inside = away == 0 && fabs(mesh_winding(mesh, ball->origin)) >= 0.5;
+        double distance = inside ? 0 : mesh_nearest(point, mesh, ball->origin, ball->radius);
+        if (distance <= ball->radius) {
+            note(near, object, distance, point, NAN);
         }
     }
 }

@@ -225,22 +225,17 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void forget(struct tract_census *census, size_t streamline_count)
+void tract_census_take(struct tract_census *census, const struct tract_index *index, const conus_atlas *atlas,
+                       const struct region *region)
 {
     for (size_t i = 0; i < census->touched_count; i++) {
         census->parts[census->touched[i]].streamlines = 0;
     }
     census->touched_count = 0;
     if (++census->region == 0) { /* after 2^32 of them */
-        memset(census->seen, 0, streamline_count * sizeof *census->seen);
+        memset(census->seen, 0, index->streamline_count * sizeof *census->seen);
         census->region = 1;
     }
-}
-
-void tract_census_take(struct tract_census *census, const struct tract_index *index, const conus_atlas *atlas,
-                       const struct region *region)
-{
-    forget(census, index->streamline_count);
     for (size_t i = 0; i < index->tractogram_count; i++) {
         struct taking taking = {.census = census, .atlas = atlas, .owners = &index->of[i]};
         tract_census_walk(&atlas->tractograms[i], region, add_run, &taking);

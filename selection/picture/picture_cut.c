@@ -70,16 +70,6 @@ static conus_status choose_window(double out[2], conus_cutter *cutter, const dou
     return status;
 }
 
-static void place_cone(struct cut_cone *out, const struct cone *cone)
-{
-    bool has_range = cone_has_range(cone);
-    *out = (struct cut_cone){.world_from_cone = cone->pose.world_from_device,
-                             .slope = tan(cone->angle / 2),
-                             .radius = cone->radius,
-                             .near = has_range ? cone->range[0] : 0,
-                             .far = has_range ? cone->range[1] : INFINITY};
-}
-
 /* The axes of the picture; those of an axial cut unless the caller chose some. */
 static void copy_axes(double right[3], double up[3], const conus_cut_view *view)
 {
@@ -88,26 +78,26 @@ static void copy_axes(double right[3], double up[3], const conus_cut_view *view)
     memcpy(up, is_axial ? (const double[]){0, 1, 0} : view->up, 3 * sizeof *up);
 }
 
-static void set_view(struct cut_view *out, const conus_cut_view *view)
-{
-    *out = (struct cut_view){.place = {.width = view->width,
-                                       .height = view->height,
-                                       .mm_per_pixel = view->mm_per_pixel > 0 ? view->mm_per_pixel : 1},
-                             .fill = view->fill,
-                             .no_outlines = view->no_outlines};
-    memcpy(out->place.centre, view->centre, sizeof out->place.centre);
-    copy_axes(out->place.right, out->place.up, view);
-}
-
 static conus_status draw(conus_cutter *cutter, const conus_cut_view *view)
 {
-    struct cut_view what;
     struct cut_cone cone;
     uint8_t *emphasis = NULL;
-    set_view(&what, view);
+    struct cut_view what = {.place = {.width = view->width,
+                                      .height = view->height,
+                                      .mm_per_pixel = view->mm_per_pixel > 0 ? view->mm_per_pixel : 1},
+                            .fill = view->fill,
+                            .no_outlines = view->no_outlines};
+    memcpy(what.place.centre, view->centre, sizeof what.place.centre);
+    copy_axes(what.place.right, what.place.up, view);
     conus_status status = choose_window(what.window, cutter, view->window);
     if (!status && view->selection) {
-        place_cone(&cone, &view->selection->cone);
+        const struct cone *of = &view->selection->cone;
+        bool has_range = cone_has_range(of);
+        cone = (struct cut_cone){.world_from_cone = of->pose.world_from_device,
+                                 .slope = tan(of->angle / 2),
+                                 .radius = of->radius,
+                                 .near = has_range ? of->range[0] : 0,
+                                 .far = has_range ? of->range[1] : INFINITY};
         what.cone = &cone;
         what.emphasis = emphasis = picture_emphasis(view->selection, view->chosen);
         status = emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;

@@ -141,24 +141,6 @@ static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PA
     return count;
 }
 
-/* A colour, in words. */
-static void add_colour(struct legend_row *row, char words[TEXT_SIZE], const struct tube_colouring *colouring, int i)
-{
-    static const char *const directions[COLOURS] = {"left to right", "back to front", "down to up"};
-    double part = i / (COLOURS - 1.0);
-    *row = (struct legend_row){.name = words};
-    if (colouring->by == TUBE_BY_DIRECTION) {
-        snprintf(words, TEXT_SIZE, "%s", directions[i]);
-        row->rgb[i] = 255;
-    } else if (colouring->low > colouring->high) {
-        snprintf(words, TEXT_SIZE, "not known");
-        tube_scalar_colour(row->rgb, NAN);
-    } else {
-        snprintf(words, TEXT_SIZE, "%.4g", colouring->low + part * (colouring->high - colouring->low));
-        tube_scalar_colour(row->rgb, part);
-    }
-}
-
 /* Explains the colours of streamlines where these are not their bundles': a heading, and colours. */
 static size_t add_colours(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_ROWS][TEXT_SIZE],
                           const struct picture *picture)
@@ -172,7 +154,19 @@ static size_t add_colours(struct legend_row rows[COLOUR_ROWS], char words[COLOUR
     rows[0] = (struct legend_row){.name = words[0], .heading = true};
     int count = colouring->by == TUBE_BY_SCALAR && colouring->low > colouring->high ? 1 : COLOURS;
     for (int i = 0; i < count; i++) {
-        add_colour(&rows[1 + i], words[1 + i], colouring, i);
+        static const char *const directions[COLOURS] = {"left to right", "back to front", "down to up"};
+        double part = i / (COLOURS - 1.0);
+        rows[1 + i] = (struct legend_row){.name = words[1 + i]};
+        if (colouring->by == TUBE_BY_DIRECTION) {
+            snprintf(words[1 + i], TEXT_SIZE, "%s", directions[i]);
+            rows[1 + i].rgb[i] = 255;
+        } else if (colouring->low > colouring->high) {
+            snprintf(words[1 + i], TEXT_SIZE, "not known");
+            tube_scalar_colour(rows[1 + i].rgb, NAN);
+        } else {
+            snprintf(words[1 + i], TEXT_SIZE, "%.4g", colouring->low + part * (colouring->high - colouring->low));
+            tube_scalar_colour(rows[1 + i].rgb, part);
+        }
     }
     return (size_t)count + 1;
 }

@@ -10,20 +10,6 @@ static const char *end_name(const conus_report *report, uint32_t area)
     return area ? table_name(report, area) : NO_AREA;
 }
 
-static void write_question(struct buffer *out, const conus_report *report, const struct report_query *query)
-{
-    if (query->is_whole) {
-        buffer_text(out, "all streamlines\n");
-    } else {
-        table_write_query(out, report, query);
-    }
-    if (query->end_radius > 0) {
-        buffer_format(out, "ends in an area, or in the nearest one within %.4g mm\n", query->end_radius);
-    } else {
-        buffer_text(out, "ends in an area\n");
-    }
-}
-
 /* Columns for the longest name of a bundle, and of an area. */
 struct widths {
     int bundle, end;
@@ -79,7 +65,17 @@ void report_write_connections(struct buffer *out, const conus_report *report)
             table_write_error(out, &report->queries[i], more);
             continue;
         }
-        write_question(out, report, &report->queries[i]);
+        const struct report_query *query = &report->queries[i];
+        if (query->is_whole) {
+            buffer_text(out, "all streamlines\n");
+        } else {
+            table_write_query(out, report, query);
+        }
+        if (query->end_radius > 0) {
+            buffer_format(out, "ends in an area, or in the nearest one within %.4g mm\n", query->end_radius);
+        } else {
+            buffer_text(out, "ends in an area\n");
+        }
         for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
             write_answers(out, of, i, widths);
         }

@@ -176,23 +176,18 @@ static json_t *json_from_volume(const conus_atlas *atlas, size_t index)
 }
 
 /* A folder has no sum: its files are among those of the atlas, with theirs. */
-static json_t *json_from_tractogram(const conus_atlas *atlas, size_t index)
-{
-    const struct tractogram *tractogram = &atlas->tractograms[index];
-    const char *sum = tractogram->sha256;
-    json_t *entry = json_pack("{s: o, s: s, s: I, s: I, s: f}", "path", json_from_text(tractogram->path), "format",
-                              tractogram->format, "streamlines", (json_int_t)tractogram->streamline_count, "points",
-                              (json_int_t)tractogram->point_count, "radius_mm", tractogram->radius);
-    return whole_or_null(entry, !*sum || put_value(entry, "sha256", json_string(sum)));
-}
-
-/* Only where there are some. */
 static bool add_tractograms(json_t *root, const conus_atlas *atlas)
 {
     json_t *list = json_array();
     bool whole = list;
     for (size_t i = 0; i < atlas->tractogram_count; i++) {
-        whole = json_array_append_new(list, json_from_tractogram(atlas, i)) == 0 && whole;
+        const struct tractogram *tractogram = &atlas->tractograms[i];
+        const char *sum = tractogram->sha256;
+        json_t *entry = json_pack("{s: o, s: s, s: I, s: I, s: f}", "path", json_from_text(tractogram->path), "format",
+                                  tractogram->format, "streamlines", (json_int_t)tractogram->streamline_count, "points",
+                                  (json_int_t)tractogram->point_count, "radius_mm", tractogram->radius);
+        whole = (!*sum || put_value(entry, "sha256", json_string(sum))) && whole;
+        whole = json_array_append_new(list, entry) == 0 && whole;
     }
     whole = whole && (!atlas->tractogram_count || json_object_set(root, "tractograms", list) == 0);
     json_decref(list);
@@ -222,17 +217,8 @@ static bool add_hidden(json_t *root, const conus_atlas *atlas)
     return whole;
 }
 
-/* The meaning of a field's vectors: a node at q goes to base q + linear v. */
-static json_t *json_from_field(const struct deformation *field)
-{
-    json_t *dim =
-        json_pack("[I, I, I]", (json_int_t)field->dim[0], (json_int_t)field->dim[1], (json_int_t)field->dim[2]);
-    return json_pack("{s: {s: o, s: o, s: o, s: o}}", "field", "dim", dim, "world_from_voxel",
-                     json_from_matrix(field->world_from_voxel), "base", json_from_matrix(field->base), "linear",
-                     json_from_matrix(field->linear));
-}
-
-/* The transforms from the world to the atlas's own space, in this order: matrices and fields in turn. */
+/* The transforms from the world to the atlas's own space, in this order: matrices and fields in turn. In a field a node
+ * at q goes to base q + linear v. */
 static json_t *json_from_way(const conus_atlas *atlas)
 {
     json_t *way = json_array();
@@ -240,7 +226,13 @@ static json_t *json_from_way(const conus_atlas *atlas)
         json_array_append_new(way, json_pack("{s: o}", "matrix", json_from_matrix(atlas->own_from_world))) == 0;
     for (size_t i = atlas->warp_count; i > 0; i--) {
         const struct warp *warp = &atlas->warps[i - 1];
-        whole = json_array_append_new(way, json_from_field(&warp->field)) == 0 &&
+        const struct deformation *field = &warp->field;
+        json_t *dim =
+            json_pack("[I, I, I]", (json_int_t)field->dim[0], (json_int_t)field->dim[1], (json_int_t)field->dim[2]);
+        json_t *entry = json_pack("{s: {s: o, s: o, s: o, s: o}}", "field", "dim", dim, "world_from_voxel",
+                                  json_from_matrix(field->world_from_voxel), "base", json_from_matrix(field->base),
+                                  "linear", json_from_matrix(field->linear));
+        whole = json_array_append_new(way, entry) == 0 &&
                 json_array_append_new(way, json_pack("{s: o}", "matrix", json_from_matrix(warp->after))) == 0 && whole;
     }
     return whole_or_null(way, whole);
@@ -371,17 +363,13 @@ static json_t *json_from_settings(const conus_report *report)
     return whole_or_null(settings, whole && add_track(settings, report->options.tracker));
 }
 
-static json_t *json_from_program(const conus_report *report)
-{
-    json_t *program = json_pack("{s: s, s: s}", "Name", "conus", "Version", CONUS_VERSION);
-    const char *command = report->options.command;
-    return whole_or_null(program, !command || put_value(program, "CommandLine", json_from_text(command)));
-}
-
 /* The sources; queries are always in RAS. */
 static bool add_sources(json_t *root, const conus_report *report)
 {
-    return put_value(root, "GeneratedBy", json_pack("[o]", json_from_program(report))) &&
+    json_t *program = json_pack("{s: s, s: s}", "Name", "conus", "Version", CONUS_VERSION);
+    const char *command = report->options.command;
+    bool whole = !command || put_value(program, "CommandLine", json_from_text(command));
+    return put_value(root, "GeneratedBy", json_pack("[o]", program)) && whole &&
            (report->name ? put_value(root, "Atlases", json_from_atlases(report))
                          : put_value(root, "Atlas", json_from_atlas(report->atlas))) &&
            put_value(root, "Settings", json_from_settings(report)) &&
@@ -444,14 +432,6 @@ static json_t *json_from_line(const conus_connection_matrix *matrix, size_t row,
     return whole_or_null(line, whole);
 }
 
-static json_t *json_from_area(const conus_report *report, const conus_connection_matrix *matrix, size_t row)
-{
-    const conus_object *area = conus_atlas_object(report->atlas, matrix->areas[row]);
-    return json_pack("{s: o, s: o, s: o, s: o}", "area", json_from_text(area ? area->name : "unassigned"), "index",
-                     area ? json_integer(area->label) : json_null(), "streamlines", json_from_line(matrix, row, false),
-                     "mean_length_mm", json_from_line(matrix, row, true));
-}
-
 conus_status report_write_json_matrix(struct buffer *out, const conus_report *report,
                                       const conus_connection_matrix *matrix)
 {
@@ -459,7 +439,11 @@ conus_status report_write_json_matrix(struct buffer *out, const conus_report *re
     json_t *rows = json_array();
     bool whole = add_provenance(root, report);
     for (size_t i = 0; i < matrix->count; i++) {
-        whole = json_array_append_new(rows, json_from_area(report, matrix, i)) == 0 && whole;
+        const conus_object *area = conus_atlas_object(report->atlas, matrix->areas[i]);
+        json_t *row = json_pack("{s: o, s: o, s: o, s: o}", "area", json_from_text(area ? area->name : "unassigned"),
+                                "index", area ? json_integer(area->label) : json_null(), "streamlines",
+                                json_from_line(matrix, i, false), "mean_length_mm", json_from_line(matrix, i, true));
+        whole = json_array_append_new(rows, row) == 0 && whole;
     }
     whole = put_value(root, "Rows", rows) && whole;
     return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
@@ -512,25 +496,19 @@ static json_t *json_from_paths(const conus_atlas *atlas)
     return whole_or_null(paths, whole);
 }
 
-static json_int_t voxels_in(const conus_grid *grid)
-{
-    static const uint8_t zero[8] = {0};
-    json_int_t count = 0;
-    for (size_t i = 0; i < grid->view.count; i++) {
-        count += memcmp((const uint8_t *)grid->data + i * grid->size, zero, grid->size) != 0;
-    }
-    return count;
-}
-
 conus_status report_write_grid_sidecar(struct buffer *out, const conus_report *report, const conus_grid *grid)
 {
     json_t *root = json_object();
+    static const uint8_t zero[8] = {0};
+    json_int_t voxels = 0;
+    for (size_t i = 0; i < grid->view.count; i++) {
+        voxels += memcmp((const uint8_t *)grid->data + i * grid->size, zero, grid->size) != 0;
+    }
     bool mask = !grid->labels && grid->view.number != CONUS_NUMBER_FLOAT32;
-    bool whole = put_value(root, "Description", json_string(grid->view.description)) &&
-                 (!mask || put_value(root, "Type", json_string("ROI"))) && put_value(root, "Manual", json_false()) &&
-                 put_value(root, "Sources", json_from_paths(report->atlas)) &&
-                 put_value(root, "Voxels", json_integer(voxels_in(grid))) &&
-                 (!grid->labels || put_value(root, "Labels", json_from_labels(report->atlas))) &&
-                 add_sources(root, report);
+    bool whole =
+        put_value(root, "Description", json_string(grid->view.description)) &&
+        (!mask || put_value(root, "Type", json_string("ROI"))) && put_value(root, "Manual", json_false()) &&
+        put_value(root, "Sources", json_from_paths(report->atlas)) && put_value(root, "Voxels", json_integer(voxels)) &&
+        (!grid->labels || put_value(root, "Labels", json_from_labels(report->atlas))) && add_sources(root, report);
     return dump(out, whole_or_null(root, whole), JSON_INDENT(1));
 }

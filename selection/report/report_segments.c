@@ -8,19 +8,6 @@
 
 static const char NO_OBJECT[] = "(in no area)";
 
-static void write_axis(struct buffer *out, const conus_report *report, const struct report_query *query)
-{
-    if (report->query_count > 1) {
-        buffer_format(out, "query %s: ", query->id);
-    }
-    buffer_text(out, "axis");
-    table_write_axis(out, report, query);
-    if (cone_has_range(&query->cone)) {
-        buffer_format(out, ", %.4g to %.4g mm deep", query->cone.range[0], query->cone.range[1]);
-    }
-    table_write_space(out, report);
-}
-
 /* Nothing of a depth that there is not. */
 static void write_depth(struct buffer *out, double depth)
 {
@@ -29,23 +16,6 @@ static void write_depth(struct buffer *out, double depth)
     } else {
         buffer_format(out, "  %8s", "-");
     }
-}
-
-static void write_segment(struct buffer *out, const conus_report *report, size_t order, const conus_segment *segment,
-                          int width)
-{
-    char label[TABLE_LABEL_SIZE];
-    double at[3];
-    memcpy(at, segment->entry_at, sizeof at);
-    report_point(report, at);
-    buffer_format(out, "%5zu  ", order);
-    table_write_name(out, segment->object ? table_name(report, segment->object) : NO_OBJECT, width);
-    buffer_format(out, "  %10s", table_label(label, report, segment->object));
-    write_depth(out, segment->entry);
-    write_depth(out, segment->exit);
-    write_depth(out, segment->exit - segment->entry);
-    int digits = table_digits(report);
-    buffer_format(out, "  %8.*f %7.*f %7.*f\n", digits, at[0], digits, at[1], digits, at[2]);
 }
 
 void report_write_segments(struct buffer *out, const conus_report *report)
@@ -57,7 +27,16 @@ void report_write_segments(struct buffer *out, const conus_report *report)
             table_write_error(out, &report->queries[i], more);
             continue;
         }
-        write_axis(out, report, &report->queries[i]);
+        const struct report_query *query = &report->queries[i];
+        if (report->query_count > 1) {
+            buffer_format(out, "query %s: ", query->id);
+        }
+        buffer_text(out, "axis");
+        table_write_axis(out, report, query);
+        if (cone_has_range(&query->cone)) {
+            buffer_format(out, ", %.4g to %.4g mm deep", query->cone.range[0], query->cone.range[1]);
+        }
+        table_write_space(out, report);
         for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
             size_t first = of->queries[i].first_row;
             table_write_atlas(out, of);
@@ -67,7 +46,19 @@ void report_write_segments(struct buffer *out, const conus_report *report)
                           table_axes(axes, of, "enters at"));
             buffer_format(out, form, "", width, "", "", "mm", "mm", "mm", conus_space_unit(of->frame.space));
             for (size_t k = first; k < report_row_end(of, i); k++) {
-                write_segment(out, of, k - first + 1, &of->rows[k].segment, width);
+                const conus_segment *segment = &of->rows[k].segment;
+                char label[TABLE_LABEL_SIZE];
+                double at[3];
+                memcpy(at, segment->entry_at, sizeof at);
+                report_point(of, at);
+                buffer_format(out, "%5zu  ", k - first + 1);
+                table_write_name(out, segment->object ? table_name(of, segment->object) : NO_OBJECT, width);
+                buffer_format(out, "  %10s", table_label(label, of, segment->object));
+                write_depth(out, segment->entry);
+                write_depth(out, segment->exit);
+                write_depth(out, segment->exit - segment->entry);
+                int digits = table_digits(of);
+                buffer_format(out, "  %8.*f %7.*f %7.*f\n", digits, at[0], digits, at[1], digits, at[2]);
             }
         }
         buffer_text(out, more ? "\n" : "");

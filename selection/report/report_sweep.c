@@ -27,15 +27,6 @@ static void write_admission(struct buffer *out, const conus_report *report, cons
                   admission->distance, digits, at[0], digits, at[1], digits, at[2]);
 }
 
-static void write_admission_header(struct buffer *out, const conus_report *report, int width)
-{
-    char axes[TABLE_AXES_SIZE];
-    static const char form[] = "%9s  %9s  %-*s  %10s  %9s  %26s\n";
-    buffer_format(out, form, "angle", "margin", width, "name", "label", "distance",
-                  table_axes(axes, report, "first reached at"));
-    buffer_format(out, form, "degrees", "degrees", width, "", "", "mm", conus_space_unit(report->frame.space));
-}
-
 static void write_chance(struct buffer *out, const conus_report *report, const struct report_row *row, int width)
 {
     char rank[16] = "";
@@ -56,22 +47,21 @@ static void write_chance(struct buffer *out, const conus_report *report, const s
     buffer_format(out, "  %6.2f %%  %6.2f %%\n", 100 * chance->share, 100 * chance->share_deviation);
 }
 
-static void write_chance_header(struct buffer *out, const conus_report *report, int width)
-{
-    bool layers = report->selector.layers;
-    buffer_format(out, "%4s  %-*s  %10s  %8s  %8s  %8s%s%s  %8s  %8s\n", "rank", width, "name", "label", "hit", "error",
-                  "seen", layers ? "  " : "", layers ? " in cone" : "", "share", "varies");
-    buffer_format(out, "%4s  %-*s  %10s  %8s  %8s  %8s%s  %8s  %8s\n", "", width, "", "", "", "of hit", "",
-                  layers ? "          " : "", "mean", "by");
-}
-
 static void write_rows_of(struct buffer *out, const conus_report *report, size_t index, int width)
 {
     bool chances = report->options.rows == CONUS_ROWS_CHANCES;
     if (chances) {
-        write_chance_header(out, report, width);
+        bool layers = report->selector.layers;
+        buffer_format(out, "%4s  %-*s  %10s  %8s  %8s  %8s%s%s  %8s  %8s\n", "rank", width, "name", "label", "hit",
+                      "error", "seen", layers ? "  " : "", layers ? " in cone" : "", "share", "varies");
+        buffer_format(out, "%4s  %-*s  %10s  %8s  %8s  %8s%s  %8s  %8s\n", "", width, "", "", "", "of hit", "",
+                      layers ? "          " : "", "mean", "by");
     } else {
-        write_admission_header(out, report, width);
+        char axes[TABLE_AXES_SIZE];
+        static const char form[] = "%9s  %9s  %-*s  %10s  %9s  %26s\n";
+        buffer_format(out, form, "angle", "margin", width, "name", "label", "distance",
+                      table_axes(axes, report, "first reached at"));
+        buffer_format(out, form, "degrees", "degrees", width, "", "", "mm", conus_space_unit(report->frame.space));
     }
     for (size_t i = report->queries[index].first_row; i < report_row_end(report, index); i++) {
         (chances ? write_chance : write_admission)(out, report, &report->rows[i], width);

@@ -129,16 +129,6 @@ void table_write_axis(struct buffer *out, const conus_report *report, const stru
                   digits, origin[2], axis[0], axis[1], axis[2]);
 }
 
-static void write_ball(struct buffer *out, const conus_report *report, const struct report_query *query)
-{
-    double middle[3];
-    memcpy(middle, query->cone.pose.world_from_device + 12, sizeof middle);
-    report_point(report, middle);
-    int digits = table_digits(report);
-    buffer_format(out, "ball of radius %.4g mm around (%.*f, %.*f, %.*f)", query->ball, digits, middle[0], digits,
-                  middle[1], digits, middle[2]);
-}
-
 void table_write_query(struct buffer *out, const conus_report *report, const struct report_query *query)
 {
     size_t count = report->query_count;
@@ -148,7 +138,12 @@ void table_write_query(struct buffer *out, const conus_report *report, const str
         buffer_format(out, "query %s: ", query->id);
     }
     if (query->ball > 0) {
-        write_ball(out, report, query);
+        double middle[3];
+        memcpy(middle, query->cone.pose.world_from_device + 12, sizeof middle);
+        report_point(report, middle);
+        int digits = table_digits(report);
+        buffer_format(out, "ball of radius %.4g mm around (%.*f, %.*f, %.*f)", query->ball, digits, middle[0], digits,
+                      middle[1], digits, middle[2]);
     } else {
         if (report->options.rows == CONUS_ROWS_SHARES) {
             buffer_text(out, query->cone.aperture == CONUS_APERTURE_SQUARE ? "square pyramids" : "cones");

@@ -153,18 +153,6 @@ static void write_bands(struct buffer *out, const conus_atlas *atlas, size_t fir
     buffer_text(out, "\n");
 }
 
-static void write_all_bands(struct buffer *out, const conus_atlas *atlas)
-{
-    size_t before = SIZE_MAX; /* the volume that was written last: bands of one follow each other */
-    for (size_t n = next_of(atlas, 0, true); n; n = next_of(atlas, n + 1, true)) {
-        size_t volume = conus_atlas_object(atlas, n)->volume;
-        if (volume != before) {
-            write_bands(out, atlas, n);
-        }
-        before = volume;
-    }
-}
-
 /* In one line how many of them there are that are not hidden, or the one's name, and their files. */
 static void write_bundles(struct buffer *out, const conus_atlas *atlas)
 {
@@ -239,7 +227,14 @@ static void write_sources(struct buffer *out, const conus_report *report)
         buffer_text(out, "\n");
     }
     write_pathways(out, atlas);
-    write_all_bands(out, atlas);
+    size_t before = SIZE_MAX; /* the volume that was written last: bands of one follow each other */
+    for (size_t n = next_of(atlas, 0, true); n; n = next_of(atlas, n + 1, true)) {
+        size_t volume = conus_atlas_object(atlas, n)->volume;
+        if (volume != before) {
+            write_bands(out, atlas, n);
+        }
+        before = volume;
+    }
     write_bundles(out, atlas);
 }
 

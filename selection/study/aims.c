@@ -116,22 +116,16 @@ static const struct mesh *closed_mesh(const conus_atlas *atlas, uint32_t object)
     return mesh && mesh->shape.closed ? mesh : NULL;
 }
 
-static bool is_in_bounds(const struct mesh_shape *shape, const double point[3])
-{
-    bool inside = true;
-    for (int a = 0; a < 3; a++) {
-        inside = inside && point[a] >= shape->low[a] && point[a] <= shape->high[a];
-    }
-    return inside;
-}
-
 /* Whether the point is in the box around a closed surface: in few it is, and only then a ray says more. */
 static bool may_be_enclosed(const conus_atlas *atlas, const double point[3])
 {
     bool found = false;
     for (uint32_t object = 1; atlas->mesh_count && object <= atlas->object_count && !found; object++) {
         const struct mesh *mesh = closed_mesh(atlas, object);
-        found = mesh && is_in_bounds(&mesh->shape, point);
+        found = mesh;
+        for (int a = 0; a < 3 && found; a++) {
+            found = point[a] >= mesh->shape.low[a] && point[a] <= mesh->shape.high[a];
+        }
     }
     return found;
 }
@@ -161,13 +155,6 @@ static uint32_t object_around(const conus_selector *selector, const struct cone 
     }
     layers_finish(&layers);
     return found;
-}
-
-/* Where the apex lies; a needle begins inside. */
-static uint32_t object_of_apex(const conus_selector *selector, const struct cone *cone)
-{
-    uint32_t object = cone->radius > 0 ? 0 : object_at(selector->atlas, cone->pose.world_from_device + 12);
-    return object || cone->radius > 0 ? object : object_around(selector, cone);
 }
 
 void aims_init(struct conus_aims *out, const conus_selector *selector)
@@ -209,7 +196,8 @@ void conus_aims_add(conus_aims *aims, uint64_t number, const conus_pose *pose, d
         return;
     }
     aims->found.poses++;
-    uint32_t object = object_of_apex(aims->selector, &cone);
+    uint32_t object = cone.radius > 0 ? 0 : object_at(aims->selector->atlas, apex); /* a needle begins inside */
+    object = object || cone.radius > 0 ? object : object_around(aims->selector, &cone);
     if (object) {
         count(&aims->found.inside, number, &cone, object);
     } else if (aims_past(&cone, aims->low, aims->high)) {

@@ -138,18 +138,13 @@ static double pass_crossings(struct counting *counting, double at, double end)
     return end;
 }
 
-/* Whether the voxel's value is farther from 0 than that of the peak, or as far and earlier in the file. */
-static bool is_peak(const struct counting *counting, size_t voxel, size_t peak)
+static void add_share(struct counting *counting, struct tally_of_pieces *tally, size_t voxel, double share)
 {
     const float *values = counting->roi->volume.values;
     double sign = counting->roi->volume.info.threshold < 0 ? -1 : 1;
-    double more = sign * ((double)values[voxel] - (double)values[peak]);
-    return more > 0 || (more == 0 && voxel < peak);
-}
-
-static void add_share(struct counting *counting, struct tally_of_pieces *tally, size_t voxel, double share)
-{
-    if (tally->voxels == 0 || is_peak(counting, voxel, tally->peak_voxel)) {
+    double more = sign * ((double)values[voxel] - (double)values[tally->peak_voxel]);
+    /* The peak is farthest from 0, and of several such voxels the first in the file. */
+    if (tally->voxels == 0 || more > 0 || (more == 0 && voxel < tally->peak_voxel)) {
         tally->peak_voxel = voxel;
     }
     tally->voxels += share;

@@ -16,20 +16,14 @@ static const double TOUCH = 1e-9;
 /* Any angle has the axis for the ray of its only pixel. */
 static const struct cone AXIS = {.angle = 1, .resolution = 1};
 
-/* A surface with holes: the one thing that a ray may cross without being in it. */
-static bool is_open(const conus_atlas *atlas, uint32_t number)
-{
-    const struct mesh *mesh = atlas_object_mesh(atlas, number);
-    return mesh && !mesh->shape.closed;
-}
-
 /* Cuts an interval at the range; false where nothing is left of it. */
 static bool clip(conus_interval *interval, const conus_atlas *atlas, const double range[2])
 {
     bool is_point = interval->exit - interval->entry <= TOUCH;
     double far = range[1] > 0 ? range[1] : INFINITY;
-    if (is_point) {
-        return is_open(atlas, interval->object) && interval->entry >= range[0] && interval->entry < far;
+    if (is_point) { /* a surface with holes is the one thing that a ray may cross without being in it */
+        const struct mesh *mesh = atlas_object_mesh(atlas, interval->object);
+        return mesh && !mesh->shape.closed && interval->entry >= range[0] && interval->entry < far;
     }
     interval->entry = fmax(interval->entry, range[0]);
     interval->exit = fmin(interval->exit, far);

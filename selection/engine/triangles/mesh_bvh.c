@@ -13,15 +13,6 @@ struct scene {
     size_t box_count;      /* those that are meshes. */
 };
 
-static struct bvh_box box_of_triangle(const struct mesh *mesh, size_t triangle)
-{
-    struct bvh_box box = bvh_box_empty((uint32_t)triangle);
-    for (size_t k = 0; k < 3; k++) {
-        bvh_box_extend(&box, mesh->positions + 3 * (size_t)mesh->triangles[3 * triangle + k]);
-    }
-    return box;
-}
-
 /* A box of all, moved to where the object is. It is rounded to single precision, which BVH_SLACK covers. */
 static struct bvh_box place_box(const struct bvh_box *box, const double *world_from_mesh, size_t number)
 {
@@ -51,7 +42,10 @@ static conus_status add_mesh(struct scene *scene, struct bvh_box *around, const 
     }
     *around = bvh_box_empty(0);
     for (size_t i = 0; i < mesh->triangle_count; i++) {
-        boxes[i] = box_of_triangle(mesh, i);
+        boxes[i] = bvh_box_empty((uint32_t)i);
+        for (size_t k = 0; k < 3; k++) {
+            bvh_box_extend(&boxes[i], mesh->positions + 3 * (size_t)mesh->triangles[3 * i + k]);
+        }
         bvh_box_extend(around, boxes[i].low);
         bvh_box_extend(around, boxes[i].high);
     }
@@ -61,8 +55,19 @@ static conus_status add_mesh(struct scene *scene, struct bvh_box *around, const 
     return status;
 }
 
-static conus_status add_objects(struct scene *scene, const struct mesh_object *objects, size_t count)
+static conus_status create(struct mesh_rays *rays, const struct mesh_object *objects, size_t count)
 {
+    struct scene *scene = rays->scene = memory_zeroed(1, sizeof *scene);
+    if (!scene) {
+        return CONUS_ERROR_MEMORY;
+    }
+    scene->meshes = memory_zeroed(count, sizeof *scene->meshes);
+    scene->mesh_of = memory_zeroed(count, sizeof *scene->mesh_of);
+    scene->boxes = memory_raw(count, sizeof *scene->boxes);
+    if (!scene->meshes || !scene->mesh_of || !scene->boxes) {
+        memory_free(scene->boxes);
+        return CONUS_ERROR_MEMORY;
+    }
     conus_status status = CONUS_OK;
     const struct mesh *last = NULL;
     struct bvh_box around;
@@ -80,22 +85,6 @@ static conus_status add_objects(struct scene *scene, const struct mesh_object *o
     memory_free(scene->boxes);
     scene->boxes = NULL;
     return status;
-}
-
-static conus_status create(struct mesh_rays *rays, const struct mesh_object *objects, size_t count)
-{
-    struct scene *scene = rays->scene = memory_zeroed(1, sizeof *scene);
-    if (!scene) {
-        return CONUS_ERROR_MEMORY;
-    }
-    scene->meshes = memory_zeroed(count, sizeof *scene->meshes);
-    scene->mesh_of = memory_zeroed(count, sizeof *scene->mesh_of);
-    scene->boxes = memory_raw(count, sizeof *scene->boxes);
-    if (!scene->meshes || !scene->mesh_of || !scene->boxes) {
-        memory_free(scene->boxes);
-        return CONUS_ERROR_MEMORY;
-    }
-    return add_objects(scene, objects, count);
 }
 
 static void destroy(struct mesh_rays *rays)

@@ -98,20 +98,6 @@ static void release(RTCScene scene)
     }
 }
 
-static void attach_instance(struct embree *embree, RTCScene part, const double world_from_mesh[16], unsigned number)
-{
-    float matrix[16];
-    for (int i = 0; i < 16; i++) {
-        matrix[i] = (float)world_from_mesh[i];
-    }
-    RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_INSTANCE);
-    rtcSetGeometryInstancedScene(geometry, part);
-    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, matrix);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometryByID(embree->scene, geometry, number);
-    rtcReleaseGeometry(geometry);
-}
-
 static conus_status attach_all(struct embree *embree, const struct mesh_object *objects, size_t count)
 {
     conus_status status = CONUS_OK;
@@ -129,7 +115,16 @@ static conus_status attach_all(struct embree *embree, const struct mesh_object *
                 status = attach_mesh(embree, part, part_of, 0);
                 rtcCommitScene(part);
             }
-            attach_instance(embree, part, object->world_from_mesh, (unsigned)i);
+            float matrix[16];
+            for (int k = 0; k < 16; k++) {
+                matrix[k] = (float)object->world_from_mesh[k];
+            }
+            RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_INSTANCE);
+            rtcSetGeometryInstancedScene(geometry, part);
+            rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, matrix);
+            rtcCommitGeometry(geometry);
+            rtcAttachGeometryByID(embree->scene, geometry, (unsigned)i);
+            rtcReleaseGeometry(geometry);
         }
     }
     release(part);

@@ -112,25 +112,6 @@ static conus_status reserve(struct mesh_intervals *intervals, size_t pixels)
     return CONUS_OK;
 }
 
-/* Moves the crossings to `sorted`, pixel by pixel; end[p] becomes one past the last of pixel p. */
-static void deal_to_pixels(struct mesh_intervals *intervals, size_t pixels)
-{
-    size_t *end = intervals->end;
-    size_t total = 0;
-    memset(end, 0, pixels * sizeof *end);
-    for (size_t i = 0; i < intervals->count; i++) {
-        end[intervals->crossings[i].pixel]++;
-    }
-    for (size_t p = 0; p < pixels; p++) {
-        size_t first = total;
-        total += end[p];
-        end[p] = first;
-    }
-    for (size_t i = 0; i < intervals->count; i++) {
-        intervals->sorted[end[intervals->crossings[i].pixel]++] = intervals->crossings[i];
-    }
-}
-
 static const float *corner_of(const struct mesh *mesh, uint32_t triangle, int k)
 {
     return &mesh->positions[3 * (size_t)mesh->triangles[3 * (size_t)triangle + (size_t)k]];
@@ -365,7 +346,21 @@ conus_status mesh_intervals_pair(struct layers *out, struct mesh_intervals *inte
     size_t pixels = (size_t)cone->resolution * cone->resolution;
     conus_status status = reserve(intervals, pixels);
     if (!status) {
-        deal_to_pixels(intervals, pixels);
+        /* Moves the crossings to `sorted`, pixel by pixel; end[p] becomes one past the last of pixel p. */
+        size_t *end = intervals->end;
+        size_t total = 0;
+        memset(end, 0, pixels * sizeof *end);
+        for (size_t i = 0; i < intervals->count; i++) {
+            end[intervals->crossings[i].pixel]++;
+        }
+        for (size_t p = 0; p < pixels; p++) {
+            size_t first = total;
+            total += end[p];
+            end[p] = first;
+        }
+        for (size_t i = 0; i < intervals->count; i++) {
+            intervals->sorted[end[intervals->crossings[i].pixel]++] = intervals->crossings[i];
+        }
     }
     for (size_t p = 0, first = 0; p < pixels && !status; first = intervals->end[p++]) {
         sort_pixel(intervals->sorted + first, intervals->end[p] - first);

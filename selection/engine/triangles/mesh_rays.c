@@ -57,8 +57,15 @@ static void extend_bounds(struct mesh_rays *rays, const struct mesh_object *obje
     }
 }
 
-static void measure_scene(struct mesh_rays *rays, const struct mesh_object *objects, size_t count)
+conus_status mesh_rays_create_with(struct mesh_rays **out, const struct mesh_tracer *tracer,
+                                   const struct mesh_object *objects, size_t count)
 {
+    struct mesh_rays *rays = memory_zeroed(1, sizeof *rays);
+    if (!rays) {
+        return CONUS_ERROR_MEMORY;
+    }
+    *rays = (struct mesh_rays){
+        .tracer = tracer, .low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
     size_t triangles = 0;
     double reach = 0;
     double volume = 1;
@@ -74,18 +81,6 @@ static void measure_scene(struct mesh_rays *rays, const struct mesh_object *obje
     }
     rays->slack = SLACK * reach;
     rays->cell = cbrt(volume / (double)triangles);
-}
-
-conus_status mesh_rays_create_with(struct mesh_rays **out, const struct mesh_tracer *tracer,
-                                   const struct mesh_object *objects, size_t count)
-{
-    struct mesh_rays *rays = memory_zeroed(1, sizeof *rays);
-    if (!rays) {
-        return CONUS_ERROR_MEMORY;
-    }
-    *rays = (struct mesh_rays){
-        .tracer = tracer, .low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
-    measure_scene(rays, objects, count);
     conus_status status = keep_surfaces(rays, objects, count);
     status = status ? status : tracer->create(rays, objects, count);
     if (status) {

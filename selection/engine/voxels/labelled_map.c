@@ -41,19 +41,6 @@ static void find_objects(struct distance_map *map, const struct volume *volume, 
     map->shift = most;
 }
 
-static void move_distances(struct distance_map *out, const struct distance_map *map)
-{
-    const size_t count = distance_map_codes(map);
-    const uint8_t shift = (uint8_t)out->shift;
-    const uint8_t highest = (uint8_t)(UINT8_MAX - shift);
-    const uint8_t *restrict from = map->codes;
-    uint8_t *restrict to = out->codes;
-    for (size_t c = 0; c < count; c++) {
-        uint8_t code = from[c] < highest ? from[c] : highest;
-        to[c] = (uint8_t)(code + shift);
-    }
-}
-
 static void write_objects(struct distance_map *map, const struct volume *volume, const size_t first[3], size_t voxel)
 {
     const size_t length = row_length(map);
@@ -87,7 +74,15 @@ bool labelled_map_init(struct distance_map *out, const struct volume *volume, co
         return false;
     }
     made.codes = distance_map_on_lines(made.block);
-    move_distances(&made, map);
+    const size_t count = distance_map_codes(map);
+    const uint8_t shift = (uint8_t)made.shift;
+    const uint8_t highest = (uint8_t)(UINT8_MAX - shift);
+    const uint8_t *restrict from = map->codes;
+    uint8_t *restrict to = made.codes;
+    for (size_t c = 0; c < count; c++) {
+        uint8_t code = from[c] < highest ? from[c] : highest;
+        to[c] = (uint8_t)(code + shift);
+    }
     for_rows(&made, volume, write_objects);
     *out = made;
     return true;

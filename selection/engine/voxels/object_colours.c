@@ -58,17 +58,6 @@ static int most_neighbours_first(const void *a, const void *b)
     return (x->object > y->object) - (x->object < y->object);
 }
 
-static void sort_by_neighbours(struct degree *degrees, const struct neighbours *neighbours)
-{
-    for (uint32_t object = 0; object < OBJECTS_COLOURED; object++) {
-        degrees[object] = (struct degree){.object = object};
-        for (size_t w = 0; w < WORDS; w++) {
-            degrees[object].neighbours += (uint32_t)__builtin_popcountll(neighbours->of[object][w]);
-        }
-    }
-    qsort(degrees, OBJECTS_COLOURED, sizeof *degrees, most_neighbours_first);
-}
-
 /* The lowest colour that no neighbour has; those without a colour leave all to it. */
 static uint8_t free_colour(const struct object_colours *colours, const uint64_t neighbours[WORDS])
 {
@@ -89,7 +78,13 @@ conus_status object_colours_find(struct object_colours *out, const struct volume
     conus_status status = neighbours.of && degrees ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
         note_volume(&neighbours, volume);
-        sort_by_neighbours(degrees, &neighbours);
+        for (uint32_t object = 0; object < OBJECTS_COLOURED; object++) {
+            degrees[object] = (struct degree){.object = object};
+            for (size_t w = 0; w < WORDS; w++) {
+                degrees[object].neighbours += (uint32_t)__builtin_popcountll(neighbours.of[object][w]);
+            }
+        }
+        qsort(degrees, OBJECTS_COLOURED, sizeof *degrees, most_neighbours_first);
         for (size_t i = 0; i < OBJECTS_COLOURED; i++) {
             out->of[i] = OBJECT_NO_COLOUR;
         }
