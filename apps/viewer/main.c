@@ -123,7 +123,7 @@ static int start_sources(struct window *window, const struct view_settings *sett
 }
 
 /* Scripts see the same window everywhere. */
-static void find_place(struct window_options *out, const struct view_settings *settings)
+static void find_window_options(struct window_options *out, const struct view_settings *settings)
 {
     *out = (struct window_options){.place = {.width = DEFAULT_WIDTH, .height = DEFAULT_HEIGHT},
                                    .scale = settings->scale,
@@ -168,7 +168,7 @@ static int run_view(const void *given, const struct arguments *arguments)
     if (code) {
         return code;
     }
-    find_place(&options, settings);
+    find_window_options(&options, settings);
     if (!open_window(&window, &options, arguments->operands[0], settings)) {
         script_destroy(script);
         return EXIT_NO_GL;

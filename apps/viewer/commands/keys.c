@@ -588,12 +588,7 @@ bool keys_press(struct window *window, const char *key)
 void keys_draw_help(struct window *window)
 {
     bool is_wide = (float)window->screen.width >= 1240 * window->screen.scale;
-    float width = fminf((is_wide ? 1240 : 640) * window->screen.scale, (float)window->screen.width);
-    float height = fminf((is_wide ? 680 : 780) * window->screen.scale, (float)window->screen.height);
-    ui_panel("Keys and mouse (?, F1 or Escape closes this)",
-             (struct ui_box){((float)window->screen.width - width) / 2, ((float)window->screen.height - height) / 2,
-                             width, height},
-             UI_IN_FRONT);
+    window_panel(window, "Keys and mouse (?, F1 or Escape closes this)", is_wide ? 1240 : 640, is_wide ? 680 : 780);
     ui_columns(is_wide ? 2 : 1);
     for (size_t i = 0; i < KEYS; i++) {
         char text[KEY_LIMIT];

@@ -61,7 +61,7 @@ static void keep_open(struct spacemouse *mouse, double now_s)
     }
 }
 
-static unsigned press(const struct spnav_event_button *button)
+static unsigned meaning_of(const struct spnav_event_button *button)
 {
     static const unsigned meanings[] = {SOURCE_HOLD, SOURCE_RESET, SOURCE_CONFIRM};
     bool is_known = button->press && button->bnum >= 0 && button->bnum < 3;
@@ -81,7 +81,7 @@ static void hear(struct spacemouse *mouse, double now_s, struct source_news *out
             mouse->is_unplugged = false;
         } else if (event.type == SPNAV_EVENT_BUTTON) {
             mouse->is_heard = true;
-            out->pressed |= press(&event.button);
+            out->pressed |= meaning_of(&event.button);
         } else if (event.type == SPNAV_EVENT_DEV) {
             mouse->is_unplugged = event.dev.op == SPNAV_DEV_RM;
             memset(mouse->axes, 0, sizeof mouse->axes);

@@ -130,7 +130,7 @@ void viewer_set_threshold(struct viewer *viewer, uint32_t object, double thresho
     start_readers(viewer);
 }
 
-static void set_colours(struct viewer *viewer, bool safe)
+static void set_safe_colours(struct viewer *viewer, bool safe)
 {
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         if (safe) {
@@ -145,7 +145,7 @@ static void set_colours(struct viewer *viewer, bool safe)
 void viewer_use_safe_colours(struct viewer *viewer, bool safe)
 {
     stop_readers(viewer);
-    set_colours(viewer, safe);
+    set_safe_colours(viewer, safe);
     start_readers(viewer);
 }
 
@@ -286,7 +286,7 @@ conus_status viewer_set_up(struct viewer *viewer, const struct atlas_edits *sett
         status = other ? change_thresholds(viewer, settings->thresholds) : CONUS_OK;
     }
     if (!status) {
-        set_colours(viewer, settings->safe_colours);
+        set_safe_colours(viewer, settings->safe_colours);
     }
     if (!status && settings->sets_transfer) {
         viewer->preset = settings->preset;

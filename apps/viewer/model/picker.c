@@ -37,8 +37,8 @@ static double opacity_of(const struct context_ray *context_ray, double value)
 }
 
 /* How far along the ray, in mm, only @p left of the light comes through; INFINITY beyond @p most. */
-static double depth_of(const struct context_ray *context_ray, const double origin[3], const double along[3],
-                       double most, double left)
+static double depth_of_light(const struct context_ray *context_ray, const double origin[3], const double along[3],
+                             double most, double left)
 {
     double light = 1;
     for (unsigned step = 0; step < most; step++) {
@@ -63,12 +63,12 @@ static double depth_of_surface(const struct viewer *viewer, const double origin[
     if (context_ray.volume < conus_atlas_volume_count(viewer->drawn->atlas) && viewer->painter) {
         context_ray.count = painter_transfer(viewer->painter, context_ray.points, EDITOR_POINTS);
     }
-    bool hides = context_ray.count > 0 && depth_of(&context_ray, origin, along, most, dark) < most;
-    return hides ? depth_of(&context_ray, origin, along, most, half) : INFINITY;
+    bool hides = context_ray.count > 0 && depth_of_light(&context_ray, origin, along, most, dark) < most;
+    return hides ? depth_of_light(&context_ray, origin, along, most, half) : INFINITY;
 }
 
 /* Pathways or bundles that are shown. */
-static bool has_pathways(const struct view_atlas *view)
+static bool shows_pathways(const struct view_atlas *view)
 {
     for (size_t number = view->object_count; number > 0; number--) { /* they come last */
         if (conus_atlas_object(view->atlas, number)->kind == CONUS_KIND_AREA) {
@@ -108,7 +108,7 @@ static double find_first(uint32_t *object, struct view_atlas *view, const conus_
         /* Areas of voxels would hide pathways and bundles: where these are, the picture has the areas that are hit. */
         uint32_t number = intervals[i].object;
         const conus_object *info = conus_atlas_object(view->atlas, number);
-        if (info->kind != CONUS_KIND_AREA || info->triangles > 0 || !has_pathways(view) || is_hit(view, number)) {
+        if (info->kind != CONUS_KIND_AREA || info->triangles > 0 || !shows_pathways(view) || is_hit(view, number)) {
             *object = number;
             depth = intervals[i].entry;
         }

@@ -97,7 +97,7 @@ void question_next_level(struct viewer *viewer)
     }
 }
 
-static double depth_of(const conus_result *result, bool by_entry)
+static double result_depth(const conus_result *result, bool by_entry)
 {
     double depth = by_entry ? result->entry : result->distance;
     return result->object && isfinite(depth) ? depth : INFINITY;
@@ -112,9 +112,9 @@ size_t *question_order(const struct viewer *viewer, const conus_selection *selec
     viewer_question(&asked, viewer, FIRST_TOOL, 0);
     bool by_entry = asked.layers == CONUS_LAYERS_ALL;
     for (size_t i = 0; order && i < count; i++) { /* it comes by rank: equal depths stay so */
-        double depth = depth_of(conus_selection_result(selection, i), by_entry);
+        double depth = result_depth(conus_selection_result(selection, i), by_entry);
         size_t place = i;
-        for (; place && depth_of(conus_selection_result(selection, order[place - 1]), by_entry) > depth; place--) {
+        for (; place && result_depth(conus_selection_result(selection, order[place - 1]), by_entry) > depth; place--) {
             order[place] = order[place - 1];
         }
         order[place] = i;

@@ -43,7 +43,7 @@ static void drop_selectors(struct studier *studier)
     studier->has_selectors = false;
 }
 
-static conus_status prepare(struct studier *studier, const struct study_question *question)
+static conus_status prepare_selectors(struct studier *studier, const struct study_question *question)
 {
     conus_status status = CONUS_OK;
     if (studier->has_selectors && study_has_same_selectors(&studier->of, question)) {
@@ -74,7 +74,7 @@ static struct study_answer *answer(struct studier *studier, const struct study_q
     if (question->settings.kind == STUDY_SWEEP && question->options.radius > 0) {
         return study_answer_refuse(question, "a cylinder has no angle to sweep");
     }
-    conus_status status = prepare(studier, question);
+    conus_status status = prepare_selectors(studier, question);
     if (status) {
         drop_selectors(studier);
         return study_answer_refuse(question, status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());

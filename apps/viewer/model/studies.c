@@ -43,7 +43,7 @@ bool studies_is_old(const struct viewer *viewer)
     return !viewer->study.answer || !study_is_same(&now, &viewer->study.answer->question);
 }
 
-static void ask(struct viewer *viewer)
+static void ask_studier(struct viewer *viewer)
 {
     struct study_state *study = &viewer->study;
     struct study_question now;
@@ -79,7 +79,7 @@ void studies_step(struct viewer *viewer)
         viewer->said++; /* a frame, but no cut anew */
     }
     if (studies_is_on(viewer)) {
-        ask(viewer);
+        ask_studier(viewer);
     }
 }
 

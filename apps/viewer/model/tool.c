@@ -14,7 +14,7 @@ static const char *const ordinals[TOOL_COUNT] = {"first", "second"};
 const char *const pointer_names[POINTER_COUNT] = {"mouse", "wand", "replay", "tracker", "spacemouse", "gamepad"};
 
 /* Asks all atlases; one that cannot answer has no answer any more. */
-static void ask(struct viewer *viewer, enum tool_number number)
+static void ask_atlases(struct viewer *viewer, enum tool_number number)
 {
     struct tool *tool = &viewer->tools[number];
     double begun = clock_ms();
@@ -48,7 +48,7 @@ void tool_reselect(struct viewer *viewer)
         forget(viewer, FIRST_TOOL);
         return;
     }
-    ask(viewer, FIRST_TOOL);
+    ask_atlases(viewer, FIRST_TOOL);
     const conus_result *best = conus_selection_result(viewer_selection(viewer), 0);
     if (viewer->cone.follow == FOLLOW_TIP) {
         viewer_cross(viewer, viewer->tools[FIRST_TOOL].pose.world_from_device + 12);
@@ -192,7 +192,7 @@ void tool_update_second(struct viewer *viewer)
     }
     forget(viewer, SECOND_TOOL);
     if (second->has_pose) {
-        ask(viewer, SECOND_TOOL);
+        ask_atlases(viewer, SECOND_TOOL);
     }
     second->is_asked = true;
     second->asked_after = now;

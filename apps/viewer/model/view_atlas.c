@@ -35,7 +35,7 @@ static const char *path_of(const conus_atlas *atlas, size_t index)
     return index < volumes ? conus_atlas_volume(atlas, index)->path : conus_atlas_file(atlas, index - volumes);
 }
 
-static struct state look_at(const char *path)
+static struct state look_at_file(const char *path)
 {
     struct stat stat_;
     if (stat(path, &stat_)) {
@@ -44,7 +44,7 @@ static struct state look_at(const char *path)
     return (struct state){.is_there = true, .changed = stat_.st_mtim, .size = stat_.st_size};
 }
 
-static bool is_same(const struct state *a, const struct state *b)
+static bool is_same_state(const struct state *a, const struct state *b)
 {
     return a->is_there == b->is_there && a->size == b->size && a->changed.tv_sec == b->changed.tv_sec &&
            a->changed.tv_nsec == b->changed.tv_nsec;
@@ -75,7 +75,7 @@ static struct file_watch *file_watch_create(const conus_atlas *atlas)
         return NULL;
     }
     for (size_t i = 0; i < watch->count; i++) {
-        watch->states[i] = watch->first[i] = look_at(path_of(watch->atlas, i));
+        watch->states[i] = watch->first[i] = look_at_file(path_of(watch->atlas, i));
     }
     return watch;
 }
@@ -243,8 +243,8 @@ const char *file_watch_find_other(const struct file_watch *watch, const conus_at
 {
     for (size_t i = 0; i < watch->count; i++) {
         const char *path = path_of(watch->atlas, i);
-        struct state is = look_at(path);
-        if (!is_same(&is, &watch->first[i]) && has_file(now, path_name(path))) {
+        struct state is = look_at_file(path);
+        if (!is_same_state(&is, &watch->first[i]) && has_file(now, path_name(path))) {
             return path_name(path);
         }
     }
@@ -256,8 +256,8 @@ bool file_watch_check(struct file_watch *watch, char text[FILE_WATCH_TEXT])
     size_t changes = 0;
     for (size_t i = 0; i < watch->count; i++) {
         const char *path = path_of(watch->atlas, i);
-        struct state now = look_at(path);
-        if (is_same(&now, &watch->states[i])) {
+        struct state now = look_at_file(path);
+        if (is_same_state(&now, &watch->states[i])) {
             continue;
         }
         if (changes++ == 0) {

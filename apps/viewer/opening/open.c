@@ -57,7 +57,7 @@ struct looking {
     enum kind *kinds;    /* [wanted->count] */
 };
 
-static enum kind look_at(const char *path)
+static enum kind find_kind(const char *path)
 {
     struct session_file file = {0};
     bool is_session = session_file_read(&file, path);
@@ -68,7 +68,7 @@ static enum kind look_at(const char *path)
 /* Whether what is at `path` may be an atlas by itself: it is no session and no tractogram. Reads it. */
 static bool files_may_be_atlas(const char *path)
 {
-    return look_at(path) == IS_OTHER;
+    return find_kind(path) == IS_OTHER;
 }
 
 /* Runs on another thread: finds the kind of each file. */
@@ -78,7 +78,7 @@ static void look(void *user)
     for (size_t i = 0; i < looking->wanted->count; i++) {
         const char *path = looking->wanted->paths[i];
         bool is_named = looking->session && strcmp(path, looking->session) == 0;
-        looking->kinds[i] = is_named ? IS_SESSION : look_at(path);
+        looking->kinds[i] = is_named ? IS_SESSION : find_kind(path);
     }
 }
 

@@ -98,7 +98,7 @@ static const char *find_other_volume(const conus_atlas *before, const conus_atla
 }
 
 /* Whether the loaded files are those that were open before, by checksums and the times of files. */
-static bool is_same(char why[LOADER_WHY], const struct viewer *viewer, const struct atlases *loaded)
+static bool is_unchanged(char why[LOADER_WHY], const struct viewer *viewer, const struct atlases *loaded)
 {
     const char *other = NULL;
     for (size_t i = 0; i < viewer->atlas_count && !other; i++) {
@@ -218,7 +218,7 @@ static bool load_and_show(struct window *window, const struct worded *worded, in
     snprintf(why, LOADER_WHY, "%s", words ? "" : "not enough memory");
     bool fine = words && wait_load(window, &request, &loaded, why);
     if (fine) {
-        fine = is_same(why, window->viewer, &loaded) && !is_doubtful(window, loaded.items[0].atlas, words, why) &&
+        fine = is_unchanged(why, window->viewer, &loaded) && !is_doubtful(window, loaded.items[0].atlas, words, why) &&
                show_again(window, &loaded, words, step, why);
     }
     if (!fine && loaded.count) {

@@ -251,8 +251,8 @@ static conus_status exchange_prepare(struct exchange *exchange, const struct rep
 }
 
 /* Prepares the atlases that replace those of the viewer. */
-static conus_status prepare(struct exchange *all, struct view_atlas *next, const struct viewer *viewer,
-                            const struct replacement *now)
+static conus_status prepare_atlases(struct exchange *all, struct view_atlas *next, const struct viewer *viewer,
+                                    const struct replacement *now)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < viewer->atlas_count && !status; i++) {
@@ -272,7 +272,7 @@ bool viewer_replace(struct viewer *viewer, const struct replacement *now, char *
 {
     struct exchange *all = calloc(viewer->atlas_count, sizeof *all);
     struct view_atlas *next = calloc(viewer->atlas_count, sizeof *next);
-    conus_status status = all && next ? prepare(all, next, viewer, now) : CONUS_ERROR_MEMORY;
+    conus_status status = all && next ? prepare_atlases(all, next, viewer, now) : CONUS_ERROR_MEMORY;
     if (status) {
         bool is_other = false;
         for (size_t i = 0; all && i < viewer->atlas_count; i++) {

@@ -7,8 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const float width_of = 620, height_of = 360;
-
 /* The syntax of the line, by kind. */
 static const char *const keys[ADDITION_COUNT] = {
     "FILE: a volume, in place of another one, or a surface",
@@ -102,13 +100,8 @@ static void draw_line(struct window *window, const json_t *words)
 
 void panel_added(struct window *window)
 {
-    float width = fminf(width_of * window->screen.scale, (float)window->screen.width);
-    float height = fminf(height_of * window->screen.scale, (float)window->screen.height);
     const json_t *words = json_object_get(window->files.opened, "options");
-    ui_panel("Files that were added (Ctrl+L; Escape closes this)",
-             (struct ui_box){((float)window->screen.width - width) / 2, ((float)window->screen.height - height) / 2,
-                             width, height},
-             UI_IN_FRONT);
+    window_panel(window, "Files that were added (Ctrl+L; Escape closes this)", 620, 360);
     draw_files(window, words);
     ui_separator();
     draw_line(window, words);

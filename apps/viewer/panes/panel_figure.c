@@ -4,10 +4,6 @@
 
 #include "viewer/window/figure_form.h"
 
-#include <math.h>
-
-static const float width_of = 520, height_of = 400;
-
 static void choose_size(struct sheet *sheet)
 {
     static const char *const units[] = {"pixels", "mm on paper"};
@@ -92,14 +88,9 @@ static void choose_name(struct window *window)
 void panel_figure(struct window *window)
 {
     static const char *const panes[] = {"axial cut", "coronal cut", "sagittal cut", "3-D"};
-    float width = fminf(width_of * window->screen.scale, (float)window->screen.width);
-    float height = fminf(height_of * window->screen.scale, (float)window->screen.height);
     struct sheet before = window->sheet;
     enum backdrop backdrop = window->viewer->display.backdrop;
-    ui_panel("Save a figure (Ctrl+P; Escape closes this)",
-             (struct ui_box){((float)window->screen.width - width) / 2, ((float)window->screen.height - height) / 2,
-                             width, height},
-             UI_IN_FRONT);
+    window_panel(window, "Save a figure (Ctrl+P; Escape closes this)", 520, 400);
     ui_choose("of", &window->forms.figure.pane, panes, PANE_COUNT);
     ui_tip("drawn anew at this size: the place, the cone and the look that the pane has now");
     choose_size(&window->sheet);

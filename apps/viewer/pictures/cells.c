@@ -145,7 +145,7 @@ static conus_status take_surface(struct cells *out, const struct lattice *lattic
 }
 
 /* Finds the box of the objects by a coarse look at the whole atlas; where there is none, low is above high. */
-static conus_status find_place(double low[3], double high[3], struct search *search)
+static conus_status find_objects(double low[3], double high[3], struct search *search)
 {
     double bounds[2][3];
     struct lattice lattice = {.inside = NULL};
@@ -170,7 +170,7 @@ conus_status cells_find(struct cells *out, const conus_atlas *atlas, const bool 
     struct search search = {atlas, wanted, calloc(conus_atlas_object_count(atlas) + 1, sizeof *search.seen), NULL};
     *out = (struct cells){.middles = NULL};
     conus_status status = search.seen ? conus_cutter_create(&search.cutter, atlas) : CONUS_ERROR_MEMORY;
-    status = status ? status : find_place(box[0], box[1], &search);
+    status = status ? status : find_objects(box[0], box[1], &search);
     if (!status && box[0][0] < box[1][0]) {
         status = sample(&lattice, box[0], box[1], &search);
         status = status ? status : take_surface(out, &lattice);

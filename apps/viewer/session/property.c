@@ -196,14 +196,14 @@ static bool is_enum(const struct property *property)
 }
 
 /* Its bytes in the window. */
-static void *place_of(const struct property *property, const struct window *window)
+static void *address_of(const struct property *property, const struct window *window)
 {
     return (char *)(property->of_window ? (void *)window : (void *)window->viewer) + property->offset;
 }
 
 void property_get(double out[PROPERTY_NUMBERS], const struct property *property, const struct window *window)
 {
-    const void *place = place_of(property, window);
+    const void *place = address_of(property, window);
     for (size_t i = 0; i < property_count(property); i++) {
         switch (property->type) {
         case PROPERTY_REAL:
@@ -225,7 +225,7 @@ void property_get(double out[PROPERTY_NUMBERS], const struct property *property,
 
 void property_put(struct window *window, const struct property *property, const double numbers[PROPERTY_NUMBERS])
 {
-    void *place = place_of(property, window);
+    void *place = address_of(property, window);
     for (size_t i = 0; i < property_count(property); i++) {
         switch (property->type) {
         case PROPERTY_REAL:

@@ -32,7 +32,7 @@ static bool is_left_out(const struct property *property, const struct window *wi
 }
 
 /* NULL without memory, or where a name is not UTF-8. */
-static char *text_of(const struct window *window)
+static char *state_text(const struct window *window)
 {
     json_t *root = session_json(window);
     for (size_t i = 0; i < PROPERTY_COUNT; i++) {
@@ -56,7 +56,7 @@ static void note_versions(struct window *window)
 
 void undo_renew(struct window *window)
 {
-    char *text = text_of(window);
+    char *text = state_text(window);
     if (text) {
         note_versions(window);
         changes_renew(&window->history.changes, text);
@@ -71,7 +71,7 @@ void undo_note(struct window *window)
                   !window->history.changes.count ||
                   !layout_is_same(&window->history.noted_layout, &window->screen.layout);
     if (is_new) {
-        char *text = text_of(window);
+        char *text = state_text(window);
         note_versions(window);
         if (text) {
             changes_add(&window->history.changes, text);

@@ -107,7 +107,7 @@ void folder_finish(struct folder *folder)
 }
 
 /* The path that the text means: ~ is the home folder. */
-static bool find_path(char path[PATH_MAX], const struct dialog *dialog)
+static bool find_typed_path(char path[PATH_MAX], const struct dialog *dialog)
 {
     const char *home = getenv("HOME");
     bool at_home = home && (strncmp(dialog->text, "~/", 2) == 0 || strcmp(dialog->text, "~") == 0);
@@ -125,7 +125,7 @@ static const char *leaf(const char *text)
 void dialog_here(char path[PATH_MAX], const struct dialog *dialog)
 {
     char whole[PATH_MAX];
-    if (!find_path(whole, dialog)) {
+    if (!find_typed_path(whole, dialog)) {
         whole[0] = '\0';
     }
     size_t length = (size_t)(leaf(whole) - whole);
@@ -260,7 +260,7 @@ static bool may_be_opened(const char *path)
 bool dialog_enter(char path[PATH_MAX], struct dialog *dialog)
 {
     dialog_look(dialog);
-    if (dialog->purpose == DIALOG_OPEN && find_path(path, dialog) && !may_be_opened(path)) {
+    if (dialog->purpose == DIALOG_OPEN && find_typed_path(path, dialog) && !may_be_opened(path)) {
         size_t fitting = 0;
         for (size_t i = 0; i < dialog->folder.count; i++) { /* a part of a name that one entry has means that one */
             if (dialog_fits(dialog, i)) {
@@ -274,7 +274,7 @@ bool dialog_enter(char path[PATH_MAX], struct dialog *dialog)
             return false;
         }
     }
-    if (!find_path(path, dialog) || !leaf(path)[0]) {
+    if (!find_typed_path(path, dialog) || !leaf(path)[0]) {
         dialog->takes_keys = dialog->is_set = true;
         return false;
     }

@@ -121,7 +121,7 @@ void window_fill_screen(struct window *window, bool fill)
 }
 
 /* Left, right, lower and upper edge of a box of the window, in parts of the screen. */
-static void find_part(double part[4], const struct window *window, const struct ui_box *box)
+static void find_part_of_screen(double part[4], const struct window *window, const struct ui_box *box)
 {
     int place[4];
     int screen[4];
@@ -146,7 +146,7 @@ void window_eye(const struct window *window, struct eye *out)
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     double part[4];
     if (viewer->head.on && window->screen.width > 0) {
-        find_part(part, window, box);
+        find_part_of_screen(part, window, box);
         if (head_eye(out, &viewer->head, part)) {
             return;
         }
@@ -209,7 +209,7 @@ static void name_with_control(char name[KEY_LIMIT], int key, int scancode, int m
     snprintf(name, letter ? KEY_LIMIT : 1, "ctrl+%s%c", with_shift ? "shift+" : "", is_plus ? '+' : letter);
 }
 
-static const char *name_of(int key)
+static const char *name_of_key(int key)
 {
     static const struct {
         int key;
@@ -247,7 +247,7 @@ static void press_named(GLFWwindow *handle, int key, int scancode, int action, i
     char name[KEY_LIMIT] = "";
     touch(handle);
     const char *with = !is_move(key) ? "" : mods & GLFW_MOD_SHIFT ? "shift+" : mods & GLFW_MOD_CONTROL ? "ctrl+" : "";
-    snprintf(name, sizeof name, "%s%s", with, name_of(key));
+    snprintf(name, sizeof name, "%s%s", with, name_of_key(key));
     if (!name[0] && (mods & GLFW_MOD_CONTROL) && !(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))) {
         name_with_control(name, key, scancode, mods);
     }
@@ -585,6 +585,15 @@ double window_rest(const struct window *window)
         return 0;
     }
     return window->pictures.moving ? fmax(window->pictures.moving_until - clock_ms(), 1) / 1e3 : INFINITY;
+}
+
+void window_panel(const struct window *window, const char *title, float width, float height)
+{
+    const struct screen *screen = &window->screen;
+    float wide = fminf(width * screen->scale, (float)screen->width);
+    float high = fminf(height * screen->scale, (float)screen->height);
+    ui_panel(title, (struct ui_box){((float)screen->width - wide) / 2, ((float)screen->height - high) / 2, wide, high},
+             UI_IN_FRONT);
 }
 
 void window_clear(const struct window *window)

@@ -269,6 +269,8 @@ bool screen_shows_pane(const struct screen *screen, int pane);
 /** Where a point (world mm) is in the 3-D pane, pixels of the window; false behind the eye. */
 bool window_point(float out[2], const struct window *window, const double world[3]);
 
+/** Begins a panel in the middle of the window, in front of the others: of that size at scale 1, where it fits. */
+void window_panel(const struct window *window, const char *title, float width, float height);
 /** Clears it to the colour of panels. */
 void window_clear(const struct window *window);
 /** Whether the next frame will show something else than the newest. */
