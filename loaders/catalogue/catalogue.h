@@ -65,11 +65,10 @@ char *catalogue_join(const char *folder, const char *name);
 
 /** How a folder is looked through. */
 struct folder_rule {
-    size_t depth; /**< Levels of folders below that are looked at. */
-    const char *const
-        *patterns;   /**< Patterns for names of labelled volumes, up to NULL; NULL: volume_marks.h finds out. */
-    const char *cut; /**< Ending of a name without the file's that is no part of it; NULL = none. */
-    bool subjects;   /**< It holds subjects of FreeSurfer. */
+    size_t depth;                /**< Levels of folders below that are looked at. */
+    const char *const *patterns; /**< For names of labelled volumes, NULL at the end; NULL: volume_marks.h decides. */
+    const char *cut;             /**< Ending of a name without the file's that is no part of it; NULL = none. */
+    bool subjects;               /**< It holds subjects of FreeSurfer. */
 };
 
 /** Adds the labelled volumes, manifests, FSL atlases and BrainGlobe folders in a folder and in those below it. */

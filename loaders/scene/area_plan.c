@@ -189,24 +189,18 @@ static conus_status find_matches(struct matches *matches, struct area_plan *plan
     return status;
 }
 
-/* The label of a file: its number, what the table says of that, what the entry says of all. */
-static conus_status label_of_match(struct label *label, const struct matches *matches, size_t index,
-                                   const struct manifest_area *area)
+/* Takes the label `number` from the table, raised by the entry's offset, with the entry's hemisphere if it has one. */
+static conus_status raise_label(struct label *out, const struct label_table *table, uint32_t number,
+                                const struct manifest_area *area)
 {
-    bool found;
-    uint32_t number = (uint32_t)index + 1;
-    uint32_t offset = area->label_offset;
-    conus_status status = matches->numbered ? number_in_name(&number, &found, matches->names.names[index]) : CONUS_OK;
-    if (!status && number > UINT32_MAX - offset) {
-        status = fail(CONUS_ERROR_DATA, "label_offset: %u + %u is above 4294967295", offset, number);
+    if (number > UINT32_MAX - area->label_offset) {
+        return fail(CONUS_ERROR_DATA, "label_offset: %u + %u is above 4294967295", area->label_offset, number);
     }
-    const struct label *known = label_table_find(&matches->table, number);
-    *label = known ? *known : (struct label){0};
-    label->number = number + offset;
-    label->hemisphere = area->label.hemisphere ? area->label.hemisphere : label->hemisphere;
-    label->parent = label->has_parent ? label->parent + offset : area->label.parent;
-    label->has_parent = label->has_parent || area->label.has_parent;
-    return status;
+    const struct label *known = label_table_find(table, number);
+    *out = known ? *known : (struct label){0};
+    out->number = number + area->label_offset;
+    out->hemisphere = area->label.hemisphere ? area->label.hemisphere : out->hemisphere;
+    return CONUS_OK;
 }
 
 /* Plans "files", a pattern. */
@@ -216,9 +210,14 @@ static conus_status plan_pattern(struct area_plan *plan, size_t entry, const str
     struct matches matches = {0};
     conus_status status = find_matches(&matches, plan, area, path, notes);
     for (size_t i = 0; !status && i < matches.names.count; i++) {
-        struct label label;
+        struct label label = {0};
         struct buffer file = {0};
-        status = label_of_match(&label, &matches, i, area);
+        bool found;
+        uint32_t number = (uint32_t)i + 1;
+        status = matches.numbered ? number_in_name(&number, &found, matches.names.names[i]) : CONUS_OK;
+        status = status ? status : raise_label(&label, &matches.table, number, area);
+        label.parent = label.has_parent ? label.parent + area->label_offset : area->label.parent;
+        label.has_parent = label.has_parent || area->label.has_parent;
         buffer_format(&file, "%s%s", matches.folder, matches.names.names[i]);
         status = status ? status : buffer_status(&file);
         if (status) {
@@ -237,17 +236,16 @@ static conus_status plan_pattern(struct area_plan *plan, size_t entry, const str
 static conus_status plan_part(struct area_plan *plan, size_t entry, const struct manifest_area *area, uint32_t number)
 {
     const struct labelled_surface *surface = &plan->labelled[plan->labelled_count - 1];
-    const struct label *known = label_table_find(&surface->labels.table, number);
-    struct label label = known ? *known : (struct label){0};
-    if (number > UINT32_MAX - area->label_offset) {
-        return fail(CONUS_ERROR_DATA, "label_offset: %u + %u is above 4294967295", area->label_offset, number);
+    struct label label;
+    conus_status status = raise_label(&label, &surface->labels.table, number, area);
+    if (status) {
+        return status;
     }
-    label.number = number + area->label_offset;
     label.hemisphere = area->label.hemisphere ? area->label.hemisphere : surface->labels.hemisphere;
     label.has_parent = area->label.has_parent;
     label.parent = area->label.parent;
     char *path = memory_text(surface->path, strlen(surface->path));
-    conus_status status = path ? area_plan_add(plan, entry, path, &label) : CONUS_ERROR_MEMORY;
+    status = path ? area_plan_add(plan, entry, path, &label) : CONUS_ERROR_MEMORY;
     if (!status) {
         struct planned_area *planned = &plan->areas[plan->count - 1];
         planned->is_part = true;
