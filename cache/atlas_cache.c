@@ -165,20 +165,6 @@ static bool write_atlas(void *user, int file, size_t at)
     return atlas_pack_write(file, at, user) == CONUS_OK;
 }
 
-/* Maps what was just written: then the atlas is in memory once, and answers as it will the next time. */
-static void map_kept(struct atlas_cache *cache, conus_atlas **atlas)
-{
-    const struct conus_load_options *given = cache->given;
-    const struct conus_load_options silent = {0};
-    cache->given = &silent; /* who listens has heard the notes */
-    conus_atlas *mapped = atlas_cache_find(cache);
-    cache->given = given;
-    if (mapped) {
-        conus_atlas_destroy(*atlas);
-        *atlas = mapped;
-    }
-}
-
 void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
 {
     struct buffer trace = {0};
@@ -191,9 +177,18 @@ void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
                                 .packed = {NULL, conus_atlas_packed_size(*atlas)}};
     if (!buffer_status(&trace) && !cache->heard.failed &&
         cache_store_keep(&cache->store, &entry, write_atlas, *atlas)) {
+        /* maps what was just written: then the atlas is in memory once, and answers as it will the next time */
+        const struct conus_load_options *given = cache->given;
+        const struct conus_load_options silent = {0};
         cache->store.written = entry.trace;
-        map_kept(cache, atlas);
+        cache->given = &silent; /* who listens has heard the notes */
+        conus_atlas *mapped = atlas_cache_find(cache);
+        cache->given = given;
         cache->store.written = (struct cache_part){0};
+        if (mapped) {
+            conus_atlas_destroy(*atlas);
+            *atlas = mapped;
+        }
     }
     buffer_finish(&trace);
 }

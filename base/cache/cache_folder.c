@@ -65,28 +65,6 @@ void cache_listing_finish(struct cache_listing *listing)
     *listing = (struct cache_listing){0};
 }
 
-static conus_status list_item(struct cache_listing *list, int folder, const char *name, const char *ending)
-{
-    struct stat info;
-    struct cache_item item = {0};
-    size_t length = strlen(name);
-    size_t tail = strlen(ending);
-    if (length >= sizeof item.name || length <= tail || strcmp(name + length - tail, ending) != 0 ||
-        fstatat(folder, name, &info, AT_SYMLINK_NOFOLLOW) || !S_ISREG(info.st_mode)) {
-        return CONUS_OK;
-    }
-    if (!memory_reserve(&list->items, &list->capacity, list->count + 1, sizeof item)) {
-        return CONUS_ERROR_MEMORY;
-    }
-    memcpy(item.name, name, length + 1);
-    item.used_s = info.st_atim.tv_sec;
-    item.used_ns = info.st_atim.tv_nsec;
-    item.size = (uint64_t)info.st_size;
-    list->size += item.size;
-    list->items[list->count++] = item;
-    return CONUS_OK;
-}
-
 static int compare_use(const void *a, const void *b)
 {
     const struct cache_item *x = a;
@@ -98,9 +76,26 @@ static int compare_use(const void *a, const void *b)
 conus_status cache_folder_list(struct cache_listing *out, const char *path, const char *ending)
 {
     DIR *folder = opendir(path);
+    size_t tail = strlen(ending);
     conus_status status = CONUS_OK;
     for (struct dirent *entry; folder && !status && (entry = readdir(folder));) {
-        status = list_item(out, dirfd(folder), entry->d_name, ending);
+        struct stat info;
+        struct cache_item item = {0};
+        size_t length = strlen(entry->d_name);
+        if (length >= sizeof item.name || length <= tail || strcmp(entry->d_name + length - tail, ending) != 0 ||
+            fstatat(dirfd(folder), entry->d_name, &info, AT_SYMLINK_NOFOLLOW) || !S_ISREG(info.st_mode)) {
+            continue;
+        }
+        if (!memory_reserve(&out->items, &out->capacity, out->count + 1, sizeof item)) {
+            status = CONUS_ERROR_MEMORY;
+            break;
+        }
+        memcpy(item.name, entry->d_name, length + 1);
+        item.used_s = info.st_atim.tv_sec;
+        item.used_ns = info.st_atim.tv_nsec;
+        item.size = (uint64_t)info.st_size;
+        out->size += item.size;
+        out->items[out->count++] = item;
     }
     if (folder) {
         closedir(folder);

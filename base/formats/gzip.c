@@ -66,24 +66,10 @@ static void next_member(struct stream *stream)
     stream->ended = stream->zlib || !gzip_is(next, size) || inflateReset(&stream->z) != Z_OK;
 }
 
-/* Inflates into the space that was aimed at, and tells the indexer. */
-static int inflate_once(struct stream *stream, size_t space_left)
-{
-    struct gzip_indexer *indexer = stream->indexer;
-    const uint8_t *out = stream->z.next_out;
-    int code = inflate(&stream->z, indexer ? Z_BLOCK : Z_NO_FLUSH);
-    size_t got = space_left - stream->z.avail_out;
-    stream->position += got;
-    if (indexer) {
-        gzip_indexer_add(indexer, out, got);
-        gzip_indexer_stop(indexer, &stream->z, stream->position, (uint64_t)(stream->z.next_in - stream->packed));
-    }
-    return code;
-}
-
 /* Inflates until `until` bytes are unpacked, the stream ends or the packed bytes are used up. */
 static conus_status inflate_until(struct stream *stream, uint64_t until)
 {
+    struct gzip_indexer *indexer = stream->indexer;
     while (!stream->ended && stream->position < until) {
         if (!stream->z.avail_in) {
             size_t size = smaller_of(stream->rest_size, INT_MAX);
@@ -94,7 +80,14 @@ static conus_status inflate_until(struct stream *stream, uint64_t until)
         }
         size_t space_left = set_output(stream, until - stream->position);
         uint64_t before = stream->position;
-        int code = inflate_once(stream, space_left);
+        const uint8_t *out = stream->z.next_out;
+        int code = inflate(&stream->z, indexer ? Z_BLOCK : Z_NO_FLUSH);
+        size_t got = space_left - stream->z.avail_out;
+        stream->position += got;
+        if (indexer) {
+            gzip_indexer_add(indexer, out, got);
+            gzip_indexer_stop(indexer, &stream->z, stream->position, (uint64_t)(stream->z.next_in - stream->packed));
+        }
         if (code == Z_STREAM_END) {
             next_member(stream);
         } else if (code == Z_MEM_ERROR) {

@@ -119,16 +119,6 @@ bool gzip_indexer_write(struct buffer *out, struct gzip_indexer *indexer, const 
     return !out->failed && out->size <= GZIP_INDEX_LIMIT;
 }
 
-static bool is_point(const struct gzip_index *index, size_t i)
-{
-    const struct gzip_point *point = &index->points[i];
-    bool ascends =
-        i == 0 ? point->unpacked == 0 : point->unpacked > point[-1].unpacked && point->packed >= point[-1].packed;
-    return ascends && point->unpacked < index->unpacked && point->packed > 0 && point->packed <= index->packed &&
-           point->bits <= LAST_BITS && point->window <= index->windows_size &&
-           point->window_size <= index->windows_size - point->window;
-}
-
 bool gzip_index_parse(struct gzip_index *out, const uint8_t *data, size_t size)
 {
     struct index_head head;
@@ -158,7 +148,12 @@ bool gzip_index_parse(struct gzip_index *out, const uint8_t *data, size_t size)
     index.windows = (const uint8_t *)(index.points + index.count);
     bool fine = true;
     for (size_t i = 0; fine && i < index.count; i++) {
-        fine = is_point(&index, i);
+        const struct gzip_point *point = &index.points[i];
+        bool ascends =
+            i == 0 ? point->unpacked == 0 : point->unpacked > point[-1].unpacked && point->packed >= point[-1].packed;
+        fine = ascends && point->unpacked < index.unpacked && point->packed > 0 && point->packed <= index.packed &&
+               point->bits <= LAST_BITS && point->window <= index.windows_size &&
+               point->window_size <= index.windows_size - point->window;
     }
     *out = fine ? index : *out;
     return fine;
@@ -199,25 +194,19 @@ static conus_status feed(struct follower *follower)
     return CONUS_OK;
 }
 
-static conus_status skip_trailer(struct follower *follower)
+static conus_status next_member(struct follower *follower)
 {
+    if (follower->index->zlib) {
+        return follower->z.avail_out ? fail_mismatch() : CONUS_OK;
+    }
     conus_status status = CONUS_OK;
-    for (size_t left = TRAILER; !status && left;) {
+    for (size_t left = follower->raw ? TRAILER : 0; !status && left;) {
         status = follower->z.avail_in ? CONUS_OK : feed(follower);
         size_t part = smaller_of(left, follower->z.avail_in);
         follower->z.next_in += part;
         follower->z.avail_in -= (uInt)part;
         left -= part;
     }
-    return status;
-}
-
-static conus_status next_member(struct follower *follower)
-{
-    if (follower->index->zlib) {
-        return follower->z.avail_out ? fail_mismatch() : CONUS_OK;
-    }
-    conus_status status = follower->raw ? skip_trailer(follower) : CONUS_OK;
     follower->raw = false;
     return status || inflateReset2(&follower->z, GZIP) == Z_OK ? status : fail_mismatch();
 }

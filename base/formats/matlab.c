@@ -257,38 +257,39 @@ static conus_status matlab_check_header(bool *swapped, struct text text)
                             : fail(CONUS_ERROR_DATA, "MATLAB's header: version %#x, allowed is 0x100", version);
 }
 
-static conus_status unpack_variable(struct matlab *matlab, size_t index, struct text packed)
-{
-    struct bytes *bytes = &matlab->unpacked[index];
-    conus_status status = gzip_unpack_zlib(bytes, at(packed), packed.size, matlab->limit - matlab->used);
-    if (!status) {
-        uint8_t *less = memory_resize(bytes->data, bytes->size, 1); /* it was unpacked into more than it takes */
-        bytes->data = less ? less : bytes->data;
-        status = use_memory(matlab, bytes->size);
-    }
-    return status;
-}
-
 /* One variable, packed or not: its bytes as an array that is still to be parsed. */
 static conus_status take_variable(struct matlab *matlab, size_t index, struct text *rest, bool swapped)
 {
     struct element element;
     struct matlab_array *array = &matlab->arrays[index];
     array->swapped = swapped;
+    array->bytes = (struct text){"", 0};
     conus_status status = take_element(&element, rest, swapped);
-    if (!status && element.type == COMPRESSED) {
-        status = unpack_variable(matlab, index, element.bytes);
-        struct text inner = {(const char *)matlab->unpacked[index].data, matlab->unpacked[index].size};
-        status = status ? status : take_element(&element, &inner, swapped);
-        if (!status && inner.size) {
-            status = fail(CONUS_ERROR_DATA, "%zu bytes behind the packed array", inner.size);
+    if (status) {
+        return status;
+    }
+    if (element.type == COMPRESSED) {
+        struct bytes *bytes = &matlab->unpacked[index];
+        struct text packed = element.bytes;
+        status = gzip_unpack_zlib(bytes, at(packed), packed.size, matlab->limit - matlab->used);
+        if (status) {
+            return status;
+        }
+        uint8_t *less = memory_resize(bytes->data, bytes->size, 1); /* it was unpacked into more than it takes */
+        bytes->data = less ? less : bytes->data;
+        struct text inner = {(const char *)bytes->data, bytes->size};
+        if ((status = use_memory(matlab, bytes->size)) || (status = take_element(&element, &inner, swapped))) {
+            return status;
+        }
+        if (inner.size) {
+            return fail(CONUS_ERROR_DATA, "%zu bytes behind the packed array", inner.size);
         }
     }
-    if (!status && element.type != MATRIX) {
-        status = fail(CONUS_ERROR_DATA, "an element of type %u, an array (%d) is needed", element.type, MATRIX);
+    if (element.type != MATRIX) {
+        return fail(CONUS_ERROR_DATA, "an element of type %u, an array (%d) is needed", element.type, MATRIX);
     }
-    array->bytes = status ? (struct text){"", 0} : element.bytes;
-    return status;
+    array->bytes = element.bytes;
+    return CONUS_OK;
 }
 
 conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit)

@@ -152,28 +152,22 @@ const char *xml_attribute(const struct xml_event *event, const char *name)
     return NULL;
 }
 
-/* Skips a declaration, a comment or a document type at the start of `text`. */
-static bool skip_prologue(struct text *text)
-{
-    const char *close = memchr(text->data, '>', text->size);
-    bool has_subset = close && memchr(text->data, '[', (size_t)(close - text->data));
-    const char *ending = text_starts(*text, "<?") ? "?>" : text_starts(*text, "<!--") ? "-->" : has_subset ? "]>" : ">";
-    const char *end = memmem(text->data, text->size, ending, strlen(ending));
-    if (!end) {
-        return false;
-    }
-    size_t length = (size_t)(end - text->data) + strlen(ending);
-    *text = text_trim((struct text){text->data + length, text->size - length});
-    return true;
-}
-
 struct text xml_root(struct text text)
 {
     text = text_trim(text);
-    while (text_starts(text, "<?") || text_starts(text, "<!")) {
-        if (!skip_prologue(&text)) {
+    while (text_starts(text, "<?") || text_starts(text, "<!")) { /* a declaration, a comment or a document type */
+        const char *close = memchr(text.data, '>', text.size);
+        bool has_subset = close && memchr(text.data, '[', (size_t)(close - text.data));
+        const char *ending = text_starts(text, "<?")     ? "?>"
+                             : text_starts(text, "<!--") ? "-->"
+                             : has_subset                ? "]>"
+                                                         : ">";
+        const char *end = memmem(text.data, text.size, ending, strlen(ending));
+        if (!end) {
             return (struct text){0};
         }
+        size_t skipped = (size_t)(end - text.data) + strlen(ending);
+        text = text_trim((struct text){text.data + skipped, text.size - skipped});
     }
     size_t length = 0;
     while (text_starts(text, "<") && 1 + length < text.size && !strchr(" \t\r\n/>", text.data[1 + length])) {

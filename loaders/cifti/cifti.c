@@ -622,29 +622,26 @@ conus_status cifti_parse(struct cifti *out, const uint8_t *data, size_t size, ui
     return CONUS_OK;
 }
 
-static conus_status take_label(uint32_t *out, double value, const struct cifti_map *map, size_t grayordinate)
-{
-    if (!isfinite(value) || value != floor(value) || value > UINT32_MAX) {
-        return fail(CONUS_ERROR_DATA, "grayordinate %zu: label %.9g, allowed are whole numbers up to 4294967295",
-                    grayordinate, value);
-    }
-    *out = value > 0 ? (uint32_t)value : 0;
-    return !*out || label_table_find(&map->table, *out)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "grayordinate %zu: label %u, which the LabelTable of map \"%.60s\" lacks",
-                      grayordinate, *out, map->name ? map->name : "");
-}
-
 conus_status cifti_labels(uint32_t **out, const struct cifti *cifti, size_t map, struct notes *notes)
 {
     size_t size = volume_datatype_size(cifti->datatype);
     size_t negative = 0;
+    const struct cifti_map *from = &cifti->maps[map];
     uint32_t *labels = memory_raw(cifti->count, sizeof *labels);
     conus_status status = labels ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < cifti->count; i++) {
         const uint8_t *at = (const uint8_t *)cifti->values + (i * cifti->map_count + map) * size;
         double value = volume_value_at(at, cifti->datatype, cifti->swapped);
-        status = take_label(&labels[i], value, &cifti->maps[map], i);
+        if (!isfinite(value) || value != floor(value) || value > UINT32_MAX) {
+            status = fail(CONUS_ERROR_DATA, "grayordinate %zu: label %.9g, allowed are whole numbers up to 4294967295",
+                          i, value);
+            break;
+        }
+        labels[i] = value > 0 ? (uint32_t)value : 0;
+        if (labels[i] && !label_table_find(&from->table, labels[i])) {
+            status = fail(CONUS_ERROR_DATA, "grayordinate %zu: label %u, which the LabelTable of map \"%.60s\" lacks",
+                          i, labels[i], from->name ? from->name : "");
+        }
         negative += value < 0;
     }
     if (!status && negative) {

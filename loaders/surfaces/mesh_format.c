@@ -294,15 +294,6 @@ static void append_millimetres(struct buffer *out, float value)
     buffer_append(out, at, (size_t)(end - at));
 }
 
-static void append_index(struct buffer *out, uint32_t index)
-{
-    char text[16];
-    char *end = text + sizeof text;
-    char *at = write_digits(end, (uint64_t)index + 1, 1);
-    *--at = ' ';
-    buffer_append(out, at, (size_t)(end - at));
-}
-
 static conus_status append_obj(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title)
 {
     buffer_format(out, "# SPACE=RAS\n# label %u color #%02x%02x%02x\no %s\n", title->label, title->rgb[0],
@@ -313,8 +304,11 @@ static conus_status append_obj(struct buffer *out, const struct mesh *mesh, cons
         buffer_text(out, i % 3 == 2 ? "\n" : "");
     }
     for (size_t i = 0; i < 3 * mesh->triangle_count; i++) {
-        buffer_text(out, i % 3 ? "" : "f");
-        append_index(out, mesh->triangles[i]);
+        char text[16];
+        char *end = text + sizeof text;
+        char *at = write_digits(end, (uint64_t)mesh->triangles[i] + 1, 1);
+        buffer_text(out, i % 3 ? " " : "f ");
+        buffer_append(out, at, (size_t)(end - at));
         buffer_text(out, i % 3 == 2 ? "\n" : "");
     }
     return CONUS_OK;

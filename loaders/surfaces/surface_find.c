@@ -73,24 +73,16 @@ static bool name_has(const char *name, const char *word)
     return text_contains(text_from(name), text_from(word));
 }
 
-/* Vertices of inflated surfaces, spheres and patches lie where no brain is. */
-static bool is_unfit(const char *name, const char *geometric_type)
-{
-    static const char *const words[] = {"inflated", "sphere", "spherical", "flat", "ellipsoid", "hull"};
-    if (geometric_type) {
-        return strcmp(geometric_type, "Anatomical") != 0 && strcmp(geometric_type, "Reconstruction") != 0;
-    }
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-        if (name_has(name, words[i])) {
-            return true;
-        }
-    }
-    return false;
-}
-
 static unsigned rank_of(const char *name, const struct surface_about *about)
 {
-    if (is_unfit(name, about->geometric_type)) {
+    /* vertices of inflated surfaces, spheres and patches lie where no brain is */
+    static const char *const words[] = {"inflated", "sphere", "spherical", "flat", "ellipsoid", "hull"};
+    const char *type = about->geometric_type;
+    bool unfit = type && strcmp(type, "Anatomical") != 0 && strcmp(type, "Reconstruction") != 0;
+    for (size_t i = 0; !type && i < sizeof words / sizeof words[0]; i++) {
+        unfit = unfit || name_has(name, words[i]);
+    }
+    if (unfit) {
         return UNFIT;
     }
     for (unsigned i = 0; about->layer && i < OTHER; i++) {

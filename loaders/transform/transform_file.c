@@ -198,23 +198,6 @@ static conus_status world_from_voxel(double out[16], const struct lta_volume *vo
     return CONUS_OK;
 }
 
-static conus_status between_voxels(double out[16], const struct lta_volume volumes[2])
-{
-    double from[16];
-    double to[16];
-    double voxel_from_world[16];
-    conus_status status;
-    if ((status = world_from_voxel(from, &volumes[0], "src")) || (status = world_from_voxel(to, &volumes[1], "dst"))) {
-        return status;
-    }
-    if (!mat4_invert_affine(voxel_from_world, from)) {
-        return fail(CONUS_ERROR_DATA, "src volume info: its matrix is singular");
-    }
-    mat4_multiply(out, to, out);
-    mat4_multiply(out, out, voxel_from_world);
-    return CONUS_OK;
-}
-
 static conus_status take_head(double *type, struct text *rest)
 {
     struct text line;
@@ -249,23 +232,34 @@ static conus_status lta_parse(double out[16], struct text text)
     struct text line;
     double m[16];
     double type;
-    conus_status status = take_head(&type, &text);
-    status = status ? status : matrix_rows_parse(m, &text, 4, "matrix");
-    status = status ? status : matrix_settle(m, "matrix");
-    while (!status && next_line(&text, &line)) {
+    conus_status status;
+    if ((status = take_head(&type, &text)) || (status = matrix_rows_parse(m, &text, 4, "matrix")) ||
+        (status = matrix_settle(m, "matrix"))) {
+        return status;
+    }
+    while (next_line(&text, &line)) {
         if (text_starts(line, "src volume info") || text_starts(line, "dst volume info")) {
             at = &volumes[line.data[0] == 'd'];
-        } else if (at) {
-            status = take_volume_line(at, line);
+        } else if (at && (status = take_volume_line(at, line))) {
+            return status;
         }
     }
-    if (!status && type == VOXEL_TO_VOXEL) {
-        status = between_voxels(m, volumes);
+    if (type == VOXEL_TO_VOXEL) {
+        double from[16];
+        double to[16];
+        double voxel_from_world[16];
+        if ((status = world_from_voxel(from, &volumes[0], "src")) ||
+            (status = world_from_voxel(to, &volumes[1], "dst"))) {
+            return status;
+        }
+        if (!mat4_invert_affine(voxel_from_world, from)) {
+            return fail(CONUS_ERROR_DATA, "src volume info: its matrix is singular");
+        }
+        mat4_multiply(m, to, m);
+        mat4_multiply(m, m, voxel_from_world);
     }
-    if (!status) {
-        memcpy(out, m, sizeof m);
-    }
-    return status;
+    memcpy(out, m, sizeof m);
+    return CONUS_OK;
 }
 
 void flirt_from_voxel(double out[16], const conus_volume_info *info)

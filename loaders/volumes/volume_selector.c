@@ -72,22 +72,6 @@ static const char *find_keys(const char *text)
     return text + strlen(text);
 }
 
-static conus_status read_key(struct volume_selector *out, bool given[KEYS], struct text field)
-{
-    for (size_t i = 0; i < KEYS; i++) {
-        size_t length = strlen(keys[i].key);
-        if (text_starts(field, keys[i].key)) {
-            if (given[i]) {
-                return fail(CONUS_ERROR_ARGUMENT, "%.*s is given twice", (int)length - 1, keys[i].key);
-            }
-            given[i] = true;
-            return keys[i].read(out, (struct text){field.data + length, field.size - length});
-        }
-    }
-    return fail(CONUS_ERROR_ARGUMENT, "found \"%.*s\", allowed are volume, resolution and orientation", (int)field.size,
-                field.data);
-}
-
 conus_status volume_selector_parse(struct volume_selector *out, const char *text)
 {
     struct volume_selector selector = {0};
@@ -97,7 +81,20 @@ conus_status volume_selector_parse(struct volume_selector *out, const char *text
     bool given[KEYS] = {false};
     conus_status status = CONUS_OK;
     for (bool more = *at; !status && text_field(&rest, ',', &more, &field);) {
-        status = read_key(&selector, given, field);
+        size_t i = 0;
+        while (i < KEYS && !text_starts(field, keys[i].key)) {
+            i++;
+        }
+        size_t length = i < KEYS ? strlen(keys[i].key) : 0;
+        if (!length) {
+            status = fail(CONUS_ERROR_ARGUMENT, "found \"%.*s\", allowed are volume, resolution and orientation",
+                          (int)field.size, field.data);
+        } else if (given[i]) {
+            status = fail(CONUS_ERROR_ARGUMENT, "%.*s is given twice", (int)length - 1, keys[i].key);
+        } else {
+            given[i] = true;
+            status = keys[i].read(&selector, (struct text){field.data + length, field.size - length});
+        }
     }
     if (status) {
         return fail_in(status, text);

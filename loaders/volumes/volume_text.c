@@ -182,27 +182,23 @@ static conus_status fail_count(const char *unit, unsigned long long found, unsig
     return fail(CONUS_ERROR_DATA, "voxels: found %llu %s, the header asks for %llu", found, unit, wanted);
 }
 
-/* A whole number of `size` bytes, as the low bytes of *bits. */
-static bool volume_read_whole(uint64_t *bits, struct text word, struct text_type type)
-{
-    int64_t number = 0;
-    unsigned shift = (unsigned)(8 * (8 - type.size));
-    if (type.kind == 'u') {
-        return text_to_uint(word, UINT64_MAX >> shift, bits);
-    }
-    bool fits = text_to_int(word, &number) && number >= INT64_MIN >> shift && number <= INT64_MAX >> shift;
-    *bits = (uint64_t)number;
-    return fits;
-}
-
 /* Writes one number as it lies in memory. */
 static bool write_number(uint8_t *to, struct text word, struct text_type type)
 {
-    uint64_t bits = 0;
+    uint64_t bits = 0; /* of a whole number, whose low bytes count */
+    int64_t whole = 0;
     double real = 0;
-    bool fits = type.kind == 'f' ? text_to_double(word, &real) &&
-                                       (type.size == sizeof real || !isfinite(real) || fabs(real) <= (double)FLT_MAX)
-                                 : volume_read_whole(&bits, word, type);
+    bool fits;
+    unsigned shift = (unsigned)(8 * (8 - type.size));
+    if (type.kind == 'f') {
+        fits = text_to_double(word, &real) &&
+               (type.size == sizeof real || !isfinite(real) || fabs(real) <= (double)FLT_MAX);
+    } else if (type.kind == 'u') {
+        fits = text_to_uint(word, UINT64_MAX >> shift, &bits);
+    } else {
+        fits = text_to_int(word, &whole) && whole >= INT64_MIN >> shift && whole <= INT64_MAX >> shift;
+        bits = (uint64_t)whole;
+    }
     float single = fits ? (float)real : 0;
     uint32_t half = (uint32_t)bits;
     uint16_t quarter = (uint16_t)bits;

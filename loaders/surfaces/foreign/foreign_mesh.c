@@ -147,17 +147,6 @@ static conus_status take_ear(struct foreign_mesh *mesh, struct polygon *polygon,
     return status;
 }
 
-/* A polygon without an ear crosses itself or has no area: triangles from one corner keep its edges where they are. */
-static conus_status fan_out(struct foreign_mesh *mesh, const struct polygon *polygon, size_t first)
-{
-    const struct polygon_corner *corners = polygon->corners;
-    conus_status status = CONUS_OK;
-    for (size_t i = corners[first].next; !status && corners[i].next != first; i = corners[i].next) {
-        status = foreign_add_triangle(mesh, corners[first].vertex, corners[i].vertex, corners[corners[i].next].vertex);
-    }
-    return status;
-}
-
 /* Cuts a polygon of 4 corners or more into triangles and appends them. */
 static conus_status polygon_cut(struct foreign_mesh *mesh, const uint32_t *corners, size_t count)
 {
@@ -171,7 +160,11 @@ static conus_status polygon_cut(struct foreign_mesh *mesh, const uint32_t *corne
     while (!status && polygon->left > 2) {
         size_t ear = best_ear(polygon, count);
         if (ear == count) {
-            status = fan_out(mesh, polygon, first);
+            /* It crosses itself or has no area: triangles from one corner keep its edges where they are. */
+            const struct polygon_corner *all = polygon->corners;
+            for (size_t i = all[first].next; !status && all[i].next != first; i = all[i].next) {
+                status = foreign_add_triangle(mesh, all[first].vertex, all[i].vertex, all[all[i].next].vertex);
+            }
             break;
         }
         if (polygon->ears == polygon->left || is_empty(polygon, ear)) {

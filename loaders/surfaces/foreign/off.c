@@ -33,22 +33,6 @@ static conus_status read_keyword(struct off *out, struct words *words, struct te
                       TEXT_SHOW(word, 60));
 }
 
-/* The keyword may be missing. */
-static conus_status off_read_header(struct off *out, struct words *words)
-{
-    struct text word;
-    int64_t number;
-    conus_status status = CONUS_OK;
-    if (words_peek(words, &word) && !text_to_int(word, &number)) {
-        (void)words_next(words, &word);
-        status = read_keyword(out, words, word);
-    }
-    if (!status && words_peek(words, &word) && text_equal(word, "BINARY")) {
-        status = fail(CONUS_ERROR_UNSUPPORTED, "header: a binary OFF file, only text is read");
-    }
-    return status;
-}
-
 /* Takes the numbers that are left on the line; all of them must be numbers. */
 static conus_status skip_numbers(struct words *words, const char *what)
 {
@@ -100,12 +84,25 @@ conus_status off_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
     struct off off = {0};
     size_t vertices = 0;
     size_t faces = 0;
-    int64_t edges;
-    conus_status status = off_read_header(&off, &words);
-    status = status ? status : words_count(&vertices, &words, 6, "number of vertices");
-    status = status ? status : words_count(&faces, &words, 2, "number of faces");
-    status = status ? status : words_whole(&edges, &words, 0, "number of edges");
-    status = status ? status : foreign_reserve_vertices(out, vertices);
+    int64_t number;
+    struct text word;
+    conus_status status = CONUS_OK;
+    if (words_peek(&words, &word) && !text_to_int(word, &number)) { /* the keyword may be missing */
+        (void)words_next(&words, &word);
+        status = read_keyword(&off, &words, word);
+    }
+    if (status) {
+        return status;
+    }
+    if (words_peek(&words, &word) && text_equal(word, "BINARY")) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "header: a binary OFF file, only text is read");
+    }
+    if ((status = words_count(&vertices, &words, 6, "number of vertices")) ||
+        (status = words_count(&faces, &words, 2, "number of faces")) ||
+        (status = words_whole(&number, &words, 0, "number of edges")) ||
+        (status = foreign_reserve_vertices(out, vertices))) {
+        return status;
+    }
     for (size_t i = 0; !status && i < vertices; i++) {
         status = read_vertex(out, &off, &words);
     }

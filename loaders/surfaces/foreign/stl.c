@@ -97,17 +97,6 @@ static conus_status read_solid(struct foreign_mesh *out, struct words *words)
     return status;
 }
 
-static conus_status read_text(struct foreign_mesh *out, const uint8_t *data, size_t size)
-{
-    struct words words = {.rest = {(const char *)data, size}, .line = 1};
-    struct text word;
-    conus_status status = CONUS_OK;
-    do {
-        status = read_solid(out, &words);
-    } while (!status && words_peek(&words, &word));
-    return status;
-}
-
 /* Corners at one place become one vertex. */
 static conus_status join_corners(struct foreign_mesh *mesh)
 {
@@ -138,6 +127,11 @@ conus_status stl_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
     /* Text begins with "solid". So may the header of a binary file, which has a 0 somewhere. */
     struct text text = {(const char *)data, size};
     bool is_text = text_starts(text_trim(text), "solid") && !memchr(data, '\0', size);
-    conus_status status = is_text ? read_text(out, data, size) : read_binary(out, data, size);
+    struct words words = {.rest = text, .line = 1};
+    struct text word;
+    conus_status status = is_text ? CONUS_OK : read_binary(out, data, size);
+    for (bool more = is_text; !status && more; more = words_peek(&words, &word)) {
+        status = read_solid(out, &words);
+    }
     return status ? status : join_corners(out);
 }

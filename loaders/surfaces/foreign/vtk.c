@@ -547,24 +547,6 @@ static conus_status read_section(struct vtk *vtk, bool *done)
     return *done ? CONUS_OK : words_fail(&vtk->words, word, "POINTS, POLYGONS, TRIANGLE_STRIPS or another section");
 }
 
-static conus_status read_dataset(struct vtk *vtk)
-{
-    struct text word;
-    conus_status status;
-    if (words_take(&vtk->words, "FIELD") && (status = vtk_take_field(vtk))) {
-        return status;
-    }
-    if (!words_next(&vtk->words, &word) || !text_equal_ignoring_case(word, "DATASET")) {
-        return words_fail(&vtk->words, word, "DATASET");
-    }
-    if (!words_take(&vtk->words, "POLYDATA")) {
-        (void)words_next(&vtk->words, &word);
-        return fail(CONUS_ERROR_UNSUPPORTED, "DATASET: found \"%.*s\", only POLYDATA is a surface or lines",
-                    TEXT_SHOW(word, 60));
-    }
-    return CONUS_OK;
-}
-
 static conus_status vtk_read_header(struct vtk *vtk)
 {
     static const char magic[] = "# vtk DataFile Version ";
@@ -586,7 +568,20 @@ static conus_status vtk_read_header(struct vtk *vtk)
         (void)words_next(&vtk->words, &line);
         return words_fail(&vtk->words, line, "ASCII or BINARY");
     }
-    return read_dataset(vtk);
+    struct text word;
+    conus_status status;
+    if (words_take(&vtk->words, "FIELD") && (status = vtk_take_field(vtk))) {
+        return status;
+    }
+    if (!words_next(&vtk->words, &word) || !text_equal_ignoring_case(word, "DATASET")) {
+        return words_fail(&vtk->words, word, "DATASET");
+    }
+    if (!words_take(&vtk->words, "POLYDATA")) {
+        (void)words_next(&vtk->words, &word);
+        return fail(CONUS_ERROR_UNSUPPORTED, "DATASET: found \"%.*s\", only POLYDATA is a surface or lines",
+                    TEXT_SHOW(word, 60));
+    }
+    return CONUS_OK;
 }
 
 conus_status vtk_parse(struct foreign_mesh *out, const uint8_t *data, size_t size)
