@@ -16,7 +16,7 @@ struct pushed {
     bool is_new;
 };
 
-/** The next answer is this pose. */
+/** Puts the pose that is answered next. */
 void pushed_put(struct pushed *pushed, const conus_pose *pose);
 
 struct tracker {
@@ -26,7 +26,7 @@ struct tracker {
     bool is_there;  /**< There is a station for it. */
 };
 
-/** The station says that its tool is so; NULL = there is no station. */
+/** Takes over what the station says of its tool; NULL = there is no station. */
 void tracker_hear(struct tracker *tracker, const struct station_tool *tool);
 
 struct devices {

@@ -49,27 +49,27 @@ size_t result_find(const char *key);
 const char *result_heading(const struct viewer *viewer, size_t column);
 /** Its meaning and unit. */
 const char *result_meaning(char out[RESULT_TIP], const struct viewer *viewer, size_t column);
-/** Whether it is of text, and not of numbers. */
+/** Whether the column has texts, and not numbers. */
 bool result_is_text(size_t column);
 /** A text as wide as the column's cells get; "" of texts. */
 const char *result_widest(const struct viewer *viewer, size_t column);
 
-/** Whether the question is one of which the column says something. */
+/** Whether the column has values for the question as it is asked now. */
 bool result_is_offered(const struct viewer *viewer, size_t column);
-/** Those that are shown, in their order. */
+/** Finds the shown columns, in their order; returns how many there are. */
 size_t result_shown(size_t out[RESULT_COLUMNS], const struct viewer *viewer);
-/** Shows one more, or one less; the name is always there. */
+/** Shows or hides a column; the name is always shown. */
 void result_show(struct viewer *viewer, size_t column, bool shown);
 /** Shows the columns of these names, and the name; without names the usual ones. False where one is unknown: nothing
  * changes. */
 bool result_choose(struct viewer *viewer, char *const *keys, size_t count);
-/** Orders rows by a column; again: the other way round; and again: by rank, as they come. */
+/** Orders rows by a column; the second time the other way round; the third time by rank. */
 void result_order_by(struct viewer *viewer, size_t column);
 
 /** A cell with the digits of conus query's table for people, "-" where there is nothing; a text whole. */
 const char *result_cell(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *view,
                         size_t column, const conus_result *result);
-/** The same with all digits, as in the TSV of conus query; "n/a" where there is nothing. */
+/** A cell with all digits, as in the TSV of conus query; "n/a" where there is nothing. */
 const char *result_exact(char out[RESULT_TEXT], const struct viewer *viewer, const struct view_atlas *view,
                          size_t column, const conus_result *result);
 

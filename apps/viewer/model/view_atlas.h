@@ -71,7 +71,7 @@ bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atl
 enum { VIEW_ATLAS_TITLE = 256 };
 /** How lists and pictures call object @p number: its name, behind its kind where another kind has that name. */
 const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number);
-/** The same with a @p name that it had before. */
+/** The title of object @p number under a @p name that it had before. */
 const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number,
                                 const char *name);
 /** The volume of a pathway from a threshold on; NULL of another object. */

@@ -14,7 +14,7 @@ struct orbit {
     double field_of_view;      /**< Vertical, radians.                                                        */
 };
 
-/** From the front left above, so that a ball of @p radius around @p centre fills the pane. */
+/** Looks from the front left above, so that a ball of @p radius around @p centre fills the pane. */
 void orbit_look_at(struct orbit *orbit, const double centre[3], double radius);
 
 /** Fits the field of view to a pane, so that what fills a square one shows whole in any. */
@@ -29,7 +29,7 @@ void orbit_turn(struct orbit *orbit, double right, double down, double height);
 void orbit_pan(struct orbit *orbit, double right, double down, double height);
 void orbit_zoom(struct orbit *orbit, double clicks);
 
-/** As conus_view has it. */
+/** The eye of a picture: a camera and what it sees, as conus_view has them. */
 struct eye {
     conus_pose camera; /**< Looks down its own -z, +y up.                               */
     double frustum[4]; /**< The picture's left, right, lower and upper edge at depth 1. */
@@ -39,7 +39,7 @@ struct eye {
 void eye_of_orbit(struct eye *out, const struct orbit *orbit, const double size[2]);
 /** Whether both see the same. */
 bool eye_is_same(const struct eye *a, const struct eye *b);
-/** Takes as much to the left and right as square pixels of a picture of that size need. */
+/** Widens or narrows the frustum, so that a picture of that size has square pixels. */
 void eye_fit(struct eye *eye, const double size[2]);
 
 /** Where the world point @p p lies in a picture of width x height pixels: x right, y down from the top left. False
@@ -60,17 +60,17 @@ struct head {
     unsigned number;   /**< Grows with every change that shows.                            */
 };
 
-/** The eye and the screen are there now. */
+/** Takes over where the eye and the screen are now. */
 void head_move(struct head *head, const double eye[3], const conus_pose *screen);
-/** The tool is as @p state says. */
+/** Takes over the state of the head's tool. */
 void head_set_state(struct head *head, enum station_state state);
-/** Shows what it sees, or again what the mouse turns. False: there is no head. */
+/** Switches between the head's view and the one that the mouse turns. False: there is no head. */
 bool head_toggle(struct head *head);
 
 /** Its view through a part of the screen: left, right, lower and upper edge, each from 0 to 1 of the whole. False
  * where that is not shown, or never was seen. */
 bool head_eye(struct eye *out, const struct head *head, const double part[4]);
-/** One line about it; *is_well tells whether the head is seen. NULL where it does not matter. */
+/** One line about the head; *is_well tells whether it is seen. NULL where it does not matter. */
 const char *head_text(const struct head *head, bool *is_well);
 
 #endif

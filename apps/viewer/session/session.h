@@ -12,7 +12,7 @@ struct json_t *session_json(const struct window *window);
  * as it was then. */
 bool session_read(struct window *window, struct json_t *root, char why[PROPERTY_REASON]);
 
-/** The same as text, to be freed. */
+/** The session as text, to be freed. */
 char *session_text(const struct window *window);
 bool session_parse(struct window *window, const char *text, size_t size, char why[PROPERTY_REASON]);
 

@@ -20,12 +20,12 @@ struct replay {
 void replay_show(struct replay *replay, struct viewer *viewer, size_t index);
 /** Seconds from the first row to row @p index: its time_s, or 0.1 s a row where the file has none. */
 double replay_time(const struct replay *replay, size_t index);
-/** Starts or stops; @p clock in s. */
+/** Starts or stops the replay; @p clock in s. */
 void replay_toggle(struct replay *replay, double clock);
-/** Moves on by the clock. Returns whether it plays. */
+/** Shows the row that the clock has come to. Returns whether the replay plays. */
 bool replay_step(struct replay *replay, struct viewer *viewer, double clock);
 
-/** Seconds until it moves on; INFINITY while it does not play. */
+/** Seconds until the replay shows another row; INFINITY while it does not play. */
 double replay_rest(const struct replay *replay, const struct viewer *viewer, double clock);
 
 /** Asks @p station for its news; the head moves along, if one is named. */
@@ -48,7 +48,7 @@ double inputs_rest(const struct inputs *inputs, const struct viewer *viewer);
 /** Lets the mouse point along a ray from the eye (point.h) with the tool that it moves. */
 void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye[3], const double direction[3]);
 
-/** Moves and turns a tool along its own axes ; where it has no pose, it is placed first. */
+/** Moves and turns a tool along its own axes; a tool without a pose is placed instead. */
 void inputs_steer(struct viewer *viewer, enum tool_number number, const double move[3], const double turn[3]);
 
 /** A message about a tool: that it is held, that it is not there yet, that its tracker is gone. */

@@ -11,7 +11,7 @@ enum { HOVER_TEXT = 1024 };
  * and @p between in the gaps; where the mouse is nowhere, of what is at the crosshair. In an atlas that is not drawn it
  * is what would be under the mouse if it were; in 3-D with how much deeper or nearer that is than in the drawn one. */
 void hover_text(char out[HOVER_TEXT], const struct window *window, const char *between);
-/** The same over the widget before, where the mouse is on it. */
+/** Shows hover_text() as the tip of the widget before, where the mouse is on it. */
 void hover_tip(const struct window *window);
 
 #endif

@@ -229,9 +229,9 @@ const struct json_t *window_words(struct window *window);
 /** Asks for the atlas with other hemispheres, for which undo goes @p step (0 = it does not), or says that it has them.
  */
 void window_want_hemispheres(struct window *window, conus_hemispheres how, int step);
-/** Likewise what was typed on the start page, if anything was. */
+/** Asks for what was typed on the start page, if anything was. */
 void window_want_typed(struct window *window);
-/** Likewise the sample of the start page, if that is the phantom. */
+/** Asks for the sample of the start page, if that is the phantom. */
 void window_want_sample(struct window *window);
 /** Lets the user choose a file to open, or one to save the session in; without an atlas there is no session. */
 void window_show_dialog(struct window *window, enum dialog_purpose purpose);
@@ -271,7 +271,7 @@ bool window_point(float out[2], const struct window *window, const double world[
 
 /** Begins a panel in the middle of the window, in front of the others: of that size at scale 1, where it fits. */
 void window_panel(const struct window *window, const char *title, float width, float height);
-/** Clears it to the colour of panels. */
+/** Clears the window to the colour of panels. */
 void window_clear(const struct window *window);
 /** Whether the next frame will show something else than the newest. */
 bool window_wants_frame(struct window *window);
@@ -289,7 +289,7 @@ void window_copy(struct window *window, enum copied what);
 /** Puts bytes of sRGB, top row first, on the screen's texture; @p smooth: where it is enlarged, pixels run into each
  * other. */
 void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth);
-/** There is no picture any more. */
+/** Ends the picture on a texture. */
 void texture_drop(struct texture *texture);
 
 /** Lets the 3-D pane fill the screen that the window is on, without panels, or brings the window back. */
