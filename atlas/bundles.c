@@ -94,15 +94,6 @@ static void measure_bundle(conus_object *bundle, const struct tractogram *tracto
     }
 }
 
-static uint32_t next_ordinal(const conus_atlas *atlas)
-{
-    size_t i = atlas->object_count;
-    while (i > atlas->area_count && !atlas->places[i - 1].is_bundle) {
-        i--;
-    }
-    return i > atlas->area_count ? atlas->objects[i - 1].label + 1 : 1;
-}
-
 /* "bundle" or "pathway": the kind of the object that has the name already; NULL = none. */
 static conus_status find_taken(const char **by, conus_atlas *atlas, const char *name)
 {
@@ -141,22 +132,16 @@ static conus_status settle_group_name(conus_atlas *atlas, struct tractogram *tra
     return status;
 }
 
-static conus_status check_name(conus_atlas *atlas, const char *name, const char *path)
-{
-    const char *other;
-    conus_status status = find_taken(&other, atlas, name);
-    return status  ? status
-           : other ? fail(CONUS_ERROR_ARGUMENT,
-                          "%s: bundle %s: another %s has that name; name= gives it one of its own", path, name, other)
-                   : CONUS_OK;
-}
-
 /* A bundle of the tractogram that is appended next. */
 static conus_status append_bundle(conus_atlas *atlas, const struct tractogram *tractogram, const char *name,
                                   size_t group)
 {
+    size_t last = atlas->object_count; /* bundle */
+    while (last > atlas->area_count && !atlas->places[last - 1].is_bundle) {
+        last--;
+    }
     conus_object bundle = {.kind = CONUS_KIND_BUNDLE,
-                           .label = next_ordinal(atlas),
+                           .label = last > atlas->area_count ? atlas->objects[last - 1].label + 1 : 1,
                            .name = name,
                            .abbreviation = "",
                            .named = true,
@@ -164,7 +149,12 @@ static conus_status append_bundle(conus_atlas *atlas, const struct tractogram *t
     const struct object_place place = {.is_bundle = true, .index = atlas->tractogram_count, .group = group};
     palette_colour(bundle.rgb, FIRST_COLOUR + bundle.label);
     measure_bundle(&bundle, tractogram, group == BUNDLE_OF_ALL ? NULL : &tractogram->groups[group]);
-    conus_status status = check_name(atlas, name, tractogram->path);
+    const char *other;
+    conus_status status = find_taken(&other, atlas, name);
+    if (!status && other) {
+        status = fail(CONUS_ERROR_ARGUMENT, "%s: bundle %s: another %s has that name; name= gives it one of its own",
+                      tractogram->path, name, other);
+    }
     return status ? status : atlas_append_object(atlas, &bundle, place);
 }
 

@@ -39,17 +39,6 @@ static conus_status find_scalar(const struct volume **out, const conus_atlas *at
     return CONUS_OK;
 }
 
-/* Finds the grid of labels that has the area's voxels, among several. */
-static conus_status find_grid(const struct volume **out, const conus_atlas *atlas, uint32_t object, size_t grids)
-{
-    *out = object ? atlas_only_volume(atlas, object) : NULL;
-    return *out     ? CONUS_OK
-           : object ? fail(CONUS_ERROR_ARGUMENT, "mask: %s has no voxels, or voxels on different grids",
-                           atlas->objects[object - 1].name)
-                    : fail(CONUS_ERROR_ARGUMENT,
-                           "mask: the areas lie on %zu different grids, name one of them (--mask-object)", grids);
-}
-
 static conus_status find_volume(const struct volume **out, const conus_atlas *atlas, const conus_grid_options *options)
 {
     const conus_object *object = conus_atlas_object(atlas, options->object);
@@ -71,8 +60,13 @@ static conus_status find_volume(const struct volume **out, const conus_atlas *at
                       : find_scalar(out, atlas, "map of values", false);
     }
     size_t grids = atlas_parcellation_count(atlas);
-    if (grids > 1) {
-        return find_grid(out, atlas, options->object, grids);
+    if (grids > 1) { /* the grid of labels that has the area's voxels */
+        *out = object ? atlas_only_volume(atlas, options->object) : NULL;
+        return *out ? CONUS_OK
+               : object
+                   ? fail(CONUS_ERROR_ARGUMENT, "mask: %s has no voxels, or voxels on different grids", object->name)
+                   : fail(CONUS_ERROR_ARGUMENT,
+                          "mask: the areas lie on %zu different grids, name one of them (--mask-object)", grids);
     }
     if (object && options->content == CONUS_GRID_MASK_OF_REGION) {
         return fail(CONUS_ERROR_ARGUMENT, "mask of everything: %s is an area, which has no effect", object->name);

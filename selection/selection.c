@@ -180,19 +180,6 @@ conus_status selection_regroup(conus_selection *selection, const struct level *l
     return selection->has_layers ? layers_regroup(&selection->layers, selection->group, object_count) : CONUS_OK;
 }
 
-/* All that is known before the trace. */
-static conus_status make_ready(conus_selection *selection, conus_selector *selector)
-{
-    size_t pixels = (size_t)selection->cone.resolution * selection->cone.resolution;
-    conus_status status = evidence_init(&selection->evidence, selection->cone.resolution);
-    status = status ? status : aperture_prepare(&selector->aperture, &selection->cone);
-    if (status) {
-        return status;
-    }
-    selection->in_cone = memory_copy(selector->aperture.in_cone, pixels, sizeof *selection->in_cone);
-    return selection->in_cone ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
 conus_status selection_begin(conus_selection **out, conus_selector *selector, const conus_pose *pose, double angle)
 {
     const conus_selector_options *options = &selector->options;
@@ -218,7 +205,13 @@ conus_status selection_begin(conus_selection **out, conus_selector *selector, co
     selection->cone = cone;
     region_from_cone(&selection->region, &cone);
     memcpy(selection->engine, selector->engine->name, sizeof selection->engine);
-    status = make_ready(selection, selector);
+    size_t pixels = (size_t)cone.resolution * cone.resolution;
+    status = evidence_init(&selection->evidence, cone.resolution);
+    status = status ? status : aperture_prepare(&selector->aperture, &selection->cone);
+    if (!status) {
+        selection->in_cone = memory_copy(selector->aperture.in_cone, pixels, sizeof *selection->in_cone);
+        status = selection->in_cone ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
     if (status) {
         conus_selection_destroy(selection);
         return status;

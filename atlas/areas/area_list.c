@@ -23,21 +23,6 @@ static conus_status take_entry(const struct reading *reading, struct text name)
                : fail(CONUS_ERROR_ARGUMENT, "an area is missing: names, abbreviations or labels, separated by commas");
 }
 
-static conus_status list_line(const struct reading *reading, struct text line, const char *path, size_t number)
-{
-    char where[32];
-    line = text_trim(line);
-    if (!line.size || line.data[0] == '#') {
-        return CONUS_OK;
-    }
-    conus_status status = take_entry(reading, line);
-    if (status == CONUS_ERROR_ARGUMENT) {
-        snprintf(where, sizeof where, "line %zu", number);
-        status = fail_in(fail_in(status, where), path);
-    }
-    return status;
-}
-
 static conus_status list_lines(const struct reading *reading, const char *path)
 {
     struct bytes bytes = {0};
@@ -49,7 +34,16 @@ static conus_status list_lines(const struct reading *reading, const char *path)
         rest = (struct text){rest.data + 3, rest.size - 3};
     }
     for (size_t number = 1; !status && text_line(&rest, &line); number++) {
-        status = list_line(reading, line, path, number);
+        char where[32];
+        line = text_trim(line);
+        if (!line.size || line.data[0] == '#') {
+            continue;
+        }
+        status = take_entry(reading, line);
+        if (status == CONUS_ERROR_ARGUMENT) {
+            snprintf(where, sizeof where, "line %zu", number);
+            status = fail_in(fail_in(status, where), path);
+        }
     }
     bytes_finish(&bytes);
     return status;

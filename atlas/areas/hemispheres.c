@@ -129,18 +129,14 @@ static uint32_t parent_on(const struct splitting *splitting, uint32_t old, int s
     return old ? splitting->split[old].number[side == SIDES ? LEFT : side] : 0;
 }
 
-static int side_of(const struct split_area *area)
-{
-    bool left = area->side ? area->side == 'L' : area->reaches[LEFT] && !area->reaches[RIGHT];
-    bool right = area->side ? area->side == 'R' : area->reaches[RIGHT] && !area->reaches[LEFT];
-    return left ? LEFT : right ? RIGHT : SIDES;
-}
-
 static conus_status add_whole(struct splitting *splitting, uint32_t old)
 {
     const conus_atlas *atlas = splitting->atlas;
+    const struct split_area *split = &splitting->split[old];
     conus_object area = atlas->objects[old - 1];
-    area.parent = parent_on(splitting, area.parent, side_of(&splitting->split[old]));
+    bool left = split->side ? split->side == 'L' : split->reaches[LEFT] && !split->reaches[RIGHT];
+    bool right = split->side ? split->side == 'R' : split->reaches[RIGHT] && !split->reaches[LEFT];
+    area.parent = parent_on(splitting, area.parent, left ? LEFT : right ? RIGHT : SIDES);
     return atlas_append_object(splitting->areas, &area, atlas->places[old - 1]);
 }
 

@@ -200,20 +200,14 @@ static bool has_no_voxels(const conus_object *area)
     return !area->voxels;
 }
 
-static bool has_names(const struct label_table *table)
-{
-    for (size_t i = 0; i < table->count; i++) {
-        if (table->entries[i].name) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static conus_status add_notes(conus_atlas *atlas, bool has_table)
+static conus_status add_notes(conus_atlas *atlas, const struct label_table *table)
 {
     conus_status status = CONUS_OK;
-    if (has_table) {
+    bool has_names = false;
+    for (size_t i = 0; i < table->count && !has_names; i++) {
+        has_names = table->entries[i].name;
+    }
+    if (has_names) {
         status = note_areas(atlas, CONUS_SEVERITY_WARNING, "labels in the volume that the label table does not name",
                             has_no_name);
         status =
@@ -254,7 +248,7 @@ static conus_status create_with(conus_atlas **out, struct numbering *numbering, 
     if (!status && atlas_check_tree(atlas)) {
         status = fail_in(CONUS_ERROR_DATA, label_source);
     }
-    status = status ? status : add_notes(atlas, has_names(numbering->table));
+    status = status ? status : add_notes(atlas, numbering->table);
     status = status ? status : notes_move(&atlas->notes, notes);
     if (status) {
         conus_atlas_destroy(atlas);

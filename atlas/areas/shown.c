@@ -187,15 +187,6 @@ static conus_status name_object(void *user, struct text name)
     return status;
 }
 
-/* An area below a named one is named, too. */
-static bool is_named(const struct naming *naming, uint32_t number)
-{
-    while (number && !naming->named[number]) {
-        number = naming->atlas->objects[number - 1].parent;
-    }
-    return number;
-}
-
 /* A list is a source of the answers, so no output may overwrite it. */
 static conus_status note_list(void *user, const char *path, const struct bytes *content)
 {
@@ -213,7 +204,11 @@ static conus_status hide_list(bool *hidden, conus_atlas *atlas, const char *list
         status = status ? fail_in(status, what) : status;
     }
     for (uint32_t number = 1; number <= atlas->object_count && !status; number++) {
-        hidden[number] = hidden[number] || is_named(&naming, number) != others;
+        uint32_t named = number; /* an area below a named one is named, too */
+        while (named && !naming.named[named]) {
+            named = atlas->objects[named - 1].parent;
+        }
+        hidden[number] = hidden[number] || (named != 0) != others;
     }
     object_index_finish(&naming.index);
     memory_free(naming.named);
@@ -225,17 +220,6 @@ static bool has_shape(const conus_object *object)
     return object->voxels || object->triangles || object->streamlines;
 }
 
-static conus_status need_something(const bool *hidden, const conus_atlas *atlas)
-{
-    for (size_t i = 0; i < atlas->object_count; i++) {
-        if (!hidden[i + 1] && has_shape(&atlas->objects[i])) {
-            return CONUS_OK;
-        }
-    }
-    return fail(CONUS_ERROR_ARGUMENT,
-                "everything is hidden: nothing is left that has voxels, triangles or streamlines");
-}
-
 conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *hide)
 {
     size_t files = atlas->files.count;
@@ -243,7 +227,14 @@ conus_status conus_atlas_show(conus_atlas *atlas, const char *only, const char *
     conus_status status = hidden ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = !status && only ? hide_list(hidden, atlas, only, true, "only") : status;
     status = !status && hide ? hide_list(hidden, atlas, hide, false, "hide") : status;
-    status = !status && (only || hide) ? need_something(hidden, atlas) : status;
+    bool is_something_left = !only && !hide;
+    for (size_t i = 0; !status && i < atlas->object_count; i++) {
+        is_something_left = is_something_left || (!hidden[i + 1] && has_shape(&atlas->objects[i]));
+    }
+    if (!status && !is_something_left) {
+        status = fail(CONUS_ERROR_ARGUMENT,
+                      "everything is hidden: nothing is left that has voxels, triangles or streamlines");
+    }
     status = status ? status : set_hidden(atlas, hidden);
     if (status) {
         file_sums_cut(&atlas->files, files);

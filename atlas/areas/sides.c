@@ -69,18 +69,13 @@ static bool is_joining(char c)
     return c && strchr(" _-.,:;/", c);
 }
 
-static bool is_bracketed(struct text name, size_t start, size_t end)
-{
-    static const char brackets[] = "()[]";
-    const char *open = start && end < name.size ? strchr(brackets, name.data[start - 1]) : NULL;
-    return open && *open && open[1] == name.data[end];
-}
-
 void side_word_drop(struct buffer *out, struct text name, const struct side_word *word)
 {
     size_t start = word->start;
     size_t end = start + word->size;
-    if (is_bracketed(name, start, end)) {
+    static const char brackets[] = "()[]";
+    const char *open = start && end < name.size ? strchr(brackets, name.data[start - 1]) : NULL;
+    if (open && *open && open[1] == name.data[end]) {
         start--;
         end++;
     }
@@ -342,15 +337,6 @@ conus_status area_sides_find(char *out, const conus_atlas *atlas)
     return status;
 }
 
-/* The area's own side, or else that of the nearest area above it that has one. */
-static char side_with_parents(const char *own, const conus_atlas *atlas, uint32_t number)
-{
-    while (number && !own[number]) {
-        number = atlas->objects[number - 1].parent;
-    }
-    return own[number];
-}
-
 conus_status conus_atlas_sides(char *sides, const conus_atlas *atlas)
 {
     char *own = memory_zeroed(atlas->area_count + 1, 1);
@@ -359,8 +345,11 @@ conus_status conus_atlas_sides(char *sides, const conus_atlas *atlas)
         memset(sides, 0, atlas->object_count + 1);
     }
     for (uint32_t number = 1; !status && number <= atlas->area_count; number++) {
-        char side = side_with_parents(own, atlas, number);
-        sides[number] = (char)(side == 'B' ? 0 : side);
+        uint32_t at = number; /* or the nearest area above it that has a side of its own */
+        while (at && !own[at]) {
+            at = atlas->objects[at - 1].parent;
+        }
+        sides[number] = (char)(own[at] == 'B' ? 0 : own[at]);
     }
     memory_free(own);
     return status;
@@ -428,20 +417,15 @@ static conus_status compare(conus_atlas *atlas, const struct mean_x *means, cons
         atlas->objects[right_of[example] - 1].name, means[right_of[example]].sum / means[right_of[example]].weight);
 }
 
-static bool has_pair(const uint32_t *right_of, size_t area_count)
-{
-    bool any = false;
-    for (size_t number = 1; number <= area_count; number++) {
-        any = any || right_of[number];
-    }
-    return any;
-}
-
 conus_status swapped_sides_note(conus_atlas *atlas)
 {
     uint32_t *right_of = NULL;
     conus_status status = hemispheres_pair(&right_of, atlas);
-    if (status || !has_pair(right_of, atlas->area_count)) {
+    bool has_pair = false;
+    for (size_t number = 1; !status && number <= atlas->area_count; number++) {
+        has_pair = has_pair || right_of[number];
+    }
+    if (status || !has_pair) {
         memory_free(right_of);
         return status;
     }

@@ -118,21 +118,17 @@ conus_status fit_note(conus_atlas *atlas, const conus_volume_info *info, float *
     return status;
 }
 
-/* Whether the surfaces are one hemisphere only: much of the atlas is not in it. */
-static bool is_half(const conus_atlas *atlas)
-{
-    bool has[2] = {false, false};
-    for (size_t i = 0; i < atlas->context_surface_count; i++) {
-        has[0] = has[0] || atlas->context_surfaces[i].hemisphere == 'L';
-        has[1] = has[1] || atlas->context_surfaces[i].hemisphere == 'R';
-    }
-    return has[0] != has[1];
-}
-
 conus_status fit_note_surfaces(conus_atlas *atlas)
 {
     struct volume inside = {0};
-    if (!atlas->is_moved || atlas_context(atlas) || is_half(atlas)) {
+    bool has_left = false;
+    bool has_right = false;
+    for (size_t i = 0; i < atlas->context_surface_count; i++) {
+        has_left = has_left || atlas->context_surfaces[i].hemisphere == 'L';
+        has_right = has_right || atlas->context_surfaces[i].hemisphere == 'R';
+    }
+    /* Much of the atlas is not in one hemisphere. */
+    if (!atlas->is_moved || atlas_context(atlas) || has_left != has_right) {
         return CONUS_OK;
     }
     conus_status status = surface_head_make(&inside, atlas);

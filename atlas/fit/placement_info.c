@@ -24,16 +24,6 @@ static conus_status fill_fit(conus_placement *out, const struct volume *context,
     return CONUS_OK;
 }
 
-/* The fit in closed surfaces, where the context has no volume. */
-static conus_status fill_surface_fit(conus_placement *out, const conus_atlas *atlas, const struct area_points *points)
-{
-    struct volume inside = {0};
-    conus_status status = surface_head_make(&inside, atlas);
-    status = status || !inside.values ? status : fill_fit(out, &inside, points);
-    volume_finish(&inside);
-    return status;
-}
-
 static conus_status fill(conus_placement *out, const conus_atlas *atlas, const struct area_points *points)
 {
     double here[16];
@@ -59,7 +49,14 @@ static conus_status fill(conus_placement *out, const conus_atlas *atlas, const s
     vec3_sub(own_centre, out->centre, own_centre);
     out->distance_mm = vec3_length(own_centre);
     const struct volume *context = atlas_context(atlas);
-    return context ? fill_fit(out, context, points) : fill_surface_fit(out, atlas, points);
+    if (context) {
+        return fill_fit(out, context, points);
+    }
+    struct volume inside = {0}; /* of closed surfaces, where the context has no volume */
+    conus_status status = surface_head_make(&inside, atlas);
+    status = status || !inside.values ? status : fill_fit(out, &inside, points);
+    volume_finish(&inside);
+    return status;
 }
 
 conus_status conus_atlas_placement(conus_placement *out, const conus_atlas *atlas)

@@ -48,7 +48,6 @@ static double nearest_on_triangle(double out[3], double corner[3][3])
     double best = INFINITY;
     for (int c = 0; c < 3; c++) {
         double point[3];
-        /* The point of the edge from a to b that is nearest to the origin. */
         double along[3];
         vec3_sub(along, corner[(c + 1) % 3], corner[c]);
         double length2 = vec3_dot(along, along);

@@ -12,20 +12,15 @@
 #define SHORT_WAY 0.1 /* mm; vectors that are all shorter are hardly in mm */
 #define LONG_WAY 300.0
 
-static conus_status note_length(struct notes *notes, const struct deformation_facts *facts, const char *words)
-{
-    if (facts->farthest >= SHORT_WAY && facts->farthest <= LONG_WAY) {
-        return CONUS_OK;
-    }
-    return notes_warn(notes, "%s: the farthest way of a point is %.3g mm: are the field's vectors in mm?", words,
-                      facts->farthest);
-}
-
 static conus_status note_facts(struct notes *notes, const struct deformation *field, const char *words)
 {
     struct deformation_facts facts;
     conus_status status = deformation_facts_find(&facts, field);
-    status = status || !field->stays_outside ? status : note_length(notes, &facts, words);
+    bool is_plausible = facts.farthest >= SHORT_WAY && facts.farthest <= LONG_WAY;
+    if (!status && field->stays_outside && !is_plausible) {
+        status = notes_warn(notes, "%s: the farthest way of a point is %.3g mm: are the field's vectors in mm?", words,
+                            facts.farthest);
+    }
     if (!status && !(facts.growth >= 0.1 && facts.growth <= 10)) {
         status =
             notes_warn(notes, "%s: 1 mm^3 becomes %.3g mm^3 of the atlas: is the field in mm?", words, facts.growth);

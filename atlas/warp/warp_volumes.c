@@ -31,11 +31,8 @@ static bool is_warped(const struct volume_source *source, const struct warp_way 
 
 static bool same_place(const struct volume_source *a, const struct volume_source *b)
 {
-    bool same = a->first_warp == b->first_warp && memcmp(a->dim, b->dim, sizeof a->dim) == 0;
-    for (int i = 0; same && i < 16; i++) {
-        same = a->voxel_from_world[i] == b->voxel_from_world[i];
-    }
-    return same;
+    return a->first_warp == b->first_warp && memcmp(a->dim, b->dim, sizeof a->dim) == 0 &&
+           mat4_is_same(a->voxel_from_world, b->voxel_from_world);
 }
 
 /* The indices of a voxel. */
@@ -126,16 +123,12 @@ static conus_status init_volume(struct volume *out, const struct volume *old, co
     return CONUS_OK;
 }
 
-/* A value for where the atlas has none: such a voxel belongs to no pathway, and a context has nothing there. */
-static float value_of_nothing(const struct volume *volume)
-{
-    return volume_is_scalar(volume) ? NAN : (float)volume->info.minimum;
-}
-
 /* Fills the voxels from `first` on, of which `nearest` says where in the source they are. */
 static void fill_row(struct volume *volume, const struct volume_source *source, uint64_t *counts, const size_t *nearest,
                      size_t first)
 {
+    /* Where the atlas has no value, a voxel belongs to no pathway, and a context has nothing there. */
+    const float nothing = volume_is_scalar(volume) ? NAN : (float)volume->info.minimum;
     for (size_t i = 0; i < volume->info.dim[0]; i++) {
         size_t from = nearest[i];
         uint32_t object = from == SIZE_MAX ? 0 : source_object(source, from);
@@ -144,7 +137,7 @@ static void fill_row(struct volume *volume, const struct volume_source *source, 
             counts[object == VOLUME_BLOCKER ? 0 : object]++;
         }
         if (volume->values) {
-            volume->values[first + i] = from == SIZE_MAX ? value_of_nothing(volume) : source->values[from];
+            volume->values[first + i] = from == SIZE_MAX ? nothing : source->values[from];
         }
     }
 }

@@ -14,25 +14,18 @@ void layers_finish(struct layers *layers)
     *layers = (struct layers){0};
 }
 
-static conus_status grow(struct layers *layers)
-{
-    size_t capacity = layers->capacity ? 2 * layers->capacity : FIRST_CAPACITY;
-    conus_interval *intervals = memory_resize(layers->intervals, capacity, sizeof *intervals);
-    if (!intervals) {
-        return CONUS_ERROR_MEMORY;
-    }
-    layers->intervals = intervals;
-    layers->capacity = capacity;
-    return CONUS_OK;
-}
-
 conus_status layers_reserve(struct layers *layers, size_t more)
 {
-    conus_status status = CONUS_OK;
-    while (layers->capacity - layers->count < more && !status) {
-        status = grow(layers);
+    while (layers->capacity - layers->count < more) {
+        size_t capacity = layers->capacity ? 2 * layers->capacity : FIRST_CAPACITY;
+        conus_interval *intervals = memory_resize(layers->intervals, capacity, sizeof *intervals);
+        if (!intervals) {
+            return CONUS_ERROR_MEMORY;
+        }
+        layers->intervals = intervals;
+        layers->capacity = capacity;
     }
-    return status;
+    return CONUS_OK;
 }
 
 conus_status layers_add(struct layers *layers, const conus_interval *interval)

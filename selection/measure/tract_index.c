@@ -7,22 +7,17 @@
 
 #include <string.h>
 
-static uint64_t count_members(const struct tractogram *tractogram)
-{
-    uint64_t count = 0;
-    for (size_t g = 0; g < tractogram->group_count; g++) {
-        count += tractogram->groups[g].count;
-    }
-    return count;
-}
-
 static conus_status find_owners(struct tract_owners *owners, const conus_atlas *atlas, size_t which)
 {
     const struct tractogram *tractogram = &atlas->tractograms[which];
     size_t count = tractogram->streamline_count;
     if (tractogram->group_count) {
+        size_t members = 0;
+        for (size_t g = 0; g < tractogram->group_count; g++) {
+            members += tractogram->groups[g].count;
+        }
         owners->first = memory_zeroed(count + 1, sizeof *owners->first);
-        owners->bundles = memory_raw(count_members(tractogram), sizeof *owners->bundles);
+        owners->bundles = memory_raw(members, sizeof *owners->bundles);
         if (!owners->first || !owners->bundles) {
             return CONUS_ERROR_MEMORY;
         }

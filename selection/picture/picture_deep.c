@@ -37,16 +37,6 @@ enum { ID, OBJECT, Z, Z_BACK, T, T_BACK, A, CHANNEL_COUNT };
 
 static const char *const CHANNELS[CHANNEL_COUNT] = {"id", "object", "Z", "ZBack", "t", "tBack", "A"};
 
-static conus_status add_channels(struct deep_image *image)
-{
-    conus_status status = CONUS_OK;
-    for (int c = 0; !status && c < CHANNEL_COUNT; c++) {
-        struct image_channel *channel = NULL;
-        status = deep_image_add_channel(image, CHANNELS[c], c < Z ? IMAGE_UINT : IMAGE_FLOAT, &channel);
-    }
-    return status;
-}
-
 static void fill_channels(struct deep_image *image, const conus_selection *selection, const size_t *first)
 {
     uint32_t n = selection->cone.resolution;
@@ -227,7 +217,10 @@ static conus_status create_image(struct deep_image **out, const conus_selection 
         first[i + 1] += first[i];
     }
     conus_status status = first ? count_samples(&image, selection, first) : CONUS_ERROR_MEMORY;
-    status = status ? status : add_channels(image);
+    for (int c = 0; !status && c < CHANNEL_COUNT; c++) {
+        struct image_channel *channel = NULL;
+        status = deep_image_add_channel(image, CHANNELS[c], c < Z ? IMAGE_UINT : IMAGE_FLOAT, &channel);
+    }
     if (!status) {
         fill_channels(image, selection, first);
         status = add_names(image, selection);

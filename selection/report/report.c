@@ -2,6 +2,7 @@
 /* Reports: makes them, and collects what they are to say. */
 #include "selection/report/report.h"
 
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
@@ -116,24 +117,15 @@ void report_clear(conus_report *report)
     buffer_clear(&report->voxels);
 }
 
-static bool are_frames_equal(const conus_frame *a, const conus_frame *b)
-{
-    bool equal = a->space == b->space;
-    for (size_t i = 0; i < 16; i++) {
-        equal = equal && a->world_from_space[i] == b->world_from_space[i];
-    }
-    return equal;
-}
-
 /* Whether both have the same columns, and answer the same questions in the same way. */
 static bool are_alike(const conus_report *a, const conus_report *b)
 {
     const conus_report_options *x = &a->options;
     const conus_report_options *y = &b->options;
-    return x->rows == y->rows && x->format == y->format && are_frames_equal(&a->frame, &b->frame) &&
-           !x->tracker == !y->tracker && x->selected_only == y->selected_only &&
-           a->atlas->is_moved == b->atlas->is_moved && strcmp(a->score, b->score) == 0 &&
-           strcmp(a->engine, b->engine) == 0;
+    return x->rows == y->rows && x->format == y->format && a->frame.space == b->frame.space &&
+           mat4_is_same(a->frame.world_from_space, b->frame.world_from_space) && !x->tracker == !y->tracker &&
+           x->selected_only == y->selected_only && a->atlas->is_moved == b->atlas->is_moved &&
+           strcmp(a->score, b->score) == 0 && strcmp(a->engine, b->engine) == 0;
 }
 
 static bool are_traced_alike(const conus_selector_options *a, const conus_selector_options *b)

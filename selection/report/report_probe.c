@@ -45,16 +45,13 @@ static size_t stem_of(const char *id)
     return size;
 }
 
-static bool on_one_shank(const char *a, const char *b)
-{
-    size_t size = stem_of(a);
-    return size == stem_of(b) && memcmp(a, b, size) == 0;
-}
-
 static struct shank find_shank(const conus_report *report, size_t first)
 {
     struct shank shank = {.report = report, .first = first, .end = first + 1};
-    while (shank.end < report->query_count && on_one_shank(report->queries[first].id, report->queries[shank.end].id)) {
+    const char *id = report->queries[first].id;
+    size_t stem = stem_of(id);
+    while (shank.end < report->query_count && stem_of(report->queries[shank.end].id) == stem &&
+           memcmp(report->queries[shank.end].id, id, stem) == 0) {
         shank.end++;
     }
     size_t low = next_contact(&shank, first);
@@ -287,19 +284,12 @@ conus_status report_write_spikeglx(struct buffer *out, const conus_report *repor
     return status;
 }
 
-static conus_status check_channels(const conus_report *report)
-{
-    if (!has_axes(report) && !report->options.contacts.count) {
-        return check_contacts(report);
-    }
-    conus_status status = check_shanks(report);
-    return status ? status : check_rows(report);
-}
-
 conus_status report_write_open_ephys(struct buffer *out, const conus_report *report)
 {
     const char *separator = "";
-    conus_status status = check_channels(report);
+    bool of_contacts = !has_axes(report) && !report->options.contacts.count;
+    conus_status status = of_contacts ? check_contacts(report) : check_shanks(report);
+    status = status || of_contacts ? status : check_rows(report);
     size_t channels = report->query_count * (report->options.contacts.count ? report->options.contacts.count : 1);
     for (size_t i = 0; !status && i < channels;) {
         const conus_object *object = object_at(report, i);

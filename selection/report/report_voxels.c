@@ -209,20 +209,6 @@ static int by_number(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static conus_status find_near_points(struct near_points *near, const struct tractogram *tractogram)
-{
-    near->tractogram = tractogram;
-    near->count = 0;
-    tract_census_walk(tractogram, near->region, add_run, near);
-    if (near->failed) {
-        return CONUS_ERROR_MEMORY;
-    }
-    if (near->count) { /* else there may be no array */
-        qsort(near->points, near->count, sizeof *near->points, by_number);
-    }
-    return CONUS_OK;
-}
-
 static bool is_member(const struct tract_group *group, uint32_t streamline)
 {
     size_t low = 0;
@@ -270,8 +256,14 @@ static conus_status add_points(conus_report *report, const conus_selection *sele
             continue;
         }
         if (tractogram != near.tractogram) { /* bundles of a tractogram follow each other */
-            status = find_near_points(&near, tractogram);
+            near.tractogram = tractogram;
+            near.count = 0;
+            tract_census_walk(tractogram, near.region, add_run, &near);
+            if (near.count) { /* else there may be no array */
+                qsort(near.points, near.count, sizeof *near.points, by_number);
+            }
         }
+        status = near.failed ? CONUS_ERROR_MEMORY : CONUS_OK;
         if (!status) {
             write_bundle(report, &near, number);
         }

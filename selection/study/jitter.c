@@ -158,19 +158,6 @@ static conus_status answer_sample(struct count *counts, conus_selector *selector
     return CONUS_OK;
 }
 
-static conus_status answer_samples(struct count *counts, conus_selector *selector, const conus_jitter *jitter)
-{
-    const conus_jitter_options *options = &jitter->options;
-    conus_status status = CONUS_OK;
-    for (uint32_t i = 0; !status && i < options->samples; i++) {
-        status = answer_sample(counts, selector, jitter, i);
-        if (!status && options->progress && !options->progress(options->progress_user, i + 1, options->samples)) {
-            status = fail(CONUS_ERROR_CANCELLED, "jitter: cancelled after %u of %u poses", i + 1, options->samples);
-        }
-    }
-    return status;
-}
-
 /* Mean over the sets, and its standard error were they independent; they complement each other, so it is less. */
 static void estimate_probability(double out[2], const uint32_t hits[JITTER_SETS], double per_set)
 {
@@ -247,7 +234,14 @@ static conus_status fill_rows(conus_jitter *jitter, const struct count *counts, 
 static conus_status build(conus_jitter *jitter, conus_selector *selector)
 {
     struct count *counts = memory_zeroed(selector->atlas->object_count + 1, sizeof *counts);
-    conus_status status = counts ? answer_samples(counts, selector, jitter) : CONUS_ERROR_MEMORY;
+    const conus_jitter_options *options = &jitter->options;
+    conus_status status = counts ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (uint32_t i = 0; !status && i < options->samples; i++) {
+        status = answer_sample(counts, selector, jitter, i);
+        if (!status && options->progress && !options->progress(options->progress_user, i + 1, options->samples)) {
+            status = fail(CONUS_ERROR_CANCELLED, "jitter: cancelled after %u of %u poses", i + 1, options->samples);
+        }
+    }
     status = status ? status : fill_rows(jitter, counts, selector);
     memory_free(counts);
     return status;

@@ -88,16 +88,6 @@ static conus_status init_scene(struct scene *scene, const struct tract_object *o
     return CONUS_OK;
 }
 
-static void add_scene(struct tract_rays *rays, const struct tractogram *tractogram)
-{
-    for (size_t i = 0; i < rays->scene_count; i++) {
-        if (rays->scenes[i].tractogram == tractogram) {
-            return;
-        }
-    }
-    rays->scenes[rays->scene_count++].tractogram = tractogram;
-}
-
 conus_status tract_rays_create(struct tract_rays **out, const struct tract_object *objects, size_t count)
 {
     return tract_rays_create_with(out, tract_search_best(), objects, count);
@@ -113,7 +103,12 @@ conus_status tract_rays_create_with(struct tract_rays **out, tract_search_next *
     conus_status status = CONUS_OK;
     rays->next = next;
     for (size_t k = 0; k < count; k++) {
-        add_scene(rays, objects[k].tractogram);
+        size_t i = 0;
+        while (i < rays->scene_count && rays->scenes[i].tractogram != objects[k].tractogram) {
+            i++;
+        }
+        rays->scenes[i].tractogram = objects[k].tractogram;
+        rays->scene_count += i == rays->scene_count;
     }
     for (size_t i = 0; i < rays->scene_count && !status; i++) {
         status = init_scene(&rays->scenes[i], objects, count);
