@@ -78,20 +78,6 @@ struct citing {
     char **names;           /* [citation.atlas_count] what the citation borrows */
 };
 
-static void citing_finish(struct citing *citing)
-{
-    for (size_t i = 0; i < citing->citation.atlas_count; i++) {
-        references_finish(&citing->citation.atlases[i].references);
-        free(citing->names ? citing->names[i] : NULL);
-    }
-    free(citing->citation.atlases);
-    json_decref(citing->citation.question);
-    free((void *)citing->names);
-    replay_finish(&citing->replay);
-    record_finish(&citing->record);
-    atlases_finish(&citing->atlases);
-}
-
 /* "aal" of "aal.nii.gz"; NULL without memory. */
 static char *stem_of(const char *path)
 {
@@ -357,7 +343,16 @@ static int run_cite(const void *given, const struct arguments *arguments)
         code = cite_atlas(&citing);
     }
     code = code ? code : write_citation(&citing);
-    citing_finish(&citing);
+    for (size_t i = 0; i < citing.citation.atlas_count; i++) {
+        references_finish(&citing.citation.atlases[i].references);
+        free(citing.names ? citing.names[i] : NULL);
+    }
+    free(citing.citation.atlases);
+    json_decref(citing.citation.question);
+    free((void *)citing.names);
+    replay_finish(&citing.replay);
+    record_finish(&citing.record);
+    atlases_finish(&citing.atlases);
     free(sidecar);
     return code;
 }

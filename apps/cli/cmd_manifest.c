@@ -41,16 +41,6 @@ static const struct option_group groups[] = {
     {0},
 };
 
-/* The last part of the folder's full path; NULL without memory or such a folder. The caller frees it. */
-static char *folder_name(const char *folder)
-{
-    char *full = realpath(folder, NULL);
-    const char *slash = full ? strrchr(full, '/') : NULL;
-    char *name = slash ? strdup(slash[1] ? slash + 1 : "atlas") : NULL;
-    free(full);
-    return name;
-}
-
 static int write_manifest(const char *folder, const char *name, const struct manifest_settings *settings)
 {
     const conus_manifest_options options = {.max_memory = settings->max_memory,
@@ -79,13 +69,17 @@ static int run_manifest(const void *given, const struct arguments *arguments)
     if (settings->name && (strchr(settings->name, '/') || !settings->name[0])) {
         return print_usage_error("--name: \"%s\", a name without / is needed", settings->name);
     }
-    char *own = settings->name ? NULL : folder_name(folder);
-    if (!settings->name && !own) {
+    if (settings->name) {
+        return write_manifest(folder, settings->name, settings);
+    }
+    char *full = realpath(folder, NULL);
+    const char *slash = full ? strrchr(full, '/') : NULL;
+    if (!slash) {
         print_error_line("%s: there is no such folder", folder);
         return EXIT_DATA;
     }
-    int code = write_manifest(folder, settings->name ? settings->name : own, settings);
-    free(own);
+    int code = write_manifest(folder, slash[1] ? slash + 1 : "atlas", settings); /* the last part of the full path */
+    free(full);
     return code;
 }
 

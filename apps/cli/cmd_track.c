@@ -155,20 +155,6 @@ struct track {
     size_t held_size;
 };
 
-static void track_finish(struct track *track)
-{
-    if (track->held) {
-        fclose(track->held);
-    }
-    free(track->held_text);
-    for (size_t i = 0; track->trackers && i < track->request.atlases.count; i++) {
-        conus_tracker_destroy(track->trackers[i]);
-    }
-    free((void *)track->trackers);
-    station_stop(track->station);
-    request_finish(&track->request);
-}
-
 /* Writes what was answered since the last time. A whole JSON text waits for the end. */
 static int write_steps(struct track *track)
 {
@@ -390,7 +376,16 @@ static int run_track(const void *given, const struct arguments *arguments)
         code = track.held ? EXIT_DONE : print_no_memory();
     }
     code = code ? code : answer_track(&track);
-    track_finish(&track);
+    if (track.held) {
+        fclose(track.held);
+    }
+    free(track.held_text);
+    for (size_t i = 0; track.trackers && i < track.request.atlases.count; i++) {
+        conus_tracker_destroy(track.trackers[i]);
+    }
+    free((void *)track.trackers);
+    station_stop(track.station);
+    request_finish(&track.request);
     return code;
 }
 

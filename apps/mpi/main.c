@@ -156,17 +156,6 @@ static int open_output(struct run *run)
                : ordered_file_open(&run->file, run->batch.output, found[SIZE], leads ? &run->batch.file : NULL);
 }
 
-/* Whether all ranks have read the file that rank 0 began with. */
-static int check_poses(struct run *run)
-{
-    MPI_Bcast(run->batch.pose_hash, sizeof run->batch.pose_hash, MPI_CHAR, 0, MPI_COMM_WORLD);
-    int code = agree(batch_run_check_poses(&run->batch));
-    if (code && run->cluster->rank == 0) {
-        batch_file_disown(&run->batch.file);
-    }
-    return code;
-}
-
 /* Adds what another rank found; the first pose is the one with the lower number. */
 static void add_oddity(conus_oddity *sum, const conus_oddity *more)
 {
@@ -248,7 +237,13 @@ static int answer_all(struct run *run)
         batch_run_interrupted(&run->batch, run->file.stop - 128);
     }
     int code = agree(ordered_file_close(&run->file));
-    code = code ? code : check_poses(run);
+    if (!code) { /* all ranks must have read the file that rank 0 began with */
+        MPI_Bcast(run->batch.pose_hash, sizeof run->batch.pose_hash, MPI_CHAR, 0, MPI_COMM_WORLD);
+        code = agree(batch_run_check_poses(&run->batch));
+        if (code && leads) {
+            batch_file_disown(&run->batch.file);
+        }
+    }
     if (!code) {
         say_errors(run);
         say_astray(run);

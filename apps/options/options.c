@@ -269,19 +269,6 @@ static int take_word(struct cursor *cursor, const char *word)
     return cursor->operands_only ? CONTINUE : take_long(cursor, word);
 }
 
-static int answer_help(const struct arguments *arguments)
-{
-    if (option_given(arguments, "help")) {
-        (arguments->is_brief ? help_brief : help_command)(stdout, arguments->command);
-        return EXIT_DONE;
-    }
-    if (option_given(arguments, "version")) {
-        printf("conus %s\n", conus_version());
-        return EXIT_DONE;
-    }
-    return CONTINUE;
-}
-
 /* All operands and all options that must be given. */
 static int check_complete(const struct arguments *arguments)
 {
@@ -398,8 +385,16 @@ int options_parse(struct arguments *out, void *settings, const struct command *c
     struct cursor cursor = {.arguments = out, .settings = settings, .next = first};
     while (cursor.next < count) {
         int code = take_word(&cursor, words[cursor.next++]);
-        if (code != CONTINUE || (code = answer_help(out)) != CONTINUE) {
+        if (code != CONTINUE) {
             return code;
+        }
+        if (option_given(out, "help")) {
+            (out->is_brief ? help_brief : help_command)(stdout, command);
+            return EXIT_DONE;
+        }
+        if (option_given(out, "version")) {
+            printf("conus %s\n", conus_version());
+            return EXIT_DONE;
         }
     }
     int code = check_complete(out);

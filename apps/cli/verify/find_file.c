@@ -128,18 +128,6 @@ static const char *name_of(const char *path)
     return slash ? slash + 1 : path;
 }
 
-static char *path_beside(const char *other, const char *name)
-{
-    char *path = NULL;
-    return other && asprintf(&path, "%.*s%s", (int)(name_of(other) - other), other, name) >= 0 ? path : NULL;
-}
-
-static char *path_from(const char *folder, const char *path)
-{
-    char *joined = NULL;
-    return folder && *path != '/' && asprintf(&joined, "%s%s", folder, path) >= 0 ? joined : NULL;
-}
-
 /* Tries files of its name first: among many of one size, it is most likely one of those. */
 static void search(struct found_file *out, const struct recorded_file *file, const struct places *places)
 {
@@ -160,9 +148,15 @@ bool file_find(struct found_file *out, const struct recorded_file *file, const s
 {
     *out = (struct found_file){.state = FILE_MISSING};
     bool found = !output_is_stdout(file->path) && try_path(out, file, strdup(file->path), FILE_SAME);
-    found = found || try_path(out, file, path_from(places->base, file->path), FILE_SAME);
+    char *path = NULL;
+    if (!found && places->base && *file->path != '/' && asprintf(&path, "%s%s", places->base, file->path) >= 0) {
+        found = try_path(out, file, path, FILE_SAME);
+    }
     for (size_t i = 0; i < 2 && !found; i++) {
-        found = try_path(out, file, path_beside(places->beside[i], name_of(file->path)), FILE_MOVED);
+        const char *other = places->beside[i];
+        if (other && asprintf(&path, "%.*s%s", (int)(name_of(other) - other), other, name_of(file->path)) >= 0) {
+            found = try_path(out, file, path, FILE_MOVED);
+        }
     }
     if (!found && file->sha256) {
         search(out, file, places);
