@@ -446,7 +446,8 @@ static conus_status end_cifti(struct parsing *parsing, struct text text)
     return status ? status : find_all_voxels(cifti);
 }
 
-/* Where each may stand, and what is open between its tags. Others, MetaData for instance, are passed over. */
+/* The elements that have a meaning: in which other one each may stand, and what is open between its tags. Others, such
+ * as MetaData, are passed over. */
 static const struct element {
     const char *name;
     enum inside parent, inside;

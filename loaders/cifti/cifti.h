@@ -7,14 +7,15 @@
 
 #include "atlas/labels/labels.h"
 
-enum { CIFTI_HEAD_LIMIT = 64 << 20 }; /** A brain structure of CIFTI-2, and what GIFTI calls it. */
+/** Most bytes before the values: header and XML. */
+enum { CIFTI_HEAD_LIMIT = 64 << 20 };
+
+/** A brain structure of CIFTI-2, and what GIFTI calls it. */
 struct cifti_structure {
     const char *word; /**< In CIFTI: "CIFTI_STRUCTURE_CORTEX_LEFT".              */
     const char *name; /**< In GIFTI's AnatomicalStructurePrimary: "CortexLeft".  */
     char side;        /**< 'L', 'R' or 0.                                        */
 };
-
-/**< Most bytes before the values: header and XML. */
 
 /** A BrainModel: the vertices of a surface, or the voxels, of one structure. */
 struct cifti_model {

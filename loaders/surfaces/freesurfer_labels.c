@@ -109,26 +109,30 @@ static conus_status take_table(struct annot *annot)
 {
     int32_t there = 0;
     int32_t first = 0;
-    int32_t count = 0;
     struct text origin;
+    int32_t bound = 0;
     conus_status status = take_int(annot, "colour table: flag", 0, 1, &there);
-    if (!status && !there) {
+    if (status) {
+        return status;
+    }
+    if (!there) {
         return fail(CONUS_ERROR_UNSUPPORTED, "colour table: there is none, and without it areas have no names");
     }
-    status = status ? status : take_int(annot, "colour table: size or version", NEW_TABLE, ENTRY_LIMIT, &first);
-    if (!status && (first == 0 || first == -1)) {
+    status = take_int(annot, "colour table: size or version", NEW_TABLE, ENTRY_LIMIT, &first);
+    if (status) {
+        return status;
+    }
+    if (first == 0 || first == -1) {
         return fail(CONUS_ERROR_DATA, "colour table: size or version: found %d, allowed are 1 or more, and -2", first);
     }
     bool numbered = first == NEW_TABLE;
-    if (!status && numbered) {
-        status = take_int(annot, "colour table: bound", 0, INT32_MAX, &count);
+    int32_t count = first;
+    if ((numbered && (status = take_int(annot, "colour table: bound", 0, INT32_MAX, &bound))) ||
+        (status = take_text(annot, "colour table: origin", &origin)) ||
+        (numbered && (status = take_int(annot, "colour table: size", 1, ENTRY_LIMIT, &count)))) {
+        return status;
     }
-    status = status ? status : take_text(annot, "colour table: origin", &origin);
-    count = first;
-    if (!status && numbered) {
-        status = take_int(annot, "colour table: size", 1, ENTRY_LIMIT, &count);
-    }
-    return status ? status : take_entries(annot, numbered, count);
+    return take_entries(annot, numbered, count);
 }
 
 static int compare_entries(const void *a, const void *b)
@@ -239,28 +243,22 @@ static conus_status fill_table(struct label_table *table, const struct annot *an
     return status ? status : label_table_sort(table, annot->notes);
 }
 
-static conus_status parse_annot(struct annot *annot, uint32_t **labels, struct label_table *table)
-{
-    conus_status status = take_vertices(annot);
-    status = status ? status : take_table(annot);
-    if (status) {
-        return status;
-    }
-    qsort(annot->entries, annot->entry_count, sizeof *annot->entries, compare_entries);
-    *labels = memory_raw(annot->count, sizeof **labels);
-    status = *labels ? note_colours(annot) : CONUS_ERROR_MEMORY;
-    status = status ? status : move_entry_0(annot);
-    status = status ? status : fill_labels(*labels, annot);
-    return status ? status : fill_table(table, annot);
-}
-
 conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct label_table *table, const uint8_t *data,
                                     size_t size, struct notes *notes)
 {
     struct annot annot = {.data = data, .size = size, .notes = notes};
     struct label_table entries = {0};
     uint32_t *out = NULL;
-    conus_status status = parse_annot(&annot, &out, &entries);
+    conus_status status = take_vertices(&annot);
+    status = status ? status : take_table(&annot);
+    if (!status) {
+        qsort(annot.entries, annot.entry_count, sizeof *annot.entries, compare_entries);
+        out = memory_raw(annot.count, sizeof *out);
+        status = out ? note_colours(&annot) : CONUS_ERROR_MEMORY;
+    }
+    status = status ? status : move_entry_0(&annot);
+    status = status ? status : fill_labels(out, &annot);
+    status = status ? status : fill_table(&entries, &annot);
     memory_free(annot.entries);
     if (status) {
         memory_free(out);

@@ -195,13 +195,16 @@ static conus_status take_block(struct tck *tck)
 {
     const size_t size = tck->wide ? 24 : 12;
     conus_status status = byte_stream_need(tck->stream, size);
+    if (status) {
+        return status;
+    }
     size_t count = tck->stream->size / size;
-    if (!status && !count) {
+    if (!count) {
         return fail(CONUS_ERROR_DATA,
                     "streamline %zu (from 0): the file ends without the marker of its end (inf inf inf)",
                     tck->build.tractogram.streamline_count);
     }
-    status = status ? status : tract_build_points(&tck->build, count);
+    status = tract_build_points(&tck->build, count);
     if (status) {
         return status;
     }

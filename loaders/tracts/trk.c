@@ -397,31 +397,31 @@ static conus_status take_points(struct trk *trk, size_t count, size_t *taken)
     struct tractogram *tractogram = &trk->build.tractogram;
     conus_status status = need(trk, trk->stride, "points");
     *taken = trk->stream->size / trk->stride < count ? trk->stream->size / trk->stride : count;
-    status = status ? status : tract_build_points(&trk->build, *taken);
-    if (!status) {
-        const uint8_t *data = trk->stream->data;
-        float *out = tractogram->points + 3 * tractogram->point_count;
-        if (trk->header.swapped) {
-            place_points(out, data, *taken, trk->stride, trk->header.world, true);
-        } else {
-            place_points(out, data, *taken, trk->stride, trk->header.world, false);
-        }
-        take_scalars(trk, data + 12, *taken, trk->stride, true);
-        tractogram->point_count += *taken;
-        byte_stream_skip(trk->stream, *taken * trk->stride);
+    if (status || (status = tract_build_points(&trk->build, *taken))) {
+        return status;
     }
-    return status;
+    const uint8_t *data = trk->stream->data;
+    float *out = tractogram->points + 3 * tractogram->point_count;
+    if (trk->header.swapped) {
+        place_points(out, data, *taken, trk->stride, trk->header.world, true);
+    } else {
+        place_points(out, data, *taken, trk->stride, trk->header.world, false);
+    }
+    take_scalars(trk, data + 12, *taken, trk->stride, true);
+    tractogram->point_count += *taken;
+    byte_stream_skip(trk->stream, *taken * trk->stride);
+    return CONUS_OK;
 }
 
 /* The streamline that begins at hand, with the number of its points. */
 static conus_status take_streamline(struct trk *trk)
 {
     conus_status status = need(trk, 4, "number of points");
-    int32_t count = status ? 0 : order_i32(trk->stream->data, trk->header.swapped);
-    size_t properties = 4 * (size_t)trk->header.properties.count;
     if (status) {
         return status;
     }
+    int32_t count = order_i32(trk->stream->data, trk->header.swapped);
+    size_t properties = 4 * (size_t)trk->header.properties.count;
     byte_stream_skip(trk->stream, 4);
     uint64_t most = byte_stream_most(trk->stream) / trk->stride;
     if (count < 0 || (uint64_t)count > most) {
@@ -431,14 +431,13 @@ static conus_status take_streamline(struct trk *trk)
     for (size_t left = (size_t)count, taken = 0; !status && left; left -= taken) {
         status = take_points(trk, left, &taken);
     }
-    status = status ? status : need(trk, properties, "properties");
-    status = status ? status : tract_build_streamline(&trk->build);
-    if (!status) {
-        take_scalars(trk, trk->stream->data, 1, properties, false);
-        byte_stream_skip(trk->stream, properties);
-        tract_build_end_streamline(&trk->build);
+    if (status || (status = need(trk, properties, "properties")) || (status = tract_build_streamline(&trk->build))) {
+        return status;
     }
-    return status;
+    take_scalars(trk, trk->stream->data, 1, properties, false);
+    byte_stream_skip(trk->stream, properties);
+    tract_build_end_streamline(&trk->build);
+    return CONUS_OK;
 }
 
 static conus_status trk_take_all(struct trk *trk)
@@ -471,17 +470,20 @@ static conus_status take_header(struct trk *trk, struct notes *notes)
 {
     uint8_t header[TRK_HEADER_SIZE];
     conus_status status = byte_stream_need(trk->stream, TRK_HEADER_SIZE);
-    if (!status && trk->stream->size < TRK_HEADER_SIZE) {
+    if (status) {
+        return status;
+    }
+    if (trk->stream->size < TRK_HEADER_SIZE) {
         return fail(CONUS_ERROR_DATA, "header: found %zu bytes, needed are %d", trk->stream->size, TRK_HEADER_SIZE);
     }
-    if (!status) {
-        memcpy(header, trk->stream->data, TRK_HEADER_SIZE);
-        byte_stream_skip(trk->stream, TRK_HEADER_SIZE);
-        status = trk_header_parse(&trk->header, header, notes);
+    memcpy(header, trk->stream->data, TRK_HEADER_SIZE);
+    byte_stream_skip(trk->stream, TRK_HEADER_SIZE);
+    if ((status = trk_header_parse(&trk->header, header, notes)) ||
+        (status = add_names(trk, &trk->header.scalars, true))) {
+        return status;
     }
     trk->stride = 4 * (3 + (size_t)trk->header.scalars.count);
-    status = status ? status : add_names(trk, &trk->header.scalars, true);
-    return status ? status : add_names(trk, &trk->header.properties, false);
+    return add_names(trk, &trk->header.properties, false);
 }
 
 conus_status trk_read(struct tractogram *out, struct byte_stream *stream, uint64_t max_memory, struct notes *notes)

@@ -277,7 +277,7 @@ static conus_status are_near(bool *out, const struct scan *scan, const struct ta
     return CONUS_OK;
 }
 
-/* Where fewer neighbours are equal than areas may be sure of. */
+/* Judges a volume of which too few neighbours are equal to be sure that it has areas. */
 static conus_status judge_values(struct grey_result *out, const struct scan *scan, const struct tally *tally,
                                  const struct grey_claims *claims)
 {

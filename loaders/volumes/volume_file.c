@@ -56,8 +56,8 @@ static char *volume_pair_other(const char *path, size_t at, const char *ext)
     return other;
 }
 
-/* Where the stack `path` lies: `stated`, and what that leaves open as metadata.json beside it says, which then joins
- * `read`. CONUS_ERROR_DATA where voxel size or orientation are missing. */
+/* Finds the place of the stack `path`: `stated`, completed by metadata.json beside it, which then joins `read`.
+ * CONUS_ERROR_DATA where voxel size or orientation are missing. */
 static conus_status tiff_volume_place(struct brainglobe_metadata *out, const char *path,
                                       const struct brainglobe_metadata *stated, struct file_sums *read)
 {

@@ -192,21 +192,23 @@ static conus_status check_element(const struct ply *ply, const struct element *e
 static conus_status ply_check_header(const struct ply *ply, bool has_format)
 {
     size_t seen[KIND_OTHER] = {0};
-    conus_status status = has_format ? CONUS_OK : fail(CONUS_ERROR_DATA, "header: no format");
-    for (size_t i = 0; !status && i < ply->element_count; i++) {
+    if (!has_format) {
+        return fail(CONUS_ERROR_DATA, "header: no format");
+    }
+    for (size_t i = 0; i < ply->element_count; i++) {
         const struct element *element = &ply->elements[i];
-        status = check_element(ply, element);
-        if (!status && element->kind != KIND_OTHER && seen[element->kind]++) {
-            status = fail(CONUS_ERROR_DATA, "header: element %s twice", element->kind == KIND_FACE ? "face" : "vertex");
+        conus_status status = check_element(ply, element);
+        if (status) {
+            return status;
         }
-        if (!status && element->kind == KIND_FACE && !seen[KIND_VERTEX]) {
-            status = fail(CONUS_ERROR_UNSUPPORTED, "header: element face before element vertex");
+        if (element->kind != KIND_OTHER && seen[element->kind]++) {
+            return fail(CONUS_ERROR_DATA, "header: element %s twice", element->kind == KIND_FACE ? "face" : "vertex");
+        }
+        if (element->kind == KIND_FACE && !seen[KIND_VERTEX]) {
+            return fail(CONUS_ERROR_UNSUPPORTED, "header: element face before element vertex");
         }
     }
-    if (!status && !seen[KIND_FACE]) {
-        status = fail(CONUS_ERROR_DATA, "header: no element face: points, not a surface");
-    }
-    return status;
+    return seen[KIND_FACE] ? CONUS_OK : fail(CONUS_ERROR_DATA, "header: no element face: points, not a surface");
 }
 
 static conus_status ply_read_header(struct ply *ply)
@@ -277,13 +279,16 @@ static conus_status take_list(struct ply *ply, const struct property *property)
 {
     double length = 0;
     conus_status status = next_number(&length, ply, property->count);
-    int64_t count = status ? 0 : whole_of(length);
-    size_t least = ply->is_text ? 2 : types[property->type].size;
-    if (!status && (count < 0 || (uint64_t)count > ply->words.rest.size / least + 1)) {
-        status = fail(CONUS_ERROR_DATA, "face %zu: a list of %g numbers, %zu bytes follow", ply->mesh->face_count,
-                      length, ply->words.rest.size);
+    if (status) {
+        return status;
     }
-    if (!status && property->use == USE_NOTHING && !ply->is_text) {
+    int64_t count = whole_of(length);
+    size_t least = ply->is_text ? 2 : types[property->type].size;
+    if (count < 0 || (uint64_t)count > ply->words.rest.size / least + 1) {
+        return fail(CONUS_ERROR_DATA, "face %zu: a list of %g numbers, %zu bytes follow", ply->mesh->face_count, length,
+                    ply->words.rest.size);
+    }
+    if (property->use == USE_NOTHING && !ply->is_text) {
         return words_bytes(&ply->words, (size_t)count * least) ? CONUS_OK : fail_cut_off(ply);
     }
     for (int64_t i = 0; !status && i < count; i++) {

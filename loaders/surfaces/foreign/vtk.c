@@ -220,16 +220,20 @@ static conus_status take_array(struct vtk *vtk)
     if (!words_next(&vtk->words, &name)) {
         return words_fail(&vtk->words, name, "the name of an array");
     }
-    conus_status status = words_count(&parts, &vtk->words, 1, "FIELD");
-    status = status ? status : words_count(&tuples, &vtk->words, 1, "FIELD");
-    if (!status && !memory_multiply(parts, tuples, &count)) {
-        status = vtk_fail_cut_off("FIELD");
+    conus_status status;
+    if ((status = words_count(&parts, &vtk->words, 1, "FIELD")) ||
+        (status = words_count(&tuples, &vtk->words, 1, "FIELD"))) {
+        return status;
     }
-    bool strings = !status && words_take(&vtk->words, "string");
-    status = status || strings ? status : vtk_need_type(&type, vtk);
-    assert(status || strings || type);
-    status = status ? status : vtk_end_line(vtk);
-    return status ? status : strings ? skip_strings(vtk, count) : vtk_take_numbers(vtk, name, type, parts, tuples);
+    if (!memory_multiply(parts, tuples, &count)) {
+        return vtk_fail_cut_off("FIELD");
+    }
+    bool strings = words_take(&vtk->words, "string");
+    if ((!strings && (status = vtk_need_type(&type, vtk))) || (status = vtk_end_line(vtk))) {
+        return status;
+    }
+    assert(strings || type);
+    return strings ? skip_strings(vtk, count) : vtk_take_numbers(vtk, name, type, parts, tuples);
 }
 
 static conus_status vtk_skip_metadata(struct vtk *vtk)
@@ -323,9 +327,11 @@ static conus_status read_attribute(struct vtk *vtk, const struct attribute *attr
     }
     if (vtk_is_named(attribute, "LOOKUP_TABLE")) {
         size_t colours = 0;
-        conus_status status = words_count(&colours, &vtk->words, 1, "LOOKUP_TABLE");
-        status = status ? status : vtk_end_line(vtk);
-        return status ? status : skip_numbers(vtk, colour_type(vtk), 4 * colours);
+        conus_status status;
+        if ((status = words_count(&colours, &vtk->words, 1, "LOOKUP_TABLE")) || (status = vtk_end_line(vtk))) {
+            return status;
+        }
+        return skip_numbers(vtk, colour_type(vtk), 4 * colours);
     }
     conus_status status = read_attribute_line(&type, &parts, vtk, attribute);
     return status ? status : vtk_take_numbers(vtk, name, type, parts, count);
@@ -459,10 +465,13 @@ static conus_status begin_array(const struct vtk_type **type, struct vtk *vtk, c
         return status;
     }
     status = vtk_need_type(type, vtk);
-    if (!status && ((*type)->bits < 8 || (*type)->kind == VTK_REAL)) {
-        status = fail(CONUS_ERROR_DATA, "%s: of type %s, a whole number is needed", name, (*type)->name);
+    if (status) {
+        return status;
     }
-    return status ? status : vtk_end_line(vtk);
+    if ((*type)->bits < 8 || (*type)->kind == VTK_REAL) {
+        return fail(CONUS_ERROR_DATA, "%s: of type %s, a whole number is needed", name, (*type)->name);
+    }
+    return vtk_end_line(vtk);
 }
 
 /* Version 5: `count` offsets, of which the first is 0 and the last `size`, then `size` corners. Both are read side by
@@ -501,14 +510,14 @@ static conus_status read_cells(struct vtk *vtk, enum cells cells, const char *wh
 {
     size_t count = 0;
     size_t size = 0;
-    conus_status status = words_count(&count, &vtk->words, 1, what);
-    status = status ? status : words_count(&size, &vtk->words, 1, what);
-    if (status || !vtk->has_offsets) {
-        return status ? status : read_counted(vtk, count, size, cells, what);
+    conus_status status;
+    if ((status = words_count(&count, &vtk->words, 1, what)) || (status = words_count(&size, &vtk->words, 1, what))) {
+        return status;
     }
-    return count  ? read_offset_cells(vtk, count, size, cells, what)
-           : size ? fail(CONUS_ERROR_DATA, "%s: %zu corners without a cell", what, size)
-                  : CONUS_OK;
+    return !vtk->has_offsets ? read_counted(vtk, count, size, cells, what)
+           : count           ? read_offset_cells(vtk, count, size, cells, what)
+           : size            ? fail(CONUS_ERROR_DATA, "%s: %zu corners without a cell", what, size)
+                             : CONUS_OK;
 }
 
 /* Numbers of points and cells, which reach to the end of the file, are read only where lines are wanted. */
