@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int compare_names(const void *a, const void *b)
+static int compare_known(const void *a, const void *b)
 {
     return strcmp(((const struct known_name *)a)->name, ((const struct known_name *)b)->name);
 }
@@ -29,7 +29,7 @@ struct known_name *name_set_find(const struct name_set *set, const char *name)
     struct known_name *found = NULL;
     for (size_t end = set->count; end && !found; end -= lowest_bit(end)) {
         size_t length = lowest_bit(end);
-        found = bsearch(&key, set->items + end - length, length, sizeof key, compare_names);
+        found = bsearch(&key, set->items + end - length, length, sizeof key, compare_known);
     }
     return found;
 }
@@ -41,6 +41,6 @@ conus_status name_set_add(struct name_set *set, const char *name, size_t value)
     }
     set->items[set->count++] = (struct known_name){name, value};
     size_t length = lowest_bit(set->count); /* the new one, and all runs that are as long as what is behind them */
-    qsort(set->items + set->count - length, length, sizeof *set->items, compare_names);
+    qsort(set->items + set->count - length, length, sizeof *set->items, compare_known);
     return CONUS_OK;
 }

@@ -59,7 +59,7 @@ static void read_notes(char out[BUILD_ID_SIZE], const uint8_t *at, size_t size, 
     }
 }
 
-static int look_at(struct dl_phdr_info *info, size_t size, void *out)
+static int read_build_id(struct dl_phdr_info *info, size_t size, void *out)
 {
     (void)size;
     uintptr_t here = (uintptr_t)&build_id_find;
@@ -84,7 +84,7 @@ static int look_at(struct dl_phdr_info *info, size_t size, void *out)
 bool build_id_find(char out[BUILD_ID_SIZE])
 {
     out[0] = '\0';
-    dl_iterate_phdr(look_at, out);
+    dl_iterate_phdr(read_build_id, out);
     return out[0];
 }
 

@@ -44,7 +44,7 @@ static bool read_fully(int descriptor, uint8_t *data, size_t size, size_t *got)
 }
 
 /* stat(), which a trace hears of. */
-static bool look_at(struct stat *info, const char *path)
+static bool stat_traced(struct stat *info, const char *path)
 {
     bool found = stat(path, info) == 0;
     int error = errno;
@@ -56,7 +56,7 @@ static bool look_at(struct stat *info, const char *path)
 conus_status file_state_find(struct file_state *out, const char *path)
 {
     struct stat info;
-    if (!look_at(&info, path)) {
+    if (!stat_traced(&info, path)) {
         return fail_errno(path, "open");
     }
     file_state_take(out, &info);
@@ -344,13 +344,13 @@ conus_status file_make_folder(const char *path)
 bool file_exists(const char *path)
 {
     struct stat info;
-    return look_at(&info, path) && S_ISREG(info.st_mode);
+    return stat_traced(&info, path) && S_ISREG(info.st_mode);
 }
 
 bool file_is_folder(const char *path)
 {
     struct stat info;
-    return look_at(&info, path) && S_ISDIR(info.st_mode);
+    return stat_traced(&info, path) && S_ISDIR(info.st_mode);
 }
 
 char *file_beside(const char *path, const char *name)

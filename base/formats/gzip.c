@@ -53,7 +53,7 @@ static size_t set_output(struct stream *stream, uint64_t limit)
 }
 
 /* At the end of a member: goes on with the next one, if there is one. */
-static void next_member(struct stream *stream)
+static void stream_next_member(struct stream *stream)
 {
     const uint8_t *next = stream->z.next_in;
     size_t size = stream->z.avail_in + stream->rest_size; /* both lie in the same file, one behind the other */
@@ -89,7 +89,7 @@ static conus_status inflate_until(struct stream *stream, uint64_t until)
             gzip_indexer_stop(indexer, &stream->z, stream->position, (uint64_t)(stream->z.next_in - stream->packed));
         }
         if (code == Z_STREAM_END) {
-            next_member(stream);
+            stream_next_member(stream);
         } else if (code == Z_MEM_ERROR) {
             return fail(CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
         } else if (code == Z_BUF_ERROR && stream->position == before) {

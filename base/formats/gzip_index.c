@@ -194,7 +194,7 @@ static conus_status feed(struct follower *follower)
     return CONUS_OK;
 }
 
-static conus_status next_member(struct follower *follower)
+static conus_status follower_next_member(struct follower *follower)
 {
     if (follower->index->zlib) {
         return follower->z.avail_out ? fail_mismatch() : CONUS_OK;
@@ -222,7 +222,7 @@ static conus_status inflate_part(struct follower *follower, uint8_t *out, size_t
         status = z->avail_in ? CONUS_OK : feed(follower);
         int code = status ? Z_OK : inflate(z, Z_NO_FLUSH);
         if (code == Z_STREAM_END) {
-            status = next_member(follower);
+            status = follower_next_member(follower);
         } else if (code == Z_MEM_ERROR) {
             status = fail(CONUS_ERROR_MEMORY, "gzip: no memory to unpack");
         } else if (code != Z_OK && code != Z_BUF_ERROR) {
@@ -337,7 +337,7 @@ static conus_status go_to(struct follower *follower, uint64_t position)
     return status || !point->window_size ? status : set_window(follower, point);
 }
 
-static conus_status give_slabs(struct follower *follower, const struct gzip_range *range)
+static conus_status follower_give_slabs(struct follower *follower, const struct gzip_range *range)
 {
     conus_status status = CONUS_OK;
     uint8_t *slab = memory_raw(GZIP_SLAB, 1);
@@ -361,7 +361,9 @@ static conus_status follow(uint8_t *kept, const struct gzip_range *range, struct
     }
     conus_status status = go_to(follower, range->from);
     status = status ? status : pass_to(follower, range->from);
-    status = status ? status : range->sink ? give_slabs(follower, range) : inflate_bytes(follower, kept, range->count);
+    status = status        ? status
+             : range->sink ? follower_give_slabs(follower, range)
+                           : inflate_bytes(follower, kept, range->count);
     status = status ? status : verify_rest(follower);
     inflateEnd(&follower->z);
     return status;

@@ -29,7 +29,7 @@ struct annot {
     struct notes *notes;
 };
 
-static conus_status take_int(struct annot *annot, const char *field, int32_t low, int32_t high, int32_t *out)
+static conus_status annot_take_int(struct annot *annot, const char *field, int32_t low, int32_t high, int32_t *out)
 {
     if (annot->size < 4) {
         return fail(CONUS_ERROR_DATA, "%s: the file ends before it", field);
@@ -48,7 +48,7 @@ static conus_status take_int(struct annot *annot, const char *field, int32_t low
 static conus_status take_text(struct annot *annot, const char *field, struct text *out)
 {
     int32_t length = 0;
-    conus_status status = take_int(annot, field, 0, INT32_MAX, &length);
+    conus_status status = annot_take_int(annot, field, 0, INT32_MAX, &length);
     if (status) {
         return status;
     }
@@ -64,7 +64,7 @@ static conus_status take_text(struct annot *annot, const char *field, struct tex
 static conus_status take_vertices(struct annot *annot)
 {
     int32_t count = 0;
-    conus_status status = take_int(annot, "number of vertices", 1, INT32_MAX, &count);
+    conus_status status = annot_take_int(annot, "number of vertices", 1, INT32_MAX, &count);
     if (status) {
         return status;
     }
@@ -89,10 +89,11 @@ static conus_status take_entries(struct annot *annot, bool numbered, int32_t cou
         struct text name = {0};
         int32_t number = i;
         int32_t rgbt[4] = {0};
-        conus_status status = numbered ? take_int(annot, "colour table: number", 0, INT32_MAX - 1, &number) : CONUS_OK;
+        conus_status status =
+            numbered ? annot_take_int(annot, "colour table: number", 0, INT32_MAX - 1, &number) : CONUS_OK;
         status = status ? status : take_text(annot, "colour table: name", &name);
         for (int k = 0; !status && k < 4; k++) {
-            status = take_int(annot, "colour table: colour", 0, 255, &rgbt[k]);
+            status = annot_take_int(annot, "colour table: colour", 0, 255, &rgbt[k]);
         }
         if (status) {
             return status;
@@ -111,14 +112,14 @@ static conus_status take_table(struct annot *annot)
     int32_t first = 0;
     struct text origin;
     int32_t bound = 0;
-    conus_status status = take_int(annot, "colour table: flag", 0, 1, &there);
+    conus_status status = annot_take_int(annot, "colour table: flag", 0, 1, &there);
     if (status) {
         return status;
     }
     if (!there) {
         return fail(CONUS_ERROR_UNSUPPORTED, "colour table: there is none, and without it areas have no names");
     }
-    status = take_int(annot, "colour table: size or version", NEW_TABLE, ENTRY_LIMIT, &first);
+    status = annot_take_int(annot, "colour table: size or version", NEW_TABLE, ENTRY_LIMIT, &first);
     if (status) {
         return status;
     }
@@ -127,9 +128,9 @@ static conus_status take_table(struct annot *annot)
     }
     bool numbered = first == NEW_TABLE;
     int32_t count = first;
-    if ((numbered && (status = take_int(annot, "colour table: bound", 0, INT32_MAX, &bound))) ||
+    if ((numbered && (status = annot_take_int(annot, "colour table: bound", 0, INT32_MAX, &bound))) ||
         (status = take_text(annot, "colour table: origin", &origin)) ||
-        (numbered && (status = take_int(annot, "colour table: size", 1, ENTRY_LIMIT, &count)))) {
+        (numbered && (status = annot_take_int(annot, "colour table: size", 1, ENTRY_LIMIT, &count)))) {
         return status;
     }
     return take_entries(annot, numbered, count);
@@ -203,7 +204,7 @@ static const struct entry *find_entry(const struct annot *annot, uint32_t colour
     return entry;
 }
 
-static conus_status fill_labels(uint32_t *labels, const struct annot *annot)
+static conus_status annot_fill_labels(uint32_t *labels, const struct annot *annot)
 {
     static const uint32_t UNSEEN = UINT32_MAX;
     size_t strangers = 0;
@@ -257,7 +258,7 @@ conus_status freesurfer_annot_parse(uint32_t **labels, size_t *count, struct lab
         status = out ? note_colours(&annot) : CONUS_ERROR_MEMORY;
     }
     status = status ? status : move_entry_0(&annot);
-    status = status ? status : fill_labels(out, &annot);
+    status = status ? status : annot_fill_labels(out, &annot);
     status = status ? status : fill_table(&entries, &annot);
     memory_free(annot.entries);
     if (status) {

@@ -34,7 +34,7 @@ static bool surface_take_bytes(struct cursor *cursor, size_t size, const uint8_t
     return true;
 }
 
-static bool take_int(struct cursor *cursor, int32_t *out)
+static bool surface_take_int(struct cursor *cursor, int32_t *out)
 {
     const uint8_t *data;
     bool there = surface_take_bytes(cursor, 4, &data);
@@ -125,12 +125,12 @@ static conus_status place_in_world(struct mesh *mesh, struct cursor footer, stru
     int32_t tag;
     int32_t value = 0;
     double world[16];
-    if (take_int(&footer, &tag) && tag == TAG_REAL_RAS) {
-        if (!take_int(&footer, &value)) {
+    if (surface_take_int(&footer, &tag) && tag == TAG_REAL_RAS) {
+        if (!surface_take_int(&footer, &value)) {
             return fail(CONUS_ERROR_DATA, "footer: cut off after %zu bytes", footer.size);
         }
         real_ras = value != 0;
-        (void)take_int(&footer, &tag); /* 0 where there is none */
+        (void)surface_take_int(&footer, &tag); /* 0 where there is none */
     }
     conus_status status = tag == TAG_GEOMETRY
                               ? read_geometry(&geometry, (struct text){(const char *)footer.data, footer.size})
@@ -188,7 +188,7 @@ static conus_status read_counts(struct cursor *cursor, int32_t *vertices, int32_
                     "converts it",
                     (unsigned)magic[2]);
     }
-    if (!skip_comment(cursor) || !take_int(cursor, vertices) || !take_int(cursor, triangles)) {
+    if (!skip_comment(cursor) || !surface_take_int(cursor, vertices) || !surface_take_int(cursor, triangles)) {
         return fail(CONUS_ERROR_DATA, "header: cut off before the numbers of vertices and triangles");
     }
     if (*vertices < 1 || *triangles < 1) {

@@ -158,7 +158,7 @@ conus_status gifti_mesh(struct mesh *out, const struct gifti *gifti, bool as_sto
     return CONUS_OK;
 }
 
-static conus_status fill_labels(uint32_t *labels, const struct gifti_array *array, struct notes *notes)
+static conus_status gifti_fill_labels(uint32_t *labels, const struct gifti_array *array, struct notes *notes)
 {
     size_t negative = 0;
     for (size_t i = 0; i < array->count; i++) {
@@ -195,7 +195,7 @@ conus_status gifti_labels(uint32_t **labels, size_t *count, const struct gifti *
                     array->count, array->dim[0]);
     }
     uint32_t *out = memory_raw(array->count, sizeof *out);
-    conus_status status = out ? fill_labels(out, array, notes) : CONUS_ERROR_MEMORY;
+    conus_status status = out ? gifti_fill_labels(out, array, notes) : CONUS_ERROR_MEMORY;
     if (status) {
         memory_free(out);
         return status;

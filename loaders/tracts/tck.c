@@ -124,7 +124,7 @@ static conus_status go_to_points(struct tck *tck)
     return status;
 }
 
-static conus_status take_header(struct tck *tck)
+static conus_status tck_take_header(struct tck *tck)
 {
     size_t size = 0;
     conus_status status;
@@ -238,7 +238,7 @@ static conus_status tck_take_all(struct tck *tck)
 conus_status tck_read(struct tractogram *out, struct byte_stream *stream, uint64_t max_memory, struct notes *notes)
 {
     struct tck tck = {.stream = stream, .build.max_memory = max_memory};
-    conus_status status = take_header(&tck);
+    conus_status status = tck_take_header(&tck);
     status = status ? status : tck_take_all(&tck);
     size_t found = tck.build.tractogram.streamline_count;
     if (!status && tck.has_count &&

@@ -346,7 +346,7 @@ static conus_status add_names(struct trk *trk, const struct trk_names *names, bo
 }
 
 /* Brings @p size bytes to hand, or says of which streamline the file lacks them. */
-static conus_status need(struct trk *trk, size_t size, const char *what)
+static conus_status trk_need(struct trk *trk, size_t size, const char *what)
 {
     conus_status status = byte_stream_need(trk->stream, size);
     if (!status && trk->stream->size < size) {
@@ -395,7 +395,7 @@ static void take_scalars(struct trk *trk, const uint8_t *data, size_t count, siz
 static conus_status take_points(struct trk *trk, size_t count, size_t *taken)
 {
     struct tractogram *tractogram = &trk->build.tractogram;
-    conus_status status = need(trk, trk->stride, "points");
+    conus_status status = trk_need(trk, trk->stride, "points");
     *taken = trk->stream->size / trk->stride < count ? trk->stream->size / trk->stride : count;
     if (status || (status = tract_build_points(&trk->build, *taken))) {
         return status;
@@ -414,9 +414,9 @@ static conus_status take_points(struct trk *trk, size_t count, size_t *taken)
 }
 
 /* The streamline that begins at hand, with the number of its points. */
-static conus_status take_streamline(struct trk *trk)
+static conus_status trk_take_streamline(struct trk *trk)
 {
-    conus_status status = need(trk, 4, "number of points");
+    conus_status status = trk_need(trk, 4, "number of points");
     if (status) {
         return status;
     }
@@ -431,7 +431,8 @@ static conus_status take_streamline(struct trk *trk)
     for (size_t left = (size_t)count, taken = 0; !status && left; left -= taken) {
         status = take_points(trk, left, &taken);
     }
-    if (status || (status = need(trk, properties, "properties")) || (status = tract_build_streamline(&trk->build))) {
+    if (status || (status = trk_need(trk, properties, "properties")) ||
+        (status = tract_build_streamline(&trk->build))) {
         return status;
     }
     take_scalars(trk, trk->stream->data, 1, properties, false);
@@ -457,7 +458,7 @@ static conus_status trk_take_all(struct trk *trk)
     while (!status && !ends && (!stated || tractogram->streamline_count < stated)) {
         status = byte_stream_need(trk->stream, 1);
         ends = !status && !stated && !trk->stream->size; /* 0 is no count: as many as there are */
-        status = status || ends ? status : take_streamline(trk);
+        status = status || ends ? status : trk_take_streamline(trk);
     }
     status = status ? status : byte_stream_need(trk->stream, 1);
     if (!status && trk->stream->size) {
@@ -466,7 +467,7 @@ static conus_status trk_take_all(struct trk *trk)
     return status;
 }
 
-static conus_status take_header(struct trk *trk, struct notes *notes)
+static conus_status trk_take_header(struct trk *trk, struct notes *notes)
 {
     uint8_t header[TRK_HEADER_SIZE];
     conus_status status = byte_stream_need(trk->stream, TRK_HEADER_SIZE);
@@ -489,7 +490,7 @@ static conus_status take_header(struct trk *trk, struct notes *notes)
 conus_status trk_read(struct tractogram *out, struct byte_stream *stream, uint64_t max_memory, struct notes *notes)
 {
     struct trk trk = {.stream = stream, .build.max_memory = max_memory};
-    conus_status status = take_header(&trk, notes);
+    conus_status status = trk_take_header(&trk, notes);
     status = status ? status : trk_take_all(&trk);
     if (!status && !trk.header.streamline_count && trk.build.tractogram.streamline_count) {
         status = notes_add(notes, "n_count: not stated, the file has %zu", trk.build.tractogram.streamline_count);

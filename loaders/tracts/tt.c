@@ -40,7 +40,7 @@ bool tt_is(const struct bytes *head, const char *path)
            memcmp(head->data + HEADER_SIZE, first, sizeof first) == 0;
 }
 
-static conus_status need(struct tt *tt, size_t size, const char *what)
+static conus_status tt_need(struct tt *tt, size_t size, const char *what)
 {
     conus_status status = byte_stream_need(tt->stream, size);
     return status || tt->stream->size >= size ? status : fail(CONUS_ERROR_DATA, "%s: the file is cut off", what);
@@ -62,7 +62,7 @@ static double tt_number_at(const uint8_t *data, uint32_t type)
 
 static conus_status read_variable(struct variable *out, struct tt *tt)
 {
-    conus_status status = need(tt, HEADER_SIZE, "variable");
+    conus_status status = tt_need(tt, HEADER_SIZE, "variable");
     const uint8_t *data = tt->stream->data;
     if (status) {
         return status;
@@ -76,7 +76,7 @@ static conus_status read_variable(struct variable *out, struct tt *tt)
     if (length < 1 || length > NAME_LIMIT) {
         return fail(CONUS_ERROR_DATA, "variable: a name of %u bytes, allowed are 1 to %d", length, NAME_LIMIT);
     }
-    status = need(tt, length, "variable");
+    status = tt_need(tt, length, "variable");
     if (status) {
         return status;
     }
@@ -96,11 +96,11 @@ static conus_status read_variable(struct variable *out, struct tt *tt)
                       (unsigned long long)out->count, (unsigned long long)(most / out->size));
 }
 
-static conus_status pass_over(struct tt *tt, const struct variable *variable)
+static conus_status skip_variable(struct tt *tt, const struct variable *variable)
 {
     conus_status status = CONUS_OK;
     for (uint64_t left = variable->count * variable->size; !status && left;) {
-        status = need(tt, 1, variable->name);
+        status = tt_need(tt, 1, variable->name);
         size_t size = tt->stream->size < left ? tt->stream->size : (size_t)left;
         byte_stream_skip(tt->stream, status ? 0 : size);
         left -= size;
@@ -115,7 +115,7 @@ static conus_status read_world(struct tt *tt, const struct variable *variable)
         return fail(CONUS_ERROR_DATA, "trans_to_mni: %llu numbers of type %u, 16 of type 0 or 10 are needed",
                     (unsigned long long)variable->count, variable->type);
     }
-    conus_status status = need(tt, 16 * variable->size, variable->name);
+    conus_status status = tt_need(tt, 16 * variable->size, variable->name);
     if (status) {
         return status;
     }
@@ -147,7 +147,7 @@ static conus_status read_clusters(struct tt *tt, const struct variable *variable
     tt->clusters = memory_raw((size_t)variable->count, sizeof *tt->clusters);
     conus_status status = tt->clusters ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (uint64_t i = 0; !status && i < variable->count; i++) {
-        status = need(tt, variable->size, variable->name);
+        status = tt_need(tt, variable->size, variable->name);
         if (!status) {
             tt->clusters[tt->cluster_count++] = (float)tt_number_at(tt->stream->data, variable->type);
             byte_stream_skip(tt->stream, variable->size);
@@ -173,7 +173,7 @@ static conus_status take_steps(struct tt *tt, int64_t at[3], size_t count)
 {
     conus_status status = CONUS_OK;
     while (!status && count) {
-        status = need(tt, 3, "track");
+        status = tt_need(tt, 3, "track");
         size_t some = tt->stream->size / 3 < count ? tt->stream->size / 3 : count;
         status = status ? status : tract_build_points(&tt->build, some);
         for (size_t i = 0; !status && i < some; i++) {
@@ -189,12 +189,12 @@ static conus_status take_steps(struct tt *tt, int64_t at[3], size_t count)
 }
 
 /* One streamline, of which `left` bytes of the variable are left. */
-static conus_status take_streamline(struct tt *tt, uint64_t *left)
+static conus_status tt_take_streamline(struct tt *tt, uint64_t *left)
 {
     int64_t at[3];
     size_t number = tt->build.tractogram.streamline_count;
     conus_status status = *left < RECORD_SIZE ? fail(CONUS_ERROR_DATA, "track: ends within streamline %zu", number)
-                                              : need(tt, RECORD_SIZE, "track");
+                                              : tt_need(tt, RECORD_SIZE, "track");
     if (status) {
         return status;
     }
@@ -247,7 +247,7 @@ static conus_status read_tracks(struct tt *tt, const struct variable *variable)
     tt->tracks++;
     conus_status status = CONUS_OK;
     for (uint64_t left = variable->count; !status && left;) {
-        status = take_streamline(tt, &left);
+        status = tt_take_streamline(tt, &left);
     }
     return status;
 }
@@ -262,7 +262,7 @@ static conus_status tt_take_all(struct tt *tt)
                  : strcmp(variable.name, "trans_to_mni") == 0 ? read_world(tt, &variable)
                  : strcmp(variable.name, "cluster") == 0      ? read_clusters(tt, &variable)
                  : strncmp(variable.name, "track", 5) == 0    ? read_tracks(tt, &variable)
-                                                              : pass_over(tt, &variable);
+                                                              : skip_variable(tt, &variable);
         status = status ? status : byte_stream_need(tt->stream, 1);
     }
     if (status) {

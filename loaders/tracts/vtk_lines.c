@@ -75,7 +75,7 @@ static conus_status fill_points(struct building *building, struct foreign_mesh *
     return status;
 }
 
-static conus_status fill_scalar(struct building *building, struct foreign_array *array)
+static conus_status lines_fill_scalar(struct building *building, struct foreign_array *array)
 {
     struct tractogram *out = building->out;
     size_t things = array->per_point ? building->mesh->vertex_count : building->lines->count;
@@ -126,7 +126,7 @@ static conus_status lines_build(struct tractogram *out, struct foreign_mesh *mes
     }
     out->streamline_count = lines->count;
     for (size_t i = 0; !status && i < lines->array_count; i++) {
-        status = fill_scalar(&building, &lines->arrays[i]);
+        status = lines_fill_scalar(&building, &lines->arrays[i]);
     }
     if (!status && mesh->space == MESH_SPACE_UNSTATED) {
         status = notes_add(notes, "the file does not state its space; RAS was taken");

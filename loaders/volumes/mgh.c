@@ -13,7 +13,7 @@ static int read_int(const uint8_t *data, size_t offset)
     return order_i32(data + offset, BIG_ENDIAN_IS_SWAPPED);
 }
 
-static void read_floats(double *out, size_t count, const uint8_t *data)
+static void mgh_read_floats(double *out, size_t count, const uint8_t *data)
 {
     for (size_t i = 0; i < count; i++) {
         out[i] = (double)order_f32(data + 4 * i, BIG_ENDIAN_IS_SWAPPED);
@@ -48,9 +48,9 @@ static conus_status read_placement(struct volume_header *header, const uint8_t *
     double centre[3] = {0};
     bool good = order_i16(data + 28, BIG_ENDIAN_IS_SWAPPED) > 0;
     if (good) {
-        read_floats(delta, 3, data + 30);
-        read_floats(columns, 9, data + 42);
-        read_floats(centre, 3, data + 78);
+        mgh_read_floats(delta, 3, data + 30);
+        mgh_read_floats(columns, 9, data + 42);
+        mgh_read_floats(centre, 3, data + 78);
     } else if (notes_warn(
                    notes,
                    "goodRASFlag is not set: FreeSurfer's default directions (LIA), 1 mm voxels and a grid centred "

@@ -34,7 +34,7 @@ static conus_status read_keyword(struct off *out, struct words *words, struct te
 }
 
 /* Takes the numbers that are left on the line; all of them must be numbers. */
-static conus_status skip_numbers(struct words *words, const char *what)
+static conus_status off_skip_numbers(struct words *words, const char *what)
 {
     struct text line = {0};
     struct text word;
@@ -60,7 +60,7 @@ static conus_status read_vertex(struct foreign_mesh *out, const struct off *off,
     for (size_t i = 0; !status && i < off->numbers; i++) {
         status = words_number(&value, words, "a normal or a texture coordinate");
     }
-    status = status || !off->has_colours ? status : skip_numbers(words, "a colour");
+    status = status || !off->has_colours ? status : off_skip_numbers(words, "a colour");
     return status ? status : foreign_add_vertex(out, position);
 }
 
@@ -74,7 +74,7 @@ static conus_status read_face(struct foreign_mesh *out, struct words *words)
         status = words_whole(&index, words, 0, "the number of a vertex");
         status = status ? status : foreign_add_corner(out, index);
     }
-    status = status ? status : skip_numbers(words, "a colour");
+    status = status ? status : off_skip_numbers(words, "a colour");
     return status ? status : foreign_end_polygon(out);
 }
 

@@ -230,7 +230,7 @@ static conus_status ply_read_header(struct ply *ply)
     return status ? status : ply_check_header(ply, has_format);
 }
 
-static conus_status fail_cut_off(const struct ply *ply)
+static conus_status ply_fail_cut_off(const struct ply *ply)
 {
     return fail(CONUS_ERROR_DATA, "content: the file is cut off behind %zu vertices and %zu faces",
                 ply->mesh->vertex_count, ply->mesh->face_count);
@@ -243,12 +243,12 @@ static conus_status next_number(double *out, struct ply *ply, enum ply_type type
         if (words_next(&ply->words, &word) && text_to_double(word, out)) {
             return CONUS_OK;
         }
-        return word.size ? words_fail(&ply->words, word, "a number") : fail_cut_off(ply);
+        return word.size ? words_fail(&ply->words, word, "a number") : ply_fail_cut_off(ply);
     }
     size_t size = types[type].size;
     const uint8_t *data = words_bytes(&ply->words, size);
     if (!data) {
-        return fail_cut_off(ply);
+        return ply_fail_cut_off(ply);
     }
     bool is_signed = type == PLY_INT8 || type == PLY_INT16 || type == PLY_INT32;
     *out = type >= PLY_FLOAT32 ? order_real(data, size, ply->swapped)
@@ -261,7 +261,7 @@ static conus_status next_coordinate(float *out, struct ply *ply, enum ply_type t
 {
     struct text word;
     if (ply->is_text && words_peek(&ply->words, &word) && text_to_float(word, out)) {
-        return words_next(&ply->words, &word) ? CONUS_OK : fail_cut_off(ply);
+        return words_next(&ply->words, &word) ? CONUS_OK : ply_fail_cut_off(ply);
     }
     double value = 0;
     conus_status status = next_number(&value, ply, type);
@@ -289,7 +289,7 @@ static conus_status take_list(struct ply *ply, const struct property *property)
                     ply->words.rest.size);
     }
     if (property->use == USE_NOTHING && !ply->is_text) {
-        return words_bytes(&ply->words, (size_t)count * least) ? CONUS_OK : fail_cut_off(ply);
+        return words_bytes(&ply->words, (size_t)count * least) ? CONUS_OK : ply_fail_cut_off(ply);
     }
     for (int64_t i = 0; !status && i < count; i++) {
         double value = 0;

@@ -75,7 +75,7 @@ static conus_status vtk_end_line(struct vtk *vtk)
     return CONUS_OK;
 }
 
-static int64_t whole_at(const uint8_t *data, const struct vtk_type *type)
+static int64_t vtk_whole_at(const uint8_t *data, const struct vtk_type *type)
 {
     return order_whole(data, type->bits / 8, type->kind == VTK_INTEGER, BIG_ENDIAN_IS_SWAPPED);
 }
@@ -92,7 +92,7 @@ static conus_status vtk_next_whole(int64_t *out, struct vtk *vtk, const struct v
         return words_whole(out, &vtk->words, INT64_MIN, what);
     }
     const uint8_t *data = words_bytes(&vtk->words, type->bits / 8);
-    *out = data ? whole_at(data, type) : 0;
+    *out = data ? vtk_whole_at(data, type) : 0;
     return data ? CONUS_OK : vtk_fail_cut_off(what);
 }
 
@@ -107,7 +107,7 @@ static conus_status vtk_next_number(float *out, struct vtk *vtk, const struct vt
     if (!data) {
         return vtk_fail_cut_off(what);
     }
-    *out = type->kind != VTK_REAL ? (float)whole_at(data, type)
+    *out = type->kind != VTK_REAL ? (float)vtk_whole_at(data, type)
                                   : (float)order_real(data, type->bits / 8, BIG_ENDIAN_IS_SWAPPED);
     return CONUS_OK;
 }
@@ -129,7 +129,7 @@ static conus_status skip_strings(struct vtk *vtk, size_t count)
     return CONUS_OK;
 }
 
-static conus_status skip_numbers(struct vtk *vtk, const struct vtk_type *type, size_t count)
+static conus_status vtk_skip_numbers(struct vtk *vtk, const struct vtk_type *type, size_t count)
 {
     struct text word;
     if (!vtk->is_text) {
@@ -206,7 +206,7 @@ static conus_status vtk_take_numbers(struct vtk *vtk, struct text name, const st
     if (vtk->place != VTK_OF_NOTHING && type->bits >= 8) {
         return keep_numbers(vtk, name, type, parts, tuples);
     }
-    return memory_multiply(parts, tuples, &count) ? skip_numbers(vtk, type, count) : vtk_fail_cut_off("FIELD");
+    return memory_multiply(parts, tuples, &count) ? vtk_skip_numbers(vtk, type, count) : vtk_fail_cut_off("FIELD");
 }
 
 /* Name, numbers in a tuple, tuples, type. */
@@ -331,7 +331,7 @@ static conus_status read_attribute(struct vtk *vtk, const struct attribute *attr
         if ((status = words_count(&colours, &vtk->words, 1, "LOOKUP_TABLE")) || (status = vtk_end_line(vtk))) {
             return status;
         }
-        return skip_numbers(vtk, colour_type(vtk), 4 * colours);
+        return vtk_skip_numbers(vtk, colour_type(vtk), 4 * colours);
     }
     conus_status status = read_attribute_line(&type, &parts, vtk, attribute);
     return status ? status : vtk_take_numbers(vtk, name, type, parts, count);
@@ -506,7 +506,7 @@ static conus_status read_offset_cells(struct vtk *vtk, size_t count, size_t size
     return status;
 }
 
-static conus_status read_cells(struct vtk *vtk, enum cells cells, const char *what)
+static conus_status vtk_read_cells(struct vtk *vtk, enum cells cells, const char *what)
 {
     size_t count = 0;
     size_t size = 0;
@@ -540,7 +540,7 @@ static conus_status read_section(struct vtk *vtk, bool *done)
     }
     for (size_t i = 0; i < sizeof sections / sizeof sections[0]; i++) {
         if (words_take(&vtk->words, sections[i].word)) {
-            return read_cells(vtk, sections[i].cells, sections[i].word);
+            return vtk_read_cells(vtk, sections[i].cells, sections[i].word);
         }
     }
     if (words_take(&vtk->words, "POINTS")) {

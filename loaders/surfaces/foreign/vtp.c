@@ -105,7 +105,7 @@ static bool take_header(uint64_t *out, struct source *source, const struct vtp_s
     return true;
 }
 
-static conus_status fail_cut_off(void)
+static conus_status vtp_fail_cut_off(void)
 {
     return fail(CONUS_ERROR_DATA, "DataArray: its data are cut off, or no base64");
 }
@@ -115,7 +115,7 @@ static conus_status read_plain(struct bytes *out, struct source *source, const s
 {
     uint64_t size;
     if (!take_header(&size, source, storage) || size > bytes_left(source)) {
-        return fail_cut_off();
+        return vtp_fail_cut_off();
     }
     struct bytes bytes = {memory_raw((size_t)size, 1), (size_t)size};
     if (!bytes.data) {
@@ -123,7 +123,7 @@ static conus_status read_plain(struct bytes *out, struct source *source, const s
     }
     if (!vtp_take_bytes(bytes.data, source, bytes.size)) {
         bytes_finish(&bytes);
-        return fail_cut_off();
+        return vtp_fail_cut_off();
     }
     *out = bytes;
     return CONUS_OK;
@@ -143,7 +143,7 @@ static conus_status read_block_sizes(struct blocks *out, struct source *source, 
     }
     if (!there || !take_header(&out->size, source, storage) || !take_header(&out->last, source, storage) ||
         out->count > bytes_left(source) / storage->header) {
-        return fail_cut_off();
+        return vtp_fail_cut_off();
     }
     if (out->last > out->size) {
         return fail(CONUS_ERROR_DATA, "DataArray: a last block of %llu bytes, the others have %llu",
@@ -155,7 +155,7 @@ static conus_status read_block_sizes(struct blocks *out, struct source *source, 
     }
     for (uint64_t i = 0; i < out->count; i++) {
         if (!take_header(&out->packed[i], source, storage)) {
-            return fail_cut_off();
+            return vtp_fail_cut_off();
         }
     }
     return CONUS_OK;
@@ -181,7 +181,7 @@ static conus_status find_size(size_t *out, const struct blocks *blocks, const st
         }
     }
     if (packed > bytes_left(source)) {
-        return fail_cut_off();
+        return vtp_fail_cut_off();
     }
     *out = (size_t)all;
     return all <= storage->max_memory
@@ -198,7 +198,7 @@ static conus_status unpack_block(uint8_t *out, size_t size, struct source *sourc
     size_t used = 0;
     conus_status status = packed && unpacker ? CONUS_OK : fail(CONUS_ERROR_MEMORY, "no memory to unpack");
     if (!status && !vtp_take_bytes(packed, source, packed_size)) {
-        status = fail_cut_off();
+        status = vtp_fail_cut_off();
     }
     if (!status && (libdeflate_zlib_decompress_ex(unpacker, packed, packed_size, out, size, &used, &got) ||
                     got != size || used != packed_size)) {
@@ -239,7 +239,7 @@ static conus_status read_packed(struct bytes *out, struct source *source, const 
 }
 
 /* Unsigned numbers above 2^63 - 1 become -1. */
-static int64_t whole_at(const uint8_t *data, const struct vtp_storage *storage)
+static int64_t vtp_whole_at(const uint8_t *data, const struct vtp_storage *storage)
 {
     bool is_signed = storage->kind == VTP_INTEGER;
     int64_t value = order_whole(data, storage->size, is_signed, storage->swapped);
@@ -270,13 +270,13 @@ static conus_status read_any_float(void *to, struct words *words)
 
 static void vtp_take_whole(void *to, const uint8_t *data, const struct vtp_storage *storage)
 {
-    *(int64_t *)to = whole_at(data, storage);
+    *(int64_t *)to = vtp_whole_at(data, storage);
 }
 
 static void take_float(void *to, const uint8_t *data, const struct vtp_storage *storage)
 {
     *(float *)to = storage->kind == VTP_REAL ? (float)order_real(data, storage->size, storage->swapped)
-                                             : (float)whole_at(data, storage);
+                                             : (float)vtp_whole_at(data, storage);
 }
 
 static conus_status numbers_of_text(void **out, size_t *count, const struct vtp_storage *storage,
@@ -657,7 +657,7 @@ struct cells {
     size_t corner_count, count;
 };
 
-static conus_status read_cells(struct cells *out, const struct vtp *vtp, enum use use, uint64_t wanted)
+static conus_status vtp_read_cells(struct cells *out, const struct vtp *vtp, enum use use, uint64_t wanted)
 {
     const struct part *corners = &vtp->parts[use];
     const struct part *ends = &vtp->parts[use + 1];
@@ -678,7 +678,7 @@ static conus_status read_cells(struct cells *out, const struct vtp *vtp, enum us
 static conus_status add_cells(struct vtp *vtp, size_t first, enum use use, uint64_t wanted)
 {
     struct cells cells = {0};
-    conus_status status = read_cells(&cells, vtp, use, wanted);
+    conus_status status = vtp_read_cells(&cells, vtp, use, wanted);
     size_t at = 0;
     for (size_t i = 0; !status && i < cells.count; i++) {
         if (cells.ends[i] < 0 || (uint64_t)cells.ends[i] < at || (uint64_t)cells.ends[i] > cells.corner_count) {
