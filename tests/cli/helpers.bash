@@ -40,17 +40,21 @@ end_children() {
 
 # runs PID: whether it does, and is not only waiting to be reaped.
 runs() {
-    grep -q '^State:[[:space:]]*[^Z]' "/proc/$1/status" 2>/dev/null
-}
+    local key value
+    while read -r key value; do
+        [ "$key" != State: ] || break
+    done 2>/dev/null <"/proc/$1/status" && [ "${value:0:1}" != Z ]
+} 2>/dev/null
 
 # wait_until PID COMMAND...: until COMMAND succeeds, which process PID shall bring about before it ends.
 wait_until() {
     local pid=$1 begun=$SECONDS
     shift
+    [ -n "${never-}" ] || exec {never}<> <(:) # a pipe that nobody writes: waiting for it starts no process
     until "$@"; do
         runs "$pid" || "$@" || { echo "process $pid ended before: $*"; return 1; }
         [ $((SECONDS - begun)) -lt $HANG ] || { echo "process $pid hangs before: $*"; return 1; }
-        sleep 0.02
+        read -rt 0.04 -u "$never" || true
     done
 }
 
