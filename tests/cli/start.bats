@@ -433,7 +433,7 @@ END
     pass
     local down=100
     until look '.objects == 3'; do # down the page, until the entry is met
-        down=$((down + 6))
+        down=$((down + 12))
         [ $down -lt 400 ]
         xdotool mousemove --window "$window" 200 $down
         pass
@@ -481,7 +481,7 @@ END
     local down=140
     until look '.objects == 3'; do
         xdotool keyup --window "$window" Return
-        down=$((down + 8))
+        down=$((down + 14))
         [ $down -lt 300 ]
         tell "type $PWD/only/"
         xdotool mousemove --window "$window" 700 $down

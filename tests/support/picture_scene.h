@@ -5,7 +5,7 @@
 
 #include "render/colour/renderer.h"
 
-enum { PICTURE_WIDTH = 160, PICTURE_HEIGHT = 120, PICTURE_PIXELS = PICTURE_WIDTH * PICTURE_HEIGHT };
+enum { PICTURE_WIDTH = 80, PICTURE_HEIGHT = 60, PICTURE_PIXELS = PICTURE_WIDTH * PICTURE_HEIGHT };
 
 /** Label (or grey value) of a world point. */
 typedef double (*picture_function)(const double world[3]);

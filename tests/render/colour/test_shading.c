@@ -195,9 +195,9 @@ static void planes_reach_over_every_volume(void **state)
         struct camera camera = picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(25));
         float *rgba = picture_draw(renderer, &camera, NULL, false);
         const float *ball = rgba + (ptrdiff_t)4 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
-        const float *beside = ball + (ptrdiff_t)4 * 36;
+        const float *beside = ball + (ptrdiff_t)4 * 18;
         double view[3];
-        find_view(view, &camera, WIDTH / 2 + 36, HEIGHT / 2);
+        find_view(view, &camera, WIDTH / 2 + 18, HEIGHT / 2);
         assert_true(ball[0] > 0.2F);
         assert_near(ball[3], 1, 1e-6);
         assert_near(beside[2], 1 - pow(1 - 0.02, 20 / view[1]), 0.03); /* 20 mm of haze, to a plane */

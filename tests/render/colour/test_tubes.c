@@ -12,7 +12,7 @@
 
 #include <string.h>
 
-enum { WIDTH = PICTURE_WIDTH, HEIGHT = PICTURE_HEIGHT, WALKS = 12, STEPS = 20, TURNS = 200000 };
+enum { WIDTH = 160, HEIGHT = 120, WALKS = 12, STEPS = 20, TURNS = 200000 };
 
 #define RADIUS 1.5
 
@@ -326,7 +326,7 @@ static void a_picture_shows_a_bundle_in_its_colour(void **state)
     struct camera camera = picture_camera((const double[]){0, 1, 0}, 120, radians_from_degrees(25));
     camera.world_from_camera[14] -= 8; /* at the height of the first */
     float *rgba = picture_draw(renderer, &camera, NULL, false);
-    const float *middle = rgba + (ptrdiff_t)4 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
+    const float *middle = rgba + (ptrdiff_t)4 * (PICTURE_HEIGHT / 2 * PICTURE_WIDTH + PICTURE_WIDTH / 2);
     assert_true(middle[3] > 0.99F && middle[0] > 4 * middle[2] && middle[0] > 4 * middle[1]);
     memory_free(rgba);
     conus_renderer_destroy(renderer);
