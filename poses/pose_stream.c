@@ -363,17 +363,6 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     memory_free(stream);
 }
 
-/* Gives the row its strings, which live until the next block. */
-static conus_status keep_strings(conus_pose_row *row, conus_pose_stream *stream, struct text id, const char *error)
-{
-    char ordinal[POSE_ORDINAL_SIZE];
-    const char *bad = pose_check_id(&id, ordinal, stream->taken + 1);
-    error = error ? error : bad;
-    row->id = pose_strings_add(&stream->strings, id);
-    row->error = error ? pose_strings_add(&stream->strings, text_from(error)) : NULL;
-    return row->id && (!error || row->error) ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
 static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, bool *found)
 {
     struct pose_line line;
@@ -388,7 +377,12 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
                        : stream->format == CONUS_POSE_FORMAT_POINTS
                            ? pose_point_row(&row, &name, line.text, &stream->options)
                            : pose_table_row(&row, &name, &stream->table, line.text, &stream->options);
-    status = keep_strings(&row, stream, name.text, bad ? conus_message() : NULL);
+    char ordinal[POSE_ORDINAL_SIZE];
+    const char *bad_id = pose_check_id(&name.text, ordinal, stream->taken + 1);
+    const char *error = bad ? conus_message() : bad_id;
+    row.id = pose_strings_add(&stream->strings, name.text); /* lives until the next block */
+    row.error = error ? pose_strings_add(&stream->strings, text_from(error)) : NULL;
+    status = row.id && (!error || row.error) ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (row.is_point) { /* of cones conus_aims_found() tells more */
         extent_add(&stream->extent, &row);
     }

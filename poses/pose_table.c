@@ -404,17 +404,6 @@ static conus_status read_space(double *out, struct text field)
                       pose_quote(field), field.data);
 }
 
-/* A row may have other signs than the table, but not another space's axes and units. */
-static conus_status check_row_space(double space, const conus_pose_options *options)
-{
-    bool turned = space < CONUS_SPACE_CCF && options->space < CONUS_SPACE_CCF;
-    return isnan(space) || turned || space == (double)options->space
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA,
-                      "column space: \"%s\", the table is read in %s: each space needs a table of its own",
-                      conus_space_name((size_t)space), conus_space_name((size_t)options->space));
-}
-
 static conus_status read_values(double values[COLUMNS], struct pose_name *name, const struct pose_table *table,
                                 struct text line)
 {
@@ -455,7 +444,14 @@ conus_status pose_table_row(conus_pose_row *row, struct pose_name *name, const s
     double values[COLUMNS] = {[TIME] = NAN, [ERROR_DEG] = NAN, [ERROR_MM] = NAN, [SPACE] = NAN};
     conus_status status = check_text(line);
     status = status ? status : read_values(values, name, table, line);
-    status = status ? status : check_row_space(values[SPACE], options);
+    /* A row may have other signs than the table, but not another space's axes and units. */
+    double space = values[SPACE];
+    bool is_turned = space < CONUS_SPACE_CCF && options->space < CONUS_SPACE_CCF;
+    if (!status && !isnan(space) && !is_turned && space != (double)options->space) {
+        status =
+            fail(CONUS_ERROR_DATA, "column space: \"%s\", the table is read in %s: each space needs a table of its own",
+                 conus_space_name((size_t)space), conus_space_name((size_t)options->space));
+    }
     status = status ? status : pose_from_values(&row->pose, table, values, options);
     if (!status && table->has[ANGLE] && !isnan(values[ANGLE])) {
         row->angle = values[ANGLE] == 0 ? row->angle : radians_from_degrees(values[ANGLE]);

@@ -147,34 +147,26 @@ static struct form form_after(const char *first)
     return form;
 }
 
-/* Counts the rows that say that a pose has no answer, one for each atlas, in any format that can be a shard. */
-static bool count_errors(uint64_t *errors, const char *path)
+/* Compares the number of rows that say that a pose has no answer, one for each atlas, with the record. */
+static int check_errors(const struct part *part)
 {
     char *line = NULL;
     size_t capacity = 0;
     struct form form = {0};
-    FILE *file = input_file_open(path);
+    uint64_t errors = 0;
+    FILE *file = input_file_open(part->path);
     if (!file) {
-        return false;
+        return EXIT_DATA;
     }
-    for (*errors = 0; getline(&line, &capacity, file) > 0;) {
+    while (getline(&line, &capacity, file) > 0) {
         form = form.is_error ? form : form_after(line);
-        *errors += form.is_error(&form, line);
+        errors += form.is_error(&form, line);
     }
-    bool whole = feof(file) && !ferror(file);
-    if (!whole) {
-        print_system_error(path, "read");
-    }
+    int code = feof(file) && !ferror(file) ? EXIT_DONE : print_system_error(part->path, "read");
     free(line);
     fclose(file);
-    return whole;
-}
-
-static int check_errors(const struct part *part)
-{
-    uint64_t errors;
-    if (!count_errors(&errors, part->path)) {
-        return EXIT_DATA;
+    if (code) {
+        return code;
     }
     if (errors != part->record.errors * part->record.atlases) { /* each atlas has a row that says it */
         print_error_line("%s: %" PRIu64 " poses without an answer, %s says %" PRIu64, part->path,

@@ -67,8 +67,7 @@ static const char *coordinates_of(const struct request *request)
                           : conus_pose_stream_coordsystem(request->stream);
 }
 
-/* Whether no output is a file that is read; prints an error if one is. */
-static bool check_inputs(const struct request *request, const char *matrix)
+int request_check_outputs(const struct request *request, const char *matrix)
 {
     const struct request_settings *settings = request->settings;
     const struct input inputs[] = {{"the label table", settings->atlas.labels},
@@ -77,22 +76,17 @@ static bool check_inputs(const struct request *request, const char *matrix)
                                    {"the coordinate system", coordinates_of(request)},
                                    {"the tracker's matrix", matrix},
                                    {0}};
+    if (!outputs_differ(&request->outputs)) {
+        return EXIT_USAGE;
+    }
     for (size_t i = 0; i < request->outputs.count; i++) {
         const struct output *output = &request->outputs.items[i];
         const char *input = atlases_input(&request->atlases, inputs, output->path);
         if (input) {
-            print_error_line("%s would overwrite %s %s", output->what, input, output->path);
-            return false;
+            return print_usage_error("%s would overwrite %s %s", output->what, input, output->path);
         }
     }
-    return true;
-}
-
-int request_check_outputs(const struct request *request, const char *matrix)
-{
-    bool fits = outputs_differ(&request->outputs) && check_inputs(request, matrix);
-    int code = fits ? answer_check_names(request->format, &request->outputs, request->arguments, &request->atlases)
-                    : EXIT_USAGE;
+    int code = answer_check_names(request->format, &request->outputs, request->arguments, &request->atlases);
     return code ? code : outputs_check(&request->outputs, request->settings->answer.force);
 }
 

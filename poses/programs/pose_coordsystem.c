@@ -47,21 +47,6 @@ static conus_status set_space(struct pose_space *out, struct text name)
     return CONUS_OK;
 }
 
-static conus_status set_scale(struct pose_space *out, struct text units)
-{
-    static const struct {
-        const char *name;
-        double scale;
-    } scales[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}};
-    for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
-        if (text_equal(units, scales[i].name)) {
-            out->scale = scales[i].scale;
-            return CONUS_OK;
-        }
-    }
-    return fail(CONUS_ERROR_DATA, "CoordinateUnits \"%.*s\", allowed are mm, cm and m", pose_quote(units), units.data);
-}
-
 /* The key of intracranial electrodes, or else that of EEG's, or that of stimulation. */
 static struct text find_text(const json_t *root, const char *key)
 {
@@ -80,14 +65,26 @@ static struct text find_text(const json_t *root, const char *key)
 conus_status pose_coordsystem_parse(struct pose_space *out, struct text text)
 {
     json_t *root = NULL;
-    struct pose_space space = {.scale = 1};
+    struct pose_space space = {0};
     conus_status status = json_text_load(&root, text);
     struct text name = find_text(root, "CoordinateSystem");
     if (!status && !name.size) {
         status = fail(CONUS_ERROR_DATA, "no iEEGCoordinateSystem, EEGCoordinateSystem or NIBSCoordinateSystem");
     }
     status = status ? status : set_space(&space, name);
-    status = status ? status : set_scale(&space, find_text(root, "CoordinateUnits"));
+    static const struct {
+        const char *name;
+        double scale;
+    } scales[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}};
+    struct text units = find_text(root, "CoordinateUnits");
+    space.scale = 0;
+    for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
+        space.scale = text_equal(units, scales[i].name) ? scales[i].scale : space.scale;
+    }
+    if (!status && space.scale == 0) {
+        status =
+            fail(CONUS_ERROR_DATA, "CoordinateUnits \"%.*s\", allowed are mm, cm and m", pose_quote(units), units.data);
+    }
     json_decref(root);
     *out = status ? *out : space;
     return status;
@@ -101,14 +98,6 @@ static struct text file_name(const char *path)
 
 enum { CANDIDATES = 4 };
 
-static bool is_kept(struct text entity, int candidate)
-{
-    bool of_person = text_starts(entity, "sub-") || text_starts(entity, "ses-");
-    bool of_task = text_starts(entity, "task-") || text_starts(entity, "stimsys-");
-    return candidate == 0 || of_person || (candidate == 1 && of_task) ||
-           (candidate <= 2 && text_starts(entity, "space-"));
-}
-
 /* The table's name with all entities (candidate 0), those of person, task and space (1), of person and space (2), or of
  * the person only (3): files that hold for several tables lack the rest. NULL without memory. */
 static char *system_path(const char *path, int candidate)
@@ -117,7 +106,11 @@ static char *system_path(const char *path, int candidate)
     struct buffer name = {0};
     struct text entity;
     for (bool more = true; text_field(&rest, '_', &more, &entity);) {
-        if (more && is_kept(entity, candidate)) {
+        bool of_person = text_starts(entity, "sub-") || text_starts(entity, "ses-");
+        bool of_task = text_starts(entity, "task-") || text_starts(entity, "stimsys-");
+        bool is_kept = candidate == 0 || of_person || (candidate == 1 && of_task) ||
+                       (candidate <= 2 && text_starts(entity, "space-"));
+        if (more && is_kept) {
             buffer_format(&name, "%.*s_", (int)entity.size, entity.data);
         }
     }

@@ -225,19 +225,6 @@ static conus_status pose_along_shaft(conus_pose *out, const struct reading *read
     return conus_pose_along(out, contact->position, direction, NULL);
 }
 
-static conus_status add_contact(conus_pose_list *list, const struct reading *reading, size_t index)
-{
-    const struct contact *contact = &reading->contacts[index];
-    conus_pose_row row = pose_row_at(contact->line);
-    row.is_point = !reading->options->along_shafts;
-    if (contact->bad) {
-        return pose_list_add(list, &row, contact->name, contact->message);
-    }
-    conus_status bad =
-        row.is_point ? pose_of_point(&row.pose, contact->position) : pose_along_shaft(&row.pose, reading, index);
-    return pose_list_add(list, &row, contact->name, bad ? conus_message() : NULL);
-}
-
 conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     struct reading reading = {.options = options, .scale = list->space.scale > 0 ? list->space.scale : 1};
@@ -251,7 +238,13 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
     status = status ? status : read_table(&reading, text);
     status = status || !options->along_shafts ? status : find_neighbours(&reading);
     for (size_t i = 0; !status && i < reading.count; i++) {
-        status = add_contact(list, &reading, i);
+        const struct contact *contact = &reading.contacts[i];
+        conus_pose_row row = pose_row_at(contact->line);
+        row.is_point = !options->along_shafts;
+        conus_status bad = contact->bad   ? CONUS_OK
+                           : row.is_point ? pose_of_point(&row.pose, contact->position)
+                                          : pose_along_shaft(&row.pose, &reading, i);
+        status = pose_list_add(list, &row, contact->name, bad ? conus_message() : contact->message);
     }
     for (size_t i = 0; i < reading.count; i++) {
         memory_free((char *)reading.contacts[i].message);

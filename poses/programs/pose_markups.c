@@ -27,19 +27,15 @@ static struct text text_of(const json_t *value)
 }
 
 /* Absent keys have the schema's defaults. */
-static conus_status read_space(struct markup *markup)
+static conus_status read_space_and_units(struct markup *markup)
 {
-    const json_t *value = json_object_get(markup->json, "coordinateSystem");
-    struct text space = value ? text_of(value) : text_from("LPS");
+    const json_t *system = json_object_get(markup->json, "coordinateSystem");
+    struct text space = system ? text_of(system) : text_from("LPS");
     markup->lps = text_equal(space, "LPS");
-    return markup->lps || text_equal(space, "RAS")
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateSystem \"%.*s\", allowed are LPS and RAS",
-                      markup->number - 1, pose_quote(space), space.data);
-}
-
-static conus_status read_units(struct markup *markup)
-{
+    if (!markup->lps && !text_equal(space, "RAS")) {
+        return fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateSystem \"%.*s\", allowed are LPS and RAS",
+                    markup->number - 1, pose_quote(space), space.data);
+    }
     const json_t *value = json_object_get(markup->json, "coordinateUnits");
     value = json_is_array(value) ? json_array_get(value, 0) : value;
     struct text units = value ? text_of(value) : text_from("mm");
@@ -128,8 +124,7 @@ static conus_status read_markup(struct markup *markup)
     struct text type = text_of(json_object_get(markup->json, "type"));
     const json_t *points = json_object_get(markup->json, "controlPoints");
     markup->name = text_of(json_object_get(markup->json, "name"));
-    conus_status status = read_space(markup);
-    status = status ? status : read_units(markup);
+    conus_status status = read_space_and_units(markup);
     status = status ? status : pose_note_space(&markup->list->notes, markup->options, markup->lps);
     if (status) {
         return status;

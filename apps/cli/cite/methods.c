@@ -672,16 +672,6 @@ static void put_tractograms(FILE *out, const json_t *tractograms, bool has_rays)
     }
 }
 
-static bool is_identity(const json_t *matrix)
-{
-    bool is = true;
-    for (size_t i = 0; i < 16; i++) {
-        const json_t *row = json_array_get(matrix, i / 4);
-        is = is && json_number_value(json_array_get(row, i % 4)) == (i % 5 == 0 ? 1 : 0);
-    }
-    return is;
-}
-
 /* How the atlas came to where it was asked. */
 static void put_way(FILE *out, const json_t *atlas)
 {
@@ -693,7 +683,12 @@ static void put_way(FILE *out, const json_t *atlas)
     {
         const json_t *matrix = json_object_get(step, "matrix");
         fields += json_object_get(step, "field") != NULL;
-        affines += matrix && !is_identity(matrix);
+        bool is_identity = true;
+        for (size_t i = 0; i < 16; i++) {
+            double number = json_number_value(json_array_get(json_array_get(matrix, i / 4), i % 4));
+            is_identity = is_identity && number == (i % 5 == 0);
+        }
+        affines += matrix && !is_identity;
     }
     if (fields) {
         fprintf(out, " It was brought into the space of the positions by %s%s.",
