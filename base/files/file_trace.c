@@ -210,20 +210,18 @@ static bool has_own_clock(const char *path)
     return found;
 }
 
-static bool was_at_rest(const struct traced *item, const struct timespec *begun)
-{
-    const int64_t *times = item->state.times;
-    int64_t last = times[0] > times[2] ? times[0] : times[2];
-    int64_t rest = (int64_t)begun->tv_sec - last; /* at least, but for a second */
-    return rest > TRACE_REST_ELSEWHERE_SECONDS || (rest > TRACE_REST_SECONDS && has_own_clock(item->path));
-}
-
 bool file_trace_is_settled(const struct file_trace *trace)
 {
     bool settled = !trace->broken;
     for (size_t i = 0; i < trace->count && settled; i++) {
         const struct traced *item = &trace->items[i];
-        settled = item->kind != TRACE_OTHER && (item->kind != TRACE_FILE || was_at_rest(item, &trace->begun));
+        settled = item->kind != TRACE_OTHER;
+        if (item->kind == TRACE_FILE) {
+            const int64_t *times = item->state.times;
+            int64_t last = times[0] > times[2] ? times[0] : times[2];
+            int64_t rest = (int64_t)trace->begun.tv_sec - last; /* at least, but for a second */
+            settled = rest > TRACE_REST_ELSEWHERE_SECONDS || (rest > TRACE_REST_SECONDS && has_own_clock(item->path));
+        }
     }
     return settled;
 }

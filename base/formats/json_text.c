@@ -2,21 +2,6 @@
 /* Parses JSON through jansson, after a count of the values bounds the memory. */
 #include "base/formats/json_text.h"
 
-#include <stdio.h>
-
-static conus_status fail_syntax(const json_error_t *error)
-{
-    char text[JSON_ERROR_TEXT_LENGTH];
-    if (json_error_code(error) == json_error_out_of_memory) {
-        return fail(CONUS_ERROR_MEMORY, "no memory for the JSON text");
-    }
-    snprintf(text, sizeof text, "%s", error->text);
-    for (char *c = text; *c; c++) {
-        *c = (unsigned char)*c < 0x20 || *c == 0x7f ? '?' : *c;
-    }
-    return fail(CONUS_ERROR_DATA, "line %d, column %d: %s", error->line, error->column, text);
-}
-
 /* At most what jansson takes for the text: an empty object 256 bytes, an array 128, an entry of either 64. */
 static uint64_t memory_of(struct text text)
 {
@@ -36,9 +21,15 @@ conus_status json_text_load(json_t **out, struct text text)
                     text.size, (unsigned long long)memory_of(text), JSON_TEXT_MEMORY);
     }
     json_t *root = json_loadb(text.data, text.size, JSON_REJECT_DUPLICATES, &error);
-    if (!root) {
-        return fail_syntax(&error);
+    if (root) {
+        *out = root;
+        return CONUS_OK;
     }
-    *out = root;
-    return CONUS_OK;
+    if (json_error_code(&error) == json_error_out_of_memory) {
+        return fail(CONUS_ERROR_MEMORY, "no memory for the JSON text");
+    }
+    for (char *c = error.text; *c; c++) {
+        *c = (unsigned char)*c < 0x20 || *c == 0x7f ? '?' : *c;
+    }
+    return fail(CONUS_ERROR_DATA, "line %d, column %d: %s", error.line, error.column, error.text);
 }

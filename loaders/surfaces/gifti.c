@@ -604,18 +604,6 @@ static conus_status end_label(struct parsing *parsing, struct text text)
     return label_entry_end(&parsing->entry, &parsing->gifti.labels, text, parsing->notes);
 }
 
-static conus_status start_element(struct parsing *parsing, const struct xml_event *event)
-{
-    if (!parsing->in_gifti && strcmp(event->name, "GIFTI") != 0) {
-        return fail(CONUS_ERROR_DATA, "outermost element: found <%.40s>, allowed is <GIFTI>", event->name);
-    }
-    return strcmp(event->name, "GIFTI") == 0                             ? start_gifti(parsing, event)
-           : strcmp(event->name, "DataArray") == 0                       ? start_array(parsing, event)
-           : strcmp(event->name, "Label") == 0                           ? label_entry_start(&parsing->entry, event)
-           : strcmp(event->name, "CoordinateSystemTransformMatrix") == 0 ? start_transform(parsing->array)
-                                                                         : CONUS_OK;
-}
-
 static conus_status end_element(struct parsing *parsing, const struct xml_event *event)
 {
     static const struct {
@@ -657,7 +645,20 @@ static conus_status fail_at_place(conus_status status, const struct parsing *par
 
 static conus_status gifti_on_start(void *user, const struct xml_event *event)
 {
-    return fail_at_place(start_element(user, event), user, event);
+    struct parsing *parsing = user;
+    conus_status status = CONUS_OK;
+    if (!parsing->in_gifti && strcmp(event->name, "GIFTI") != 0) {
+        status = fail(CONUS_ERROR_DATA, "outermost element: found <%.40s>, allowed is <GIFTI>", event->name);
+    } else if (strcmp(event->name, "GIFTI") == 0) {
+        status = start_gifti(parsing, event);
+    } else if (strcmp(event->name, "DataArray") == 0) {
+        status = start_array(parsing, event);
+    } else if (strcmp(event->name, "Label") == 0) {
+        status = label_entry_start(&parsing->entry, event);
+    } else if (strcmp(event->name, "CoordinateSystemTransformMatrix") == 0) {
+        status = start_transform(parsing->array);
+    }
+    return fail_at_place(status, parsing, event);
 }
 
 static conus_status gifti_on_end(void *user, const struct xml_event *event)

@@ -82,25 +82,20 @@ static conus_status read_stream(struct tractogram *out, const struct tract_forma
     return status ? status : byte_stream_sum(out->sha256, stream);
 }
 
-/* Reads the content of the file. Messages carry the path. */
-static conus_status read_content(struct tractogram *out, const struct tract_format *format, const char *path,
-                                 uint64_t max_memory, struct notes *notes)
-{
-    if (format->open) {
-        return format->open(out, path, memory_limit(max_memory), notes);
-    }
-    struct byte_stream stream = {0};
-    conus_status status = byte_stream_open(&stream, path);
-    status = status ? status : read_stream(out, format, &stream, max_memory, notes);
-    byte_stream_finish(&stream);
-    return status ? fail_in(status, path) : CONUS_OK;
-}
-
 static conus_status read_format(struct tractogram *out, const struct tract_format *format, const char *path,
                                 uint64_t max_memory, struct notes *notes)
 {
     struct tractogram tractogram = {0};
-    conus_status status = read_content(&tractogram, format, path, max_memory, notes);
+    conus_status status;
+    if (format->open) {
+        status = format->open(&tractogram, path, memory_limit(max_memory), notes);
+    } else {
+        struct byte_stream stream = {0};
+        status = byte_stream_open(&stream, path);
+        status = status ? status : read_stream(&tractogram, format, &stream, max_memory, notes);
+        byte_stream_finish(&stream);
+        status = status ? fail_in(status, path) : CONUS_OK;
+    }
     if (!status) {
         tractogram.states_mm = tractogram.states_mm || format->states_mm;
         status = check(&tractogram, notes);

@@ -334,29 +334,6 @@ static conus_status transform_read_matrix(double out[16], struct text text, cons
 
 enum kind { KIND_NONE, KIND_MATRIX, KIND_ITK, KIND_XFM, KIND_LTA, KIND_MATLAB };
 
-static enum kind transform_kind_of(const struct bytes *file, struct text text)
-{
-    bool readable = text_is_readable(text);
-    return readable && matrix_text_is(text)                      ? KIND_MATRIX
-           : readable && itk_text_is(text)                       ? KIND_ITK
-           : readable && text_starts(text, "MNI Transform File") ? KIND_XFM
-           : readable && lta_is(text)                            ? KIND_LTA
-           : itk_matlab_is(file->data, file->size)               ? KIND_MATLAB
-                                                                 : KIND_NONE;
-}
-
-/* FreeSurfer's register.dat: a name, three numbers in a line each, and four rows. */
-static bool is_register_dat(struct text text)
-{
-    struct text line;
-    double number;
-    bool is = text_line(&text, &line) && !text_to_double(text_trim(line), &number);
-    for (int i = 0; is && i < 3; i++) {
-        is = text_line(&text, &line) && text_to_double(text_trim(line), &number);
-    }
-    return is && matrix_text_is(text);
-}
-
 /* Says what the file is instead of a transform that can be read. */
 static conus_status fail_kind(const char *path, const struct bytes *file)
 {
@@ -385,7 +362,15 @@ static conus_status fail_kind(const char *path, const struct bytes *file)
                         kinds[i].tail ? kinds[i].tail : "");
         }
     }
-    return text_is_readable(text) && is_register_dat(text)
+    struct text rest = text;
+    struct text line;
+    double number;
+    /* FreeSurfer's register.dat: a name, three numbers in a line each, and four rows */
+    bool is_register = text_is_readable(text) && text_line(&rest, &line) && !text_to_double(text_trim(line), &number);
+    for (int i = 0; is_register && i < 3; i++) {
+        is_register = text_line(&rest, &line) && text_to_double(text_trim(line), &number);
+    }
+    return is_register && matrix_text_is(rest)
                ? fail(CONUS_ERROR_UNSUPPORTED, "FreeSurfer's register.dat, whose numbers mean nothing without its two "
                                                "images; an .lta of it is read: "
                                                "lta_convert --inreg FILE --outlta OUT.lta --src IMAGE --trg IMAGE")
@@ -416,7 +401,14 @@ static conus_status parse_kind(double out[16], enum kind kind, const struct byte
 conus_status transform_parse(double out[16], const struct bytes *file, const char *path, const char *from,
                              const char *to)
 {
-    enum kind kind = transform_kind_of(file, text_from_bytes(file->data, file->size));
+    const struct text text = text_from_bytes(file->data, file->size);
+    bool readable = text_is_readable(text);
+    enum kind kind = readable && matrix_text_is(text)                      ? KIND_MATRIX
+                     : readable && itk_text_is(text)                       ? KIND_ITK
+                     : readable && text_starts(text, "MNI Transform File") ? KIND_XFM
+                     : readable && lta_is(text)                            ? KIND_LTA
+                     : itk_matlab_is(file->data, file->size)               ? KIND_MATLAB
+                                                                           : KIND_NONE;
     double m[16] = {0};
     double inverse[16];
     if (!from != !to) {

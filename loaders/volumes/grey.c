@@ -277,21 +277,6 @@ static conus_status are_near(bool *out, const struct scan *scan, const struct ta
     return CONUS_OK;
 }
 
-/* Judges a volume of which too few neighbours are equal to be sure that it has areas. */
-static conus_status judge_values(struct grey_result *out, const struct scan *scan, const struct tally *tally,
-                                 const struct grey_claims *claims)
-{
-    struct values values = {0};
-    conus_status status = find_values(&values, scan);
-    out->telling = values.voxels >= FEW_VOXELS && values.count > FEW_VALUES && 2 * tally->pairs >= values.voxels;
-    if (!status && out->telling) {
-        out->needed = needed_share(&values, scan, claims);
-        status = out->equal < out->needed ? are_near(&out->grey, scan, tally) : CONUS_OK;
-    }
-    memory_free(values.sorted);
-    return status;
-}
-
 conus_status grey_judge(struct grey_result *out, const struct label_voxels *labels, const size_t dim[3],
                         const struct grey_claims *claims)
 {
@@ -305,7 +290,16 @@ conus_status grey_judge(struct grey_result *out, const struct label_voxels *labe
     if (!status) {
         visit_neighbours(&scan, count_pairs, &tally);
         result.equal = tally.pairs ? (double)tally.equal / (double)tally.pairs : 1;
-        status = result.equal < most_equal ? judge_values(&result, &scan, &tally, claims) : CONUS_OK;
+    }
+    if (!status && result.equal < most_equal) { /* too few to be sure that there are areas */
+        struct values values = {0};
+        status = find_values(&values, &scan);
+        result.telling = values.voxels >= FEW_VOXELS && values.count > FEW_VALUES && 2 * tally.pairs >= values.voxels;
+        if (!status && result.telling) {
+            result.needed = needed_share(&values, &scan, claims);
+            status = result.equal < result.needed ? are_near(&result.grey, &scan, &tally) : CONUS_OK;
+        }
+        memory_free(values.sorted);
     }
     memory_free(scan.block);
     if (!status) {
