@@ -12,23 +12,6 @@ struct conus_streamline_list {
     uint64_t points;
 };
 
-static conus_status check_bundle(const conus_atlas *atlas, uint32_t object)
-{
-    const conus_object *bundle = conus_atlas_object(atlas, object);
-    if (object && !bundle) {
-        return fail(CONUS_ERROR_ARGUMENT, "object: %u, allowed is up to %zu", object, atlas->object_count);
-    }
-    if (bundle && bundle->kind != CONUS_KIND_BUNDLE) {
-        return fail(CONUS_ERROR_ARGUMENT, "streamlines: %s is %s, a bundle is needed", bundle->name,
-                    bundle->kind == CONUS_KIND_AREA ? "an area" : "a pathway");
-    }
-    if (bundle && conus_atlas_is_hidden(atlas, object)) {
-        return fail(CONUS_ERROR_ARGUMENT, "streamlines: %s is hidden", bundle->name);
-    }
-    return bundle || atlas_has_bundles(atlas) ? CONUS_OK
-                                              : fail(CONUS_ERROR_ARGUMENT, "streamlines: there is no bundle");
-}
-
 enum { SHOWN = 1, INSIDE = 2, LISTED = SHOWN | INSIDE };
 
 static void mark_inside(void *user, const struct tract_run *run, const struct tract_part *part)
@@ -77,16 +60,28 @@ static conus_status list_tractogram(conus_streamline_list *list, uint32_t which,
 
 conus_status conus_selection_streamlines(conus_streamline_list **out, const conus_selection *selection, uint32_t object)
 {
-    conus_status status = check_bundle(selection->atlas, object);
-    if (status) {
-        return status;
+    const conus_atlas *atlas = selection->atlas;
+    const conus_object *bundle = conus_atlas_object(atlas, object);
+    if (object && !bundle) {
+        return fail(CONUS_ERROR_ARGUMENT, "object: %u, allowed is up to %zu", object, atlas->object_count);
+    }
+    if (bundle && bundle->kind != CONUS_KIND_BUNDLE) {
+        return fail(CONUS_ERROR_ARGUMENT, "streamlines: %s is %s, a bundle is needed", bundle->name,
+                    bundle->kind == CONUS_KIND_AREA ? "an area" : "a pathway");
+    }
+    if (bundle && conus_atlas_is_hidden(atlas, object)) {
+        return fail(CONUS_ERROR_ARGUMENT, "streamlines: %s is hidden", bundle->name);
+    }
+    if (!bundle && !atlas_has_bundles(atlas)) {
+        return fail(CONUS_ERROR_ARGUMENT, "streamlines: there is no bundle");
     }
     conus_streamline_list *list = memory_zeroed(1, sizeof *list);
     if (!list) {
         return CONUS_ERROR_MEMORY;
     }
-    list->atlas = selection->atlas;
-    for (uint32_t which = 0; which < selection->atlas->tractogram_count && !status; which++) {
+    list->atlas = atlas;
+    conus_status status = CONUS_OK;
+    for (uint32_t which = 0; which < atlas->tractogram_count && !status; which++) {
         status = list_tractogram(list, which, &selection->region, object);
     }
     if (status) {

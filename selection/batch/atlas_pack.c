@@ -568,7 +568,6 @@ static struct pack_walk walk_over(const conus_atlas *atlas, struct pack_walk wal
     return walk;
 }
 
-/* How large everything is. */
 static struct pack_walk measure(const conus_atlas *atlas)
 {
     return walk_over(atlas, (struct pack_walk){.mode = PACK_MEASURE});

@@ -30,7 +30,7 @@ static void list_block(struct aperture *aperture, uint32_t column, uint32_t row)
     }
 }
 
-/* Then the angle, too, decides which pixels are in it. */
+/* In such a cone the angle, too, decides which pixels are in it. */
 static bool is_wide_square(const struct cone *cone)
 {
     return cone->aperture == CONUS_APERTURE_SQUARE && cone_is_wide(cone);

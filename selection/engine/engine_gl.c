@@ -255,8 +255,8 @@ static conus_status prepare_queries(struct gl_engine *gl, const struct view *vie
     return status;
 }
 
-/* Behind trace_volumes(): what the volumes show limits how far the meshes are looked for; and where nothing is
- * wanted, nothing is. */
+/* Called after trace_volumes(): a hit in a volume limits how far meshes are looked for. Where no pixel is wanted,
+ * nothing is looked for. */
 static conus_status trace_meshes(struct gl_engine *gl, const struct view *view)
 {
     size_t count;
@@ -276,7 +276,7 @@ static struct tract_query tract_query_of(const struct gl_engine *gl, const struc
                                 .wanted = cone->wanted};
 }
 
-/* Behind both: what they show limits how far streamlines are looked for. */
+/* Called after both: a hit in a volume or mesh limits how far streamlines are looked for. */
 static conus_status trace_tracts(struct gl_engine *gl, const struct view *view)
 {
     conus_status status = CONUS_OK;
@@ -377,13 +377,6 @@ static conus_status pierce_meshes(struct gl_engine *gl, struct layers *out, cons
     return status;
 }
 
-static conus_status pierce_tracts(struct gl_engine *gl, struct layers *out, const struct cone *cone)
-{
-    const struct tract_picture picture = {tract_query_of(gl, cone, 0), NULL};
-    return gl->draw && !cone_is_wide(cone) ? tract_draw_pierce(gl->draw, out, &picture)
-                                           : gl->bundles->functions->pierce(gl->bundles, out, cone);
-}
-
 static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
 {
     struct gl_engine *gl = (struct gl_engine *)engine;
@@ -396,7 +389,11 @@ static conus_status pierce(struct engine *engine, struct layers *out, const stru
     status = aim(gl, &view);
     status = !status && gl->pass ? pierce_volumes(gl, out, &view) : status;
     status = !status && gl->mesh_pass ? pierce_meshes(gl, out, cone) : status;
-    status = !status && gl->bundles ? pierce_tracts(gl, out, cone) : status;
+    if (!status && gl->bundles) {
+        const struct tract_picture picture = {tract_query_of(gl, cone, 0), NULL};
+        status = gl->draw && !cone_is_wide(cone) ? tract_draw_pierce(gl->draw, out, &picture)
+                                                 : gl->bundles->functions->pierce(gl->bundles, out, cone);
+    }
     gl_current_restore(&previous);
     return status;
 }
@@ -454,20 +451,6 @@ static conus_status upload_volume(struct gl_engine *gl, const struct volume *vol
     return status;
 }
 
-static conus_status upload_volumes(struct gl_engine *gl, uint64_t *memory_left)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; i < gl->atlas->volume_count && !status; i++) {
-        if (volume_can_be_hit(&gl->atlas->volumes[i])) {
-            status = gl->pass ? CONUS_OK : create_pass(gl);
-            status = status ? status : upload_volume(gl, &gl->atlas->volumes[i], memory_left);
-            gl->volumes[gl->volume_count] = i;
-            gl->volume_count += !status;
-        }
-    }
-    return status;
-}
-
 static conus_status upload_meshes(struct gl_engine *gl, uint64_t *memory_left)
 {
     const struct mesh **meshes = memory_raw(gl->atlas->object_count, sizeof(void *));
@@ -480,12 +463,6 @@ static conus_status upload_meshes(struct gl_engine *gl, uint64_t *memory_left)
     conus_status status = mesh_pass_create(&gl->mesh_pass, meshes, gl->atlas->object_count, memory_left);
     memory_free(meshes);
     return status;
-}
-
-static conus_status upload_bundles(struct gl_engine *gl, uint64_t *memory_left)
-{
-    conus_status status = engine_rays_create_for_bundles(&gl->bundles, gl->atlas);
-    return status ? status : tract_draw_create(&gl->draw, engine_rays_tracts(gl->bundles), memory_left);
 }
 
 static conus_status fill_engine(struct gl_engine *gl, const struct engine_options *options)
@@ -505,9 +482,19 @@ static conus_status fill_engine(struct gl_engine *gl, const struct engine_option
         return status;
     }
     uint64_t memory_left = memory_limit(0);
-    status = upload_volumes(gl, &memory_left);
+    for (size_t i = 0; i < gl->atlas->volume_count && !status; i++) {
+        if (volume_can_be_hit(&gl->atlas->volumes[i])) {
+            status = gl->pass ? CONUS_OK : create_pass(gl);
+            status = status ? status : upload_volume(gl, &gl->atlas->volumes[i], &memory_left);
+            gl->volumes[gl->volume_count] = i;
+            gl->volume_count += !status;
+        }
+    }
     status = !status && atlas_has_meshes(gl->atlas) ? upload_meshes(gl, &memory_left) : status;
-    status = !status && atlas_has_bundles(gl->atlas) ? upload_bundles(gl, &memory_left) : status;
+    if (!status && atlas_has_bundles(gl->atlas)) {
+        status = engine_rays_create_for_bundles(&gl->bundles, gl->atlas);
+        status = status ? status : tract_draw_create(&gl->draw, engine_rays_tracts(gl->bundles), &memory_left);
+    }
     gl_current_restore(&previous);
     return status;
 }

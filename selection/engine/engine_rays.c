@@ -206,7 +206,7 @@ static void aim_at_meshes(struct block *block)
     bundle->direction = (const double(*)[MESH_RAYS_LIMIT])block->bundle.direction;
 }
 
-/* Behind trace_volumes(): what the volumes show limits how far the meshes are looked for. */
+/* Called after trace_volumes(): a hit in a volume limits how far meshes are looked for. */
 static conus_status trace_meshes(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
                                  struct block *block)
 {
@@ -237,7 +237,7 @@ static void aim_at_tracts(struct block *block)
     bundle->direction = (const double(*)[TRACT_RAYS_LIMIT])block->bundle.direction;
 }
 
-/* Behind both: what volumes and meshes show limits how far streamlines are looked for. */
+/* Called after both: a hit in a volume or mesh limits how far streamlines are looked for. */
 static void trace_tracts(const struct rays_engine *engine, struct evidence *out, struct block *block)
 {
     struct tract_bundle *bundle = &block->tracts;

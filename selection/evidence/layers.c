@@ -50,7 +50,7 @@ static int compare(const void *a, const void *b)
     return is_before(a, b) ? -1 : is_before(b, a);
 }
 
-/* By insertion as long as they are few: most of them are in order. */
+/* Sorts few intervals by insertion, since most of them are in order. */
 static void sort_pixel(conus_interval *intervals, size_t count)
 {
     if (count > FEW) {

@@ -8,7 +8,7 @@
 
 #include <stdlib.h>
 
-/* As voxels are stored. */
+/* Axes in the order in which voxels are stored. */
 static const int STORED[3] = {0, 1, 2};
 
 /* One volume's rows against one region. */

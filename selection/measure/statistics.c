@@ -282,7 +282,7 @@ static double volume_of(const struct tallied *object, const struct gathering *ga
     return object->mm3 + (object->is_solid ? object->solid : from_rays);
 }
 
-/* Its sums are rounded. */
+/* A fraction that only rounding has made more than 1 is 1. */
 static double fraction_of(double volume, double whole)
 {
     static const double rounding = 1e-9;

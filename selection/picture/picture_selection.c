@@ -130,30 +130,14 @@ static conus_status add_any_volume(conus_image *image, const conus_atlas *atlas,
     return status ? status : add_ends(image, atlas, index);
 }
 
-/* The manifest, surfaces and the like, a line each. */
-static conus_status add_files(conus_image *image, const conus_atlas *atlas)
+/* Adds the text, unless it is empty, and releases it. */
+static conus_status add_buffer(conus_image *image, const char *name, struct buffer *text)
 {
-    struct buffer text = {0};
-    for (size_t i = 0; i < atlas->files.count; i++) {
-        buffer_format(&text, "%s  %s\n", atlas->files.items[i].sha256, atlas->files.items[i].path);
+    conus_status status = buffer_status(text);
+    if (!status && text->size) {
+        status = image_add_text(image, name, text->data);
     }
-    conus_status status = buffer_status(&text);
-    if (!status && text.size) {
-        status = image_add_text(image, "conus:files", text.data);
-    }
-    buffer_finish(&text);
-    return status;
-}
-
-static conus_status add_hidden(conus_image *image, const conus_atlas *atlas)
-{
-    struct buffer text = {0};
-    atlas_list_hidden(&text, atlas);
-    conus_status status = buffer_status(&text);
-    if (!status && text.size) {
-        status = image_add_text(image, "conus:hidden", text.data);
-    }
-    buffer_finish(&text);
+    buffer_finish(text);
     return status;
 }
 
@@ -166,8 +150,20 @@ conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, b
             status = add_any_volume(image, atlas, i);
         }
     }
-    status = status ? status : add_files(image, atlas);
-    return status ? status : add_hidden(image, atlas);
+    if (status) {
+        return status;
+    }
+    struct buffer files = {0}; /* the manifest, surfaces and the like, a line each */
+    for (size_t i = 0; i < atlas->files.count; i++) {
+        buffer_format(&files, "%s  %s\n", atlas->files.items[i].sha256, atlas->files.items[i].path);
+    }
+    status = add_buffer(image, "conus:files", &files);
+    if (status) {
+        return status;
+    }
+    struct buffer hidden = {0};
+    atlas_list_hidden(&hidden, atlas);
+    return add_buffer(image, "conus:hidden", &hidden);
 }
 
 /* The names of the objects in the cone, so that the numbers in the image can be read without the atlas. */

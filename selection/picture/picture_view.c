@@ -363,14 +363,6 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     return status || !picture_has_legend(picture) ? status : picture_legend_init(picture);
 }
 
-static conus_status add_cone_attributes(conus_image *image, const struct cone *cone)
-{
-    char angle[TEXT_NUMBER_SIZE];
-    text_number(angle, degrees_from_radians(cone->angle));
-    conus_status status = image_add_text(image, "conus:angleDegrees", angle);
-    return status ? status : image_add_matrix(image, "conus:worldFromDevice", cone->pose.world_from_device);
-}
-
 static conus_status add_lens(conus_image *image, const conus_view *options)
 {
     char number[4][TEXT_NUMBER_SIZE];
@@ -394,8 +386,13 @@ static conus_status add_attributes(conus_image *image, const struct picture *pic
     status = status ? status : add_lens(image, &picture->options);
     status = status ? status : image_add_matrix(image, "conus:worldFromCamera", picture->camera.world_from_camera);
     status = status ? status : picture_add_volumes(image, picture->atlas, true);
-    return status || !picture->options.selection ? status
-                                                 : add_cone_attributes(image, &picture->options.selection->cone);
+    if (!status && picture->options.selection) {
+        const struct cone *cone = &picture->options.selection->cone;
+        char angle[TEXT_NUMBER_SIZE];
+        status = image_add_text(image, "conus:angleDegrees", text_number(angle, degrees_from_radians(cone->angle)));
+        status = status ? status : image_add_matrix(image, "conus:worldFromDevice", cone->pose.world_from_device);
+    }
+    return status;
 }
 
 static conus_status make_image(conus_image **out, const struct picture *picture, const conus_renderer *renderer)

@@ -51,7 +51,7 @@ bool region_has(const struct region *region, const double point[3])
     return region->square ? fabs(x) <= rim && fabs(y) <= rim : x * x + y * y <= rim * rim;
 }
 
-/* These two and not fmax() and fmin(), which are slower by their care for NaN. */
+/* fmax() and fmin() would be slower, since they care for NaN. */
 static void raise_low(double interval[2], double low)
 {
     interval[0] = low > interval[0] ? low : interval[0];

@@ -5,7 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/simd/processor.h"
 
-/* So much of its terms is added to a discriminant, and so many rows to a range: far more than what is rounded. */
+/* What is added to a discriminant, as a part of its terms, and to a range, in rows: far more than rounding. */
 static const double WIDER = 1e-9;
 static const double MORE_ROWS = 0.01;
 

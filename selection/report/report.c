@@ -122,17 +122,15 @@ static bool are_alike(const conus_report *a, const conus_report *b)
 {
     const conus_report_options *x = &a->options;
     const conus_report_options *y = &b->options;
+    const conus_selector_options *p = &a->selector;
+    const conus_selector_options *q = &b->selector;
     return x->rows == y->rows && x->format == y->format && a->frame.space == b->frame.space &&
            mat4_is_same(a->frame.world_from_space, b->frame.world_from_space) && !x->tracker == !y->tracker &&
            x->selected_only == y->selected_only && a->atlas->is_moved == b->atlas->is_moved &&
-           strcmp(a->score, b->score) == 0 && strcmp(a->engine, b->engine) == 0;
-}
-
-static bool are_traced_alike(const conus_selector_options *a, const conus_selector_options *b)
-{
-    return a->aperture == b->aperture && a->sampling == b->sampling && a->resolution == b->resolution &&
-           a->slices == b->slices && a->slice_fraction == b->slice_fraction && a->layers == b->layers &&
-           a->range[0] == b->range[0] && a->range[1] == b->range[1] && a->radius == b->radius;
+           strcmp(a->score, b->score) == 0 && strcmp(a->engine, b->engine) == 0 && p->aperture == q->aperture &&
+           p->sampling == q->sampling && p->resolution == q->resolution && p->slices == q->slices &&
+           p->slice_fraction == q->slice_fraction && p->layers == q->layers && p->range[0] == q->range[0] &&
+           p->range[1] == q->range[1] && p->radius == q->radius;
 }
 
 conus_status conus_report_join(conus_report *report, conus_report *more)
@@ -141,7 +139,7 @@ conus_status conus_report_join(conus_report *report, conus_report *more)
     if (!report->name || !more->name || more->next || more->is_joined || more == report) {
         return fail(CONUS_ERROR_ARGUMENT, "report: only one with a column atlas can be joined, and once");
     }
-    if (!are_alike(report, more) || !are_traced_alike(&report->selector, &more->selector)) {
+    if (!are_alike(report, more)) {
         return fail(
             CONUS_ERROR_ARGUMENT,
             "report: the one of atlas %s has other options than that of atlas %s, or only one of the two was moved",

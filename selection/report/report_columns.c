@@ -112,7 +112,7 @@ static struct cell get_atlas(const conus_report *report, const struct report_row
     return text_cell(report->name);
 }
 
-/* Behind the first of a report that has a name. */
+/* The second column of a report that has a name. */
 static const struct report_column atlas_column = {"atlas", NULL, "name of the atlas that is asked", NAMED(get_atlas)};
 
 static const struct report_column answer_columns[] = {

@@ -123,7 +123,7 @@ void report_write_matrix(struct buffer *out, const conus_report *report, const c
     }
 }
 
-/* As a JSON string; the text is UTF-8. */
+/* Writes the text, which is UTF-8, as a JSON string. */
 static void write_string(struct buffer *out, const char *text)
 {
     buffer_append(out, "\"", 1);

@@ -120,7 +120,7 @@ static void write_pathways(struct buffer *out, const conus_atlas *atlas)
     buffer_text(out, "\n");
 }
 
-/* Those of the volume of band `first`, in one line. */
+/* Writes all bands of the volume of band `first` in one line. */
 static void write_bands(struct buffer *out, const conus_atlas *atlas, size_t first)
 {
     size_t volume = conus_atlas_object(atlas, first)->volume;

@@ -40,20 +40,6 @@ static bool is_listed(const conus_report *report, uint32_t number)
     return object && (object->kind == CONUS_KIND_PATHWAY || report->options.all_voxels);
 }
 
-static size_t collect_hits(struct listed_voxel *hits, const conus_report *report, const conus_selection *selection)
-{
-    const struct evidence *evidence = &selection->evidence;
-    size_t pixels = (size_t)evidence->resolution * evidence->resolution;
-    size_t count = 0;
-    for (size_t i = 0; i < pixels; i++) {
-        uint32_t number = selection_own_object(selection, i);
-        if (selection->in_cone[i] && is_listed(report, number) && atlas_object_volume(report->atlas, number)) {
-            hits[count++] = (struct listed_voxel){number, evidence->voxel[i], evidence->distance[i]};
-        }
-    }
-    return count;
-}
-
 /* Keeps each voxel once, with its smallest distance, nearest voxel first. */
 static size_t keep_unique(struct listed_voxel *hits, size_t count)
 {
@@ -105,12 +91,20 @@ static void write_voxel(conus_report *report, const struct listed_voxel *voxel)
 
 static conus_status add_first_hits(conus_report *report, const conus_selection *selection)
 {
-    size_t pixels = (size_t)selection->evidence.resolution * selection->evidence.resolution;
+    const struct evidence *evidence = &selection->evidence;
+    size_t pixels = (size_t)evidence->resolution * evidence->resolution;
+    size_t count = 0;
     struct listed_voxel *hits = memory_raw(pixels, sizeof *hits);
     if (!hits) {
         return CONUS_ERROR_MEMORY;
     }
-    size_t count = keep_unique(hits, collect_hits(hits, report, selection));
+    for (size_t i = 0; i < pixels; i++) {
+        uint32_t number = selection_own_object(selection, i);
+        if (selection->in_cone[i] && is_listed(report, number) && atlas_object_volume(report->atlas, number)) {
+            hits[count++] = (struct listed_voxel){number, evidence->voxel[i], evidence->distance[i]};
+        }
+    }
+    count = keep_unique(hits, count);
     for (size_t i = 0; i < count; i++) {
         write_voxel(report, &hits[i]);
     }

@@ -191,7 +191,7 @@ static conus_chance describe(const struct count *count, const conus_selector *se
     return row;
 }
 
-/* By probability; what is unassigned comes last. */
+/* The most probable first; what is unassigned comes last. */
 static int compare(const void *a, const void *b)
 {
     const conus_chance *x = a;

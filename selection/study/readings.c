@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* In what other way odd poses may have been meant: another space, another unit, the other end of the device. */
+/* Tries other readings of odd poses: another space, another unit, the other end of the device. */
 #include "base/status.h"
 #include "selection/selection.h"
 #include "selection/selector.h"

@@ -15,8 +15,8 @@
 struct admission {
     double slope;    /* Tangent of the half-angle; infinite where none has been found.               */
     double depth;    /* Along the axis, mm, of what is admitted first; of several such, the nearest. */
-    double point[3]; /* And where it is, world.                                                      */
-    bool is_surface; /* It is a mesh's; else a voxel's centre or of a streamline.                    */
+    double point[3]; /* Where that is, world.                                                        */
+    bool is_surface; /* The point is a mesh's; else a voxel's centre or of a streamline.             */
 };
 
 /* World coordinates along the region's right, up and axis. */
@@ -213,7 +213,8 @@ static void admission_of_mesh(struct admission *admission, const struct region *
     }
 }
 
-/* The same of a tractogram's streamlines, lines without a radius: those of the group, or all if it is NULL. */
+/* Lowers the admission to what streamlines give, as lines without a radius: those of the group, or all if it is NULL.
+ */
 static void admission_of_bundle(struct admission *admission, const struct region *region,
                                 const struct tractogram *tractogram, const struct tract_group *group)
 {

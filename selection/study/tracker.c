@@ -204,18 +204,6 @@ uint32_t conus_tracker_selected(const conus_tracker *tracker, double ago)
     return object;
 }
 
-/* The first that counts and has a score. */
-static uint32_t first_of(const conus_tracker *tracker, const conus_selection *selection)
-{
-    for (size_t i = 0; i + 1 < selection->statistics.count; i++) { /* the last is CONUS_KIND_UNASSIGNED */
-        const conus_result *result = &selection->statistics.results[i];
-        if (!isnan(result->score) && counts(tracker, history_find(&tracker->history, result->object))) {
-            return result->object;
-        }
-    }
-    return 0;
-}
-
 conus_status conus_tracker_step(conus_selection **out, conus_tracker *tracker, double time_s, const conus_pose *pose,
                                 double angle, bool trigger)
 {
@@ -237,7 +225,13 @@ conus_status conus_tracker_step(conus_selection **out, conus_tracker *tracker, d
     history_step(&tracker->history, time_s, tracker->samples, count);
     add_absent(selection, tracker);
     selection_rank(selection, tracker->selector, &tracker->history);
-    choose(tracker, first_of(tracker, selection));
+    uint32_t first = 0;                                                      /* object that counts and has a score */
+    for (size_t i = 0; i + 1 < selection->statistics.count && !first; i++) { /* the last is CONUS_KIND_UNASSIGNED */
+        const conus_result *result = &selection->statistics.results[i];
+        bool has_score = !isnan(result->score);
+        first = has_score && counts(tracker, history_find(&tracker->history, result->object)) ? result->object : 0;
+    }
+    choose(tracker, first);
     bool pressed = trigger && !tracker->held;
     tracker->held = trigger;
     selection->is_step = true;

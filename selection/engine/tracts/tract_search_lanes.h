@@ -26,7 +26,7 @@ struct stay {
     singles in, out;
 };
 
-/* By the slabs of boxes that are grown by the radius. */
+/* The stay in the slabs of boxes that are grown by the radius. */
 static INLINE struct stay stay_in_boxes(const struct tract_search *search, const struct tract_node *node, int first,
                                         float limit)
 {
@@ -44,9 +44,10 @@ static INLINE struct stay stay_in_boxes(const struct tract_search *search, const
     return stay;
 }
 
-/* And by those along their diagonals. There places are sums of three coordinates, so what grows a box by 1 mm grows
- * these slabs by a root of 3. All that is rounded on the way is less than 100 times 2^-24, which is 6e-6, of the
- * largest coordinate and the radius. The slack, times the root, is 17e-6 of it: nothing is lost. */
+/* Cuts the stay by the slabs along the diagonals of the boxes. There places are sums of three coordinates, so what
+ * grows a box by 1 mm grows these slabs by a root of 3. All that is rounded on the way is less than 100 times 2^-24,
+ * which is 6e-6, of the largest coordinate and the radius. The slack, times the root, is 17e-6 of it: nothing is lost.
+ */
 static INLINE void cut_stay(struct stay *stay, const struct tract_search *search, const struct tract_node *node,
                             int first)
 {
@@ -188,7 +189,7 @@ static INLINE struct scale scale_of(const struct tract_search *search, const str
     return out;
 }
 
-/* Those in lanes of a leaf from @p first on. */
+/* The runs in lanes of a leaf from @p first on. */
 static INLINE struct seen see_runs(const struct ray *ray, const struct scale *scale, const struct tract_leaf *leaf,
                                    uint32_t first)
 {

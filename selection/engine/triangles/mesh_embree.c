@@ -43,17 +43,6 @@ static conus_status status_of(const struct embree *embree)
     }
 }
 
-static conus_status open_device(struct embree *embree)
-{
-    embree->device = rtcNewDevice("ignore_config_files=1");
-    if (!embree->device) {
-        note_error(embree, rtcGetDeviceError(NULL), "no device");
-        return status_of(embree);
-    }
-    rtcSetDeviceErrorFunction(embree->device, note_error, embree);
-    return CONUS_OK;
-}
-
 /* Embree wants a few bytes more behind the last vertex: where there are none, it gets a copy. */
 static bool set_positions(RTCGeometry geometry, const struct mesh *mesh)
 {
@@ -152,12 +141,14 @@ static conus_status create(struct mesh_rays *rays, const struct mesh_object *obj
         return CONUS_ERROR_MEMORY;
     }
     pthread_mutex_init(&embree->noting, NULL);
-    conus_status status = open_device(embree);
-    if (!status) {
-        embree->scene = new_scene(embree);
-        status = attach_all(embree, objects, count);
+    embree->device = rtcNewDevice("ignore_config_files=1");
+    if (!embree->device) {
+        note_error(embree, rtcGetDeviceError(NULL), "no device");
+        return status_of(embree);
     }
-    return status;
+    rtcSetDeviceErrorFunction(embree->device, note_error, embree);
+    embree->scene = new_scene(embree);
+    return attach_all(embree, objects, count);
 }
 
 enum { WIDTH_LIMIT = 16 };
@@ -313,7 +304,7 @@ static conus_status walk(struct mesh_rays *rays, struct mesh_bundle *bundle, uns
     return status_of(embree);
 }
 
-/* By Embree's search for any hit, which does not care what is nearest: for all of them there is no need to. */
+/* Embree's search for any hit is enough: all hits are wanted, so none has to be the nearest. */
 static conus_status pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_intervals *out)
 {
     _Alignas(64) union number stream[MESH_RAYS_LIMIT][HIT];

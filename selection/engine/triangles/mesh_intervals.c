@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* As a part of the largest coordinate: how far single precision and a fragment's rounding may move a crossing. */
+/* How far single precision and a fragment's rounding may move a crossing, as a part of the largest coordinate. */
 #define SLACK 1e-5
 
 enum { FIRST_CAPACITY = 4096, FEW = 64 };

@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "selection/engine/triangles/mesh_tracer.h"
 
-/* As a part of the scene's size: far more than single precision can move a hit, far less than anything that matters. */
+/* Part of the scene's size: far more than single precision can move a hit, far less than anything that matters. */
 #define SLACK 1e-5
 
 /* Keeps what mesh_tracer_distance() needs of every object. */

@@ -74,7 +74,7 @@ static struct bits *row_of(const struct scratch *scratch, size_t part, size_t j,
     return scratch->layers + (k * BRICK + part) * layer + j * width;
 }
 
-/* The same, empty outside the grid. */
+/* A row of the scratch; empty outside the grid. */
 static const struct bits *row_or_nothing(const struct scratch *scratch, size_t part, size_t j, size_t k)
 {
     bool inside = j < scratch->bricks[1] && k < scratch->bricks[2];
