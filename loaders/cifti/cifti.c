@@ -477,32 +477,6 @@ static const struct element *find_element(const char *name)
     return NULL;
 }
 
-static conus_status start_element(struct parsing *parsing, const struct xml_event *event)
-{
-    const struct element *element = find_element(event->name);
-    if (parsing->inside == AT_ROOT && strcmp(event->name, "CIFTI") != 0) {
-        return fail(CONUS_ERROR_DATA, "outermost element: found <%.40s>, allowed is <CIFTI>", event->name);
-    }
-    if (!element) {
-        return CONUS_OK;
-    }
-    if (element->parent != parsing->inside) {
-        return fail(CONUS_ERROR_DATA, "<%s> in the wrong place", event->name);
-    }
-    parsing->inside = element->inside;
-    return element->start ? element->start(parsing, event) : CONUS_OK;
-}
-
-static conus_status end_element(struct parsing *parsing, const struct xml_event *event)
-{
-    const struct element *element = find_element(event->name);
-    if (!element) {
-        return CONUS_OK;
-    }
-    parsing->inside = element->parent;
-    return element->end ? element->end(parsing, event->text) : CONUS_OK;
-}
-
 static conus_status fail_at_line(conus_status status, const struct xml_event *event)
 {
     char where[32];
@@ -512,12 +486,29 @@ static conus_status fail_at_line(conus_status status, const struct xml_event *ev
 
 static conus_status on_start(void *user, const struct xml_event *event)
 {
-    return fail_at_line(start_element(user, event), event);
+    struct parsing *parsing = user;
+    const struct element *element = find_element(event->name);
+    conus_status status = CONUS_OK;
+    if (parsing->inside == AT_ROOT && strcmp(event->name, "CIFTI") != 0) {
+        status = fail(CONUS_ERROR_DATA, "outermost element: found <%.40s>, allowed is <CIFTI>", event->name);
+    } else if (element && element->parent != parsing->inside) {
+        status = fail(CONUS_ERROR_DATA, "<%s> in the wrong place", event->name);
+    } else if (element) {
+        parsing->inside = element->inside;
+        status = element->start ? element->start(parsing, event) : CONUS_OK;
+    }
+    return fail_at_line(status, event);
 }
 
 static conus_status on_end(void *user, const struct xml_event *event)
 {
-    return fail_at_line(end_element(user, event), event);
+    struct parsing *parsing = user;
+    const struct element *element = find_element(event->name);
+    if (!element) {
+        return CONUS_OK;
+    }
+    parsing->inside = element->parent;
+    return element->end ? fail_at_line(element->end(parsing, event->text), event) : CONUS_OK;
 }
 
 enum { XML_CODE = 32 }; /* nifti1.h: NIFTI_ECODE_CIFTI */

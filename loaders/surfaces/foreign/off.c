@@ -60,8 +60,10 @@ static conus_status read_vertex(struct foreign_mesh *out, const struct off *off,
     for (size_t i = 0; !status && i < off->numbers; i++) {
         status = words_number(&value, words, "a normal or a texture coordinate");
     }
-    status = status || !off->has_colours ? status : off_skip_numbers(words, "a colour");
-    return status ? status : foreign_add_vertex(out, position);
+    if (status || (off->has_colours && (status = off_skip_numbers(words, "a colour")))) {
+        return status;
+    }
+    return foreign_add_vertex(out, position);
 }
 
 /* A colour may follow the corners. */
@@ -74,8 +76,10 @@ static conus_status read_face(struct foreign_mesh *out, struct words *words)
         status = words_whole(&index, words, 0, "the number of a vertex");
         status = status ? status : foreign_add_corner(out, index);
     }
-    status = status ? status : off_skip_numbers(words, "a colour");
-    return status ? status : foreign_end_polygon(out);
+    if (status || (status = off_skip_numbers(words, "a colour"))) {
+        return status;
+    }
+    return foreign_end_polygon(out);
 }
 
 conus_status off_parse(struct foreign_mesh *out, const uint8_t *data, size_t size)

@@ -293,27 +293,25 @@ static conus_status read_attribute_line(const struct vtk_type **type, size_t *pa
     bool is_colour = vtk_is_named(attribute, "COLOR_SCALARS");
     struct text word;
     int64_t count = (int64_t)attribute->parts;
-    conus_status status = CONUS_OK;
-    if (!attribute->parts && !is_scalars) {
-        status = words_whole(&count, &vtk->words, 1, attribute->word);
+    conus_status status;
+    if ((!attribute->parts && !is_scalars && (status = words_whole(&count, &vtk->words, 1, attribute->word))) ||
+        (!is_colour && (status = vtk_need_type(type, vtk)))) {
+        return status;
     }
-    if (!status && !is_colour) {
-        status = vtk_need_type(type, vtk);
-    }
-    struct words ahead = vtk->words;
-    if (!status && is_scalars) {
+    if (is_scalars) {
+        struct words ahead = vtk->words;
         size_t line = ahead.line;
         bool given = words_next(&ahead, &word) && ahead.line == line && text_to_int(word, &count);
         count = given ? count : 1;
         vtk->words = given ? ahead : vtk->words;
     }
-    *parts = status ? 0 : (size_t)(count > 0 ? count : 0);
+    *parts = (size_t)(count > 0 ? count : 0);
     *type = is_colour ? colour_type(vtk) : *type;
-    status = status ? status : vtk_end_line(vtk);
-    if (!status && is_scalars && words_take(&vtk->words, "LOOKUP_TABLE")) {
-        status = words_next(&vtk->words, &word) ? vtk_end_line(vtk) : words_fail(&vtk->words, word, "a name");
+    status = vtk_end_line(vtk);
+    if (status || !is_scalars || !words_take(&vtk->words, "LOOKUP_TABLE")) {
+        return status;
     }
-    return status;
+    return words_next(&vtk->words, &word) ? vtk_end_line(vtk) : words_fail(&vtk->words, word, "a name");
 }
 
 /* `count` points or cells. */

@@ -409,22 +409,18 @@ static conus_status split_appended(struct buffer *out, struct vtp *vtp, struct t
     if (!mark || text_trim((struct text){close + 1, (size_t)(mark - close) - 1}).size) {
         return fail(CONUS_ERROR_DATA, "AppendedData: the file is cut off, or no \"_\" begins the data");
     }
+    /* raw or base64 data end with the closing tags, so that a file that is cut off is known */
+    static const char last[] = "/VTKFile>";
+    struct text rest = text_trim((struct text){mark + 1, (size_t)(end - mark) - 1});
+    const char *slash = rest.size ? memrchr(rest.data, '/', rest.size) : NULL;
+    if (!slash || !text_mentions(rest, "</AppendedData>") ||
+        !text_equal((struct text){slash, (size_t)(rest.data + rest.size - slash)}, last)) {
+        return fail(CONUS_ERROR_DATA, "AppendedData: the file ends before </VTKFile>");
+    }
     vtp->appended = (struct text){mark + 1, (size_t)(end - mark) - 1};
     buffer_append(out, text.data, (size_t)(close - text.data));
     buffer_text(out, "/></VTKFile>");
     return buffer_status(out);
-}
-
-/* Raw or base64 data end with the closing tags, so that a file that is cut off is known. */
-static conus_status check_closed(const struct vtp *vtp)
-{
-    static const char tag[] = "</AppendedData>";
-    struct text rest = text_trim(vtp->appended);
-    const char *end = rest.size ? memrchr(rest.data, '/', rest.size) : NULL;
-    bool closed = end && text_mentions(rest, tag) && (size_t)(rest.data + rest.size - end) == sizeof "/VTKFile>" - 1 &&
-                  memcmp(end, "/VTKFile>", sizeof "/VTKFile>" - 1) == 0;
-    return !vtp->appended.data || closed ? CONUS_OK
-                                         : fail(CONUS_ERROR_DATA, "AppendedData: the file ends before </VTKFile>");
 }
 
 static conus_status take_root(struct vtp *vtp, const struct xml_event *event)
@@ -453,15 +449,6 @@ static conus_status take_root(struct vtp *vtp, const struct xml_event *event)
     vtp->swapped = little == (__BYTE_ORDER__ == __ORDER_BIG_ENDIAN__);
     vtp->header = header && strcmp(header, "UInt64") == 0 ? 8 : 4;
     return CONUS_OK;
-}
-
-static conus_status take_count(uint64_t *out, const struct xml_event *event, const char *name)
-{
-    const char *value = xml_attribute(event, name);
-    *out = 0;
-    return !value || text_to_uint(text_from(value), UINT64_MAX, out)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "Piece: %s is \"%.60s\", a whole number is needed", name, value);
 }
 
 static conus_status take_type(struct vtp_storage *out, const char *type)
@@ -807,14 +794,23 @@ static conus_status vtp_on_start(void *user, const struct xml_event *event)
     }
     vtp->place = place < USE_NOTHING ? place : vtp->place;
     if (strcmp(event->name, "Piece") == 0) {
-        conus_status status;
-        if ((status = take_count(&vtp->points, event, "NumberOfPoints")) ||
-            (status = take_count(&vtp->vertices, event, "NumberOfVerts")) ||
-            (status = take_count(&vtp->lines, event, "NumberOfLines")) ||
-            (status = take_count(&vtp->polys, event, "NumberOfPolys"))) {
-            return status;
+        const struct {
+            const char *name;
+            uint64_t *count;
+        } counts[] = {{"NumberOfPoints", &vtp->points},
+                      {"NumberOfVerts", &vtp->vertices},
+                      {"NumberOfLines", &vtp->lines},
+                      {"NumberOfPolys", &vtp->polys},
+                      {"NumberOfStrips", &vtp->strips}};
+        for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+            const char *value = xml_attribute(event, counts[i].name);
+            *counts[i].count = 0;
+            if (value && !text_to_uint(text_from(value), UINT64_MAX, counts[i].count)) {
+                return fail(CONUS_ERROR_DATA, "Piece: %s is \"%.60s\", a whole number is needed", counts[i].name,
+                            value);
+            }
         }
-        return take_count(&vtp->strips, event, "NumberOfStrips");
+        return CONUS_OK;
     }
     bool array = strcmp(event->name, "DataArray") == 0 || strcmp(event->name, "Array") == 0;
     return array ? open_array(vtp, event) : keep_text(vtp, event);
@@ -850,7 +846,6 @@ conus_status vtp_parse(struct foreign_mesh *out, const uint8_t *data, size_t siz
     conus_status status = split_appended(&document, &vtp, text_from_bytes(data, size));
     struct text text = {document.data, document.size};
     vtp.appended_raw = !status && vtp.appended.data && is_raw(text);
-    status = status ? status : check_closed(&vtp);
     status = status ? status : xml_parse(&handler, text);
     forget_parts(&vtp);
     memory_free(vtp.columns);
