@@ -155,19 +155,6 @@ bool output_format(conus_format *out, const char *path)
     return false;
 }
 
-/* The folder of the file at `path`, and its name there. */
-static bool find_folder(struct stat *out, const char **name, const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    char *folder = slash ? strndup(path, (size_t)(slash + 1 - path)) : strdup(".");
-    bool found = folder && stat(folder, out) == 0;
-    if (found) {
-        *name = slash ? slash + 1 : path;
-    }
-    free(folder);
-    return found;
-}
-
 bool path_find_place(struct path_place *out, const char *path)
 {
     struct stat info;
@@ -177,8 +164,15 @@ bool path_find_place(struct path_place *out, const char *path)
             return false;
         }
         out->name = "";
-    } else if (!find_folder(&info, &out->name, path)) {
-        return true;
+    } else { /* a new file: its folder, and its name there */
+        const char *slash = strrchr(path, '/');
+        char *folder = slash ? strndup(path, (size_t)(slash + 1 - path)) : strdup(".");
+        bool found = folder && stat(folder, &info) == 0;
+        free(folder);
+        if (!found) {
+            return true;
+        }
+        out->name = slash ? slash + 1 : path;
     }
     out->device = info.st_dev;
     out->inode = info.st_ino;

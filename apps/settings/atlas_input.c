@@ -407,19 +407,6 @@ bool atlas_input_is_image(const char *why)
     return strstr(why, "--context draws");
 }
 
-static int say_no_atlas(conus_status status, const struct atlas_settings *settings)
-{
-    bool is_fine = settings->image_is_fine && atlas_input_is_image(conus_message());
-    if (is_fine) {
-        messages_hold(true);
-    }
-    int code = print_status(status);
-    if (is_fine) {
-        messages_hold(false);
-    }
-    return code;
-}
-
 int atlas_name_find(struct atlas_name *out, const char *text)
 {
     *out = (struct atlas_name){.path = text};
@@ -459,8 +446,17 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
                                         .cache = !settings->no_cache};
     conus_atlas *atlas = NULL;
     conus_status status = conus_atlas_load(&atlas, name->path, &options);
+    if (status == CONUS_ERROR_CANCELLED) {
+        return EXIT_DATA;
+    }
+    if (status && settings->image_is_fine && atlas_input_is_image(conus_message())) {
+        messages_hold(true);
+        int code = print_status(status);
+        messages_hold(false);
+        return code;
+    }
     if (status) {
-        return status == CONUS_ERROR_CANCELLED ? EXIT_DATA : say_no_atlas(status, settings);
+        return print_status(status);
     }
     status = conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
     int code = status ? exit_code_of(status) : EXIT_DONE;
