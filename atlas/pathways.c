@@ -75,14 +75,6 @@ static int compare_steps(const void *a, const void *b)
     return (first->low > second->low) - (first->low < second->low);
 }
 
-static const struct step *find_step(const struct step *steps, uint32_t number)
-{
-    while (steps->number != number) {
-        steps++;
-    }
-    return steps;
-}
-
 /* Adds `objects`, made from the steps: an area, or pathways with kind, name, low, high and is_band. */
 static conus_status add_objects(conus_atlas *atlas, const conus_volume_info *info, float *values,
                                 const conus_object *objects, struct step *steps, size_t count)
@@ -108,7 +100,11 @@ static conus_status add_objects(conus_atlas *atlas, const conus_volume_info *inf
             palette_colour(object.rgb, 1000 + ordinal);
         }
         object.volume = atlas->volume_count;
-        count_voxels(&object, find_step(steps, (uint32_t)(before + i) + 1), info);
+        const struct step *step = steps;
+        while (step->number != (uint32_t)(before + i) + 1) {
+            step++;
+        }
+        count_voxels(&object, step, info);
         status = atlas_append_object(atlas, &object, (struct object_place){.index = atlas->volume_count});
     }
     status = status ? status : atlas_append_volume(atlas, &volume);

@@ -12,15 +12,6 @@ static void fill(void *out, size_t known, const void *whole, size_t size)
     memcpy(out, whole, known && known < size ? known : size);
 }
 
-static double total_length(const struct tractogram *tractogram)
-{
-    double length = 0;
-    for (uint32_t k = 0; k < tractogram->streamline_count; k++) {
-        length += tractogram_length(tractogram, k);
-    }
-    return length;
-}
-
 size_t conus_atlas_tractogram_count(const conus_atlas *atlas)
 {
     return atlas ? atlas->tractogram_count : 0;
@@ -38,10 +29,12 @@ conus_status conus_atlas_tractogram(conus_tractogram_info *out, const conus_atla
                                    .sha256 = tractogram->sha256,
                                    .streamlines = tractogram->streamline_count,
                                    .points = tractogram->point_count,
-                                   .length_mm = total_length(tractogram),
                                    .radius = tractogram->radius,
                                    .half = !tractogram->points && tractogram->halves,
                                    .scalars = tractogram->scalar_count};
+    for (uint32_t k = 0; k < tractogram->streamline_count; k++) {
+        whole.length_mm += tractogram_length(tractogram, k);
+    }
     for (int a = 0; a < 3; a++) {
         whole.low[a] = tractogram->point_count ? tractogram->low[a] : NAN;
         whole.high[a] = tractogram->point_count ? tractogram->high[a] : NAN;

@@ -178,16 +178,6 @@ static void prepare_rays(struct gl_engine *gl, const struct volume *volume, cons
     }
 }
 
-static conus_status walk_volumes(struct gl_engine *gl, const struct view *view, const struct id_hit **hits)
-{
-    conus_status status = id_pass_begin(gl->pass, gl->ray_count);
-    for (size_t i = 0; i < gl->volume_count && !status; i++) {
-        prepare_rays(gl, &gl->atlas->volumes[gl->volumes[i]], view);
-        status = id_pass_trace(gl->pass, i);
-    }
-    return status ? status : id_pass_read(gl->pass, hits);
-}
-
 static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, const uint32_t cell[3])
 {
     bool blocked = object == VOLUME_BLOCKER;
@@ -198,7 +188,15 @@ static uint64_t linear_index(const conus_atlas *atlas, uint32_t object, const ui
 static conus_status trace_volumes(struct gl_engine *gl, const struct view *view)
 {
     const struct id_hit *hits = NULL;
-    conus_status status = gl->ray_count ? walk_volumes(gl, view, &hits) : CONUS_OK;
+    if (!gl->ray_count) {
+        return CONUS_OK;
+    }
+    conus_status status = id_pass_begin(gl->pass, gl->ray_count);
+    for (size_t i = 0; i < gl->volume_count && !status; i++) {
+        prepare_rays(gl, &gl->atlas->volumes[gl->volumes[i]], view);
+        status = id_pass_trace(gl->pass, i);
+    }
+    status = status ? status : id_pass_read(gl->pass, &hits);
     for (uint32_t r = 0; r < gl->ray_count && !status; r++) {
         struct evidence *out = view->out[gl->walked[r] / view->pixels];
         uint32_t pixel = gl->walked[r] % view->pixels;

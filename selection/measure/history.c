@@ -79,29 +79,27 @@ const struct memory *history_find(const struct history *history, uint32_t object
     return memory_of(history, object);
 }
 
-static conus_status add_memory(struct history *history, uint32_t object)
-{
-    if (!memory_reserve(&history->memories, &history->capacity, history->count + 1, sizeof *history->memories)) {
-        return CONUS_ERROR_MEMORY;
-    }
-    history->memories[history->count++] = (struct memory){.object = object, .last_choice = -INFINITY};
-    history->slots[object] = (uint32_t)history->count;
-    return CONUS_OK;
-}
-
 conus_status history_reserve(struct history *history, const struct history_sample *samples, size_t count)
 {
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < count; i++) {
-        status = memory_of(history, samples[i].object) ? CONUS_OK : add_memory(history, samples[i].object);
+    for (size_t i = 0; i < count; i++) {
+        uint32_t object = samples[i].object;
+        if (memory_of(history, object)) {
+            continue;
+        }
+        if (!memory_reserve(&history->memories, &history->capacity, history->count + 1, sizeof *history->memories)) {
+            return CONUS_ERROR_MEMORY;
+        }
+        history->memories[history->count++] = (struct memory){.object = object, .last_choice = -INFINITY};
+        history->slots[object] = (uint32_t)history->count;
     }
-    for (size_t i = 0; !status && i < history->count; i++) {
+    for (size_t i = 0; i < history->count; i++) {
         struct memory *memory = &history->memories[i];
-        bool fits = memory_reserve(&memory->changes, &memory->change_capacity, memory->change_count + 1,
-                                   sizeof *memory->changes);
-        status = fits ? CONUS_OK : CONUS_ERROR_MEMORY;
+        if (!memory_reserve(&memory->changes, &memory->change_capacity, memory->change_count + 1,
+                            sizeof *memory->changes)) {
+            return CONUS_ERROR_MEMORY;
+        }
     }
-    return status;
+    return CONUS_OK;
 }
 
 static void advance(struct memory *memory, const struct history *history, double time)

@@ -160,18 +160,6 @@ conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atla
     return status;
 }
 
-static conus_status check_sheet(const conus_view *sheet)
-{
-    if (sheet->legend > CONUS_LEGEND_NONE || sheet->background > CONUS_BACKGROUND_TRANSPARENT) {
-        return fail(CONUS_ERROR_ARGUMENT, "legend %d, background %d; allowed are at most %d, %d", (int)sheet->legend,
-                    (int)sheet->background, CONUS_LEGEND_NONE, CONUS_BACKGROUND_TRANSPARENT);
-    }
-    if (!(sheet->dpi >= 0 && sheet->dpi <= DPI_LIMIT)) {
-        return fail(CONUS_ERROR_ARGUMENT, "%g dpi; allowed is 0 to %d", sheet->dpi, DPI_LIMIT);
-    }
-    return CONUS_OK;
-}
-
 /* A cut shows all areas, also beside pathways, and no haze. */
 static conus_status set_up(struct picture *picture, const conus_cut_view *view, const conus_view *sheet)
 {
@@ -242,8 +230,17 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
     struct picture picture = {.atlas = atlas};
     conus_cutter *cutter = NULL;
     conus_status status = check_size(&what);
-    status = status ? status : check_sheet(&on);
-    status = status ? status : conus_cutter_create(&cutter, atlas);
+    if (status) {
+        return status;
+    }
+    if (on.legend > CONUS_LEGEND_NONE || on.background > CONUS_BACKGROUND_TRANSPARENT) {
+        return fail(CONUS_ERROR_ARGUMENT, "legend %d, background %d; allowed are at most %d, %d", (int)on.legend,
+                    (int)on.background, CONUS_LEGEND_NONE, CONUS_BACKGROUND_TRANSPARENT);
+    }
+    if (!(on.dpi >= 0 && on.dpi <= DPI_LIMIT)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%g dpi; allowed is 0 to %d", on.dpi, DPI_LIMIT);
+    }
+    status = conus_cutter_create(&cutter, atlas);
     status = status ? status : set_up(&picture, &what, &on);
     if (!status) {
         /* Shrinks the view to the width beside the legend: the shorter side still shows as many mm. An invalid scale

@@ -202,8 +202,6 @@ static conus_status add_names(struct deep_image *image, const conus_selection *s
     return status;
 }
 
-/* ---- */
-
 static conus_status create_image(struct deep_image **out, const conus_selection *selection)
 {
     struct deep_image *image = NULL;

@@ -255,21 +255,6 @@ struct details {
     char pixels[24], share[24], distance[24];
 };
 
-static void describe(struct legend_row *row, struct details *details, const conus_selection *selection, size_t index)
-{
-    const conus_result *result = conus_selection_result(selection, index);
-    const conus_object *object = conus_atlas_object(selection->atlas, result->object);
-    *row = (struct legend_row){.hollow = !object,
-                               .name = object ? object->name : "unassigned",
-                               .detail = {details->pixels, details->share, details->distance}};
-    memcpy(row->rgb, object ? object->rgb : (const uint8_t[]){130, 132, 138}, sizeof row->rgb);
-    snprintf(details->pixels, sizeof details->pixels, "%u", result->pixels);
-    snprintf(details->share, sizeof details->share, "%.1f %%", 100 * result->share);
-    if (isfinite(result->distance)) {
-        snprintf(details->distance, sizeof details->distance, "%.1f mm", result->distance);
-    }
-}
-
 static conus_status draw_legend(conus_image *panel, const conus_selection *selection, struct font *font)
 {
     size_t results = conus_selection_count(selection);
@@ -278,9 +263,21 @@ static conus_status draw_legend(conus_image *panel, const conus_selection *selec
     struct details *details = memory_zeroed(results, sizeof *details);
     conus_status status = rows && details ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < results; i++) {
-        if (picture_lists(conus_selection_result(selection, i))) {
-            describe(&rows[count], &details[count], selection, i);
-            count++;
+        const conus_result *result = conus_selection_result(selection, i);
+        if (!picture_lists(result)) {
+            continue;
+        }
+        const conus_object *object = conus_atlas_object(selection->atlas, result->object);
+        struct details *text = &details[count];
+        struct legend_row *row = &rows[count++];
+        *row = (struct legend_row){.hollow = !object,
+                                   .name = object ? object->name : "unassigned",
+                                   .detail = {text->pixels, text->share, text->distance}};
+        memcpy(row->rgb, object ? object->rgb : (const uint8_t[]){130, 132, 138}, sizeof row->rgb);
+        snprintf(text->pixels, sizeof text->pixels, "%u", result->pixels);
+        snprintf(text->share, sizeof text->share, "%.1f %%", 100 * result->share);
+        if (isfinite(result->distance)) {
+            snprintf(text->distance, sizeof text->distance, "%.1f mm", result->distance);
         }
     }
     if (!status) {
@@ -357,22 +354,10 @@ static conus_status create_picture(conus_image **out, const conus_selection *sel
     return status;
 }
 
-static conus_status add_picture(conus_image *image, const conus_selection *selection)
-{
-    conus_image *picture = NULL;
-    conus_status status = create_picture(&picture, selection);
-    if (!status) {
-        status = image_srgb_bytes(&image->png_rgba, picture);
-        image->png_width = picture->width;
-        image->png_height = picture->height;
-    }
-    conus_image_destroy(picture);
-    return status;
-}
-
 conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection)
 {
     conus_image *image = NULL;
+    conus_image *picture = NULL;
     if (selection->region.shape == REGION_BALL) {
         return fail(CONUS_ERROR_ARGUMENT, "image of a ball: it has no pixels, a cone is needed");
     }
@@ -380,7 +365,13 @@ conus_status conus_image_of_selection(conus_image **out, const conus_selection *
     status = status ? status : add_channels(image, selection);
     status = status ? status : picture_add_selection(image, selection);
     status = status ? status : cryptomatte_add(image, selection);
-    status = status ? status : add_picture(image, selection);
+    status = status ? status : create_picture(&picture, selection);
+    if (!status) {
+        status = image_srgb_bytes(&image->png_rgba, picture);
+        image->png_width = picture->width;
+        image->png_height = picture->height;
+    }
+    conus_image_destroy(picture);
     if (status) {
         conus_image_destroy(image);
         return status;

@@ -57,18 +57,6 @@ static json_t *json_from_cell(struct cell cell)
     return json_null();
 }
 
-static json_t *json_from_row(const conus_report *report, const struct report_columns *columns,
-                             const struct report_row *row)
-{
-    json_t *object = json_object();
-    bool whole = true;
-    for (size_t i = 0; i < columns->count; i++) {
-        const struct report_column *column = columns->at[i];
-        whole = put_value(object, column->name, json_from_cell(report_cell(report, column, row))) && whole;
-    }
-    return whole_or_null(object, whole);
-}
-
 static int append(const char *text, size_t size, void *out)
 {
     buffer_append(out, text, size);
@@ -194,19 +182,6 @@ static bool add_tractograms(json_t *root, const conus_atlas *atlas)
     return whole;
 }
 
-/* The manifest and the surfaces, if there are any. */
-static json_t *json_from_files(const conus_atlas *atlas)
-{
-    json_t *files = json_array();
-    bool whole = true;
-    for (size_t i = 0; i < atlas->files.count; i++) {
-        const struct file_sum *file = &atlas->files.items[i];
-        json_t *entry = json_pack("{s: o, s: s}", "path", json_from_text(file->path), "sha256", file->sha256);
-        whole = json_array_append_new(files, entry) == 0 && whole;
-    }
-    return whole_or_null(files, whole);
-}
-
 /* The hidden objects, if there are any. */
 static bool add_hidden(json_t *root, const conus_atlas *atlas)
 {
@@ -241,19 +216,25 @@ static json_t *json_from_way(const conus_atlas *atlas)
 static json_t *json_from_atlas(const conus_atlas *atlas)
 {
     json_t *volumes = json_array();
+    json_t *files = json_array(); /* the manifest and the surfaces, if there are any */
     json_t *notes = json_array();
     bool whole = true;
     for (size_t i = 0; i < conus_atlas_volume_count(atlas); i++) {
         whole = json_array_append_new(volumes, json_from_volume(atlas, i)) == 0 && whole;
+    }
+    for (size_t i = 0; i < atlas->files.count; i++) {
+        const struct file_sum *file = &atlas->files.items[i];
+        json_t *entry = json_pack("{s: o, s: s}", "path", json_from_text(file->path), "sha256", file->sha256);
+        whole = json_array_append_new(files, entry) == 0 && whole;
     }
     for (size_t i = 0; i < conus_atlas_note_count(atlas); i++) {
         whole = json_array_append_new(notes, json_from_text(conus_atlas_note(atlas, i))) == 0 && whole;
     }
     static const char *const hemispheres[] = {"as-is", "split", "merged"};
     json_t *labels = json_from_text(conus_atlas_label_source(atlas));
-    json_t *root = json_pack("{s: o, s: o, s: s, s: o, s: o, s: o}", "path", json_from_text(atlas_path(atlas)),
-                             "labels", labels, "hemispheres", hemispheres[atlas->hemispheres], "volumes", volumes,
-                             "files", json_from_files(atlas), "notes", notes);
+    json_t *root =
+        json_pack("{s: o, s: o, s: s, s: o, s: o, s: o}", "path", json_from_text(atlas_path(atlas)), "labels", labels,
+                  "hemispheres", hemispheres[atlas->hemispheres], "volumes", volumes, "files", files, "notes", notes);
     bool affine = atlas->is_moved && !atlas->warp_count;
     whole = (!affine || put_value(root, "atlas_from_world", json_from_matrix(atlas->own_from_world))) && whole;
     whole = (!atlas->warp_count || put_value(root, "way_to_atlas", json_from_way(atlas))) && whole;
@@ -324,17 +305,6 @@ static bool add_shape(json_t *settings, const conus_report *report)
             (options->radius == 0 || put_value(settings, "radius_mm", json_real(options->radius))));
 }
 
-/* The options that the rows depend on besides the answers. */
-static bool add_form(json_t *settings, const conus_report_options *options)
-{
-    const conus_contacts *contacts = &options->contacts;
-    return (!options->order || put_value(settings, "order", json_string("depth"))) &&
-           (!contacts->count ||
-            put_value(settings, "contacts",
-                      json_pack("{s: I, s: I, s: f, s: f}", "count", (json_int_t)contacts->count, "columns",
-                                (json_int_t)contacts->columns, "pitch_mm", contacts->pitch, "tip_mm", contacts->tip)));
-}
-
 static json_t *json_from_settings(const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
@@ -356,7 +326,13 @@ static json_t *json_from_settings(const conus_report *report)
     whole = whole && put_value(settings, "layers", json_string(options->layers ? "all" : "visible")) &&
             (options->radius == 0 || put_value(settings, "radius_mm", json_real(options->radius))) &&
             add_range(settings, options);
-    whole = add_form(settings, &report->options) && whole;
+    whole = (!report->options.order || put_value(settings, "order", json_string("depth"))) && whole;
+    const conus_contacts *contacts = &report->options.contacts;
+    if (contacts->count) {
+        json_t *entry = json_pack("{s: I, s: I, s: f, s: f}", "count", (json_int_t)contacts->count, "columns",
+                                  (json_int_t)contacts->columns, "pitch_mm", contacts->pitch, "tip_mm", contacts->tip);
+        whole = put_value(settings, "contacts", entry) && whole;
+    }
     bool tells = options->radius == 0 && (report->is_begun || !report->query_count); /* no query tells it (Eq. 15) */
     whole = (!tells || put_value(settings, "spread", json_string("even beyond 120 degrees"))) && whole;
     whole = (report->name || add_level(settings, report)) && whole;
@@ -405,8 +381,13 @@ struct collecting {
 static void collect_row(void *user, const conus_report *of, const struct report_row *row)
 {
     struct collecting *collecting = user;
-    collecting->whole =
-        json_array_append_new(collecting->rows, json_from_row(of, &collecting->columns, row)) == 0 && collecting->whole;
+    json_t *object = json_object();
+    bool whole = collecting->whole;
+    for (size_t i = 0; i < collecting->columns.count; i++) {
+        const struct report_column *column = collecting->columns.at[i];
+        whole = put_value(object, column->name, json_from_cell(report_cell(of, column, row))) && whole;
+    }
+    collecting->whole = json_array_append_new(collecting->rows, object) == 0 && whole;
 }
 
 conus_status report_write_json(struct buffer *out, const conus_report *report)
