@@ -60,29 +60,35 @@ static bool find_ends(size_t *first, size_t *last, const struct volume *volume, 
     return from < to;
 }
 
-/* The box around the centres of all voxels with an object, which `m` maps from their indices. */
+/* The box around the centres of all voxels with an object, which `m` maps from their indices: along a row a coordinate
+ * is extreme at one of the ends. */
+static struct box find_centres(const struct volume *volume, const double m[16])
+{
+    const size_t *dim = volume->info.dim;
+    struct box box = empty_box;
+    for (size_t row = 0; row < dim[1] * dim[2]; row++) {
+        size_t ends[2];
+        size_t start = row * dim[0];
+        if (find_ends(&ends[0], &ends[1], volume, start, start + dim[0])) {
+            const size_t j = row % dim[1];
+            const size_t k = row / dim[1];
+            for (int end = 0; end < 2; end++) {
+                const double index[3] = {(double)(ends[end] - start), (double)j, (double)k};
+                double centre[3];
+                mat4_point(centre, m, index);
+                add_point(&box, centre);
+            }
+        }
+    }
+    return box;
+}
+
+/* The same, or the box that is known already. */
 static struct box centres_of(const struct volume *volume, const double m[16])
 {
     struct box box;
     if (!volume->distances || !mat4_is_same(m, volume->centres.m)) {
-        /* Along a row a coordinate is extreme at one of the ends. */
-        const size_t *dim = volume->info.dim;
-        box = empty_box;
-        for (size_t row = 0; row < dim[1] * dim[2]; row++) {
-            size_t ends[2];
-            size_t start = row * dim[0];
-            if (find_ends(&ends[0], &ends[1], volume, start, start + dim[0])) {
-                const size_t j = row % dim[1];
-                const size_t k = row / dim[1];
-                for (int end = 0; end < 2; end++) {
-                    const double index[3] = {(double)(ends[end] - start), (double)j, (double)k};
-                    double centre[3];
-                    mat4_point(centre, m, index);
-                    add_point(&box, centre);
-                }
-            }
-        }
-        return box;
+        return find_centres(volume, m);
     }
     memcpy(box.low, volume->centres.low, sizeof box.low);
     memcpy(box.high, volume->centres.high, sizeof box.high);
@@ -108,6 +114,25 @@ static void add_volume(struct box *box, const struct volume *volume, const doubl
     }
 }
 
+/* Adds the bundle's points and a radius around them; nothing where the object is no bundle. */
+static void add_bundle(struct box *box, const conus_atlas *atlas, uint32_t number)
+{
+    const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
+    const struct tract_group *group = atlas_bundle_group(atlas, number);
+    size_t count = tractogram ? tract_group_count(group, tractogram) : 0;
+    for (size_t i = 0; i < count; i++) {
+        uint32_t k = tract_group_member(group, i);
+        for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++) {
+            double p[3];
+            tractogram_point(p, tractogram, at);
+            for (int a = 0; a < 3; a++) {
+                box->low[a] = fmin(box->low[a], p[a] - tractogram->radius);
+                box->high[a] = fmax(box->high[a], p[a] + tractogram->radius);
+            }
+        }
+    }
+}
+
 conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas *atlas)
 {
     struct box box = empty_box;
@@ -123,20 +148,7 @@ conus_status conus_atlas_bounds(double low[3], double high[3], const conus_atlas
             add_point(&box, mesh->shape.high);
         }
         if (!atlas->places[number - 1].is_hidden) {
-            const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
-            const struct tract_group *group = atlas_bundle_group(atlas, number);
-            size_t count = tractogram ? tract_group_count(group, tractogram) : 0;
-            for (size_t i = 0; i < count; i++) {
-                uint32_t k = tract_group_member(group, i);
-                for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++) {
-                    double p[3];
-                    tractogram_point(p, tractogram, at);
-                    for (int a = 0; a < 3; a++) {
-                        box.low[a] = fmin(box.low[a], p[a] - tractogram->radius);
-                        box.high[a] = fmax(box.high[a], p[a] + tractogram->radius);
-                    }
-                }
-            }
+            add_bundle(&box, atlas, number);
         }
     }
     if (!(box.low[0] <= box.high[0])) {

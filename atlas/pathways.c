@@ -228,23 +228,24 @@ conus_status atlas_exchange_areas(conus_atlas *atlas, conus_atlas *areas)
         }
     }
     for (size_t i = 0; !status && i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role == CONUS_ROLE_SCALAR) {
-            struct volume *volume = &atlas->volumes[i];
-            for (size_t v = 0; v < volume->voxel_count; v++) {
-                uint32_t number = volume_object(volume, v);
-                if (number && wide[i]) {
-                    wide[i][v] = number + shift;
-                } else if (number) {
-                    volume_set_object(volume, v, number + shift);
-                }
-            }
-            if (wide[i]) {
-                memory_free(volume->objects16);
-                volume->objects16 = NULL;
-                volume->objects32 = wide[i];
-            }
-            wide[i] = NULL;
+        if (atlas->volumes[i].info.role != CONUS_ROLE_SCALAR) {
+            continue;
         }
+        struct volume *volume = &atlas->volumes[i];
+        for (size_t v = 0; v < volume->voxel_count; v++) {
+            uint32_t number = volume_object(volume, v);
+            if (number && wide[i]) {
+                wide[i][v] = number + shift;
+            } else if (number) {
+                volume_set_object(volume, v, number + shift);
+            }
+        }
+        if (wide[i]) {
+            memory_free(volume->objects16);
+            volume->objects16 = NULL;
+            volume->objects32 = wide[i];
+        }
+        wide[i] = NULL;
     }
     if (!status) {
         name_set_finish(&atlas->taken);

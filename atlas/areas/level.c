@@ -134,15 +134,15 @@ static conus_status fill_level(struct level *level, const conus_atlas *atlas, co
     conus_status status = climb.depth && climb.order && climb.targets ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status && spec) {
         status = roll_up(&climb, spec);
-        if (!status && climb.is_list) {
-            level->areas = memory_zeroed(climb.atlas->area_count, sizeof *level->areas);
-            for (uint32_t number = 1; level->areas && number <= climb.atlas->area_count; number++) {
-                if (climb.targets[number]) {
-                    level->areas[level->area_count++] = number;
-                }
+    }
+    if (!status && climb.is_list) {
+        level->areas = memory_zeroed(atlas->area_count, sizeof *level->areas);
+        for (uint32_t number = 1; level->areas && number <= atlas->area_count; number++) {
+            if (climb.targets[number]) {
+                level->areas[level->area_count++] = number;
             }
-            status = level->areas ? CONUS_OK : CONUS_ERROR_MEMORY;
         }
+        status = level->areas ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     memory_free(climb.depth);
     memory_free(climb.order);

@@ -36,21 +36,20 @@ conus_status area_search_init(struct area_search *out, const conus_atlas *atlas,
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (atlas_volume_has_areas(&atlas->volumes[i])) {
-            const struct volume *volume = &atlas->volumes[i];
-            const double *m = volume->voxel_from_world;
-            bool has_box = volume_is_scalar(volume);
-            bool is_empty = has_box && boxes[i].first[0] > boxes[i].last[0];
-            near_cells_init(&cells[i].cells, volume);
-            cells[i].step = INFINITY;
-            for (int a = 0; a < 3; a++) {
-                const double row[3] = {m[a], m[4 + a], m[8 + a]};
-                cells[i].step = fmin(cells[i].step, 1 / vec3_length(row));
-                cells[i].first[a] = has_box && !is_empty ? (int64_t)boxes[i].first[a] : 0;
-                cells[i].last[a] = is_empty  ? -1
-                                   : has_box ? (int64_t)boxes[i].last[a]
-                                             : (int64_t)volume->info.dim[a] - 1;
-            }
+        const struct volume *volume = &atlas->volumes[i];
+        if (!atlas_volume_has_areas(volume)) {
+            continue;
+        }
+        const double *m = volume->voxel_from_world;
+        bool has_box = volume_is_scalar(volume);
+        bool is_empty = has_box && boxes[i].first[0] > boxes[i].last[0];
+        near_cells_init(&cells[i].cells, volume);
+        cells[i].step = INFINITY;
+        for (int a = 0; a < 3; a++) {
+            const double row[3] = {m[a], m[4 + a], m[8 + a]};
+            cells[i].step = fmin(cells[i].step, 1 / vec3_length(row));
+            cells[i].first[a] = has_box && !is_empty ? (int64_t)boxes[i].first[a] : 0;
+            cells[i].last[a] = is_empty ? -1 : has_box ? (int64_t)boxes[i].last[a] : (int64_t)volume->info.dim[a] - 1;
         }
     }
     *out = (struct area_search){.atlas = atlas, .radius = radius, .cells = cells};

@@ -319,6 +319,23 @@ static conus_status create_panel(conus_image **out, const conus_selection *selec
     return CONUS_OK;
 }
 
+/* Lays the panel over the picture's right edge. */
+static void copy_panel(conus_image *picture, const conus_image *panel)
+{
+    const struct image_rgba to = image_rgba(picture);
+    const struct image_rgba from = image_rgba(panel);
+    for (size_t y = 0; y < panel->height; y++) {
+        size_t start = y * picture->width + picture->width - panel->width;
+        for (size_t x = 0; x < panel->width; x++) {
+            size_t pixel = y * panel->width + x;
+            float rest = 1 - from.plane[3][pixel];
+            for (int c = 0; c < 4; c++) {
+                to.plane[c][start + x] = from.plane[c][pixel] + rest * to.plane[c][start + x];
+            }
+        }
+    }
+}
+
 static conus_status create_picture(conus_image **out, const conus_selection *selection)
 {
     uint32_t n = selection->evidence.resolution;
@@ -334,19 +351,7 @@ static conus_status create_picture(conus_image **out, const conus_selection *sel
         draw_box(picture, &(struct draw_box){-1, -1, picture->width + 1.0, side + 1.0}, 0, background);
         draw_pixels(picture, selection, factor);
         if (panel) {
-            /* Lays the panel over the picture's right edge. */
-            const struct image_rgba to = image_rgba(picture);
-            const struct image_rgba from = image_rgba(panel);
-            for (size_t y = 0; y < panel->height; y++) {
-                size_t start = y * picture->width + picture->width - panel->width;
-                for (size_t x = 0; x < panel->width; x++) {
-                    size_t pixel = y * panel->width + x;
-                    float rest = 1 - from.plane[3][pixel];
-                    for (int c = 0; c < 4; c++) {
-                        to.plane[c][start + x] = from.plane[c][pixel] + rest * to.plane[c][start + x];
-                    }
-                }
-            }
+            copy_panel(picture, panel);
         }
         *out = picture;
     }

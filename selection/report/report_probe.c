@@ -231,22 +231,28 @@ static double end_of_region(const conus_object **out, const conus_report *report
     return end;
 }
 
+/* From the tip on. */
+static void write_shank(struct buffer *out, const conus_report *report, size_t query)
+{
+    const double *range = report->selector.range;
+    double depth = range[1];
+    while (depth > range[0]) {
+        const conus_object *object;
+        double end = end_of_region(&object, report, query, depth);
+        if (object) {
+            write_region(out, 1000 * (range[1] - depth), 1000 * (range[1] - end), object);
+        }
+        depth = end;
+    }
+}
+
 static conus_status write_shanks(struct buffer *out, const conus_report *report)
 {
     conus_status status = check_shanks(report);
     for (size_t i = 0; i < report->query_count && !status; i++) {
         buffer_format(out, "[0,%zu]", i);
         if (!report->queries[i].error) {
-            const double *range = report->selector.range;
-            double depth = range[1];
-            while (depth > range[0]) {
-                const conus_object *object;
-                double end = end_of_region(&object, report, i, depth);
-                if (object) {
-                    write_region(out, 1000 * (range[1] - depth), 1000 * (range[1] - end), object);
-                }
-                depth = end;
-            }
+            write_shank(out, report, i);
         }
         buffer_text(out, "\n");
     }

@@ -340,6 +340,23 @@ struct table_form {
     void (*result)(struct buffer *out, const conus_report *report, const conus_result *result, int width);
 };
 
+/* Says which objects the centre of a ball is in. */
+static void write_here(struct buffer *out, const conus_report *report, size_t index)
+{
+    size_t count = 0;
+    buffer_text(out, "at the point: ");
+    for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
+        const conus_result *result = &report->rows[row].result;
+        if (result->object && result->distance == 0) {
+            buffer_format(out, "%s%s", count++ ? ", " : "", conus_atlas_object(report->atlas, result->object)->name);
+            if (isfinite(result->contact_value)) {
+                buffer_format(out, " (value %.4g)", result->contact_value);
+            }
+        }
+    }
+    buffer_text(out, count ? "\n" : "no area, pathway or bundle\n");
+}
+
 /* The answers of one atlas to query `index`. */
 static void write_answers(struct buffer *out, const conus_report *report, size_t index, int width)
 {
@@ -351,19 +368,7 @@ static void write_answers(struct buffer *out, const conus_report *report, size_t
                                                                     : &visible;
     table_write_atlas(out, report);
     if (report->queries[index].ball > 0) {
-        size_t count = 0;
-        buffer_text(out, "at the point: ");
-        for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {
-            const conus_result *result = &report->rows[row].result;
-            if (result->object && result->distance == 0) {
-                buffer_format(out, "%s%s", count++ ? ", " : "",
-                              conus_atlas_object(report->atlas, result->object)->name);
-                if (isfinite(result->contact_value)) {
-                    buffer_format(out, " (value %.4g)", result->contact_value);
-                }
-            }
-        }
-        buffer_text(out, count ? "\n" : "no area, pathway or bundle\n");
+        write_here(out, report, index);
     }
     form->header(out, report, width);
     for (size_t row = report->queries[index].first_row; row < report_row_end(report, index); row++) {

@@ -93,23 +93,24 @@ static void write_pathways(struct buffer *out, const conus_atlas *atlas)
     }
     bool with_names = thresholds > 1;
     for (size_t n = first, written = 0; n; n = next_pathway(atlas, n + 1)) {
-        if (first_alike(atlas, n, has_same_threshold) == n) {
-            buffer_text(out, written++ ? "," : "");
-            /* "from T on (A, B, C and 2 more)" of all pathways with the threshold of this one. */
-            size_t alike = 0;
-            buffer_text(out, " from ");
-            buffer_number(out, pathway_info(atlas, n)->threshold);
-            buffer_text(out, with_names ? " on (" : " on");
-            for (size_t k = n; k && with_names; k = next_pathway(atlas, k + 1)) {
-                if (has_same_threshold(pathway_info(atlas, k), pathway_info(atlas, n)) && ++alike <= NAMED_LIMIT) {
-                    buffer_format(out, "%s%s", alike > 1 ? ", " : "", conus_atlas_object(atlas, k)->name);
-                }
-            }
-            if (alike > NAMED_LIMIT) {
-                buffer_format(out, " and %zu more", alike - NAMED_LIMIT);
-            }
-            buffer_text(out, with_names ? ")" : "");
+        if (first_alike(atlas, n, has_same_threshold) != n) {
+            continue;
         }
+        buffer_text(out, written++ ? "," : "");
+        /* "from T on (A, B, C and 2 more)" of all pathways with the threshold of this one. */
+        size_t alike = 0;
+        buffer_text(out, " from ");
+        buffer_number(out, pathway_info(atlas, n)->threshold);
+        buffer_text(out, with_names ? " on (" : " on");
+        for (size_t k = n; k && with_names; k = next_pathway(atlas, k + 1)) {
+            if (has_same_threshold(pathway_info(atlas, k), pathway_info(atlas, n)) && ++alike <= NAMED_LIMIT) {
+                buffer_format(out, "%s%s", alike > 1 ? ", " : "", conus_atlas_object(atlas, k)->name);
+            }
+        }
+        if (alike > NAMED_LIMIT) {
+            buffer_format(out, " and %zu more", alike - NAMED_LIMIT);
+        }
+        buffer_text(out, with_names ? ")" : "");
     }
     buffer_text(out, " in ");
     if (files > 1) {

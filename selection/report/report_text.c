@@ -124,13 +124,11 @@ conus_status conus_report_voxels(const char **text, size_t *size, conus_report *
                   report->name ? "\tatlas" : "");
     for (size_t query = 0; query < report->query_count; query++) {
         for (const conus_report *of = report; of && !status; of = of->next) {
+            size_t first = of->queries[query].first_voxel;
+            size_t end = query + 1 < of->query_count ? of->queries[query + 1].first_voxel : of->voxels.size;
             status = buffer_status(&of->voxels);
-            if (!status) {
-                size_t first = of->queries[query].first_voxel;
-                size_t end = query + 1 < of->query_count ? of->queries[query + 1].first_voxel : of->voxels.size;
-                if (end > first) {
-                    buffer_append(&report->text, of->voxels.data + first, end - first);
-                }
+            if (!status && end > first) {
+                buffer_append(&report->text, of->voxels.data + first, end - first);
             }
         }
     }
