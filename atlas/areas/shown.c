@@ -30,7 +30,7 @@ static void hide_voxels(struct volume *volume)
     }
 }
 
-/* What is found of them. */
+/* The runs of one volume, as they are found. */
 struct runs {
     struct hidden_run *items;
     size_t count, capacity;

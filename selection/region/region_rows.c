@@ -5,7 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/simd/processor.h"
 
-/* What is added to a discriminant, as a part of its terms, and to a range, in rows: far more than rounding. */
+/* Added to a discriminant, as a part of its terms, and to a range, in rows: far more than rounding. */
 static const double WIDER = 1e-9;
 static const double MORE_ROWS = 0.01;
 
