@@ -58,7 +58,7 @@ static void print_help(void)
     for (size_t i = 0; i < SCENARIO_COUNT; i++) {
         printf("  %-12s %s\n", scenarios[i].name, scenarios[i].description);
     }
-    puts("  all          one after the other, each in a process of its own, with numbers that fit into 20 minutes\n"
+    puts("  all          one after the other, each in a process of its own, with numbers that fit into half an hour\n"
          "\noptions:\n"
          "  --atlas FILE   labelled volume, or a manifest (default " DEFAULT_ATLAS ")\n"
          "  --context FILE volume around the areas in pictures (default " DEFAULT_CONTEXT ")\n"

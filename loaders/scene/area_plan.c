@@ -9,6 +9,7 @@
 #include "base/order.h"
 #include "loaders/brainglobe/brainglobe_metadata.h"
 #include "loaders/labels/label_file.h"
+#include "loaders/scene/parcellations.h"
 
 #include <fnmatch.h>
 #include <stdio.h>
@@ -193,14 +194,11 @@ static conus_status find_matches(struct matches *matches, struct area_plan *plan
 static conus_status raise_label(struct label *out, const struct label_table *table, uint32_t number,
                                 const struct manifest_area *area)
 {
-    if (number > UINT32_MAX - area->label_offset) {
-        return fail(CONUS_ERROR_DATA, "label_offset: %u + %u is above 4294967295", area->label_offset, number);
-    }
     const struct label *known = label_table_find(table, number);
     *out = known ? *known : (struct label){0};
-    out->number = number + area->label_offset;
+    out->number = number;
     out->hemisphere = area->label.hemisphere ? area->label.hemisphere : out->hemisphere;
-    return CONUS_OK;
+    return label_raise(&out->number, area->label_offset);
 }
 
 /* Plans "files", a pattern. */
@@ -216,8 +214,12 @@ static conus_status plan_pattern(struct area_plan *plan, size_t entry, const str
         uint32_t number = (uint32_t)i + 1;
         status = matches.numbered ? number_in_name(&number, &found, matches.names.names[i]) : CONUS_OK;
         status = status ? status : raise_label(&label, &matches.table, number, area);
-        label.parent = label.has_parent ? label.parent + area->label_offset : area->label.parent;
-        label.has_parent = label.has_parent || area->label.has_parent;
+        if (label.has_parent) {
+            status = status ? status : label_raise(&label.parent, area->label_offset);
+        } else {
+            label.parent = area->label.parent;
+            label.has_parent = area->label.has_parent;
+        }
         buffer_format(&file, "%s%s", matches.folder, matches.names.names[i]);
         status = status ? status : buffer_status(&file);
         if (status) {

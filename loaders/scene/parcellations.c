@@ -37,11 +37,13 @@ void parcellations_finish(struct parcellations *all)
     notes_finish(&all->notes);
 }
 
-static conus_status check_offset(uint32_t label, uint32_t offset)
+conus_status label_raise(uint32_t *label, uint32_t offset)
 {
-    return label <= UINT32_MAX - offset
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "label_offset: %u + %u is above 4294967295", offset, label);
+    if (*label > UINT32_MAX - offset) {
+        return fail(CONUS_ERROR_DATA, "label_offset: %u + %u is above 4294967295", offset, *label);
+    }
+    *label += offset;
+    return CONUS_OK;
 }
 
 conus_status parcellation_shift(struct parcellation *part, uint32_t offset, char hemisphere)
@@ -49,13 +51,11 @@ conus_status parcellation_shift(struct parcellation *part, uint32_t offset, char
     part->hemisphere = hemisphere;
     for (size_t i = 0; i < part->table.count; i++) {
         struct label *label = &part->table.entries[i];
-        conus_status status = check_offset(label->number, offset);
-        status = status || !label->has_parent ? status : check_offset(label->parent, offset);
+        conus_status status = label_raise(&label->number, offset);
+        status = status || !label->has_parent ? status : label_raise(&label->parent, offset);
         if (status) {
             return status;
         }
-        label->number += offset;
-        label->parent += label->has_parent ? offset : 0;
         label->hemisphere = label->hemisphere ? label->hemisphere : hemisphere;
     }
     if (!offset) {
@@ -66,7 +66,7 @@ conus_status parcellation_shift(struct parcellation *part, uint32_t offset, char
     for (size_t p = 0; p < voxels->label_count; p++) {
         largest = voxels->labels[p] > largest ? voxels->labels[p] : largest;
     }
-    conus_status status = check_offset(largest, offset);
+    conus_status status = label_raise(&largest, offset);
     for (size_t p = 0; !status && p < voxels->label_count; p++) {
         voxels->labels[p] += voxels->labels[p] ? offset : 0;
     }

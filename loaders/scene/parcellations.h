@@ -23,6 +23,8 @@ struct parcellations {
 conus_status parcellations_reserve(struct parcellations *out, size_t count, const struct note_sink *sink);
 void parcellations_finish(struct parcellations *all);
 
+/** Adds @p offset to @p label; CONUS_ERROR_DATA where it gets too large. */
+conus_status label_raise(uint32_t *label, uint32_t offset);
 /** Adds @p offset to the labels of voxels and table; areas whose table says no hemisphere get @p hemisphere, unless it
  * is 0. CONUS_ERROR_DATA where a label gets too large. */
 conus_status parcellation_shift(struct parcellation *part, uint32_t offset, char hemisphere);

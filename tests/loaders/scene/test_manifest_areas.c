@@ -136,6 +136,21 @@ static void patterns_number_by_file_name(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* 100 + 4294967290, counted round, would be 94. */
+static void parents_of_patterns_are_raised_or_refused(void **state)
+{
+    (void)state;
+    write_text("far.tsv", "index\tname\tparent_id\n2\tTwo\t\n7\tSeven\t2\n");
+    conus_atlas *atlas =
+        loaded("\"areas\": [{\"files\": \"set/*.gii\", \"labels\": \"far.tsv\", \"label_offset\": 5}]");
+    assert_int_equal(conus_atlas_object(atlas, 2)->label, 12);
+    assert_int_equal(conus_atlas_object(atlas, 2)->parent, 1);
+    conus_atlas_destroy(atlas);
+    write_text("far.tsv", "index\tname\tparent_id\n2\tTwo\t4294967290\n7\tSeven\t2\n");
+    assert_refused("\"areas\": [{\"files\": \"set/*.gii\", \"labels\": \"far.tsv\", \"label_offset\": 100}]",
+                   "areas[0]: label_offset: 100 + 4294967290 is above 4294967295");
+}
+
 static void labels_that_clash_are_refused(void **state)
 {
     (void)state;
@@ -476,6 +491,7 @@ TEST_GROUP(manifest_areas)
         cmocka_unit_test(files_get_what_the_manifest_says),
         cmocka_unit_test(the_space_of_surfaces_can_be_stated),
         cmocka_unit_test(patterns_number_by_file_name),
+        cmocka_unit_test(parents_of_patterns_are_raised_or_refused),
         cmocka_unit_test(labels_that_clash_are_refused),
         cmocka_unit_test(a_surface_may_replace_voxels),
         cmocka_unit_test(a_side_is_the_manifests),
