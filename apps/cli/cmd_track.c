@@ -215,12 +215,12 @@ static int answer_row(struct track *track, const conus_pose_row *row)
     return fault ? request_skip_row(request, row, conus_message()) : code;
 }
 
-static int answer_news(struct track *track, const struct station_news *news, double time_s)
+static int answer_update(struct track *track, const struct station_update *update, double time_s)
 {
     char id[24];
     bool fault = false;
-    const conus_pose_row row = {.id = id, .pose = news->pose, .time_s = time_s};
-    snprintf(id, sizeof id, "%llu", (unsigned long long)news->number);
+    const conus_pose_row row = {.id = id, .pose = update->pose, .time_s = time_s};
+    snprintf(id, sizeof id, "%llu", (unsigned long long)update->number);
     int code = answer_step(track, &row, &fault);
     code = fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
     return code || track->held || !fflush(stdout) ? code : EXIT_DATA;
@@ -231,20 +231,20 @@ static int answer_news(struct track *track, const struct station_news *news, dou
 static int answer_station(struct track *track)
 {
     const double seconds = track->settings->seconds;
-    struct station_news news = {0};
+    struct station_update update = {0};
     double first = NAN;
     int code = EXIT_DONE;
     double begun = clock_ms();
     interrupt_catch(NULL);
     if (!track->request.settings->common.quiet) {
         char text[160];
-        settings_station_text(text, sizeof text, track->station, &news);
+        settings_station_text(text, sizeof text, track->station, &update);
         print_error_line("%s", text);
     }
     while (!code && !interrupt_signal() && !(seconds > 0 && clock_ms() - begun >= 1e3 * seconds)) {
-        if (station_wait(track->station, news.number, 0.05, &news) && news.state == STATION_SEEN) {
+        if (station_wait(track->station, update.number, 0.05, &update) && update.state == STATION_SEEN) {
             first = isnan(first) ? clock_ms() : first;
-            code = answer_news(track, &news, 1e-3 * (clock_ms() - first));
+            code = answer_update(track, &update, 1e-3 * (clock_ms() - first));
         }
     }
     return code ? code : write_steps(track);

@@ -507,13 +507,13 @@ static enum station_state state_of(const struct station *station, const struct i
     return lost ? STATION_LOST : age_s > stale_after_s ? STATION_STALE : STATION_SEEN;
 }
 
-static void fill_news(struct station *station, struct station_news *out)
+static void fill_update(struct station *station, struct station_update *out)
 {
-    *out = (struct station_news){.number = station->number,
-                                 .time_s = station->time_s,
-                                 .counts = station->counts,
-                                 .dropped = station->dropped,
-                                 .clients = station->clients};
+    *out = (struct station_update){.number = station->number,
+                                   .time_s = station->time_s,
+                                   .counts = station->counts,
+                                   .dropped = station->dropped,
+                                   .clients = station->clients};
     out->age_s = station->number ? (clock_ms() - station->arrived_ms) / 1e3 : INFINITY;
     out->state = state_of(station, &station->tool, out->age_s);
     if (out->state == STATION_SEEN) {
@@ -539,14 +539,14 @@ void station_on_pose(struct station *station, void (*call)(void))
     pthread_mutex_unlock(&station->lock);
 }
 
-void station_ask(struct station *station, struct station_news *out)
+void station_ask(struct station *station, struct station_update *out)
 {
     pthread_mutex_lock(&station->lock);
-    fill_news(station, out);
+    fill_update(station, out);
     pthread_mutex_unlock(&station->lock);
 }
 
-bool station_wait(struct station *station, uint64_t after, double seconds, struct station_news *out)
+bool station_wait(struct station *station, uint64_t after, double seconds, struct station_update *out)
 {
     struct timespec until;
     clock_gettime(CLOCK_MONOTONIC, &until);
@@ -559,7 +559,7 @@ bool station_wait(struct station *station, uint64_t after, double seconds, struc
         waited = pthread_cond_timedwait(&station->arrived, &station->lock, &until);
     }
     bool newer = station->number > after;
-    fill_news(station, out);
+    fill_update(station, out);
     pthread_mutex_unlock(&station->lock);
     return newer;
 }

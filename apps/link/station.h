@@ -54,7 +54,7 @@ struct station_tool {
 };
 
 /** The state of things. */
-struct station_news {
+struct station_update {
     enum station_state state;
     conus_pose pose; /**< Pose of the device in the world, where state is STATION_SEEN.   */
     uint64_t number; /**< Number of this pose, from 1: tells a new one from the same again. */
@@ -74,9 +74,9 @@ void station_stop(struct station *station); /**< NULL is fine. */
  * points, the reference, the head. */
 void station_on_pose(struct station *station, void (*call)(void));
 
-void station_ask(struct station *station, struct station_news *out);
+void station_ask(struct station *station, struct station_update *out);
 /** Waits up to @p seconds for a pose that is newer than number @p after; false: there was none. */
-bool station_wait(struct station *station, uint64_t after, double seconds, struct station_news *out);
+bool station_wait(struct station *station, uint64_t after, double seconds, struct station_update *out);
 /** Sends what was selected to all that are connected: a STRING of JSON and a POINT per contact. A later one replaces
  * one that could not be sent yet. */
 void station_send(struct station *station, const char *json, const struct igtl_point *points, size_t count);

@@ -304,12 +304,12 @@ int settings_start_second(struct station **out, const struct station_settings *s
     return start_at(out, &end, matrix ? matrix : settings->world_from_tracker, &options);
 }
 
-void settings_station_text(char *out, size_t size, struct station *station, const struct station_news *news)
+void settings_station_text(char *out, size_t size, struct station *station, const struct station_update *update)
 {
     static const char *const states[] = {"waiting for a connection", "connected, no pose of the tool yet",
                                          "the tool is lost", "no pose for half a second", "tracking"};
-    int used = snprintf(out, size, "%s on port %u", states[news->state], station_port(station));
-    unsigned long long bad = news->counts.broken + news->counts.refused + news->dropped;
+    int used = snprintf(out, size, "%s on port %u", states[update->state], station_port(station));
+    unsigned long long bad = update->counts.broken + update->counts.refused + update->dropped;
     if (bad && used > 0 && (size_t)used < size) {
         snprintf(out + used, size - (size_t)used, "; %llu messages or poses dropped", bad);
     }

@@ -40,6 +40,6 @@ int settings_start_station(struct station **out, const struct station_settings *
 int settings_start_second(struct station **out, const struct station_settings *settings);
 
 /** "waiting for a connection on port 18944", "Pointer is lost", ... */
-void settings_station_text(char *out, size_t size, struct station *station, const struct station_news *news);
+void settings_station_text(char *out, size_t size, struct station *station, const struct station_update *update);
 
 #endif

@@ -8,7 +8,7 @@
 #include "viewer/model/studies.h"
 #include "viewer/panes/panels.h"
 #include "viewer/panes/panes.h"
-#include "viewer/session/keep.h"
+#include "viewer/session/save_file.h"
 #include "viewer/session/undo.h"
 #include "viewer/ui/ui.h"
 #include "viewer/window/figure_form.h"
@@ -36,15 +36,15 @@ void loop_wake(void)
 /* Tracker and other devices. */
 static void hear_devices(struct window *window)
 {
-    uint64_t before = window->inputs.news.number;
+    uint64_t before = window->inputs.update.number;
     if (window->inputs.station) {
-        inputs_hear(window->inputs.station, window->viewer, &window->inputs.news);
+        inputs_hear(window->inputs.station, window->viewer, &window->inputs.update);
     }
     bool aimed = inputs_step(&window->inputs, window->viewer, 1e-3 * clock_ms());
     if (aimed && window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_TRACKER &&
-        window->inputs.news.number != before) {
+        window->inputs.update.number != before) {
         times_add(&window->times, TIMED_LATENCY,
-                  1e3 * window->inputs.news.age_s + window->viewer->tools[FIRST_TOOL].select_ms);
+                  1e3 * window->inputs.update.age_s + window->viewer->tools[FIRST_TOOL].select_ms);
     }
 }
 
@@ -53,7 +53,7 @@ static void send_answer(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     const struct view_atlas *first = viewer->atlases;
-    if (window->inputs.news.clients && first->answers[FIRST_TOOL] && first->selector &&
+    if (window->inputs.update.clients && first->answers[FIRST_TOOL] && first->selector &&
         window->frame.sent_answer != viewer->tools[FIRST_TOOL].answer_number) {
         station_send_selection(window->inputs.station, first->selector, first->atlas,
                                view_atlas_selection(first, FIRST_TOOL));
@@ -63,7 +63,7 @@ static void send_answer(struct window *window)
 
 static void watch_files(struct window *window)
 {
-    char news[FILE_WATCH_TEXT];
+    char update[FILE_WATCH_TEXT];
     double now = clock_ms();
     if (now - window->frame.watched < 1e3 * longest_s) {
         return;
@@ -71,8 +71,8 @@ static void watch_files(struct window *window)
     window->frame.watched = now;
     for (size_t i = 0; i < window->viewer->atlas_count; i++) {
         struct file_watch *watch = window->viewer->atlases[i].watch;
-        if (watch && file_watch_check(watch, news)) {
-            viewer_say(window->viewer, "%s", news);
+        if (watch && file_watch_check(watch, update)) {
+            viewer_say(window->viewer, "%s", update);
         }
     }
 }
@@ -209,10 +209,10 @@ static void draw_frame(struct window *window)
     note_changes(window);
     if (window->frame.keeps_picture) {
         window->frame.keeps_picture = false;
-        keep(window, KEEP_PICTURE);
+        save_file(window, SAVE_PICTURE);
     }
     if (window->files.saves_as) {
-        keep_as(window);
+        save_file_as(window);
     }
     figure_form_step(window);
 }

@@ -21,11 +21,11 @@ static void read_fake(struct gamepad_reading *out)
     *out = reading;
 }
 
-static struct source_news ask(struct source *source, double now_s)
+static struct source_update ask(struct source *source, double now_s)
 {
-    struct source_news news;
-    source_ask(source, now_s, &news);
-    return news;
+    struct source_update update;
+    source_ask(source, now_s, &update);
+    return update;
 }
 
 static double length(const double v[3])
@@ -42,19 +42,19 @@ static void sticks_move_and_turn(void **state)
     gamepad_init(&gamepad, read_fake);
     reading = (struct gamepad_reading){.presence = GAMEPAD_THERE, .left = {0.1, -0.1}, .triggers = {0.04, 0.05}};
     ask(&gamepad.source, 1);
-    struct source_news news = ask(&gamepad.source, 1.02);
-    assert_int_equal(news.state, SOURCE_WELL);
-    assert_near(length(news.move) + length(news.turn) + news.widen, 0, 0); /* nobody touches it */
+    struct source_update update = ask(&gamepad.source, 1.02);
+    assert_int_equal(update.state, SOURCE_WELL);
+    assert_near(length(update.move) + length(update.turn) + update.widen, 0, 0); /* nobody touches it */
     reading = (struct gamepad_reading){.presence = GAMEPAD_THERE, .left = {0.3, -0.4}};
-    news = ask(&gamepad.source, 1.04);
+    update = ask(&gamepad.source, 1.04);
     double way = 40 * 0.02 * (0.5 - 0.15) / 0.85;
-    assert_near(news.move[0], way * 0.6, 1e-9);
-    assert_near(news.move[1], 0, 0);
-    assert_near(news.move[2], -way * 0.8, 1e-9); /* the stick points away: forward is -z */
+    assert_near(update.move[0], way * 0.6, 1e-9);
+    assert_near(update.move[1], 0, 0);
+    assert_near(update.move[2], -way * 0.8, 1e-9); /* the stick points away: forward is -z */
     reading = (struct gamepad_reading){.presence = GAMEPAD_THERE, .right = {-1, 0}, .up = true};
-    news = ask(&gamepad.source, 1.06);
-    assert_near(news.turn[1], 40 * 0.02 * M_PI / 180, 1e-9); /* to the left: about +y */
-    assert_near(news.move[1], 0.8, 1e-9);
+    update = ask(&gamepad.source, 1.06);
+    assert_near(update.turn[1], 40 * 0.02 * M_PI / 180, 1e-9); /* to the left: about +y */
+    assert_near(update.move[1], 0.8, 1e-9);
     reading = (struct gamepad_reading){.presence = GAMEPAD_THERE, .right = {0, -1}};
     assert_near(ask(&gamepad.source, 1.08).turn[0], 40 * 0.02 * M_PI / 180, 1e-9); /* up: about +x */
     reading = (struct gamepad_reading){.presence = GAMEPAD_THERE, .triggers = {0, 1}};
@@ -91,24 +91,24 @@ static void what_is_wrong_with_a_gamepad_is_said(void **state)
     reading.presence = GAMEPAD_UNKNOWN;
     assert_non_null(strstr(ask(&gamepad.source, 1).text, "unknown layout"));
     reading = (struct gamepad_reading){.presence = GAMEPAD_THERE, .left = {1, 0}};
-    struct source_news news = ask(&gamepad.source, 2);
-    assert_null(news.text);
+    struct source_update update = ask(&gamepad.source, 2);
+    assert_null(update.text);
     for (int i = 0; i < 5; i++) { /* a stick that is stuck, at 2 to 7 s */
         assert_int_equal(ask(&gamepad.source, 2.5 + i).state, SOURCE_WELL);
     }
-    news = ask(&gamepad.source, 7);
-    assert_int_equal(news.state, SOURCE_FROZEN);
-    assert_near(length(news.move), 0, 0);
+    update = ask(&gamepad.source, 7);
+    assert_int_equal(update.state, SOURCE_FROZEN);
+    assert_near(length(update.move), 0, 0);
     reading.left[0] = 0.9;
     assert_int_equal(ask(&gamepad.source, 7.1).state, SOURCE_WELL);
     reading.left[0] = NAN;
-    news = ask(&gamepad.source, 7.2);
-    assert_int_equal(news.state, SOURCE_BROKEN);
-    assert_near(length(news.move), 0, 0);
+    update = ask(&gamepad.source, 7.2);
+    assert_int_equal(update.state, SOURCE_BROKEN);
+    assert_near(length(update.move), 0, 0);
     reading = (struct gamepad_reading){.presence = GAMEPAD_NONE};
-    news = ask(&gamepad.source, 7.3);
-    assert_int_equal(news.state, SOURCE_ABSENT);
-    assert_non_null(strstr(news.text, "unplugged"));
+    update = ask(&gamepad.source, 7.3);
+    assert_int_equal(update.state, SOURCE_ABSENT);
+    assert_non_null(strstr(update.text, "unplugged"));
 }
 
 static void open_window(struct window *out, struct viewer *viewer)
@@ -235,21 +235,21 @@ static void check_move(struct spacemouse *mouse, const struct daemon *daemon, co
     const int values[7] = {axes[0], axes[1], axes[2], axes[3], axes[4], axes[5], 10};
     ask(&mouse->source, now_s);
     say(daemon, MOTION, values);
-    struct source_news news = ask(&mouse->source, now_s + 0.01);
-    assert_int_equal(news.state, SOURCE_WELL);
-    assert_null(news.text);
+    struct source_update update = ask(&mouse->source, now_s + 0.01);
+    assert_int_equal(update.state, SOURCE_WELL);
+    assert_null(update.text);
     spnav_posrot_init(&wanted);
     spnav_posrot_moveobj(&wanted, &motion);
     double angle = 2 * acos(fmin((double)wanted.rot[3], 1));
     for (int a = 0; a < 3; a++) {
         double part = angle > 0 ? (double)wanted.rot[a] / sin(angle / 2) : 0; /* of the axis */
         double units = sqrt((double)(axes[3] * axes[3] + axes[4] * axes[4] + axes[5] * axes[5]));
-        assert_near(news.move[a], 0.4 / 350 * 1000 * (double)wanted.pos[a], 1e-6);
-        assert_near(news.turn[a], 0.4 / 350 * units * M_PI / 180 * part, 1e-5);
+        assert_near(update.move[a], 0.4 / 350 * 1000 * (double)wanted.pos[a], 1e-6);
+        assert_near(update.turn[a], 0.4 / 350 * units * M_PI / 180 * part, 1e-5);
     }
     say(daemon, MOTION, (const int[7]){0});
-    news = ask(&mouse->source, now_s + 0.02);
-    assert_near(length(news.move) + length(news.turn), 0, 0); /* it was let go */
+    update = ask(&mouse->source, now_s + 0.02);
+    assert_near(length(update.move) + length(update.turn), 0, 0); /* it was let go */
 }
 
 static void a_cap_moves_and_turns(void **state)
@@ -259,16 +259,16 @@ static void a_cap_moves_and_turns(void **state)
     (void)state;
     spacemouse_init(&mouse);
     setenv("SPNAV_SOCKET", "/nowhere/there", 1);
-    struct source_news news = ask(&mouse.source, 1);
-    if (news.state != SOURCE_ABSENT) {
+    struct source_update update = ask(&mouse.source, 1);
+    if (update.state != SOURCE_ABSENT) {
         skip(); /* a spacenavd of this machine */
     }
-    assert_non_null(strstr(news.text, "no spacenavd answers"));
+    assert_non_null(strstr(update.text, "no spacenavd answers"));
     start_daemon(&daemon);
     assert_int_equal(ask(&mouse.source, 2).state, SOURCE_ABSENT); /* it looks again after 2 s */
-    news = ask(&mouse.source, 3);
-    assert_int_equal(news.state, SOURCE_SILENT);
-    assert_non_null(strstr(news.text, "move the SpaceMouse's cap"));
+    update = ask(&mouse.source, 3);
+    assert_int_equal(update.state, SOURCE_SILENT);
+    assert_non_null(strstr(update.text, "move the SpaceMouse's cap"));
     welcome(&daemon);
     for (int i = 0; i < 6; i++) {
         int axes[6] = {0};
@@ -288,15 +288,15 @@ static void a_cap_moves_and_turns(void **state)
     say(&daemon, PRESS, (const int[7]){29});
     assert_int_equal(ask(&mouse.source, 21).pressed, 0);
     say(&daemon, DEVICE, (const int[7]){SPNAV_DEV_RM});
-    news = ask(&mouse.source, 22);
-    assert_int_equal(news.state, SOURCE_ABSENT);
-    assert_non_null(strstr(news.text, "unplugged"));
+    update = ask(&mouse.source, 22);
+    assert_int_equal(update.state, SOURCE_ABSENT);
+    assert_non_null(strstr(update.text, "unplugged"));
     say(&daemon, DEVICE, (const int[7]){SPNAV_DEV_ADD});
     assert_int_equal(ask(&mouse.source, 23).state, SOURCE_WELL);
     stop_daemon(&daemon);
-    news = ask(&mouse.source, 24);
-    assert_int_equal(news.state, SOURCE_ABSENT);
-    assert_non_null(strstr(news.text, "no spacenavd answers"));
+    update = ask(&mouse.source, 24);
+    assert_int_equal(update.state, SOURCE_ABSENT);
+    assert_non_null(strstr(update.text, "no spacenavd answers"));
     spacemouse_finish(&mouse);
 }
 

@@ -3,7 +3,7 @@
 #include "viewer/commands/script.h"
 #include "viewer/commands/script_words.h"
 #include "viewer/model/picker.h"
-#include "viewer/pictures/look.h"
+#include "viewer/pictures/appearance.h"
 #include "viewer/session/session.h"
 #include "viewer/session/undo.h"
 #include "viewer/tools/point.h"
@@ -57,16 +57,16 @@ static void grey_values_move_by_their_own_width(void **state)
     const double found[2] = {0, 100};
     double grey[2] = {0, 100};
     (void)state;
-    look_move_grey(grey, found, 0, 0.5);
+    appearance_move_grey(grey, found, 0, 0.5);
     assert_near(grey[0], -50, 1e-12);
     assert_near(grey[1], 50, 1e-12);
-    look_move_grey(grey, found, log(2), -0.5);
+    appearance_move_grey(grey, found, log(2), -0.5);
     assert_near(grey[0], 25, 1e-12);
     assert_near(grey[1], 75, 1e-12);
-    look_move_grey(grey, found, 100, 100); /* to a thousandth, about -100 */
+    appearance_move_grey(grey, found, 100, 100); /* to a thousandth, about -100 */
     assert_near(grey[0], -100.05, 1e-9);
     assert_near(grey[1], -99.95, 1e-9);
-    look_move_grey(grey, found, -100, -100); /* to ten times as wide, about 200 */
+    appearance_move_grey(grey, found, -100, -100); /* to ten times as wide, about 200 */
     assert_near(grey[0], -300, 1e-9);
     assert_near(grey[1], 700, 1e-9);
 }
@@ -337,14 +337,14 @@ static void the_window_colours_streamlines_as_render_does(void **state)
     assert_same_pixel(painted, rendered);
     undo_note(&window);
     assert_true(does(&window, "streamline-colour", (char *[]){"count"}, 1)); /* grey */
-    assert_true(isnan(viewer.drawn->look.streamline_range[0]));
+    assert_true(isnan(viewer.drawn->appearance.streamline_range[0]));
     paint(painted, &viewer);
     assert_int_equal(painted[0], painted[1]);
     undo_note(&window);
     undo_step(&window, -1);
-    assert_int_equal(viewer.drawn->look.streamlines, TRACT_BY_DIRECTION);
+    assert_int_equal(viewer.drawn->appearance.streamlines, TRACT_BY_DIRECTION);
     undo_step(&window, -1);
-    assert_int_equal(viewer.drawn->look.streamlines, TRACT_BY_BUNDLE);
+    assert_int_equal(viewer.drawn->appearance.streamlines, TRACT_BY_BUNDLE);
     paint(painted, &viewer);
     assert_memory_equal(painted, own, 3);
     close_window(&window);
@@ -370,7 +370,7 @@ static void each_change_is_taken_back(void **state)
 {
     struct viewer viewer;
     struct window window;
-    const struct look *look;
+    const struct appearance *appearance;
     (void)state;
     open_window(&window, &viewer, true);
     viewer_set_grey(&viewer, 0.5, 2);
@@ -386,21 +386,21 @@ static void each_change_is_taken_back(void **state)
     viewer.display.backdrop = BACKDROP_TRANSPARENT;
     viewer.version++;
     char *all = session_text(&window);
-    look = &viewer.drawn->look;
+    appearance = &viewer.drawn->appearance;
     undo_step(&window, -1);
     assert_int_equal(viewer.display.backdrop, BACKDROP_LIGHT);
     assert_non_null(viewer.preset);
     undo_step(&window, -1);
     assert_null(viewer.preset);
-    assert_int_equal(look->haze[4], HAZE_OWN);
+    assert_int_equal(appearance->haze[4], HAZE_OWN);
     undo_step(&window, -1);
-    assert_int_equal(look->haze[4], HAZE_NONE);
-    assert_near(look->opacity[0], 0.5, 0);
+    assert_int_equal(appearance->haze[4], HAZE_NONE);
+    assert_near(appearance->opacity[0], 0.5, 0);
     undo_step(&window, -1);
-    assert_near(look->opacity[0], 1, 0);
-    assert_near(look->opacity[2], 0.25, 0);
+    assert_near(appearance->opacity[0], 1, 0);
+    assert_near(appearance->opacity[2], 0.25, 0);
     undo_step(&window, -1);
-    assert_true(isnan(look->opacity[2]));
+    assert_true(isnan(appearance->opacity[2]));
     assert_near(view_atlas_grey(viewer.drawn)[0], 0.5, 0);
     undo_step(&window, -1);
     assert_ptr_equal(view_atlas_grey(viewer.drawn), viewer.drawn->window);

@@ -271,7 +271,7 @@ static void what_is_wrong_with_the_cone_is_said(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const struct viewer viewer = {
             .tools = {{.pointer = cases[i].pointer, .has_pose = cases[i].has_pose, .held = cases[i].frozen}}};
-        struct inputs inputs = {.news.state = cases[i].state};
+        struct inputs inputs = {.update.state = cases[i].state};
         inputs.station = cases[i].has_source ? (struct station *)&inputs : NULL; /* only whether it is there counts */
         inputs.replay.poses = cases[i].has_source ? (conus_pose_list *)&inputs : NULL;
         struct notice notice;

@@ -69,7 +69,7 @@ static const char *hidden(const struct viewer *viewer)
 
 static double opacity(const struct viewer *viewer, const char *name)
 {
-    return viewer->drawn->look.opacity[number_of(viewer, name)];
+    return viewer->drawn->appearance.opacity[number_of(viewer, name)];
 }
 
 static void halves_are_as_the_whole_was(void **state)
@@ -87,8 +87,8 @@ static void halves_are_as_the_whole_was(void **state)
     assert_near(opacity(&viewer, "Nine left"), 0.25, 0);
     assert_near(opacity(&viewer, "Nine right"), 0.25, 0);
     assert_true(isnan(opacity(&viewer, "A_R")));
-    assert_near(viewer.drawn->look.opacity[0], 0.5, 0);
-    assert_int_equal(viewer.drawn->look.haze[number_of(&viewer, "Tract")], HAZE_OWN);
+    assert_near(viewer.drawn->appearance.opacity[0], 0.5, 0);
+    assert_int_equal(viewer.drawn->appearance.haze[number_of(&viewer, "Tract")], HAZE_OWN);
     assert_int_equal(viewer.drawn->shown.chosen, number_of(&viewer, "A_R"));
     /* and back */
     change(&viewer, CONUS_HEMISPHERES_SPLIT, CONUS_HEMISPHERES_AS_IS);

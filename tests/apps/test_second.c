@@ -194,7 +194,7 @@ static void step(struct window *window)
 {
     usleep(2000);
     if (window->inputs.station) {
-        inputs_hear(window->inputs.station, window->viewer, &window->inputs.news);
+        inputs_hear(window->inputs.station, window->viewer, &window->inputs.update);
     }
     inputs_step(&window->inputs, window->viewer, 0);
 }
@@ -310,20 +310,20 @@ static void values_that_never_change_and_no_numbers_are_said(void **state)
     struct notice notice;
     struct tracker *tracker = &window.inputs.devices.trackers[SECOND_TOOL];
     struct station_tool tool = {.state = STATION_SEEN, .number = 1};
-    struct source_news news;
+    struct source_update update;
     (void)state;
     open_window(&window, &viewer);
     assert_ok(conus_pose_along(&tool.pose, eye, back, NULL));
     tracker_hear(tracker, &tool);
-    source_ask(&tracker->source, 10, &news);
-    assert_int_equal(news.state, SOURCE_WELL);
-    assert_true(news.has_pose);
-    source_ask(&tracker->source, 14.9, &news);
-    assert_int_equal(news.state, SOURCE_WELL);
-    assert_false(news.has_pose); /* each pose once */
-    source_ask(&tracker->source, 15, &news);
-    assert_int_equal(news.state, SOURCE_FROZEN);
-    window.inputs.devices.heard[SECOND_TOOL] = news;
+    source_ask(&tracker->source, 10, &update);
+    assert_int_equal(update.state, SOURCE_WELL);
+    assert_true(update.has_pose);
+    source_ask(&tracker->source, 14.9, &update);
+    assert_int_equal(update.state, SOURCE_WELL);
+    assert_false(update.has_pose); /* each pose once */
+    source_ask(&tracker->source, 15, &update);
+    assert_int_equal(update.state, SOURCE_FROZEN);
+    window.inputs.devices.heard[SECOND_TOOL] = update;
     window.viewer->tools[SECOND_TOOL].pointer = POINT_BY_TRACKER;
     window.viewer->tools[SECOND_TOOL].has_pose = true;
     inputs_notice(&notice, &window.inputs, window.viewer, SECOND_TOOL);
@@ -332,16 +332,16 @@ static void values_that_never_change_and_no_numbers_are_said(void **state)
     tool.pose.world_from_device[12] += 1e-9;
     tool.number = 2;
     tracker_hear(tracker, &tool);
-    source_ask(&tracker->source, 15.1, &news);
-    assert_int_equal(news.state, SOURCE_WELL);
+    source_ask(&tracker->source, 15.1, &update);
+    assert_int_equal(update.state, SOURCE_WELL);
     tool.pose.world_from_device[12] = NAN;
     tool.number = 3;
     tracker_hear(tracker, &tool);
-    source_ask(&tracker->source, 15.2, &news);
-    assert_int_equal(news.state, SOURCE_BROKEN);
-    assert_false(news.has_pose);
-    source_ask(NULL, 16, &news);
-    assert_int_equal(news.state, SOURCE_NONE);
+    source_ask(&tracker->source, 15.2, &update);
+    assert_int_equal(update.state, SOURCE_BROKEN);
+    assert_false(update.has_pose);
+    source_ask(NULL, 16, &update);
+    assert_int_equal(update.state, SOURCE_NONE);
     close_window(&window);
 }
 

@@ -57,27 +57,27 @@ static void moment(void)
     usleep(5000);
 }
 
-static struct station_news wait_for(struct station *station, uint64_t after)
+static struct station_update wait_for(struct station *station, uint64_t after)
 {
-    struct station_news news;
-    assert_true(station_wait(station, after, 600, &news));
-    return news;
+    struct station_update update;
+    assert_true(station_wait(station, after, 600, &update));
+    return update;
 }
 
 static void a_pose_arrives(void **state)
 {
     (void)state;
     struct station *station = start(&(struct station_options){0});
-    struct station_news news;
-    station_ask(station, &news);
-    assert_int_equal(news.state, STATION_WAITING);
+    struct station_update update;
+    station_ask(station, &update);
+    assert_int_equal(update.state, STATION_WAITING);
     int peer = connect_to(station);
     send_pose(peer, "Pointer", turned);
-    news = wait_for(station, 0);
-    assert_int_equal(news.state, STATION_SEEN);
-    assert_int_equal(news.number, 1);
+    update = wait_for(station, 0);
+    assert_int_equal(update.state, STATION_SEEN);
+    assert_int_equal(update.number, 1);
     for (int i = 0; i < 16; i++) {
-        assert_near(news.pose.world_from_device[i], turned[i], 0);
+        assert_near(update.pose.world_from_device[i], turned[i], 0);
     }
     close(peer);
     station_stop(station);
@@ -91,8 +91,8 @@ static void the_axis_becomes_the_devices(void **state)
         struct station *station = start(&(struct station_options){.axis = (conus_axis)axis});
         int peer = connect_to(station);
         send_pose(peer, "Pointer", turned);
-        struct station_news news = wait_for(station, 0);
-        const double *m = news.pose.world_from_device;
+        struct station_update update = wait_for(station, 0);
+        const double *m = update.pose.world_from_device;
         int of = (axis - CONUS_AXIS_PLUS_X) / 2;
         double sign = (axis - CONUS_AXIS_PLUS_X) % 2 ? -1 : 1;
         for (int a = 0; a < 3; a++) {
@@ -115,48 +115,48 @@ static void frames_are_joined(void **state)
     options.world_from_tracker[14] = 100;
     struct station *station = start(&options);
     int peer = connect_to(station);
-    struct station_news news;
+    struct station_update update;
     send_pose(peer, "Other", turned);
     send_pose(peer, "PointerToTracker", turned);
-    news = wait_for(station, 0);
-    assert_int_equal(news.state, STATION_SILENT); /* without its reference there is no pose */
+    update = wait_for(station, 0);
+    assert_int_equal(update.state, STATION_SILENT); /* without its reference there is no pose */
     send_pose(peer, "HeadToTracker", head);
     send_pose(peer, "PointerToTracker", turned);
-    news = wait_for(station, 1);
-    assert_int_equal(news.state, STATION_SEEN);
-    assert_near(news.pose.world_from_device[12], -(10 - 4), 1e-6);
-    assert_near(news.pose.world_from_device[13], -(-20 - 5), 1e-6);
-    assert_near(news.pose.world_from_device[14], 30 - 6 + 100, 1e-6);
+    update = wait_for(station, 1);
+    assert_int_equal(update.state, STATION_SEEN);
+    assert_near(update.pose.world_from_device[12], -(10 - 4), 1e-6);
+    assert_near(update.pose.world_from_device[13], -(-20 - 5), 1e-6);
+    assert_near(update.pose.world_from_device[14], 30 - 6 + 100, 1e-6);
     send_pose(peer, "HeadToTracker", identity);
     send_pose(peer, "PointerToTracker", turned);
-    news = wait_for(station, 2);
-    assert_int_equal(news.state, STATION_LOST);
+    update = wait_for(station, 2);
+    assert_int_equal(update.state, STATION_LOST);
     close(peer);
     station_stop(station);
 }
 
 /* Asks until the head's state is what is awaited: nobody waits for heads. */
-static struct station_news wait_for_head(struct station *station, enum station_state state)
+static struct station_update wait_for_head(struct station *station, enum station_state state)
 {
-    struct station_news news;
-    station_ask(station, &news);
-    while (news.head.state != state) {
+    struct station_update update;
+    station_ask(station, &update);
+    while (update.head.state != state) {
         moment();
-        station_ask(station, &news);
+        station_ask(station, &update);
     }
-    return news;
+    return update;
 }
 
 /* Sends its pose until it is seen, however busy the machine. */
-static struct station_news see_head(struct station *station, int peer, const double matrix[16])
+static struct station_update see_head(struct station *station, int peer, const double matrix[16])
 {
-    struct station_news news = {0};
-    while (news.head.state != STATION_SEEN) {
+    struct station_update update = {0};
+    while (update.head.state != STATION_SEEN) {
         send_pose(peer, "Glasses", matrix);
         moment();
-        station_ask(station, &news);
+        station_ask(station, &update);
     }
-    return news;
+    return update;
 }
 
 /* Eye, screen and tool in one frame, and all of them nearer where the brain is shown larger; no head ever points. */
@@ -172,19 +172,19 @@ static void a_head_looks_at_the_screen(void **state)
         double s = enlarged ? enlarged : 1;
         struct station *station = start(&options);
         int peer = connect_to(station);
-        struct station_news news = see_head(station, peer, head);
-        assert_int_equal(news.state, STATION_SILENT);
-        assert_near(news.head.eye[0], -(100 - 20) / s, 1e-4); /* the protocol's floats */
-        assert_near(news.head.eye[1], -(200 + 10) / s, 1e-4);
-        assert_near(news.head.eye[2], (600 + 30 + 50) / s, 1e-4);
-        const double *m = news.head.screen.world_from_device;
+        struct station_update update = see_head(station, peer, head);
+        assert_int_equal(update.state, STATION_SILENT);
+        assert_near(update.head.eye[0], -(100 - 20) / s, 1e-4); /* the protocol's floats */
+        assert_near(update.head.eye[1], -(200 + 10) / s, 1e-4);
+        assert_near(update.head.eye[2], (600 + 30 + 50) / s, 1e-4);
+        const double *m = update.head.screen.world_from_device;
         const double wanted[16] = {0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, -10 / s, 20 / s, 80 / s, 1};
         for (int i = 0; i < 16; i++) {
             assert_near(m[i], wanted[i], 1e-9);
         }
         send_pose(peer, "Pointer", turned);
-        news = wait_for(station, 0);
-        assert_near(news.pose.world_from_device[14], 80 / s, 1e-9);
+        update = wait_for(station, 0);
+        assert_near(update.pose.world_from_device[14], 80 / s, 1e-9);
         close(peer);
         station_stop(station);
     }
@@ -199,9 +199,9 @@ static void a_lost_head_is_none(void **state)
     send_pose(peer, "Glasses", turned);
     wait_for_head(station, STATION_SILENT); /* without its reference there is no pose */
     send_pose(peer, "Cart", cart);
-    struct station_news news = see_head(station, peer, turned);
-    assert_near(news.head.eye[0], 6, 1e-9);
-    assert_near(news.head.screen.world_from_device[12], -4, 1e-9); /* which stands still: the cart moves */
+    struct station_update update = see_head(station, peer, turned);
+    assert_near(update.head.eye[0], 6, 1e-9);
+    assert_near(update.head.screen.world_from_device[12], -4, 1e-9); /* which stands still: the cart moves */
     send_pose(peer, "GlassesToTracker", identity);
     wait_for_head(station, STATION_LOST);
     see_head(station, peer, turned);
@@ -223,9 +223,9 @@ static void lost_and_stale_tools_are_no_poses(void **state)
     assert_int_equal(wait_for(station, 0).state, STATION_LOST);
     send_pose(peer, "Pointer", turned);
     assert_int_equal(wait_for(station, 1).state, STATION_SEEN);
-    struct station_news news;
-    assert_false(station_wait(station, 2, 0.6, &news));
-    assert_int_equal(news.state, STATION_STALE);
+    struct station_update update;
+    assert_false(station_wait(station, 2, 0.6, &update));
+    assert_int_equal(update.state, STATION_STALE);
     close(peer);
     station_stop(station);
 }
@@ -247,8 +247,8 @@ static void nonsense_ends_one_connection_only(void **state)
         close(bad);
     }
     send_pose(good, "Pointer", turned);
-    struct station_news news = wait_for(station, 1);
-    assert_int_equal(news.dropped, 3);
+    struct station_update update = wait_for(station, 1);
+    assert_int_equal(update.dropped, 3);
     close(good);
     station_stop(station);
 }
@@ -272,10 +272,10 @@ static void try_pose(int peer, const char *tool)
 /* Comes again until it is let in and heard, while peers[0] goes on sending. */
 static int be_heard(struct station *station, int talker)
 {
-    struct station_news news = {0};
+    struct station_update update = {0};
     int newcomer = connect_to(station);
     try_pose(newcomer, "Pointer");
-    for (int i = 0; i < 10000 && !news.number; i++) {
+    for (int i = 0; i < 10000 && !update.number; i++) {
         if (is_closed(newcomer)) {
             close(newcomer);
             newcomer = connect_to(station);
@@ -283,20 +283,20 @@ static int be_heard(struct station *station, int talker)
         }
         send_pose(talker, "Noise", turned);
         moment();
-        station_ask(station, &news);
+        station_ask(station, &update);
     }
-    assert_int_equal(news.number, 1);
+    assert_int_equal(update.number, 1);
     return newcomer;
 }
 
 /* One connection for each place, in this order. */
-static void connect_all(int peers[PLACES], struct station *station, struct station_news *news)
+static void connect_all(int peers[PLACES], struct station *station, struct station_update *update)
 {
     for (unsigned p = 0; p < PLACES; p++) {
         peers[p] = connect_to(station);
-        while (news->clients <= p) {
+        while (update->clients <= p) {
             moment();
-            station_ask(station, news);
+            station_ask(station, update);
         }
     }
 }
@@ -306,9 +306,9 @@ static void idle_peers_give_way(void **state)
 {
     (void)state;
     struct station *station = start(&(struct station_options){.tool = "Pointer"});
-    struct station_news news = {0};
+    struct station_update update = {0};
     int peers[PLACES];
-    connect_all(peers, station, &news);
+    connect_all(peers, station, &update);
     int newcomer = be_heard(station, peers[0]);
     while (!is_closed(peers[0]) && !is_closed(peers[1]) && !is_closed(peers[2]) && !is_closed(peers[3])) {
         moment();
@@ -318,9 +318,9 @@ static void idle_peers_give_way(void **state)
     assert_false(is_closed(peers[2]));
     assert_false(is_closed(peers[3]));
     assert_false(is_closed(newcomer));
-    station_ask(station, &news);
-    assert_int_equal(news.clients, PLACES);
-    assert_int_equal(news.dropped, 0);
+    station_ask(station, &update);
+    assert_int_equal(update.clients, PLACES);
+    assert_int_equal(update.dropped, 0);
     for (int p = 0; p < PLACES; p++) {
         close(peers[p]);
     }
@@ -346,12 +346,12 @@ static void peers_that_drip_bytes_give_way(void **state)
 {
     (void)state;
     struct station *station = start(&(struct station_options){.tool = "Pointer"});
-    struct station_news news = {0};
+    struct station_update update = {0};
     int peers[PLACES];
-    connect_all(peers, station, &news);
+    connect_all(peers, station, &update);
     int newcomer = connect_to(station);
     try_pose(newcomer, "Pointer");
-    for (size_t n = 0; n < 10000 && !news.number; n++) {
+    for (size_t n = 0; n < 10000 && !update.number; n++) {
         if (is_closed(newcomer)) {
             close(newcomer);
             newcomer = connect_to(station);
@@ -359,9 +359,9 @@ static void peers_that_drip_bytes_give_way(void **state)
         }
         drip(peers, n);
         moment();
-        station_ask(station, &news);
+        station_ask(station, &update);
     }
-    assert_int_equal(news.number, 1);
+    assert_int_equal(update.number, 1);
     for (int p = 0; p < PLACES; p++) {
         close(peers[p]);
     }
@@ -427,11 +427,11 @@ static void a_flood_leaves_the_newest_pose(void **state)
         matrix[12] = i;
         send_pose(peers[i % 2], i % 2 ? "Noise" : "Pointer", matrix);
     }
-    struct station_news news = {0};
-    while (news.counts.poses < COUNT) {
-        station_wait(station, news.number, 0.05, &news);
+    struct station_update update = {0};
+    while (update.counts.poses < COUNT) {
+        station_wait(station, update.number, 0.05, &update);
     }
-    assert_true(news.number == COUNT / 2);
+    assert_true(update.number == COUNT / 2);
     close(peers[0]);
     close(peers[1]);
     station_stop(station);

@@ -306,19 +306,19 @@ static void files_are_watched(void **state)
 {
     struct viewer viewer;
     char path[600];
-    char news[FILE_WATCH_TEXT];
+    char update[FILE_WATCH_TEXT];
     (void)state;
     load(&viewer, "slabs", "slabs.nii.gz");
     snprintf(path, sizeof path, "%s", conus_atlas_volume(viewer.drawn->atlas, 0)->path);
-    assert_false(file_watch_check(viewer.drawn->watch, news));
+    assert_false(file_watch_check(viewer.drawn->watch, update));
     assert_int_equal(unlink(path), 0);
-    assert_true(file_watch_check(viewer.drawn->watch, news));
-    assert_non_null(strstr(news, "slabs.nii.gz is gone from disk"));
-    assert_false(file_watch_check(viewer.drawn->watch, news));
+    assert_true(file_watch_check(viewer.drawn->watch, update));
+    assert_non_null(strstr(update, "slabs.nii.gz is gone from disk"));
+    assert_false(file_watch_check(viewer.drawn->watch, update));
     assert_ok(conus_write_file(path, "other", 5));
-    assert_true(file_watch_check(viewer.drawn->watch, news));
-    assert_non_null(strstr(news, "slabs.nii.gz changed on disk"));
-    assert_false(file_watch_check(viewer.drawn->watch, news));
+    assert_true(file_watch_check(viewer.drawn->watch, update));
+    assert_non_null(strstr(update, "slabs.nii.gz changed on disk"));
+    assert_false(file_watch_check(viewer.drawn->watch, update));
     viewer_finish(&viewer);
 }
 

@@ -14,6 +14,9 @@ export HWLOC_COMPONENTS=-gl
 # Where there is no /sys, as in a bare chroot, it says so on stderr, which may be a pipe that a test has filled.
 export HWLOC_HIDE_ERRORS=2
 
+# A pipe that nobody writes: waiting for it starts no process. Made here, since it changes $!.
+exec {never}<> <(:)
+
 setup() {
     mkdir "$BATS_TEST_TMPDIR/work"
     cd "$BATS_TEST_TMPDIR/work" || return
@@ -50,7 +53,6 @@ runs() {
 wait_until() {
     local pid=$1 begun=$SECONDS
     shift
-    [ -n "${never-}" ] || exec {never}<> <(:) # a pipe that nobody writes: waiting for it starts no process
     until "$@"; do
         runs "$pid" || "$@" || { echo "process $pid ended before: $*"; return 1; }
         [ $((SECONDS - begun)) -lt $HANG ] || { echo "process $pid hangs before: $*"; return 1; }

@@ -15,13 +15,13 @@ struct painter {
     int unused;
 };
 
-bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, const struct look *look,
-                    conus_log log, void (*wake)(void))
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer,
+                    const struct appearance *appearance, conus_log log, void (*wake)(void))
 {
     static struct painter none;
     (void)atlas;
     (void)transfer;
-    (void)look;
+    (void)appearance;
     (void)log;
     (void)wake;
     *out = &none;
@@ -43,10 +43,10 @@ void painter_resume(struct painter *painter)
     (void)painter;
 }
 
-bool painter_set_opacity(struct painter *painter, const struct look *look)
+bool painter_set_opacity(struct painter *painter, const struct appearance *appearance)
 {
     (void)painter;
-    return look->opacity;
+    return appearance->opacity;
 }
 
 bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count)

@@ -4,7 +4,7 @@
 
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/question.h"
-#include "viewer/session/keep.h"
+#include "viewer/session/save_file.h"
 #include "viewer/session/undo.h"
 #include "viewer/tools/inputs.h"
 #include "viewer/ui/ui_list.h"
@@ -136,7 +136,7 @@ static void quit(struct window *window)
     glfwSetWindowShouldClose(window->handle, GLFW_TRUE);
 }
 
-static void keep_picture(struct window *window)
+static void press_picture(struct window *window)
 {
     window->frame.keeps_picture = true; /* once the frame is drawn */
 }
@@ -206,9 +206,9 @@ static void move_range(struct window *window, const int by[3])
     question_move_range(window->viewer, by[0], by[1]);
 }
 
-static void keep_file(struct window *window, const int by[3])
+static void press_save(struct window *window, const int by[3])
 {
-    keep(window, (enum keep)by[0]);
+    save_file(window, (enum saved_file)by[0]);
 }
 
 static void copy_table(struct window *window, const int by[3])
@@ -270,7 +270,7 @@ static void change_opacity(struct window *window, const int by[3])
         viewer_say(viewer, "%s: streamlines are always opaque", object->name);
         return;
     }
-    double now = viewer->drawn->look.opacity[chosen];
+    double now = viewer->drawn->appearance.opacity[chosen];
     double next = fmin(fmax((isnan(now) ? 1 : now) + by[0] * step, chosen ? 0 : step), 1);
     viewer_set_opacity(viewer, chosen, next);
     viewer_say(viewer, "%s: %.2f opaque", object ? object->name : "what the cone does not hit", next);
@@ -285,8 +285,8 @@ static void next_streamlines(struct window *window)
         viewer_say(viewer, "there are no streamlines: start with --streamlines");
         return;
     }
-    viewer_colour_streamlines(viewer, (viewer->drawn->look.streamlines + 1) % count);
-    viewer_say(viewer, "streamlines by %s", tract_colour_name(atlas, viewer->drawn->look.streamlines));
+    viewer_colour_streamlines(viewer, (viewer->drawn->appearance.streamlines + 1) % count);
+    viewer_say(viewer, "streamlines by %s", tract_colour_name(atlas, viewer->drawn->appearance.streamlines));
 }
 
 static void next_backdrop(struct window *window)
@@ -370,8 +370,8 @@ static const struct key keys[] = {
     {"f2", "the nearer one 1 mm nearer", .move = move_range, .by = {-1, 0}},
     {"f3", "the nearer one 1 mm deeper", .move = move_range, .by = {1, 0}},
     {"j", "a study of the cone: sweep over its angle, jitter of its pose, or none", .sets = PROPERTY_STUDY},
-    {"ctrl+j", "save the study's table: conus-DATE-TIME.tsv, in the folder where conus was started", .move = keep_file,
-     .by = {KEEP_STUDY}},
+    {"ctrl+j", "save the study's table: conus-DATE-TIME.tsv, in the folder where conus was started", .move = press_save,
+     .by = {SAVE_STUDY}},
     {"h", "hide or show the chosen area", .act = hide_chosen},
     {"i", "show the chosen area only", .act = isolate_chosen},
     {"ctrl+z", "take back the last change; U, too", .move = undo, .by = {-1}},
@@ -396,15 +396,15 @@ static const struct key keys[] = {
     {"k", "another background of 3-D: light, white, black, transparent in figures", .act = next_backdrop,
      .sets = PROPERTY_BACKGROUND},
     {"9", "streamlines by their bundle, by direction, or by the next number of their file", .act = next_streamlines},
-    {"ctrl+s", "save the session where it was opened or saved last", .move = keep_file, .by = {KEEP_SAME_SESSION}},
+    {"ctrl+s", "save the session where it was opened or saved last", .move = press_save, .by = {SAVE_SAME_SESSION}},
     {"ctrl+shift+s", "save the session under another name", .move = show_dialog, .by = {DIALOG_SAVE}},
-    {"o", "or at once: conus-DATE-TIME.json, in the folder where conus was started", .move = keep_file,
-     .by = {KEEP_SESSION}},
-    {"p", "save what the window shows: conus-DATE-TIME.png, there, too", .act = keep_picture},
+    {"o", "or at once: conus-DATE-TIME.json, in the folder where conus was started", .move = press_save,
+     .by = {SAVE_SESSION}},
+    {"p", "save what the window shows: conus-DATE-TIME.png, there, too", .act = press_picture},
     {"ctrl+c", "copy the hits of the cone as a table", .move = copy_table, .by = {COPY_RESULTS}},
     {"ctrl+shift+c", "copy what was confirmed", .move = copy_table, .by = {COPY_PINS}},
-    {"ctrl+e", "export the hits of the cone: conus-DATE-TIME-hits.tsv, .csv or .json, there, too", .move = keep_file,
-     .by = {KEEP_RESULTS}},
+    {"ctrl+e", "export the hits of the cone: conus-DATE-TIME-hits.tsv, .csv or .json, there, too", .move = press_save,
+     .by = {SAVE_RESULTS}},
     {"ctrl+p", "save 3-D or a cut as a figure: its size, dpi, background, legend and name", .act = figure_form_open},
     {"ctrl+shift+p", "copy the path of the figure that was saved last", .act = figure_form_copy},
     {"ctrl+o", "open a file: an atlas or a session; or add one: streamlines or an image as context",

@@ -539,7 +539,8 @@ static bool do_picture(struct call *call)
 {
     const struct view_atlas *drawn = call->viewer->drawn;
     struct figure_settings settings = {.background = backdrop_names[call->viewer->display.backdrop],
-                                       .streamline_colour = look_streamline_colour(&drawn->look, drawn->atlas)};
+                                       .streamline_colour =
+                                           appearance_streamline_colour(&drawn->appearance, drawn->atlas)};
     return read_size(settings.size, call, 1) && write_figure(call, PANE_3D, &settings);
 }
 

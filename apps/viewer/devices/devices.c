@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* Gives the newest pose that was put there, once. */
-static bool pushed_ask(struct source *source, double now_s, struct source_news *out, double said[SOURCE_VALUES])
+static bool pushed_ask(struct source *source, double now_s, struct source_update *out, double said[SOURCE_VALUES])
 {
     struct pushed *pushed = (struct pushed *)source;
     (void)now_s;
@@ -24,7 +24,7 @@ void pushed_put(struct pushed *pushed, const conus_pose *pose)
 }
 
 /* Gives each pose of a station's tool once. */
-static bool tracker_ask(struct source *source, double now_s, struct source_news *out, double said[SOURCE_VALUES])
+static bool tracker_ask(struct source *source, double now_s, struct source_update *out, double said[SOURCE_VALUES])
 {
     static const enum source_state states[] = {SOURCE_ABSENT, SOURCE_SILENT, SOURCE_LOST, SOURCE_STALE, SOURCE_WELL};
     struct tracker *tracker = (struct tracker *)source;

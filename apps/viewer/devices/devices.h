@@ -34,7 +34,7 @@ struct devices {
     struct pushed mouse;
     struct spacemouse spacemouse;
     struct gamepad gamepad;
-    struct source_news heard[2]; /**< The last answers of the sources that move the tools. */
+    struct source_update heard[2]; /**< The last answers of the sources that move the tools. */
 };
 
 void devices_init(struct devices *out);

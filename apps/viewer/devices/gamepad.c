@@ -24,7 +24,7 @@ static double free_trigger(double trigger)
 }
 
 static void move(const struct gamepad *gamepad, const struct gamepad_reading *reading, double seconds,
-                 struct source_news *out)
+                 struct source_update *out)
 {
     double left[2];
     double right[2];
@@ -40,7 +40,7 @@ static void move(const struct gamepad *gamepad, const struct gamepad_reading *re
     out->widen = wider != 0 ? exp2(wider * seconds / doubling_s) : 0;
 }
 
-static bool ask(struct source *source, double now_s, struct source_news *out, double said[SOURCE_VALUES])
+static bool ask(struct source *source, double now_s, struct source_update *out, double said[SOURCE_VALUES])
 {
     struct gamepad *gamepad = (struct gamepad *)source;
     struct gamepad_reading reading = {.presence = GAMEPAD_NONE};

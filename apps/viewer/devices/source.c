@@ -14,11 +14,11 @@ static bool are_finite(const double *values, size_t count)
     return finite;
 }
 
-static void drop_moves(struct source_news *news)
+static void drop_moves(struct source_update *update)
 {
-    memset(news->move, 0, sizeof news->move);
-    memset(news->turn, 0, sizeof news->turn);
-    news->widen = 0;
+    memset(update->move, 0, sizeof update->move);
+    memset(update->turn, 0, sizeof update->turn);
+    update->widen = 0;
 }
 
 /* Whether the source has sent the same values for too long. A pause starts the count anew. */
@@ -41,10 +41,10 @@ double source_speed(const struct source *source)
     return source->speed > 0 ? source->speed : SOURCE_SPEED;
 }
 
-void source_ask(struct source *source, double now_s, struct source_news *out)
+void source_ask(struct source *source, double now_s, struct source_update *out)
 {
     double said[SOURCE_VALUES] = {0};
-    *out = (struct source_news){.state = SOURCE_NONE};
+    *out = (struct source_update){.state = SOURCE_NONE};
     if (!source || !source->ask) {
         return;
     }

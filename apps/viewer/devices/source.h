@@ -22,8 +22,8 @@ enum source_press { SOURCE_HOLD = 1, SOURCE_RESET = 2, SOURCE_CONFIRM = 4 };
 
 enum { SOURCE_FROZEN_S = 5, SOURCE_VALUES = 16 };
 
-/** The news of a source since it was asked last. All 0 is none. */
-struct source_news {
+/** What a source said since it was asked last. All 0 is none. */
+struct source_update {
     enum source_state state;
     bool has_pose;
     conus_pose pose;  /**< The device's pose in the world, if it has one. */
@@ -44,7 +44,7 @@ struct source_watch {
 struct source {
     /** Answers; @p now_s is a monotonic clock. It fills @p said, [SOURCE_VALUES], where the device said something that
      * a hand or a noise would change, and returns whether it did. */
-    bool (*ask)(struct source *source, double now_s, struct source_news *out, double said[SOURCE_VALUES]);
+    bool (*ask)(struct source *source, double now_s, struct source_update *out, double said[SOURCE_VALUES]);
     struct source_watch watch;
     double speed; /**< If the source sends moves: mm and degrees a second at most; 0 = SOURCE_SPEED. */
 };
@@ -54,6 +54,6 @@ double source_speed(const struct source *source);
 
 /** Asks a source. What are no numbers, and moves of one that is frozen, are left out, and the state says so. NULL, or
  * one without its function, is a source that is not there. */
-void source_ask(struct source *source, double now_s, struct source_news *out);
+void source_ask(struct source *source, double now_s, struct source_update *out);
 
 #endif

@@ -68,7 +68,7 @@ static unsigned meaning_of(const struct spnav_event_button *button)
     return is_known ? meanings[button->bnum] : 0;
 }
 
-static void hear(struct spacemouse *mouse, double now_s, struct source_news *out)
+static void hear(struct spacemouse *mouse, double now_s, struct source_update *out)
 {
     spnav_event event;
     for (int i = 0; i < 1000 && spnav_poll_event(&event); i++) {
@@ -90,7 +90,7 @@ static void hear(struct spacemouse *mouse, double now_s, struct source_news *out
 }
 
 /* Changes the sign of z and of turns about it: the device's axes are left-handed, with +z away from the user. */
-static void move(const struct spacemouse *mouse, double seconds, struct source_news *out)
+static void move(const struct spacemouse *mouse, double seconds, struct source_update *out)
 {
     static const double signs[3] = {1, 1, -1};
     double way = source_speed(&mouse->source) * seconds / full;
@@ -100,7 +100,7 @@ static void move(const struct spacemouse *mouse, double seconds, struct source_n
     }
 }
 
-static void say(const struct spacemouse *mouse, struct source_news *out)
+static void say(const struct spacemouse *mouse, struct source_update *out)
 {
     if (!mouse->is_open) {
         out->state = SOURCE_ABSENT;
@@ -116,7 +116,7 @@ static void say(const struct spacemouse *mouse, struct source_news *out)
     }
 }
 
-static bool ask(struct source *source, double now_s, struct source_news *out, double said[SOURCE_VALUES])
+static bool ask(struct source *source, double now_s, struct source_update *out, double said[SOURCE_VALUES])
 {
     struct spacemouse *mouse = (struct spacemouse *)source;
     double seconds = fmin(fmax(now_s - mouse->asked_s, 0), longest_s);
@@ -152,7 +152,7 @@ void spacemouse_init(struct spacemouse *out)
 
 #else
 
-static bool ask(struct source *source, double now_s, struct source_news *out, double said[SOURCE_VALUES])
+static bool ask(struct source *source, double now_s, struct source_update *out, double said[SOURCE_VALUES])
 {
     (void)source;
     (void)now_s;

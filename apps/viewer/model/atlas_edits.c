@@ -32,7 +32,7 @@ static void start_painter(struct viewer *viewer)
 {
     struct painter *painter = NULL;
     if (painter_create(&painter, viewer->drawn->atlas, viewer->preset ? viewer->preset : viewer->transfer,
-                       &viewer->drawn->look, viewer->cone.options.log, viewer->wake)) {
+                       &viewer->drawn->appearance, viewer->cone.options.log, viewer->wake)) {
         viewer->painter = painter;
         viewer->transfer_editor.ready = false;
     }
@@ -154,8 +154,8 @@ void viewer_set_grey(struct viewer *viewer, double black, double white)
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         struct view_atlas *view = &viewer->atlases[i];
         if (view == viewer->drawn || view_atlas_shares_context(view, viewer->drawn)) {
-            view->look.grey[0] = black;
-            view->look.grey[1] = white;
+            view->appearance.grey[0] = black;
+            view->appearance.grey[1] = white;
         }
     }
     viewer->version++;
@@ -169,14 +169,14 @@ bool viewer_move_grey(struct viewer *viewer, double right, double up)
         return false;
     }
     memcpy(grey, view_atlas_grey(view), sizeof grey);
-    look_move_grey(grey, view->window, right, up);
+    appearance_move_grey(grey, view->window, right, up);
     viewer_set_grey(viewer, grey[0], grey[1]);
     return true;
 }
 
 static void pass_opacity(struct viewer *viewer)
 {
-    if (viewer->painter && !painter_set_opacity(viewer->painter, &viewer->drawn->look)) {
+    if (viewer->painter && !painter_set_opacity(viewer->painter, &viewer->drawn->appearance)) {
         viewer_say(viewer, "not enough memory");
     }
     viewer->scene_number++;
@@ -185,7 +185,7 @@ static void pass_opacity(struct viewer *viewer)
 
 void viewer_set_opacity(struct viewer *viewer, uint32_t object, double opacity)
 {
-    double *list = viewer->drawn->look.opacity;
+    double *list = viewer->drawn->appearance.opacity;
     for (uint32_t number = 1; object && number <= viewer->drawn->object_count; number++) {
         list[number] = viewer_is_below(viewer, number, object) ? opacity : list[number];
     }
@@ -195,22 +195,22 @@ void viewer_set_opacity(struct viewer *viewer, uint32_t object, double opacity)
 
 void viewer_set_haze(struct viewer *viewer, uint32_t pathway, size_t haze)
 {
-    viewer->drawn->look.haze[pathway] = (uint8_t)haze;
+    viewer->drawn->appearance.haze[pathway] = (uint8_t)haze;
     repaint(viewer);
 }
 
 void viewer_colour_streamlines(struct viewer *viewer, size_t colour)
 {
-    look_colour_streamlines(&viewer->drawn->look, viewer->drawn->atlas, colour);
+    appearance_colour_streamlines(&viewer->drawn->appearance, viewer->drawn->atlas, colour);
     repaint(viewer);
 }
 
-void viewer_set_look(struct viewer *viewer, struct view_atlas *view, struct look *look)
+void viewer_set_look(struct viewer *viewer, struct view_atlas *view, struct appearance *appearance)
 {
-    bool same = look_same_tracts(&view->look, look);
-    look_finish(&view->look);
-    view->look = *look;
-    *look = (struct look){0};
+    bool same = appearance_same_tracts(&view->appearance, appearance);
+    appearance_finish(&view->appearance);
+    view->appearance = *appearance;
+    *appearance = (struct appearance){0};
     if (view != viewer->drawn) {
         viewer->version++;
     } else if (same) {

@@ -5,7 +5,7 @@
 #ifndef CONUS_VIEWER_MODEL_ATLAS_EDITS_H
 #define CONUS_VIEWER_MODEL_ATLAS_EDITS_H
 
-#include "viewer/pictures/look.h"
+#include "viewer/pictures/appearance.h"
 
 struct view_atlas;
 struct viewer;
@@ -59,18 +59,18 @@ void viewer_use_preset(struct viewer *viewer, const char *preset);
 /** Grey values that the cuts show as black and white, of the drawn atlas and those of the same context; both 0 = those
  * that were found. White is more than black. */
 void viewer_set_grey(struct viewer *viewer, double black, double white);
-/** Moves them (look_move_grey()) from where they are; false where the drawn atlas has no context, or one of a single
- * value. */
+/** Moves them (appearance_move_grey()) from where they are; false where the drawn atlas has no context, or one of a
+ * single value. */
 bool viewer_move_grey(struct viewer *viewer, double right, double up);
 /** Opacity in 3-D, 0 to 1, of an object of the drawn atlas and all below it, NaN = as if none was set; of object 0: of
  * what the cone does not hit, more than 0. */
 void viewer_set_opacity(struct viewer *viewer, uint32_t object, double opacity);
-/** Draws a pathway of the drawn atlas so (look.h). */
+/** Draws a pathway of the drawn atlas so (appearance.h). */
 void viewer_set_haze(struct viewer *viewer, uint32_t pathway, size_t haze);
-/** Colours the streamlines of the drawn atlas by this (tract_colour_name() in pictures/look.h). */
+/** Colours the streamlines of the drawn atlas by this (tract_colour_name() in pictures/appearance.h). */
 void viewer_colour_streamlines(struct viewer *viewer, size_t colour);
 /** Takes over how @p view, one of the viewer's atlases, looks; @p look is of as many objects. */
-void viewer_set_look(struct viewer *viewer, struct view_atlas *view, struct look *look);
+void viewer_set_look(struct viewer *viewer, struct view_atlas *view, struct appearance *appearance);
 
 /** Draws with the editor's points from now on. */
 void viewer_use_transfer(struct viewer *viewer);

@@ -90,7 +90,7 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
     for (size_t number = 1; view.shown.hidden && number <= view.object_count; number++) {
         view.shown.hidden[number] = conus_atlas_is_hidden(view.atlas, number);
     }
-    bool has_look = look_init(&view.look, view.object_count);
+    bool has_look = appearance_init(&view.appearance, view.object_count);
     if (!view.shown.hidden || !has_look || !view.path || !view.name) {
         view_atlas_finish(&view);
         return false;
@@ -120,7 +120,7 @@ void view_atlas_finish(struct view_atlas *view)
     }
     view_atlas_rest(view);
     free(view->shown.hidden);
-    look_finish(&view->look);
+    appearance_finish(&view->appearance);
     file_watch_destroy(view->watch);
     free(view->sides);
     free((void *)view->kinds);
@@ -210,7 +210,7 @@ size_t view_atlas_context(const struct view_atlas *view)
 
 const double *view_atlas_grey(const struct view_atlas *view)
 {
-    const double *set = view->look.grey;
+    const double *set = view->appearance.grey;
     return set[0] != 0 || set[1] != 0 ? set : view->window;
 }
 

@@ -6,7 +6,7 @@
 
 #include "viewer/model/tool.h"
 #include "viewer/pictures/answer.h"
-#include "viewer/pictures/look.h"
+#include "viewer/pictures/appearance.h"
 
 enum { SEARCH_SIZE = 64 };
 
@@ -28,7 +28,7 @@ struct view_atlas {
     const char **kinds; /**< [object_count + 1] Of conus_atlas_kind_word(); NULL = without memory. */
     double window[2];   /**< Grey values of the context that the cuts show as black and white, unless the look says
                            others: what air and bright tissue have; both 0 without one. */
-    struct look look;
+    struct appearance appearance;
     struct shown_objects shown;
     struct file_watch *watch;           /**< NULL without memory. */
     conus_selector *selector;           /**< Made when needed; NULL after the atlas changed. */

@@ -71,7 +71,8 @@ conus_status viewer_create(struct viewer *out, const struct view_source *sources
         viewer.names[i] = fine ? viewer.atlases[i].name : NULL;
         viewer.atlas_count += fine;
     }
-    if (!fine || !painter_create(&viewer.painter, viewer.drawn->atlas, transfer, &viewer.drawn->look, log, wake)) {
+    if (!fine ||
+        !painter_create(&viewer.painter, viewer.drawn->atlas, transfer, &viewer.drawn->appearance, log, wake)) {
         finish_atlases(&viewer, false);
         free(viewer.transfer);
         return CONUS_ERROR_MEMORY;

@@ -72,7 +72,7 @@ static bool files_may_be_atlas(const char *path)
 }
 
 /* Runs on another thread: finds the kind of each file. */
-static void look(void *user)
+static void appearance(void *user)
 {
     const struct looking *looking = user;
     for (size_t i = 0; i < looking->wanted->count; i++) {
@@ -145,7 +145,7 @@ static bool file_set_find(struct file_set *out, struct window *window, const str
                              .tractograms = calloc(wanted->count + 1, sizeof *out->tractograms)};
     bool fine = looking.kinds && out->images && out->tractograms;
     snprintf(why, LOADER_WHY, "%s", fine ? "" : "not enough memory");
-    fine = fine && wait_look(window, wanted->paths[0], look, &looking, why);
+    fine = fine && wait_look(window, wanted->paths[0], appearance, &looking, why);
     for (size_t i = 0; i < wanted->count && fine; i++) {
         if (looking.kinds[i] == IS_SESSION) {
             fine = use_atlas(out, wanted->paths[i], true, why);

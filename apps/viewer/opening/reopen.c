@@ -67,7 +67,8 @@ static void put_names(char *out, size_t size, const char *title, const json_t *w
 /* "added: b.trk; taken out: a.trk; ...": the files of the options `words` that the first atlas of the window was not
  * opened with, and the other way round, how hemispheres are if they are others, and what `now` notes that it did not
  * note. */
-static void tell_news(char *out, size_t size, const struct window *window, const conus_atlas *now, const json_t *words)
+static void tell_update(char *out, size_t size, const struct window *window, const conus_atlas *now,
+                        const json_t *words)
 {
     const json_t *then = json_object_get(window->files.opened, "options");
     const char *note = find_note(window->viewer->atlases->atlas, now, "");
@@ -178,16 +179,16 @@ static bool show_again(struct window *window, struct atlases *loaded, const json
     const conus_atlas *atlas = loaded->items[0].atlas;
     conus_hemispheres before = window->files.hemispheres;
     conus_hemispheres how = hemispheres_of_words(words);
-    char news[LOADER_WHY];
+    char update[LOADER_WHY];
     json_t *added = additions_describe(atlas, words);
-    tell_news(news, sizeof news, window, atlas, words);
+    tell_update(update, sizeof update, window, atlas, words);
     bool fine = exchange(window, loaded, added, how, why);
     if (fine) {
         window->files.hemispheres = how;
         json_object_set(window->files.opened, "options", (json_t *)words);
         json_object_set(window->files.opened, "added", added);
         window->start.on = window->dialog.on = false;
-        memcpy(why, news, sizeof news);
+        memcpy(why, update, sizeof update);
         char level[64];
         snprintf(level, sizeof level, "%.60s", viewer->cone.level);
         if (level[0] && !question_set_level(viewer, viewer->cone.level)) { /* its areas are not there any more */

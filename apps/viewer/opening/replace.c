@@ -161,10 +161,10 @@ static void take_over(struct exchange *exchange, uint32_t number)
     const uint32_t *old = sources.numbers;
     if (sources.count) {
         uint32_t last = old[sources.count - 1];
-        bool agree = are_alike(from->look.opacity[old[0]], from->look.opacity[last]);
+        bool agree = are_alike(from->appearance.opacity[old[0]], from->appearance.opacity[last]);
         to->shown.hidden[number] = from->shown.hidden[old[0]] && from->shown.hidden[last];
-        to->look.opacity[number] = agree ? from->look.opacity[old[0]] : NAN;
-        to->look.haze[number] = from->look.haze[old[0]];
+        to->appearance.opacity[number] = agree ? from->appearance.opacity[old[0]] : NAN;
+        to->appearance.haze[number] = from->appearance.haze[old[0]];
     }
     for (size_t i = 0; i < sources.count; i++) { /* of an area that became two none is chosen */
         bool is_half = exchange->now.by_number[number].part > exchange->before.by_number[old[i]].part;
@@ -183,11 +183,11 @@ static void take_over_pair(struct exchange *exchange, uint32_t pair)
         if (conus_atlas_object(to->atlas, number)->parent == pair) {
             first = first ? first : number;
             all = all && to->shown.hidden[number];
-            agree = agree && are_alike(to->look.opacity[number], to->look.opacity[first]);
+            agree = agree && are_alike(to->appearance.opacity[number], to->appearance.opacity[first]);
         }
     }
     to->shown.hidden[pair] = first && all;
-    to->look.opacity[pair] = first && agree ? to->look.opacity[first] : NAN;
+    to->appearance.opacity[pair] = first && agree ? to->appearance.opacity[first] : NAN;
 }
 
 static void take_over_all(struct exchange *exchange)
@@ -195,15 +195,15 @@ static void take_over_all(struct exchange *exchange)
     const struct view_atlas *from = exchange->from;
     struct view_atlas *to = exchange->to;
     if (view_atlas_shares_context(from, to)) {
-        memcpy(to->look.grey, from->look.grey, sizeof to->look.grey);
+        memcpy(to->appearance.grey, from->appearance.grey, sizeof to->appearance.grey);
     }
     memcpy(to->shown.search, from->shown.search, sizeof to->shown.search);
-    to->look.opacity[0] = from->look.opacity[0];
+    to->appearance.opacity[0] = from->appearance.opacity[0];
     /* A number may have gone with its file, or be another one in the order of them; and its range is of all files. */
-    const char *name = tract_colour_name(from->atlas, from->look.streamlines);
+    const char *name = tract_colour_name(from->atlas, from->appearance.streamlines);
     size_t colour = name ? tract_colour_find(to->atlas, name) : TRACT_COLOUR_LIMIT;
     if (colour < TRACT_COLOUR_LIMIT) {
-        look_colour_streamlines(&to->look, to->atlas, colour);
+        appearance_colour_streamlines(&to->appearance, to->atlas, colour);
     }
     for (uint32_t number = 1; number <= to->object_count; number++) {
         take_over(exchange, number);

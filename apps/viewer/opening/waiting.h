@@ -13,6 +13,7 @@ void wait_leave(struct window *window);
 bool wait_load(struct window *window, const struct loading *request, struct atlases *out, char why[LOADER_WHY]);
 /** Calls @p look with @p user on the loader's thread, which looks at the file @p path and others, and waits likewise.
  */
-bool wait_look(struct window *window, const char *path, void (*look)(void *user), void *user, char why[LOADER_WHY]);
+bool wait_look(struct window *window, const char *path, void (*appearance)(void *user), void *user,
+               char why[LOADER_WHY]);
 
 #endif

@@ -12,7 +12,7 @@
 #include <string.h>
 
 static const ui_colour light = {235, 235, 240, 255};
-static const double pixels = 300; /* that the mouse moves for a step of 1 of look_move_grey() */
+static const double pixels = 300; /* that the mouse moves for a step of 1 of appearance_move_grey() */
 
 /* Lets the mouse on a cut change the context's grey values; true while it does. */
 static bool drag_grey(struct window *window, const struct ui_mouse *mouse)

@@ -41,8 +41,8 @@ static void show_tracker(struct window *window)
         ui_text("no tracker: start with --listen or --connect");
         return;
     }
-    settings_station_text(text, sizeof text, window->inputs.station, &window->inputs.news);
-    ui_text_coloured(theme_texts[colours[window->inputs.news.state]], "%s", text);
+    settings_station_text(text, sizeof text, window->inputs.station, &window->inputs.update);
+    ui_text_coloured(theme_texts[colours[window->inputs.update.state]], "%s", text);
 }
 
 void panel_speed(struct window *window, enum pointer pointer)

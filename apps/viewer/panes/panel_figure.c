@@ -82,7 +82,7 @@ static void choose_name(struct window *window)
     if (ui_button("close")) {
         form->open = false;
     }
-    ui_text_wrapped(form->news);
+    ui_text_wrapped(form->update);
 }
 
 void panel_figure(struct window *window)

@@ -9,7 +9,7 @@ static const double least_pale = 0.02; /* what should not be seen at all is hidd
 
 void panel_look_view(struct viewer *viewer)
 {
-    double rest = viewer->drawn->look.opacity[0];
+    double rest = viewer->drawn->appearance.opacity[0];
     size_t backdrop = (size_t)viewer->display.backdrop;
     if (ui_slider("the rest", &rest, least_pale, 1, "%.2f opaque", false)) {
         viewer_set_opacity(viewer, 0, rest);
@@ -77,7 +77,7 @@ void panel_look_pathway(struct viewer *viewer, uint32_t pathway)
 {
     const char *names[HAZE_LIMIT];
     size_t count = 0;
-    size_t haze = viewer->drawn->look.haze[pathway];
+    size_t haze = viewer->drawn->appearance.haze[pathway];
     while (count < HAZE_LIMIT && (names[count] = haze_name(count))) {
         count++;
     }
@@ -92,20 +92,20 @@ void panel_look_pathway(struct viewer *viewer, uint32_t pathway)
 }
 
 /* Explains the colours of streamlines, as the legend of a figure does. */
-static void explain_colours(const struct look *look)
+static void explain_colours(const struct appearance *appearance)
 {
     static const char *const directions[] = {"left to right", "back to front", "down to up"};
     static const ui_colour pure[] = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}};
-    for (uint32_t i = 0; look->streamlines == TRACT_BY_DIRECTION && i < 3; i++) {
+    for (uint32_t i = 0; appearance->streamlines == TRACT_BY_DIRECTION && i < 3; i++) {
         ui_id(i);
         ui_chip("direction", pure[i]);
         ui_same_line();
         ui_text("%s", directions[i]);
         ui_id_end();
     }
-    if (look->streamlines >= TRACT_BY_NUMBER && isfinite(look->streamline_range[0])) {
-        ui_text("dark blue %.4g, green, yellow %.4g", look->streamline_range[0], look->streamline_range[1]);
-    } else if (look->streamlines >= TRACT_BY_NUMBER) {
+    if (appearance->streamlines >= TRACT_BY_NUMBER && isfinite(appearance->streamline_range[0])) {
+        ui_text("dark blue %.4g, green, yellow %.4g", appearance->streamline_range[0], appearance->streamline_range[1]);
+    } else if (appearance->streamlines >= TRACT_BY_NUMBER) {
         ui_text("no value of it is known: all grey");
     }
 }
@@ -114,7 +114,7 @@ void panel_look_streamlines(struct viewer *viewer)
 {
     const char *names[TRACT_COLOUR_LIMIT];
     size_t count = tract_colour_count(viewer->drawn->atlas);
-    size_t colour = viewer->drawn->look.streamlines;
+    size_t colour = viewer->drawn->appearance.streamlines;
     for (size_t i = 0; i < count; i++) {
         names[i] = tract_colour_name(viewer->drawn->atlas, i);
     }
@@ -124,15 +124,15 @@ void panel_look_streamlines(struct viewer *viewer)
     ui_tip(
         "what colours streamlines in 3-D and in figures: their bundle, their direction, or a number that their file\n"
         "has, in its own unit, from the least to the largest; 9 takes the next");
-    explain_colours(&viewer->drawn->look);
+    explain_colours(&viewer->drawn->appearance);
 }
 
 void panel_look_area(struct viewer *viewer, uint32_t object)
 {
-    const struct look *look = &viewer->drawn->look;
-    bool is_set = !isnan(look->opacity[object]);
-    double opacity = is_set ? look->opacity[object] : 1;
-    if (look->haze[object] != HAZE_NONE ||
+    const struct appearance *appearance = &viewer->drawn->appearance;
+    bool is_set = !isnan(appearance->opacity[object]);
+    double opacity = is_set ? appearance->opacity[object] : 1;
+    if (appearance->haze[object] != HAZE_NONE ||
         conus_atlas_object(viewer->drawn->atlas, object)->kind == CONUS_KIND_BUNDLE) {
         return; /* neither haze nor tubes have an opacity */
     }

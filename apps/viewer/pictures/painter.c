@@ -23,7 +23,7 @@ enum { COARSEST = 5, MESSAGE_SIZE = 512, LEVELS = 4096, TRANSFER_POINTS = 64 };
 enum stage { STAGE_NONE = 0, STAGE_COARSE, STAGE_FULL, STAGE_SMOOTH };
 
 /* Changes of the scene that are not drawn yet. */
-struct scene_news {
+struct scene_update {
     bool hidden;                  /* the atlas hides other objects */
     conus_transfer_point *points; /* of another transfer function; NULL = none */
     size_t point_count;
@@ -39,12 +39,12 @@ struct painter {
     bool is_new;    /* asked has not been begun */
     bool is_busy;   /* reads the atlas */
     unsigned holds; /* the window is about to change the atlas, or does: do not begin to read it */
-    struct scene_news news;
+    struct scene_update update;
     pthread_cond_t rest; /* is_busy ended */
     struct painted done;
     char error[MESSAGE_SIZE];
     char device[160];
-    bool has_news;
+    bool has_update;
     conus_transfer_point used[TRANSFER_POINTS]; /* the transfer function in use */
     size_t used_count;
 
@@ -68,10 +68,10 @@ bool painting_shows_same(const struct painting *a, const struct painting *b)
            eye_is_same(&a->eye, &b->eye);
 }
 
-/* Tells the window that there is news. To be called with the lock held, which it releases. */
+/* Tells the window that something changed. To be called with the lock held, which it releases. */
 static void wake_window(struct painter *painter)
 {
-    painter->has_news = true;
+    painter->has_update = true;
     pthread_mutex_unlock(&painter->lock);
     if (painter->wake_window) {
         painter->wake_window();
@@ -101,9 +101,9 @@ static uint8_t *bytes_of(const struct painter *painter, const conus_image *image
     return rgba;
 }
 
-static bool is_news(const struct scene_news *news)
+static bool is_update(const struct scene_update *update)
 {
-    return news->hidden || news->points || news->opacity;
+    return update->hidden || update->points || update->opacity;
 }
 
 /* A picture that is being drawn. */
@@ -120,7 +120,7 @@ static bool is_wanted(void *user, size_t done, size_t total)
     (void)done, (void)total;
     pthread_mutex_lock(&painter->lock);
     bool other = painter->is_new && !painting_shows_same(&painter->asked, drawing->what);
-    bool wanted = !painter->stop && !painter->holds && !is_news(&painter->news) && !other;
+    bool wanted = !painter->stop && !painter->holds && !is_update(&painter->update) && !other;
     pthread_mutex_unlock(&painter->lock);
     return wanted;
 }
@@ -197,28 +197,28 @@ static void note_transfer(struct painter *painter, const conus_renderer *rendere
 }
 
 /* Frees the changes that were not drawn. */
-static void forget_news(struct scene_news *news)
+static void forget_update(struct scene_update *update)
 {
-    free(news->points);
-    free(news->opacity);
-    *news = (struct scene_news){0};
+    free(update->points);
+    free(update->opacity);
+    *update = (struct scene_update){0};
 }
 
-static void apply_news(struct painter *painter, conus_renderer *renderer, struct scene_news *news)
+static void apply_update(struct painter *painter, conus_renderer *renderer, struct scene_update *update)
 {
-    conus_status status = news->hidden ? conus_renderer_update(renderer) : CONUS_OK;
-    if (!status && news->points) {
-        status = conus_renderer_set_transfer(renderer, news->points, news->point_count);
+    conus_status status = update->hidden ? conus_renderer_update(renderer) : CONUS_OK;
+    if (!status && update->points) {
+        status = conus_renderer_set_transfer(renderer, update->points, update->point_count);
     }
     if (status) {
         note_error(painter);
     }
-    if (news->opacity) {
+    if (update->opacity) {
         free(painter->opacity);
-        painter->opacity = news->opacity;
-        news->opacity = NULL;
+        painter->opacity = update->opacity;
+        update->opacity = NULL;
     }
-    forget_news(news);
+    forget_update(update);
 }
 
 /* Notes that the atlas is not read any more. To be called with the lock held. */
@@ -229,17 +229,18 @@ static void end_reading(struct painter *painter)
 }
 
 /* Waits for something to do; what is there is moved out. False: stop. */
-static bool wait_for_work(struct painter *painter, struct painting *what, enum stage *stage, struct scene_news *news)
+static bool wait_for_work(struct painter *painter, struct painting *what, enum stage *stage,
+                          struct scene_update *update)
 {
     pthread_mutex_lock(&painter->lock);
     end_reading(painter);
     bool idle = *stage == STAGE_SMOOTH || *stage == STAGE_NONE || what->moving;
-    while (!painter->stop && (painter->holds || (idle && !painter->is_new && !is_news(&painter->news)))) {
+    while (!painter->stop && (painter->holds || (idle && !painter->is_new && !is_update(&painter->update)))) {
         pthread_cond_wait(&painter->wake, &painter->lock);
     }
-    bool rests = painter->is_new && !is_news(&painter->news) &&
+    bool rests = painter->is_new && !is_update(&painter->update) &&
                  painting_shows_same(&painter->asked, what); /* what was drawn so far holds: continue, finer */
-    bool changed = (painter->is_new || is_news(&painter->news)) && !rests;
+    bool changed = (painter->is_new || is_update(&painter->update)) && !rests;
     if (painter->is_new) {
         answer_drop(what->answer);
         *what = painter->asked;
@@ -249,8 +250,8 @@ static bool wait_for_work(struct painter *painter, struct painting *what, enum s
     if (changed) {
         *stage = STAGE_NONE;
     }
-    *news = painter->news;
-    painter->news = (struct scene_news){0};
+    *update = painter->update;
+    painter->update = (struct scene_update){0};
     bool continues = !painter->stop;
     painter->is_busy = continues;
     pthread_mutex_unlock(&painter->lock);
@@ -261,14 +262,14 @@ static void paint_all(struct painter *painter, conus_renderer *renderer)
 {
     struct painting what = {0};
     enum stage stage = STAGE_NONE;
-    struct scene_news news;
-    while (wait_for_work(painter, &what, &stage, &news)) {
-        apply_news(painter, renderer, &news);
+    struct scene_update update;
+    while (wait_for_work(painter, &what, &stage, &update)) {
+        apply_update(painter, renderer, &update);
         if (what.width && what.height) {
             stage = paint(painter, renderer, &what, stage + 1);
         }
     }
-    forget_news(&news);
+    forget_update(&update);
     answer_drop(what.answer);
 }
 
@@ -306,18 +307,18 @@ static void *run(void *user)
     return NULL;
 }
 
-static double *copy_opacity(const struct look *look)
+static double *copy_opacity(const struct appearance *appearance)
 {
-    double *copy = malloc((look->object_count + 1) * sizeof *copy);
+    double *copy = malloc((appearance->object_count + 1) * sizeof *copy);
     if (copy) {
-        memcpy(copy, look->opacity, (look->object_count + 1) * sizeof *copy);
+        memcpy(copy, appearance->opacity, (appearance->object_count + 1) * sizeof *copy);
     }
     return copy;
 }
 
 static void free_painter(struct painter *painter)
 {
-    forget_news(&painter->news);
+    forget_update(&painter->update);
     free(painter->done.rgba);
     free(painter->opacity);
     free(painter->pathways);
@@ -325,8 +326,8 @@ static void free_painter(struct painter *painter)
     free(painter);
 }
 
-bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, const struct look *look,
-                    conus_log log, void (*wake)(void))
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer,
+                    const struct appearance *appearance, conus_log log, void (*wake)(void))
 {
     struct painter *painter = calloc(1, sizeof *painter);
     if (!painter) {
@@ -337,11 +338,11 @@ bool painter_create(struct painter **out, const conus_atlas *atlas, const char *
     painter->wake_window = wake;
     painter->is_busy = true; /* until there is a renderer */
     painter->transfer = transfer ? strdup(transfer) : NULL;
-    painter->streamline_colour = look_streamline_colour(look, atlas);
-    painter->opacity = copy_opacity(look);
-    painter->pathways = calloc(look->object_count + 1, sizeof *painter->pathways);
+    painter->streamline_colour = appearance_streamline_colour(appearance, atlas);
+    painter->opacity = copy_opacity(appearance);
+    painter->pathways = calloc(appearance->object_count + 1, sizeof *painter->pathways);
     bool fine = (painter->transfer || !transfer) && painter->opacity && painter->pathways;
-    painter->pathway_count = fine ? look_pathways(painter->pathways, look) : 0;
+    painter->pathway_count = fine ? appearance_pathways(painter->pathways, appearance) : 0;
     pthread_mutex_init(&painter->lock, NULL);
     pthread_cond_init(&painter->wake, NULL);
     pthread_cond_init(&painter->rest, NULL);
@@ -381,13 +382,13 @@ void painter_ask(struct painter *painter, const struct painting *what)
     pthread_mutex_unlock(&painter->lock);
 }
 
-bool painter_has_news(struct painter *painter)
+bool painter_has_update(struct painter *painter)
 {
     pthread_mutex_lock(&painter->lock);
-    bool news = painter->has_news;
-    painter->has_news = false;
+    bool update = painter->has_update;
+    painter->has_update = false;
     pthread_mutex_unlock(&painter->lock);
-    return news;
+    return update;
 }
 
 bool painter_take(struct painter *painter, struct painted *out)
@@ -413,20 +414,20 @@ void painter_resume(struct painter *painter)
 {
     pthread_mutex_lock(&painter->lock);
     painter->holds--;
-    painter->news.hidden = true;
+    painter->update.hidden = true;
     pthread_cond_signal(&painter->wake);
     pthread_mutex_unlock(&painter->lock);
 }
 
-bool painter_set_opacity(struct painter *painter, const struct look *look)
+bool painter_set_opacity(struct painter *painter, const struct appearance *appearance)
 {
-    double *copy = copy_opacity(look);
+    double *copy = copy_opacity(appearance);
     if (!copy) {
         return false;
     }
     pthread_mutex_lock(&painter->lock);
-    free(painter->news.opacity);
-    painter->news.opacity = copy;
+    free(painter->update.opacity);
+    painter->update.opacity = copy;
     pthread_cond_signal(&painter->wake);
     pthread_mutex_unlock(&painter->lock);
     return true;
@@ -440,9 +441,9 @@ bool painter_set_transfer(struct painter *painter, const conus_transfer_point *p
     }
     memcpy(copy, points, count * sizeof *copy);
     pthread_mutex_lock(&painter->lock);
-    free(painter->news.points);
-    painter->news.points = copy;
-    painter->news.point_count = count;
+    free(painter->update.points);
+    painter->update.points = copy;
+    painter->update.point_count = count;
     painter->used_count = count < TRANSFER_POINTS ? count : 0;
     memcpy(painter->used, points, painter->used_count * sizeof *points);
     pthread_cond_signal(&painter->wake);

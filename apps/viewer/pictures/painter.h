@@ -7,8 +7,8 @@
 #define CONUS_VIEWER_PICTURES_PAINTER_H
 
 #include "viewer/pictures/answer.h"
+#include "viewer/pictures/appearance.h"
 #include "viewer/pictures/camera.h"
-#include "viewer/pictures/look.h"
 
 struct painter;
 
@@ -40,14 +40,14 @@ struct painted {
 /** Starts the thread; @p transfer and @p log (called on that thread) as in conus_renderer_options, opacities and haze
  * as @p look says, which is copied. @p wake (NULL = none) is called there when there is something new: a picture, an
  * error, the device's name. False without memory or threads. */
-bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer, const struct look *look,
-                    conus_log log, void (*wake)(void));
+bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer,
+                    const struct appearance *appearance, conus_log log, void (*wake)(void));
 void painter_destroy(struct painter *painter);
 
 /** Asks for a picture instead of what was asked before. */
 void painter_ask(struct painter *painter, const struct painting *what);
 /** Whether there was something new since the last time this was asked. */
-bool painter_has_news(struct painter *painter);
+bool painter_has_update(struct painter *painter);
 /** The newest picture, once: false if there is none since the last one. */
 bool painter_take(struct painter *painter, struct painted *out);
 /** Waits until the thread does not read the atlas, which it does not do again before painter_resume(). */
@@ -55,7 +55,7 @@ void painter_hold(struct painter *painter);
 /** The atlas may hide other objects now. */
 void painter_resume(struct painter *painter);
 /** Draws with the opacities of @p look from now on; false without memory. */
-bool painter_set_opacity(struct painter *painter, const struct look *look);
+bool painter_set_opacity(struct painter *painter, const struct appearance *appearance);
 /** Draws with another transfer function; false without memory. */
 bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count);
 

@@ -64,25 +64,25 @@ static const double grey_limit = 1e30;
 
 json_t *session_look(const struct view_atlas *view)
 {
-    const char *streamlines = tract_colour_name(view->atlas, view->look.streamlines);
-    const double *window = view->look.grey;
+    const char *streamlines = tract_colour_name(view->atlas, view->appearance.streamlines);
+    const double *window = view->appearance.grey;
     json_t *opacities = json_array();
     json_t *haze = json_array();
-    for (size_t number = 1; number <= view->look.object_count; number++) {
-        if (!isnan(view->look.opacity[number])) {
-            json_array_append_new(opacities, json_pack("[i, f]", (int)number, view->look.opacity[number]));
+    for (size_t number = 1; number <= view->appearance.object_count; number++) {
+        if (!isnan(view->appearance.opacity[number])) {
+            json_array_append_new(opacities, json_pack("[i, f]", (int)number, view->appearance.opacity[number]));
         }
-        if (view->look.haze[number] != HAZE_NONE) {
-            json_array_append_new(haze, json_pack("[i, s]", (int)number, haze_name(view->look.haze[number])));
+        if (view->appearance.haze[number] != HAZE_NONE) {
+            json_array_append_new(haze, json_pack("[i, s]", (int)number, haze_name(view->appearance.haze[number])));
         }
     }
     json_t *grey = window[0] != 0 || window[1] != 0 ? json_pack("[f, f]", window[0], window[1]) : json_null();
-    json_t *look = json_pack("{s: o, s: o, s: f, s: o}", "grey", grey, "opacities", opacities, "opacity_of_the_rest",
-                             view->look.opacity[0], "pathways", haze);
-    if (look && streamlines) {
-        json_object_set_new(look, "streamline_colour", json_string(streamlines));
+    json_t *appearance = json_pack("{s: o, s: o, s: f, s: o}", "grey", grey, "opacities", opacities,
+                                   "opacity_of_the_rest", view->appearance.opacity[0], "pathways", haze);
+    if (appearance && streamlines) {
+        json_object_set_new(appearance, "streamline_colour", json_string(streamlines));
     }
-    return look;
+    return appearance;
 }
 
 json_t *session_further(const struct viewer *viewer)
@@ -152,7 +152,7 @@ static bool check_place(const struct view_atlas *view, const json_t *list, char 
     return true;
 }
 
-static bool read_grey(struct look *out, const json_t *value, char why[PROPERTY_REASON])
+static bool read_grey(struct appearance *out, const json_t *value, char why[PROPERTY_REASON])
 {
     if (!value || json_is_null(value)) {
         return true;
@@ -167,14 +167,14 @@ static bool read_grey(struct look *out, const json_t *value, char why[PROPERTY_R
 }
 
 /* An object's number in an entry of a list; 0 = none that is allowed. */
-static size_t number_of(const json_t *entry, const struct look *look)
+static size_t number_of(const json_t *entry, const struct appearance *appearance)
 {
     json_int_t number = json_integer_value(json_array_get(entry, 0));
-    bool fine = json_array_size(entry) == 2 && number >= 1 && (uint64_t)number <= look->object_count;
+    bool fine = json_array_size(entry) == 2 && number >= 1 && (uint64_t)number <= appearance->object_count;
     return fine ? (size_t)number : 0;
 }
 
-static bool read_opacities(struct look *out, const json_t *list, char why[PROPERTY_REASON])
+static bool read_opacities(struct appearance *out, const json_t *list, char why[PROPERTY_REASON])
 {
     bool fine = !list || json_is_array(list);
     for (size_t i = 0; fine && i < json_array_size(list); i++) {
@@ -190,14 +190,15 @@ static bool read_opacities(struct look *out, const json_t *list, char why[PROPER
                                   out->object_count);
 }
 
-static bool read_rest(struct look *out, const json_t *value, char why[PROPERTY_REASON])
+static bool read_rest(struct appearance *out, const json_t *value, char why[PROPERTY_REASON])
 {
     out->opacity[0] = value ? json_number_value(value) : 1;
     return (out->opacity[0] > 0 && out->opacity[0] <= 1) ||
            session_refuse(why, "session: opacity_of_the_rest: a number above 0 and up to 1 is needed");
 }
 
-static bool read_haze(struct look *out, const struct view_atlas *view, const json_t *list, char why[PROPERTY_REASON])
+static bool read_haze(struct appearance *out, const struct view_atlas *view, const json_t *list,
+                      char why[PROPERTY_REASON])
 {
     bool fine = !list || json_is_array(list);
     for (size_t i = 0; fine && i < json_array_size(list); i++) {
@@ -212,7 +213,7 @@ static bool read_haze(struct look *out, const struct view_atlas *view, const jso
                                        "\"solid\", \"own\" or the name of a preset");
 }
 
-static bool read_streamlines(struct look *out, const struct view_atlas *view, const json_t *value,
+static bool read_streamlines(struct appearance *out, const struct view_atlas *view, const json_t *value,
                              char why[PROPERTY_REASON])
 {
     const char *name = json_string_value(value);
@@ -225,26 +226,27 @@ static bool read_streamlines(struct look *out, const struct view_atlas *view, co
                               "session: streamline_colour: \"bundle\", \"direction\" or the name of a number that the "
                               "streamlines have is needed");
     }
-    look_colour_streamlines(out, view->atlas, colour);
+    appearance_colour_streamlines(out, view->atlas, colour);
     return true;
 }
 
-static bool read_look(struct look *out, const struct view_atlas *view, const json_t *entry, char why[PROPERTY_REASON])
+static bool read_look(struct appearance *out, const struct view_atlas *view, const json_t *entry,
+                      char why[PROPERTY_REASON])
 {
-    struct look look;
-    if (!look_init(&look, view->object_count)) {
+    struct appearance appearance;
+    if (!appearance_init(&appearance, view->object_count)) {
         return session_refuse(why, "session: not enough memory");
     }
     bool fine = (json_is_object(entry) || session_refuse(why, "session: look: an object is needed")) &&
-                read_grey(&look, json_object_get(entry, "grey"), why) &&
-                read_opacities(&look, json_object_get(entry, "opacities"), why) &&
-                read_rest(&look, json_object_get(entry, "opacity_of_the_rest"), why) &&
-                read_haze(&look, view, json_object_get(entry, "pathways"), why) &&
-                read_streamlines(&look, view, json_object_get(entry, "streamline_colour"), why);
+                read_grey(&appearance, json_object_get(entry, "grey"), why) &&
+                read_opacities(&appearance, json_object_get(entry, "opacities"), why) &&
+                read_rest(&appearance, json_object_get(entry, "opacity_of_the_rest"), why) &&
+                read_haze(&appearance, view, json_object_get(entry, "pathways"), why) &&
+                read_streamlines(&appearance, view, json_object_get(entry, "streamline_colour"), why);
     if (fine) {
-        *out = look;
+        *out = appearance;
     } else {
-        look_finish(&look);
+        appearance_finish(&appearance);
     }
     return fine;
 }
@@ -254,7 +256,7 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
                        char why[PROPERTY_REASON])
 {
     const json_t *list = json_object_get(entry, "thresholds");
-    const json_t *look = json_object_get(entry, "look");
+    const json_t *appearance = json_object_get(entry, "look");
     json_int_t objects = json_integer_value(json_object_get(entry, "objects"));
     if ((size_t)objects != view->object_count) {
         return session_refuse(why, "session: of an atlas with %lld areas and pathways, %s has %zu", (long long)objects,
@@ -278,7 +280,7 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
         out->hidden[index][number] = true;
     }
     return (!list || read_thresholds(out->thresholds[index], view, list, why)) &&
-           (!look || read_look(&out->looks[index], view, look, why));
+           (!appearance || read_look(&out->looks[index], view, appearance, why));
 }
 
 static bool read_further(struct session_atlases *out, const struct viewer *viewer, const json_t *list,
@@ -343,7 +345,7 @@ void session_atlases_finish(struct session_atlases *from)
             free(from->thresholds[i]);
         }
         if (from->looks) {
-            look_finish(&from->looks[i]);
+            appearance_finish(&from->looks[i]);
         }
     }
     free(from->hidden);

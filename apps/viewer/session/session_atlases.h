@@ -16,11 +16,11 @@ json_t *session_look(const struct view_atlas *view);
 json_t *session_further(const struct viewer *viewer);
 
 struct session_atlases {
-    bool **hidden;       /**< [count][object_count + 1]; NULL of an atlas = as it is. */
-    double **thresholds; /**< [count][object_count + 1] Likewise. */
-    struct look *looks;  /**< [count] Of no objects = as it is. */
-    size_t count;        /**< Of the viewer's atlases. */
-    size_t drawn;        /**< Index of the one to be drawn. */
+    bool **hidden;            /**< [count][object_count + 1]; NULL of an atlas = as it is. */
+    double **thresholds;      /**< [count][object_count + 1] Likewise. */
+    struct appearance *looks; /**< [count] Of no objects = as it is. */
+    size_t count;             /**< Of the viewer's atlases. */
+    size_t drawn;             /**< Index of the one to be drawn. */
 };
 
 /** Reads them; false where they do not fit the viewer's atlases. The caller's to finish in any case. */

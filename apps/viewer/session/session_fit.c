@@ -146,15 +146,15 @@ static json_t *fit_thresholds(const json_t *then, const struct view_atlas *view)
 static void fit_objects(json_t *root, const struct numbers *numbers, const struct view_atlas *view)
 {
     json_t *thresholds = json_object_get(root, "thresholds");
-    json_t *look = json_object_get(root, "look");
+    json_t *appearance = json_object_get(root, "look");
     json_object_set_new(root, "objects", json_integer((json_int_t)numbers->count));
     fit_list(json_object_get(root, "hidden"), false, numbers);
     fit_pins(json_object_get(root, "confirmed"), numbers);
-    fit_list(json_object_get(look, "opacities"), true, numbers);
-    fit_list(json_object_get(look, "pathways"), true, numbers);
-    const char *colour = json_string_value(json_object_get(look, "streamline_colour"));
+    fit_list(json_object_get(appearance, "opacities"), true, numbers);
+    fit_list(json_object_get(appearance, "pathways"), true, numbers);
+    const char *colour = json_string_value(json_object_get(appearance, "streamline_colour"));
     if (colour && tract_colour_find(view->atlas, colour) == TRACT_COLOUR_LIMIT) { /* it went with the streamlines */
-        json_object_del(look, "streamline_colour");
+        json_object_del(appearance, "streamline_colour");
     }
     if (thresholds) {
         json_object_set_new(root, "thresholds", fit_thresholds(thresholds, view));

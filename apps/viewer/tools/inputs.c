@@ -102,25 +102,25 @@ static bool any(const double v[3])
     return v[0] != 0 || v[1] != 0 || v[2] != 0;
 }
 
-/* Applies the news of a source to its tool. Returns whether there was a pose, or a move. */
-static bool take_news(struct viewer *viewer, enum tool_number number, const struct source_news *news)
+/* Applies what a source says to its tool. Returns whether there was a pose, or a move. */
+static bool take_update(struct viewer *viewer, enum tool_number number, const struct source_update *update)
 {
-    bool moves = !viewer->tools[number].held && (news->has_pose || any(news->move) || any(news->turn));
-    if (moves && news->has_pose) {
-        tool_aim(viewer, number, &news->pose);
+    bool moves = !viewer->tools[number].held && (update->has_pose || any(update->move) || any(update->turn));
+    if (moves && update->has_pose) {
+        tool_aim(viewer, number, &update->pose);
     } else if (moves) {
-        inputs_steer(viewer, number, news->move, news->turn);
+        inputs_steer(viewer, number, update->move, update->turn);
     }
-    if (news->widen > 0) {
-        tool_widen(viewer, number, news->widen);
+    if (update->widen > 0) {
+        tool_widen(viewer, number, update->widen);
     }
-    if (news->pressed & SOURCE_RESET) {
+    if (update->pressed & SOURCE_RESET) {
         tool_place(viewer, number);
     }
-    if (news->pressed & SOURCE_HOLD) {
+    if (update->pressed & SOURCE_HOLD) {
         tool_hold(viewer, number);
     }
-    if (news->pressed & SOURCE_CONFIRM) {
+    if (update->pressed & SOURCE_CONFIRM) {
         tool_confirm(viewer, number);
     }
     return moves;
@@ -129,16 +129,16 @@ static bool take_news(struct viewer *viewer, enum tool_number number, const stru
 static void hear_trackers(struct inputs *inputs)
 {
     struct tracker *trackers = inputs->devices.trackers;
-    const struct station_news *news = &inputs->news;
-    const struct station_tool first = {.state = news->state, .pose = news->pose, .number = news->number};
+    const struct station_update *update = &inputs->update;
+    const struct station_tool first = {.state = update->state, .pose = update->pose, .number = update->number};
     tracker_hear(&trackers[FIRST_TOOL], inputs->station ? &first : NULL);
     if (inputs->second_station) {
-        struct station_news other;
+        struct station_update other;
         station_ask(inputs->second_station, &other);
         const struct station_tool second = {.state = other.state, .pose = other.pose, .number = other.number};
         tracker_hear(&trackers[SECOND_TOOL], &second);
     } else {
-        tracker_hear(&trackers[SECOND_TOOL], inputs->station && inputs->has_second_tool ? &news->second : NULL);
+        tracker_hear(&trackers[SECOND_TOOL], inputs->station && inputs->has_second_tool ? &update->second : NULL);
     }
 }
 
@@ -163,14 +163,14 @@ static struct source *source_of(struct inputs *inputs, const struct viewer *view
     }
 }
 
-/* Asks the source of a tool and applies its news. Returns whether there was a pose, or a move. */
+/* Asks the source of a tool and applies what it says. Returns whether there was a pose, or a move. */
 static bool serve(struct inputs *inputs, struct viewer *viewer, enum tool_number number, double now_s)
 {
-    struct source_news *heard = &inputs->devices.heard[number];
+    struct source_update *heard = &inputs->devices.heard[number];
     enum source_state was = heard->state;
     source_ask(source_of(inputs, viewer, number), now_s, heard);
     viewer->version += heard->state != was; /* what is said of the tool is another now */
-    return take_news(viewer, number, heard);
+    return take_update(viewer, number, heard);
 }
 
 bool inputs_step(struct inputs *inputs, struct viewer *viewer, double now_s)
@@ -229,7 +229,7 @@ static struct notice notice_of_first(const struct inputs *inputs, const struct t
 {
     struct notice notice = {0};
     if (tool->pointer == POINT_BY_TRACKER) {
-        notice = notice_of_tracker(tool->has_pose, inputs->station, inputs->news.state);
+        notice = notice_of_tracker(tool->has_pose, inputs->station, inputs->update.state);
     } else if (tool->pointer == POINT_BY_REPLAY && !inputs->replay.poses) {
         notice = (struct notice){"no poses: see --poses", true, false};
     } else if (tool->pointer == POINT_BY_MOUSE) {
@@ -260,7 +260,7 @@ static struct notice notice_of_second(const struct inputs *inputs, const struct 
 }
 
 /* Says what is wrong with a device, or how to use it. */
-static void find_trouble(struct notice *out, const struct source_news *heard, const struct tool *tool)
+static void find_trouble(struct notice *out, const struct source_update *heard, const struct tool *tool)
 {
     bool is_steered = tool->pointer >= POINT_BY_SPACEMOUSE;
     if (heard->state == SOURCE_FROZEN) {
@@ -352,13 +352,13 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock)
     return true;
 }
 
-void inputs_hear(struct station *station, struct viewer *viewer, struct station_news *news)
+void inputs_hear(struct station *station, struct viewer *viewer, struct station_update *update)
 {
-    station_ask(station, news);
+    station_ask(station, update);
     if (viewer->head.named) {
-        head_set_state(&viewer->head, news->head.state);
-        if (news->head.state == STATION_SEEN) {
-            head_move(&viewer->head, news->head.eye, &news->head.screen);
+        head_set_state(&viewer->head, update->head.state);
+        if (update->head.state == STATION_SEEN) {
+            head_move(&viewer->head, update->head.eye, &update->head.screen);
         }
     }
 }

@@ -28,13 +28,13 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock);
 /** Seconds until the replay shows another row; INFINITY while it does not play. */
 double replay_rest(const struct replay *replay, const struct viewer *viewer, double clock);
 
-/** Asks @p station for its news; the head moves along, if one is named. */
-void inputs_hear(struct station *station, struct viewer *viewer, struct station_news *news);
+/** Asks @p station what happened; the head moves along, if one is named. */
+void inputs_hear(struct station *station, struct viewer *viewer, struct station_update *update);
 
 struct inputs {
     struct replay replay;
     struct station *station; /**< NULL = none. */
-    struct station_news news;
+    struct station_update update;
     struct station *second_station; /**< For the second tool; NULL = the first one's. */
     bool has_second_tool;           /**< The first one's station hears of it. */
     struct devices devices;

@@ -18,11 +18,12 @@ void figure_of_window(struct figure_settings *out, const struct window *window)
 {
     const struct sheet *sheet = &window->sheet;
     const struct view_atlas *drawn = window->viewer->drawn;
-    *out = (struct figure_settings){.dpi = sheet->dpi,
-                                    .legend = (size_t)sheet->legend,
-                                    .no_legend = sheet->no_text,
-                                    .background = backdrop_names[window->viewer->display.backdrop],
-                                    .streamline_colour = look_streamline_colour(&drawn->look, drawn->atlas)};
+    *out =
+        (struct figure_settings){.dpi = sheet->dpi,
+                                 .legend = (size_t)sheet->legend,
+                                 .no_legend = sheet->no_text,
+                                 .background = backdrop_names[window->viewer->display.backdrop],
+                                 .streamline_colour = appearance_streamline_colour(&drawn->appearance, drawn->atlas)};
     if (sheet->in_mm) {
         out->width_mm = sheet->mm[0];
         out->height_mm = sheet->mm[1];
@@ -53,16 +54,16 @@ static conus_status write_image(conus_image *image, conus_status status, const c
 static conus_status make_renderer(conus_renderer **out, const struct viewer *viewer,
                                   const struct figure_settings *settings)
 {
-    const struct look *look = &viewer->drawn->look;
+    const struct appearance *appearance = &viewer->drawn->appearance;
     const struct transfer_editor *editor = &viewer->transfer_editor;
-    conus_pathway_transfer *pathways = calloc(look->object_count + 1, sizeof *pathways);
+    conus_pathway_transfer *pathways = calloc(appearance->object_count + 1, sizeof *pathways);
     conus_renderer *renderer = NULL;
     if (!pathways) {
         return CONUS_ERROR_MEMORY;
     }
     const conus_renderer_options options = {.transfer = viewer->preset ? viewer->preset : viewer->transfer,
                                             .pathways = pathways,
-                                            .pathway_count = look_pathways(pathways, look),
+                                            .pathway_count = appearance_pathways(pathways, appearance),
                                             .streamline_colour = settings->streamline_colour};
     conus_status status = conus_renderer_create(&renderer, viewer->drawn->atlas, &options);
     free(pathways);
@@ -104,7 +105,7 @@ static bool write_3d(const struct window *window, const struct figure_settings *
         .selection = viewer_selection(viewer), .chosen = viewer->drawn->shown.chosen, .fade = viewer->display.fade};
     window_eye(window, &eye);
     figure_view(&view, settings);
-    look_set(&view, &viewer->drawn->look);
+    appearance_set(&view, &viewer->drawn->appearance);
     if (!set_camera(&view, &eye, settings->streamline_colour)) {
         return refuse(why, "a tracked head's view has no room for a legend beside it: choose inside, below or none");
     }
@@ -145,7 +146,7 @@ void figure_form_open(struct window *window)
     struct figure_form *form = &window->forms.figure;
     form->open = form->takes_keys = true;
     form->pane = window->screen.enlarged >= 0 ? (size_t)window->screen.enlarged : PANE_3D;
-    form->news[0] = form->replaced[0] = '\0';
+    form->update[0] = form->replaced[0] = '\0';
     for (int i = 1; i < FREE_NAMES; i++) {
         snprintf(form->name, sizeof form->name, "figure-%d.png", i);
         if (access(form->name, F_OK)) {
@@ -157,8 +158,8 @@ void figure_form_open(struct window *window)
 static void say(struct window *window, const char *what, const char *name)
 {
     struct figure_form *form = &window->forms.figure;
-    snprintf(form->news, sizeof form->news, "%s%s", what, name);
-    viewer_say(window->viewer, "%s", form->news);
+    snprintf(form->update, sizeof form->update, "%s%s", what, name);
+    viewer_say(window->viewer, "%s", form->update);
 }
 
 void figure_form_save(struct window *window)

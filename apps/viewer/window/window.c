@@ -574,9 +574,9 @@ static bool is_behind(const struct window *window)
 bool window_wants_frame(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    bool news = viewer && viewer->painter && painter_has_news(viewer->painter);
+    bool update = viewer && viewer->painter && painter_has_update(viewer->painter);
     bool rests = window->pictures.moving && clock_ms() >= window->pictures.moving_until;
-    return news || rests || is_behind(window);
+    return update || rests || is_behind(window);
 }
 
 double window_rest(const struct window *window)

@@ -71,7 +71,7 @@ struct figure_form {
     char name[FIGURE_NAME];
     char replaced[FIGURE_NAME]; /**< The file that is there already, and may be replaced. */
     char saved[FIGURE_NAME];    /**< Path of the newest figure; "" = none. */
-    char news[FIGURE_NAME + 32];
+    char update[FIGURE_NAME + 32];
     unsigned frames; /**< Until it is written; 0 = none is to be. */
 };
 

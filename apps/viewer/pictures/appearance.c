@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Background, opacities, pathways as haze, and colours of streamlines. */
-#include "viewer/pictures/look.h"
+#include "viewer/pictures/appearance.h"
 
 #include "viewer/pictures/sheet.h"
 
@@ -46,54 +46,54 @@ size_t haze_find(const char *name)
     return HAZE_LIMIT;
 }
 
-bool look_init(struct look *out, size_t object_count)
+bool appearance_init(struct appearance *out, size_t object_count)
 {
-    *out = (struct look){.opacity = malloc((object_count + 1) * sizeof *out->opacity),
-                         .haze = calloc(object_count + 1, sizeof *out->haze),
-                         .streamline_range = {NAN, NAN},
-                         .object_count = object_count};
+    *out = (struct appearance){.opacity = malloc((object_count + 1) * sizeof *out->opacity),
+                               .haze = calloc(object_count + 1, sizeof *out->haze),
+                               .streamline_range = {NAN, NAN},
+                               .object_count = object_count};
     for (size_t number = 0; out->opacity && number <= object_count; number++) {
         out->opacity[number] = number ? NAN : 1;
     }
     if (!out->opacity || !out->haze) {
-        look_finish(out);
+        appearance_finish(out);
         return false;
     }
     return true;
 }
 
-void look_finish(struct look *look)
+void appearance_finish(struct appearance *appearance)
 {
-    free(look->opacity);
-    free(look->haze);
-    *look = (struct look){0};
+    free(appearance->opacity);
+    free(appearance->haze);
+    *appearance = (struct appearance){0};
 }
 
-void look_colour_streamlines(struct look *look, const conus_atlas *atlas, size_t colour)
+void appearance_colour_streamlines(struct appearance *appearance, const conus_atlas *atlas, size_t colour)
 {
     const char *name = colour < TRACT_BY_NUMBER ? NULL : tract_colour_name(atlas, colour);
-    look->streamlines = colour;
-    look->streamline_range[0] = look->streamline_range[1] = NAN;
+    appearance->streamlines = colour;
+    appearance->streamline_range[0] = appearance->streamline_range[1] = NAN;
     if (name) {
-        (void)tract_colour_range(look->streamline_range, atlas, name);
+        (void)tract_colour_range(appearance->streamline_range, atlas, name);
     }
 }
 
-const char *look_streamline_colour(const struct look *look, const conus_atlas *atlas)
+const char *appearance_streamline_colour(const struct appearance *appearance, const conus_atlas *atlas)
 {
-    return look->streamlines == TRACT_BY_BUNDLE ? NULL : tract_colour_name(atlas, look->streamlines);
+    return appearance->streamlines == TRACT_BY_BUNDLE ? NULL : tract_colour_name(atlas, appearance->streamlines);
 }
 
-bool look_same_tracts(const struct look *a, const struct look *b)
+bool appearance_same_tracts(const struct appearance *a, const struct appearance *b)
 {
     return a->streamlines == b->streamlines && a->object_count == b->object_count &&
            memcmp(a->haze, b->haze, (a->object_count + 1) * sizeof *a->haze) == 0;
 }
 
-void look_set(conus_view *view, const struct look *look)
+void appearance_set(conus_view *view, const struct appearance *appearance)
 {
-    view->opacity = look->opacity;
-    view->pale = look->opacity[0];
+    view->opacity = appearance->opacity;
+    view->pale = appearance->opacity[0];
 }
 
 static double clamp(double value, double low, double high)
@@ -101,7 +101,7 @@ static double clamp(double value, double low, double high)
     return fmin(fmax(value, low), high);
 }
 
-void look_move_grey(double grey[2], const double found[2], double right, double up)
+void appearance_move_grey(double grey[2], const double found[2], double right, double up)
 {
     double range = found[1] - found[0];
     double width = clamp((grey[1] - grey[0]) * exp(-right), range / 1000, 10 * range);
@@ -110,12 +110,12 @@ void look_move_grey(double grey[2], const double found[2], double right, double 
     grey[1] = level + width / 2;
 }
 
-size_t look_pathways(conus_pathway_transfer *out, const struct look *look)
+size_t appearance_pathways(conus_pathway_transfer *out, const struct appearance *appearance)
 {
     size_t count = 0;
-    for (size_t number = 1; number <= look->object_count; number++) {
-        if (look->haze[number] != HAZE_NONE) {
-            out[count++] = (conus_pathway_transfer){(uint32_t)number, haze_name(look->haze[number])};
+    for (size_t number = 1; number <= appearance->object_count; number++) {
+        if (appearance->haze[number] != HAZE_NONE) {
+            out[count++] = (conus_pathway_transfer){(uint32_t)number, haze_name(appearance->haze[number])};
         }
     }
     return count;

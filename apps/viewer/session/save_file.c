@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Finds a free name by the time, and writes a session or picture there. */
-#include "viewer/session/keep.h"
+#include "viewer/session/save_file.h"
 
 #include "options/provenance.h"
 #include "viewer/model/columns.h"
@@ -37,7 +37,7 @@ static void make_name(char name[NAME_SIZE], const char *ending)
     }
 }
 
-void keep_as(struct window *window)
+void save_file_as(struct window *window)
 {
     char why[PROPERTY_REASON] = "";
     char *path = window->files.saves_as;
@@ -53,11 +53,11 @@ void keep_as(struct window *window)
     free(path);
 }
 
-void keep(struct window *window, enum keep what)
+void save_file(struct window *window, enum saved_file what)
 {
     char name[NAME_SIZE];
     char ending[16];
-    if (what == KEEP_STUDY) {
+    if (what == SAVE_STUDY) {
         const char *text = studies_text(window->viewer);
         make_name(name, ".tsv");
         if (text && !conus_write_file(name, text, strlen(text))) {
@@ -68,16 +68,16 @@ void keep(struct window *window, enum keep what)
         return;
     }
     char why[PROPERTY_REASON] = "";
-    snprintf(ending, sizeof ending, "%s%s", what == KEEP_RESULTS ? "-hits" : "",
-             what == KEEP_PICTURE   ? ".png"
-             : what == KEEP_RESULTS ? result_ending(window->viewer->list.format)
+    snprintf(ending, sizeof ending, "%s%s", what == SAVE_RESULTS ? "-hits" : "",
+             what == SAVE_PICTURE   ? ".png"
+             : what == SAVE_RESULTS ? result_ending(window->viewer->list.format)
                                     : ".json");
     make_name(name, ending);
     char path[PATH_MAX];
     snprintf(path, sizeof path, "%s",
-             what == KEEP_SAME_SESSION && window->history.session_path ? window->history.session_path : name);
-    bool fine = what == KEEP_PICTURE   ? !window_write(window, path)
-                : what == KEEP_RESULTS ? export_results(window->viewer, path, why)
+             what == SAVE_SAME_SESSION && window->history.session_path ? window->history.session_path : name);
+    bool fine = what == SAVE_PICTURE   ? !window_write(window, path)
+                : what == SAVE_RESULTS ? export_results(window->viewer, path, why)
                                        : session_save(window, path, why);
     if (fine) {
         viewer_say(window->viewer, "saved: %s", path);

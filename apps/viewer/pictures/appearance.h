@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The look of an atlas: the user's settings of how it is drawn. They change pictures, never answers. */
-#ifndef CONUS_VIEWER_PICTURES_LOOK_H
-#define CONUS_VIEWER_PICTURES_LOOK_H
+#ifndef CONUS_VIEWER_PICTURES_APPEARANCE_H
+#define CONUS_VIEWER_PICTURES_APPEARANCE_H
 
 #include <conus/conus.h>
 
@@ -20,7 +20,7 @@ const char *haze_name(size_t haze);
 /** The one of that name; HAZE_LIMIT = none. */
 size_t haze_find(const char *name);
 
-struct look {
+struct appearance {
     double grey[2]; /**< Values of the context that the cuts show as black and white; both 0 = those that were found. */
     double *opacity; /**< [object_count + 1] Of surfaces in 3-D, by number, 0 to 1; NaN = as the first entry says, which
                           is of what the cone does not hit and more than 0. */
@@ -31,21 +31,21 @@ struct look {
 };
 
 /** All as conus draws it by itself; false without memory. */
-bool look_init(struct look *out, size_t object_count);
-void look_finish(struct look *look);
+bool appearance_init(struct appearance *out, size_t object_count);
+void appearance_finish(struct appearance *appearance);
 /** Colours streamlines by this, see tract_colour_name(). */
-void look_colour_streamlines(struct look *look, const conus_atlas *atlas, size_t colour);
+void appearance_colour_streamlines(struct appearance *appearance, const conus_atlas *atlas, size_t colour);
 /** Whether both draw pathways and streamlines in the same way. */
-bool look_same_tracts(const struct look *a, const struct look *b);
+bool appearance_same_tracts(const struct appearance *a, const struct appearance *b);
 /** Sets the opacities in @p view, which borrows them. */
-void look_set(conus_view *view, const struct look *look);
+void appearance_set(conus_view *view, const struct appearance *appearance);
 /** Moves the grey values @p grey of the cuts: @p up makes it brighter, by the width of @p found for 1; @p right gives
  * more contrast, e times for 1. Black stays below white, and both near @p found, which some images were found with. */
-void look_move_grey(double grey[2], const double found[2], double right, double up);
+void appearance_move_grey(double grey[2], const double found[2], double right, double up);
 /** The name for conus_renderer_options; NULL = that of bundles. */
-const char *look_streamline_colour(const struct look *look, const conus_atlas *atlas);
+const char *appearance_streamline_colour(const struct appearance *appearance, const conus_atlas *atlas);
 /** The pathways that are haze, in @p out of [object_count]; returns how many. */
-size_t look_pathways(conus_pathway_transfer *out, const struct look *look);
+size_t appearance_pathways(conus_pathway_transfer *out, const struct appearance *appearance);
 
 enum { TRACT_BY_BUNDLE = 0, TRACT_BY_DIRECTION, TRACT_BY_NUMBER /**< and above */, TRACT_COLOUR_LIMIT = 64 };
 
