@@ -43,11 +43,8 @@ end_children() {
 
 # runs PID: whether it does, and is not only waiting to be reaped.
 runs() {
-    local key value
-    while read -r key value; do
-        [ "$key" != State: ] || break
-    done 2>/dev/null <"/proc/$1/status" && [ "${value:0:1}" != Z ]
-} 2>/dev/null
+    grep -q '^State:[[:space:]]*[^Z]' "/proc/$1/status" 2>/dev/null
+}
 
 # wait_until PID COMMAND...: until COMMAND succeeds, which process PID shall bring about before it ends.
 wait_until() {
