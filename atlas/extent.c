@@ -199,76 +199,92 @@ static void add_voxel(struct moment *moment, const size_t dim[3], size_t voxel)
     moment->weight++;
 }
 
-conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t number)
+static void add_volume(struct moment *all, const conus_atlas *atlas, const struct volume *volume, uint32_t number)
 {
-    struct moment all = {0};
     bool has_grids = atlas_parcellation_count(atlas) > 1; /* whose voxels may differ in size */
-    if (number < 1 || number > atlas->object_count) {
-        return fail(CONUS_ERROR_ARGUMENT, "object %zu, allowed is 1 to %zu", number, atlas->object_count);
-    }
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        struct moment voxels = {0};
-        const struct volume *volume = &atlas->volumes[i];
-        if (volume->info.role != CONUS_ROLE_CONTEXT) {
-            uint32_t last = 0; /* neighbours are mostly of one object */
-            bool is_mine = false;
-            for (size_t v = 0; v < volume->voxel_count; v++) {
-                uint32_t here = volume_object(volume, v);
-                if (here != last) {
-                    last = here;
-                    is_mine = here && here != VOLUME_BLOCKER && atlas_is_below(atlas, here, (uint32_t)number);
-                }
-                if (is_mine) {
-                    add_voxel(&voxels, volume->info.dim, v);
-                }
-            }
-            for (size_t h = 0; h < volume->hidden_run_count; h++) {
-                const struct hidden_run *run = &volume->hidden_runs[h];
-                size_t count = atlas_is_below(atlas, run->object, (uint32_t)number) ? run->count : 0;
-                for (size_t v = run->first; v < run->first + count; v++) {
-                    add_voxel(&voxels, volume->info.dim, v);
-                }
-            }
+    struct moment voxels = {0};
+    uint32_t last = 0; /* neighbours are mostly of one object */
+    bool is_mine = false;
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        uint32_t here = volume_object(volume, v);
+        if (here != last) {
+            last = here;
+            is_mine = here && here != VOLUME_BLOCKER && atlas_is_below(atlas, here, number);
         }
-        if (voxels.weight > 0) {
-            double weight = voxels.weight * (has_grids ? space_voxel_mm3(&volume->info) : 1);
-            vec3_scale(voxels.sum, voxels.sum, 1 / voxels.weight);
-            mat4_point(voxels.sum, volume->info.world_from_voxel, voxels.sum);
-            vec3_add_scaled(all.sum, all.sum, weight, voxels.sum);
-            all.weight += weight;
+        if (is_mine) {
+            add_voxel(&voxels, volume->info.dim, v);
         }
     }
-    for (uint32_t object = 1; object <= atlas->object_count; object++) {
-        const struct mesh *mesh = atlas_stored_mesh(atlas, object);
-        if (mesh && atlas_is_below(atlas, object, (uint32_t)number)) {
-            for (size_t t = 0; t < mesh->triangle_count; t++) {
-                double p[3][3];
-                double normal[3];
-                double middle[3];
-                mesh_corners(p, mesh, t);
-                for (int a = 0; a < 3; a++) {
-                    middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3;
-                }
-                vec3_sub(p[1], p[1], p[0]);
-                vec3_sub(p[2], p[2], p[0]);
-                vec3_cross(normal, p[1], p[2]);
-                double area = vec3_length(normal) / 2;
-                vec3_add_scaled(all.sum, all.sum, area, middle);
-                all.weight += area;
-            }
+    for (size_t h = 0; h < volume->hidden_run_count; h++) {
+        const struct hidden_run *run = &volume->hidden_runs[h];
+        size_t count = atlas_is_below(atlas, run->object, number) ? run->count : 0;
+        for (size_t v = run->first; v < run->first + count; v++) {
+            add_voxel(&voxels, volume->info.dim, v);
         }
     }
-    const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, (uint32_t)number);
-    const struct tract_group *group = atlas_bundle_group(atlas, (uint32_t)number);
-    size_t count = tractogram ? tract_group_count(group, tractogram) : 0;
+    if (voxels.weight > 0) {
+        double weight = voxels.weight * (has_grids ? space_voxel_mm3(&volume->info) : 1);
+        vec3_scale(voxels.sum, voxels.sum, 1 / voxels.weight);
+        mat4_point(voxels.sum, volume->info.world_from_voxel, voxels.sum);
+        vec3_add_scaled(all->sum, all->sum, weight, voxels.sum);
+        all->weight += weight;
+    }
+}
+
+/* By the triangles' areas. */
+static void add_mesh(struct moment *all, const struct mesh *mesh)
+{
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        double p[3][3];
+        double normal[3];
+        double middle[3];
+        mesh_corners(p, mesh, t);
+        for (int a = 0; a < 3; a++) {
+            middle[a] = (p[0][a] + p[1][a] + p[2][a]) / 3;
+        }
+        vec3_sub(p[1], p[1], p[0]);
+        vec3_sub(p[2], p[2], p[0]);
+        vec3_cross(normal, p[1], p[2]);
+        double area = vec3_length(normal) / 2;
+        vec3_add_scaled(all->sum, all->sum, area, middle);
+        all->weight += area;
+    }
+}
+
+static void add_points(struct moment *all, const struct tractogram *tractogram, const struct tract_group *group)
+{
+    size_t count = tract_group_count(group, tractogram);
     for (size_t i = 0; i < count; i++) {
         uint32_t k = tract_group_member(group, i);
         for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++) {
             double p[3];
             tractogram_point(p, tractogram, at);
-            vec3_add_scaled(all.sum, all.sum, 1, p);
-            all.weight++;
+            vec3_add_scaled(all->sum, all->sum, 1, p);
+            all->weight++;
         }
+    }
+}
+
+conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t number)
+{
+    struct moment all = {0};
+    if (number < 1 || number > atlas->object_count) {
+        return fail(CONUS_ERROR_ARGUMENT, "object %zu, allowed is 1 to %zu", number, atlas->object_count);
+    }
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT) {
+            add_volume(&all, atlas, &atlas->volumes[i], (uint32_t)number);
+        }
+    }
+    for (uint32_t object = 1; object <= atlas->object_count; object++) {
+        const struct mesh *mesh = atlas_stored_mesh(atlas, object);
+        if (mesh && atlas_is_below(atlas, object, (uint32_t)number)) {
+            add_mesh(&all, mesh);
+        }
+    }
+    const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, (uint32_t)number);
+    if (tractogram) {
+        add_points(&all, tractogram, atlas_bundle_group(atlas, (uint32_t)number));
     }
     if (!(all.weight > 0)) {
         return fail(CONUS_ERROR_DATA, "%s has no voxels, triangles or streamlines", atlas->objects[number - 1].name);

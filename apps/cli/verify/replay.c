@@ -177,7 +177,7 @@ char *stage_output(const struct stage *stage, const char *option, const char *na
     return path;
 }
 
-/* Of two files, the one that is no sidecar: that has ".json" behind or in place of the other's ending. */
+/* The one of two files that is no sidecar: that has ".json" behind or in place of the other's ending. */
 char *stage_find_output(const char *folder, const char *option)
 {
     char *path = NULL;

@@ -44,7 +44,7 @@ static void cast(struct window *window, uint32_t width, uint32_t height)
         uint8_t rgb[3];
         viewer_colour(rgb, window->viewer, shadow->chosen);
         cells_cast(mask, width, height, &shadow->cells, &shadow->eye);
-        /* Of a bundle only the outline, since its streamlines may have colours of their own. */
+        /* Only the outline of a bundle, since its streamlines may have colours of their own. */
         bool is_bundle = conus_atlas_object(shadow->of->atlas, shadow->chosen)->kind == CONUS_KIND_BUNDLE;
         for (size_t pixel = 0; pixel < (size_t)width * height; pixel++) {
             memcpy(rgba + 4 * pixel, rgb, 3);
