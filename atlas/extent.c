@@ -199,7 +199,7 @@ static void add_voxel(struct moment *moment, const size_t dim[3], size_t voxel)
     moment->weight++;
 }
 
-static void add_volume(struct moment *all, const conus_atlas *atlas, const struct volume *volume, uint32_t number)
+static void add_voxels(struct moment *all, const conus_atlas *atlas, const struct volume *volume, uint32_t number)
 {
     bool has_grids = atlas_parcellation_count(atlas) > 1; /* whose voxels may differ in size */
     struct moment voxels = {0};
@@ -273,7 +273,7 @@ conus_status conus_atlas_centre(double out[3], const conus_atlas *atlas, size_t 
     }
     for (size_t i = 0; i < atlas->volume_count; i++) {
         if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT) {
-            add_volume(&all, atlas, &atlas->volumes[i], (uint32_t)number);
+            add_voxels(&all, atlas, &atlas->volumes[i], (uint32_t)number);
         }
     }
     for (uint32_t object = 1; object <= atlas->object_count; object++) {

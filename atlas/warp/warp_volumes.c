@@ -239,6 +239,27 @@ void warped_volumes_finish(struct warped_volumes *volumes, size_t count)
     *volumes = (struct warped_volumes){0};
 }
 
+/* Counts how many of up to SAMPLES labelled voxels the field leads out of its grid. */
+static void sample_places(struct warped_volumes *volumes, const struct volume_source *source,
+                          const struct warp_way *way, const struct warp_plan *plan)
+{
+    struct ways_back back;
+    size_t total = source->dim[0] * source->dim[1] * source->dim[2];
+    size_t labelled = 0;
+    for (size_t v = 0; v < total; v++) {
+        labelled += source_object(source, v) > 0;
+    }
+    size_t stride = labelled / SAMPLES + 1;
+    size_t next = find_ways_back(&back, source, way, plan) ? 0 : SIZE_MAX;
+    for (size_t v = 0, n = 0; v < total; v++) {
+        if (source_object(source, v) && n++ == next) {
+            next += stride;
+            volumes->sampled++;
+            volumes->outside += !has_place(source, way, plan, &back, v);
+        }
+    }
+}
+
 conus_status warped_volumes_init(struct warped_volumes *out, const conus_atlas *atlas, const struct warp_way *way,
                                  const struct warp_plan *plan)
 {
@@ -263,21 +284,7 @@ conus_status warped_volumes_init(struct warped_volumes *out, const conus_atlas *
             conus_role role = atlas->volumes[i].info.role;
             if (is_warped(&source, way) && role != CONUS_ROLE_CONTEXT &&
                 (role == CONUS_ROLE_PARCELLATION || !parcellations)) {
-                struct ways_back back;
-                size_t total = source.dim[0] * source.dim[1] * source.dim[2];
-                size_t labelled = 0;
-                for (size_t v = 0; v < total; v++) {
-                    labelled += source_object(&source, v) > 0;
-                }
-                size_t stride = labelled / SAMPLES + 1;
-                size_t next = find_ways_back(&back, &source, way, plan) ? 0 : SIZE_MAX;
-                for (size_t v = 0, n = 0; v < total; v++) {
-                    if (source_object(&source, v) && n++ == next) {
-                        next += stride;
-                        volumes.sampled++;
-                        volumes.outside += !has_place(&source, way, plan, &back, v);
-                    }
-                }
+                sample_places(&volumes, &source, way, plan);
             }
         }
         uint64_t left = 0;
