@@ -383,7 +383,7 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
     row.id = pose_strings_add(&stream->strings, name.text); /* lives until the next block */
     row.error = error ? pose_strings_add(&stream->strings, text_from(error)) : NULL;
     status = row.id && (!error || row.error) ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (row.is_point) { /* of cones conus_aims_found() tells more */
+    if (row.is_point) { /* for cones conus_aims_found() tells more */
         extent_add(&stream->extent, &row);
     }
     *out = row;

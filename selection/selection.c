@@ -127,8 +127,8 @@ conus_status selections_trace(conus_selection *const *selections, size_t count, 
     struct engine *engine = selector->engine;
     bool has_range = selector->options.range[1] > 0; /* then what is first follows from all layers */
     bool together = count > 1 && engine->functions->trace_many;
-    /* Rays hit first in a volume what their first interval is in, unless several begin there. In a mesh they may begin.
-     */
+    /* In a volume, a ray's first hit is the object of its first interval, unless several intervals begin there. In a
+     * mesh it need not be: a ray may begin inside. */
     bool layers_show_first = selector->options.engine != CONUS_ENGINE_GL && !atlas_has_meshes(selector->atlas) &&
                              !atlas_has_bundles(selector->atlas);
     /* The rays of a selector's pixels are those of the last cone that it was made ready for. */

@@ -30,8 +30,8 @@ struct conus_selector {
     struct tract_index *tract_index; /**< NULL until selector_prepare_tracts(), and without bundles. */
     bool owns_tract_index;           /**< It is not another selector's. */
     struct tract_census tracts;
-    struct solids solids; /**< Volumes of surfaces in the cone; with all layers, and for balls. */
-    double *whole;        /**< [object_count + 1] Volumes of what is reported, mm^3; with all layers. */
+    struct solids solids; /**< Volumes of surfaces in the cone. */
+    double *whole;        /**< [object_count + 1] Volumes of what is reported, mm^3. */
     bool inside_only;     /**< Only the pixels in the cone will be traced in its selections. */
     bool is_shared;       /**< Engine, level and volumes are another selector's. */
 };

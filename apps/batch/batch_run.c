@@ -314,7 +314,8 @@ void batch_run_keep_error(struct batch_run *run, const conus_batch_block *block)
 void batch_run_say_errors(const struct batch_run *run)
 {
     const struct first_error *first = &run->first_error;
-    bool is_said = run->settings->of_segments && option_given(run->arguments, "output"); /* by the run before */
+    bool is_said =
+        run->settings->of_segments && option_given(run->arguments, "output"); /* the run for --output has said it */
     char where[sizeof first->why + 64] = "";
     if (first->line) {
         snprintf(where, sizeof where, ", the first in line %" PRIu64 ": %s", first->line, first->why);

@@ -238,8 +238,8 @@ struct query {
     struct ends ends;
     conus_contacts contacts;
     conus_selection *selection; /* kept for --deep */
-    bool has_points, has_cones; /* that were asked about, */
-    bool has_shanks;            /* whose axes are the answer */
+    bool has_points, has_cones; /* poses without a direction were asked, and with one */
+    bool has_shanks;            /* answers along the axes of cones were asked */
 };
 
 static bool is_of_probe(conus_format format)

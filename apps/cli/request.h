@@ -74,12 +74,12 @@ struct request {
     struct atlases atlases;
     conus_frame frame;          /**< The space of positions, once the atlases are loaded. */
     struct answerer *answerers; /**< [atlases.count] */
-    conus_pose_list *poses;     /**< All of a file; or */
-    conus_pose_stream *stream;  /**< one after the other; or both NULL. */
+    conus_pose_list *poses;     /**< All poses of a file that is read whole, else NULL. */
+    conus_pose_stream *stream;  /**< A file whose poses are read one after the other, else NULL. */
     bool failed;                /**< Some poses had no answer. */
-    struct progress progress;   /**< The poses of a file, or the steps of each, */
-    size_t steps;               /**< how many each has; 0 = 1, */
-    size_t row;                 /**< and which one is being answered, from 0. */
+    struct progress progress;   /**< Counts poses of a file, or their steps. */
+    size_t steps;               /**< Steps of a pose; 0 = 1. */
+    size_t row;                 /**< The pose that is being answered, from 0. */
 };
 
 /** Whether --slices, --score, --context, --angle and --radius fit together; prints an error if not. */

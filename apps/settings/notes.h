@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Notes about atlases, and about where cones lie and point. */
-#ifndef CONUS_SETTINGS_AIM_NOTES_H
-#define CONUS_SETTINGS_AIM_NOTES_H
+#ifndef CONUS_SETTINGS_NOTES_H
+#define CONUS_SETTINGS_NOTES_H
 
 #include "settings/atlases.h"
 #include "settings/settings.h"

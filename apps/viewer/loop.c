@@ -18,7 +18,7 @@
 #include <math.h>
 #include <stdatomic.h>
 
-static const double longest_s = 2;     /* of a sleep that nothing ends; so often files are looked at */
+static const double longest_s = 2;     /* longest sleep; files are looked at after each */
 static const double watch_s = 0.2;     /* how often a tracker that says nothing is looked at */
 static const double blink_s = 0.2;     /* of the mark where text is typed */
 static const double patience_s = 0.02; /* of a script that waits for a file */

@@ -64,8 +64,8 @@ static double angle_of(const struct batch_worker *worker, const struct batch_pos
     return pose->angle != 0 ? pose->angle : worker->angle;
 }
 
-/* A point is asked what is within the cylinders' radius of it. */
-static conus_status begin_selection(conus_selection **out, struct batch_worker *worker, const struct batch_pose *pose)
+/* A cone, or for a point the ball of the cylinders' radius. */
+static conus_status select_pose(conus_selection **out, struct batch_worker *worker, const struct batch_pose *pose)
 {
     double radius = worker->selector->options.radius;
     if (!pose->is_point) {
@@ -88,7 +88,7 @@ static conus_status answer_one(const struct answering *answering, size_t index)
 {
     conus_selection *selection = NULL;
     const struct batch_pose *pose = &answering->poses[index];
-    conus_status status = pose->is_no_pose ? CONUS_OK : begin_selection(&selection, answering->worker, pose);
+    conus_status status = pose->is_no_pose ? CONUS_OK : select_pose(&selection, answering->worker, pose);
     if (status == CONUS_ERROR_ARGUMENT) { /* the pose's own fault */
         status = CONUS_OK;
     }
@@ -97,11 +97,12 @@ static conus_status answer_one(const struct answering *answering, size_t index)
     return status;
 }
 
-/* answer_one() for poses number `first` to first + count - 1, of which at_once may be given. */
+/* answer_one() for poses number `first` to first + count - 1, at most at_once of them. A pose without a selection is
+ * answered again alone, so that conus_message() is of it. */
 static conus_status answer_together(const struct answering *answering, size_t first, size_t count)
 {
     struct batch_worker *worker = answering->worker;
-    const struct batch_pose *poses = answering->poses + first; /* answer_one() says why one has no selection */
+    const struct batch_pose *poses = answering->poses + first;
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         if (!poses[i].is_no_pose && !poses[i].is_point) {

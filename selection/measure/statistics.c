@@ -31,12 +31,12 @@ struct tallied {
     bool is_solid; /* where that was counted                 */
     bool in_grid;  /* some of it is voxels,                  */
     uint64_t voxels;
-    double mm3; /* of which these are in the cone         */
+    double mm3; /* volume of the voxels in the cone */
     double value, maximum;
-    double moment[3];      /* sum of position times weight, that being the number of voxels or their values, */
-    double weight_in_grid; /* and the sum of the weights                 */
-    double point[3];       /* the nearest one, of what is near,          */
-    double point_value;    /* and the value there                        */
+    double moment[3];                     /* sum of position times weight; a weight is a number of voxels, or a value */
+    double weight_in_grid;                /* sum of the weights */
+    double point[3];                      /* the nearest point, where the question is what is near */
+    double point_value;                   /* the value at the nearest point */
     const struct tract_part *streamlines; /* of a bundle, in the cone; NULL = none, or not counted */
 };
 

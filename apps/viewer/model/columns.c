@@ -19,7 +19,8 @@ struct column {
     size_t offset; /* in the result */
     int digits;    /* of conus query's table */
     const char *widest;
-    bool falls, needs_object; /* the largest comes first; what is unassigned has none */
+    bool falls;        /* the largest value comes first */
+    bool needs_object; /* the row of what is unassigned has no value */
 };
 
 #define AT(member) offsetof(conus_result, member)

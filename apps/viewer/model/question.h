@@ -25,9 +25,8 @@ void question_next_level(struct viewer *viewer);
 size_t *question_order(const struct viewer *viewer, const conus_selection *selection);
 
 /** Asks as conus query does with the @p words behind the first: --layers, --range, --radius, --level, --score, --order,
- * --resolution,
- * --aperture, --engine, --sampling, --slices, --slice-fraction. What they leave out is the default. False: it was said
- * why not, on stderr, and all stays as it was. */
+ * --resolution, --aperture, --engine, --sampling, --slices, --slice-fraction. What they leave out is the default.
+ * False: it was said why not, on stderr, and all stays as it was. */
 bool ask_words(struct viewer *viewer, char **words, int count);
 
 #endif

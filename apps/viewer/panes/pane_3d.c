@@ -281,7 +281,7 @@ static void use_click(struct window *window, const struct ui_mouse *mouse)
     double eye[3];
     double direction[3];
     bool is_click = mouse->released[0] && window->frame.click_left > 0;
-    bool is_pressed = mouse->pressed[0] && ui_surface_held(); /* and not on a panel, whence it came */
+    bool is_pressed = mouse->pressed[0] && ui_surface_held(); /* a press that began on a panel is no click here */
     float left = is_pressed ? click : window->frame.click_left - fabsf(mouse->moved_x) - fabsf(mouse->moved_y);
     window->frame.click_left = mouse->released[0] ? 0 : fmaxf(left, 0);
     if (!is_click) {

@@ -183,7 +183,7 @@ void dialog_move(struct dialog *dialog, int by)
 {
     dialog_look(dialog);
     size_t count = dialog->folder.count;
-    size_t step = by > 0 ? 1 : SIZE_MAX; /* which is one back */
+    size_t step = by > 0 ? 1 : SIZE_MAX; /* adding SIZE_MAX goes one back */
     size_t from = dialog->marked < count ? dialog->marked : by > 0 ? SIZE_MAX : count;
     for (size_t i = from + step; i < count; i += step) {
         if (dialog_fits(dialog, i)) {

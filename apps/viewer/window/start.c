@@ -89,7 +89,8 @@ static size_t installed_best(const conus_catalogue *catalogue, const char *text)
 static size_t installed_next(const conus_catalogue *catalogue, const char *text, size_t index, int by)
 {
     size_t count = conus_catalogue_count(catalogue);
-    const size_t step = by > 0 ? 1 : SIZE_MAX; /* which is one back; before 0 is SIZE_MAX, too */
+    const size_t step =
+        by > 0 ? 1 : SIZE_MAX; /* adding SIZE_MAX goes one back, and from 0 to SIZE_MAX, which ends the loop */
     for (size_t i = index + step; i < count; i += step) {
         if (installed_fits(conus_catalogue_atlas(catalogue, i), text) && !installed_is_twin(catalogue, i)) {
             return i;
