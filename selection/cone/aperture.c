@@ -78,6 +78,36 @@ static conus_status make_pixels(struct aperture *aperture, const struct cone *co
     return CONUS_OK;
 }
 
+static void make_weights(struct aperture *aperture, const struct cone *cone)
+{
+    uint32_t n = aperture->resolution;
+    aperture->angle = cone->angle;
+    aperture->total_weight = 0;
+    for (uint32_t j = 0; j < n; j++) {
+        for (uint32_t i = 0; i < n; i++) {
+            size_t pixel = (size_t)j * n + i;
+            aperture->weight[pixel] = cone_weight(cone, i, j);
+            aperture->total_weight += aperture->in_cone[pixel] ? aperture->weight[pixel] : 0;
+        }
+    }
+}
+
+static void aim_rays(struct aperture *aperture, const struct cone *cone)
+{
+    enum { AT_ONCE = 64 };
+    struct device_rays *rays = &aperture->rays;
+    for (size_t first = 0; first < rays->count; first += AT_ONCE) {
+        double u[AT_ONCE];
+        double v[AT_ONCE];
+        size_t count = rays->count - first < AT_ONCE ? rays->count - first : AT_ONCE;
+        for (size_t k = 0; k < count; k++) {
+            u[k] = cone_coordinate(rays->pixel[first + k] % aperture->resolution, aperture->resolution);
+            v[k] = cone_coordinate(rays->pixel[first + k] / aperture->resolution, aperture->resolution);
+        }
+        cone_device_rays(rays->right + first, rays->up + first, rays->forward + first, cone, u, v, count);
+    }
+}
+
 conus_status aperture_prepare(struct aperture *aperture, const struct cone *cone)
 {
     bool other = aperture->angle != cone->angle && (aperture->is_wide_square || is_wide_square(cone));
@@ -88,28 +118,8 @@ conus_status aperture_prepare(struct aperture *aperture, const struct cone *cone
         }
     }
     if (aperture->angle != cone->angle) {
-        uint32_t n = aperture->resolution;
-        aperture->angle = cone->angle;
-        aperture->total_weight = 0;
-        for (uint32_t j = 0; j < n; j++) {
-            for (uint32_t i = 0; i < n; i++) {
-                size_t pixel = (size_t)j * n + i;
-                aperture->weight[pixel] = cone_weight(cone, i, j);
-                aperture->total_weight += aperture->in_cone[pixel] ? aperture->weight[pixel] : 0;
-            }
-        }
-        enum { AT_ONCE = 64 };
-        struct device_rays *rays = &aperture->rays;
-        for (size_t first = 0; first < rays->count; first += AT_ONCE) {
-            double u[AT_ONCE];
-            double v[AT_ONCE];
-            size_t count = rays->count - first < AT_ONCE ? rays->count - first : AT_ONCE;
-            for (size_t k = 0; k < count; k++) {
-                u[k] = cone_coordinate(rays->pixel[first + k] % aperture->resolution, aperture->resolution);
-                v[k] = cone_coordinate(rays->pixel[first + k] / aperture->resolution, aperture->resolution);
-            }
-            cone_device_rays(rays->right + first, rays->up + first, rays->forward + first, cone, u, v, count);
-        }
+        make_weights(aperture, cone);
+        aim_rays(aperture, cone);
     }
     return CONUS_OK;
 }
