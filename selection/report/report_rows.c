@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-void report_write_cell(struct buffer *out, struct cell cell)
+inline void report_write_cell(struct buffer *out, struct cell cell) /* called for each cell of a batch */
 {
     switch (cell.type) {
     case CELL_NONE:
