@@ -91,9 +91,11 @@ static void compare_rows(struct comparison *diff, size_t row, size_t other)
         const char *two = cell_named(diff->b, other, name);
         double x;
         double y;
-        bool are_near = two && conus_column_is_number(name) && number_parse(one, &x) && number_parse(two, &y) &&
-                        fabs(x - y) <= diff->tolerance; /* names that look like numbers are none: "1e1" is not "10" */
-        if (!two || strcmp(one, two) == 0 || are_near) {
+        if (!two || strcmp(one, two) == 0) {
+            continue;
+        }
+        if (conus_column_is_number(name) && number_parse(one, &x) && number_parse(two, &y) &&
+            fabs(x - y) <= diff->tolerance) { /* names that look like numbers are none: "1e1" is not "10" */
             continue;
         }
         if (!changed) {
