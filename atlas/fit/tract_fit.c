@@ -66,6 +66,28 @@ static bool find_boxes(struct boxes *boxes, const conus_atlas *atlas)
     return true;
 }
 
+/* Measures the points; `voxels` is the grid whose indices they may be, or NULL. */
+static struct extent measure_points(const struct tractogram *tractogram, const struct boxes *boxes,
+                                    const struct volume *voxels)
+{
+    struct extent extent = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
+    for (uint64_t i = 0; i < tractogram->point_count; i++) {
+        double p[3];
+        tractogram_point(p, tractogram, i);
+        for (int a = 0; a < 3; a++) {
+            extent.low[a] = fmin(extent.low[a], p[a]);
+            extent.high[a] = fmax(extent.high[a], p[a]);
+        }
+        extent.inside += is_within(p, boxes->low, boxes->high);
+        extent.before += is_within(p, boxes->own_low, boxes->own_high);
+        if (voxels) {
+            mat4_point(p, voxels->info.world_from_voxel, p);
+            extent.as_indices += is_within(p, boxes->low, boxes->high);
+        }
+    }
+    return extent;
+}
+
 /* If they are indices, all are in the grid, at least as many come to the areas then, and the areas reach below 0 mm,
  * where no index is. A bundle of the right front in mm is not brought to the areas by that. */
 static bool looks_like_indices(const struct extent *extent, const size_t dim[3], const double areas_low[3])
@@ -83,26 +105,12 @@ conus_status tract_fit_note(struct notes *notes, const conus_atlas *atlas, const
                             const char *name)
 {
     struct boxes boxes;
-    double world[16];
-    mat4_identity(world);
     if (!tractogram->point_count || !find_boxes(&boxes, atlas)) {
         return CONUS_OK;
     }
     const double all = (double)tractogram->point_count;
     const struct volume *voxels = atlas_parcellation_count(atlas) ? &atlas->volumes[0] : NULL;
-    struct extent extent = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
-    for (uint64_t i = 0; i < tractogram->point_count; i++) {
-        double p[3];
-        tractogram_point(p, tractogram, i);
-        for (int a = 0; a < 3; a++) {
-            extent.low[a] = fmin(extent.low[a], p[a]);
-            extent.high[a] = fmax(extent.high[a], p[a]);
-        }
-        extent.inside += is_within(p, boxes.low, boxes.high);
-        extent.before += is_within(p, boxes.own_low, boxes.own_high);
-        mat4_point(p, voxels ? voxels->info.world_from_voxel : world, p);
-        extent.as_indices += is_within(p, boxes.low, boxes.high);
-    }
+    const struct extent extent = measure_points(tractogram, &boxes, voxels);
     char words[300];
     bool said;
     const struct fit_box areas = fit_box_of_areas(atlas, true, true);

@@ -37,6 +37,12 @@ static conus_status fail_damaged(void)
     return fail(CONUS_ERROR_DATA, "the memory holds no atlas that this version of conus has packed");
 }
 
+/* To a multiple of a cache line. */
+static size_t round_up(size_t size)
+{
+    return (size + PACK_LINE - 1) / PACK_LINE * PACK_LINE;
+}
+
 /* `size` small bytes at `data`, which are read, or written when attaching. */
 static void pack_bytes(struct pack_walk *walk, void *data, size_t size)
 {
@@ -90,7 +96,7 @@ static uint8_t *pack_place(struct pack_walk *walk, size_t size)
         walk->status = fail_damaged();
         return NULL;
     }
-    walk->large += (size + PACK_BEHIND + PACK_LINE - 1) / PACK_LINE * PACK_LINE;
+    walk->large += round_up(size + PACK_BEHIND);
     return in_memory ? walk->memory + at : NULL;
 }
 
@@ -311,6 +317,15 @@ static struct tractogram bare_tractogram(const struct tractogram *tractogram)
     return bare;
 }
 
+/* Counts that arrays in the block can have, and texts that end. */
+static bool tractogram_fits(const struct tractogram *plain, const struct pack_walk *walk)
+{
+    return plain->point_count <= walk->size && plain->streamline_count < UINT32_MAX &&
+           plain->streamline_count <= walk->size && plain->tree.run_count <= walk->size &&
+           plain->tree.run_count <= UINT32_MAX && memchr(plain->format, 0, sizeof plain->format) &&
+           memchr(plain->sha256, 0, sizeof plain->sha256);
+}
+
 static void pass_scalar(struct pack_walk *walk, void *item, const void *owner)
 {
     struct tract_scalar *scalar = item;
@@ -362,11 +377,7 @@ static void pass_tractogram(struct pack_walk *walk, void *item, const void *owne
     struct tractogram plain = bare_tractogram(tractogram);
     bool attaches = walk->mode == PACK_ATTACH;
     pack_bytes(walk, &plain, sizeof plain);
-    bool fits = plain.point_count <= walk->size && plain.streamline_count < UINT32_MAX && /* arrays in the block */
-                plain.streamline_count <= walk->size && plain.tree.run_count <= walk->size &&
-                plain.tree.run_count <= UINT32_MAX && memchr(plain.format, 0, sizeof plain.format) &&
-                memchr(plain.sha256, 0, sizeof plain.sha256);
-    if (!walk->status && attaches && !fits) {
+    if (!walk->status && attaches && !tractogram_fits(&plain, walk)) {
         walk->status = fail_damaged();
     }
     if (walk->status) {
@@ -455,6 +466,38 @@ static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
     }
 }
 
+static void pass_objects(struct pack_walk *walk, conus_atlas *atlas, const conus_atlas *counts)
+{
+    atlas->objects = pack_reserve(walk, atlas->objects, counts->object_count, sizeof *atlas->objects);
+    atlas->places = pack_reserve(walk, atlas->places, counts->object_count, sizeof *atlas->places);
+    for (size_t i = 0; i < counts->object_count && !walk->status; i++) {
+        conus_object object = walk->mode == PACK_ATTACH ? (conus_object){0} : atlas->objects[i];
+        pass_object(walk, &object, &atlas->places[i]);
+        if (walk->mode == PACK_ATTACH) {
+            atlas->objects[i] = object;
+            atlas->object_count = i + 1;
+        }
+    }
+    for (size_t i = 0; i < atlas->object_count && walk->mode == PACK_ATTACH && !walk->status; i++) {
+        walk->status = bundle_is_sound(atlas, i) ? CONUS_OK : fail_damaged();
+    }
+}
+
+static void pass_files_and_notes(struct pack_walk *walk, conus_atlas *atlas, const conus_atlas *counts)
+{
+    atlas->files.items = pack_reserve(walk, atlas->files.items, counts->files.count, sizeof *atlas->files.items);
+    for (size_t i = 0; i < counts->files.count && !walk->status; i++) {
+        atlas->files.count = i + 1;
+        pack_bytes(walk, atlas->files.items[i].sha256, sizeof atlas->files.items[i].sha256);
+        pack_text(walk, &atlas->files.items[i].path);
+    }
+    atlas->notes.lines = pack_reserve(walk, atlas->notes.lines, counts->notes.count, sizeof *atlas->notes.lines);
+    for (size_t i = 0; i < counts->notes.count && !walk->status; i++) {
+        atlas->notes.count = i + 1;
+        pack_text(walk, &atlas->notes.lines[i]);
+    }
+}
+
 static conus_atlas bare_atlas(const conus_atlas *atlas)
 {
     conus_atlas bare = *atlas;
@@ -494,38 +537,17 @@ static void pass_atlas(struct pack_walk *walk, conus_atlas *atlas)
     pack_text(walk, &atlas->path);
     pack_text(walk, &atlas->label_source);
     pack_text(walk, &atlas->transfer);
-    if (!walk->status) {
-        pass_list(walk, &atlas->warps, &atlas->warp_count, counts.warp_count, sizeof *atlas->warps, pass_warp, atlas);
-        pass_list(walk, &atlas->volumes, &atlas->volume_count, counts.volume_count, sizeof *atlas->volumes, pass_volume,
-                  atlas);
-        pass_list(walk, &atlas->meshes, &atlas->mesh_count, counts.mesh_count, sizeof *atlas->meshes, pass_mesh, atlas);
-        pass_list(walk, &atlas->tractograms, &atlas->tractogram_count, counts.tractogram_count,
-                  sizeof *atlas->tractograms, pass_tractogram, atlas);
-        atlas->objects = pack_reserve(walk, atlas->objects, counts.object_count, sizeof *atlas->objects);
-        atlas->places = pack_reserve(walk, atlas->places, counts.object_count, sizeof *atlas->places);
-        for (size_t i = 0; i < counts.object_count && !walk->status; i++) {
-            conus_object object = walk->mode == PACK_ATTACH ? (conus_object){0} : atlas->objects[i];
-            pass_object(walk, &object, &atlas->places[i]);
-            if (walk->mode == PACK_ATTACH) {
-                atlas->objects[i] = object;
-                atlas->object_count = i + 1;
-            }
-        }
-        for (size_t i = 0; i < atlas->object_count && walk->mode == PACK_ATTACH && !walk->status; i++) {
-            walk->status = bundle_is_sound(atlas, i) ? CONUS_OK : fail_damaged();
-        }
-        atlas->files.items = pack_reserve(walk, atlas->files.items, counts.files.count, sizeof *atlas->files.items);
-        for (size_t i = 0; i < counts.files.count && !walk->status; i++) {
-            atlas->files.count = i + 1;
-            pack_bytes(walk, atlas->files.items[i].sha256, sizeof atlas->files.items[i].sha256);
-            pack_text(walk, &atlas->files.items[i].path);
-        }
-        atlas->notes.lines = pack_reserve(walk, atlas->notes.lines, counts.notes.count, sizeof *atlas->notes.lines);
-        for (size_t i = 0; i < counts.notes.count && !walk->status; i++) {
-            atlas->notes.count = i + 1;
-            pack_text(walk, &atlas->notes.lines[i]);
-        }
+    if (walk->status) {
+        return;
     }
+    pass_list(walk, &atlas->warps, &atlas->warp_count, counts.warp_count, sizeof *atlas->warps, pass_warp, atlas);
+    pass_list(walk, &atlas->volumes, &atlas->volume_count, counts.volume_count, sizeof *atlas->volumes, pass_volume,
+              atlas);
+    pass_list(walk, &atlas->meshes, &atlas->mesh_count, counts.mesh_count, sizeof *atlas->meshes, pass_mesh, atlas);
+    pass_list(walk, &atlas->tractograms, &atlas->tractogram_count, counts.tractogram_count, sizeof *atlas->tractograms,
+              pass_tractogram, atlas);
+    pass_objects(walk, atlas, &counts);
+    pass_files_and_notes(walk, atlas, &counts);
 }
 
 /* Must be the same for a block to be read. */
@@ -551,11 +573,6 @@ static uint64_t layout_of_structures(void)
         layout = 1000003 * layout + sizes[i];
     }
     return layout;
-}
-
-static size_t round_up(size_t size)
-{
-    return (size + PACK_LINE - 1) / PACK_LINE * PACK_LINE;
 }
 
 /* The walk over an atlas that is only read: the walk writes to copies of its parts, and to them only what is there. */
@@ -629,6 +646,14 @@ conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atla
     return walk.status;
 }
 
+/* Whether `size` bytes at `memory` are a block of this build's, undamaged in what is small. */
+static bool is_whole(const struct head *head, const uint8_t *memory, size_t size)
+{
+    return memcmp(head->magic, magic, sizeof magic) == 0 && head->layout == layout_of_structures() &&
+           head->size <= size && head->small_end >= sizeof *head && head->small_end <= head->size &&
+           round_up(head->small_end) <= head->size && crc_of(memory, head->small_end) == head->crc;
+}
+
 conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size)
 {
     struct head head;
@@ -636,11 +661,7 @@ conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t si
         return fail(CONUS_ERROR_ARGUMENT, "memory %p of an atlas: a multiple of %d is needed", memory, PACK_LINE);
     }
     memcpy(&head, memory, size < sizeof head ? 0 : sizeof head);
-    bool is_whole = size >= sizeof head && memcmp(head.magic, magic, sizeof magic) == 0 &&
-                    head.layout == layout_of_structures() && head.size <= size && head.small_end >= sizeof head &&
-                    head.small_end <= head.size && round_up(head.small_end) <= head.size &&
-                    crc_of(memory, head.small_end) == head.crc;
-    if (!is_whole) {
+    if (size < sizeof head || !is_whole(&head, memory, size)) {
         return fail_damaged();
     }
     conus_atlas *atlas = memory_zeroed(1, sizeof *atlas);

@@ -142,6 +142,20 @@ static void deliver_all(struct pool *pool)
     pthread_mutex_unlock(&pool->lock);
 }
 
+static conus_status run_alone(const struct ring *ring)
+{
+    static const atomic_bool never = false;
+    bool may_follow = true;
+    conus_status status = CONUS_OK;
+    while (may_follow && !status) {
+        may_follow = false;
+        status = ring->read(ring->user, 0, &may_follow);
+        status = status ? status : ring->answer(ring->user, 0, 0, &never);
+        status = status ? status : ring->deliver(ring->user, 0);
+    }
+    return status;
+}
+
 static conus_status run_threads(struct pool *pool, pthread_t *threads)
 {
     pthread_mutex_init(&pool->reading, NULL);
@@ -167,16 +181,7 @@ static conus_status run_threads(struct pool *pool, pthread_t *threads)
 conus_status ring_run(const struct ring *ring)
 {
     if (ring->workers == 1) {
-        static const atomic_bool never = false;
-        bool may_follow = true;
-        conus_status status = CONUS_OK;
-        while (may_follow && !status) {
-            may_follow = false;
-            status = ring->read(ring->user, 0, &may_follow);
-            status = status ? status : ring->answer(ring->user, 0, 0, &never);
-            status = status ? status : ring->deliver(ring->user, 0);
-        }
-        return status;
+        return run_alone(ring);
     }
     struct pool pool = {.ring = ring, .slots = memory_zeroed(ring->slots, sizeof *pool.slots)};
     pthread_t *threads = memory_zeroed(ring->workers, sizeof *threads);

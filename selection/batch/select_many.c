@@ -77,6 +77,41 @@ static conus_status deliver_block(void *user, size_t slot)
     return run->sink(run->user, &answers) ? CONUS_OK : fail(CONUS_ERROR_CANCELLED, "the sink ended the run");
 }
 
+static conus_status build(struct run *run, conus_selector *selector)
+{
+    const conus_many_options *options = &run->options;
+    run->block_count = ring_slots(options->threads);
+    run->workers = memory_zeroed(options->threads, sizeof *run->workers);
+    run->blocks = memory_zeroed(run->block_count, sizeof *run->blocks);
+    conus_status status = run->workers && run->blocks ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (uint32_t i = 0; i < options->threads && !status; i++) {
+        status = batch_worker_init(&run->workers[i], selector, options->block, options->angle);
+    }
+    for (size_t i = 0; i < run->block_count && !status; i++) {
+        struct block *block = &run->blocks[i];
+        block->poses = memory_raw(options->block, sizeof *block->poses);
+        block->starts = memory_zeroed((size_t)options->block + 1, sizeof *block->starts);
+        block->statuses = memory_raw(options->block, sizeof *block->statuses);
+        status = block->poses && block->starts && block->statuses ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    return status;
+}
+
+static void finish(struct run *run)
+{
+    for (size_t i = 0; run->workers && i < run->options.threads; i++) {
+        batch_worker_finish(&run->workers[i]);
+    }
+    for (size_t i = 0; run->blocks && i < run->block_count; i++) {
+        memory_free(run->blocks[i].poses);
+        memory_free(run->blocks[i].starts);
+        memory_free(run->blocks[i].statuses);
+        memory_free(run->blocks[i].results);
+    }
+    memory_free(run->workers);
+    memory_free(run->blocks);
+}
+
 conus_status conus_select_many(conus_astray *astray, conus_selector *selector, const conus_pose_array *poses,
                                const conus_many_options *options, conus_answer_sink sink, void *user)
 {
@@ -95,20 +130,7 @@ conus_status conus_select_many(conus_astray *astray, conus_selector *selector, c
     }
     size_t blocks = (run.poses.count + run.options.block - 1) / run.options.block;
     run.options.threads = blocks < run.options.threads ? blocks ? (uint32_t)blocks : 1 : run.options.threads;
-    run.block_count = ring_slots(run.options.threads);
-    run.workers = memory_zeroed(run.options.threads, sizeof *run.workers);
-    run.blocks = memory_zeroed(run.block_count, sizeof *run.blocks);
-    status = run.workers && run.blocks ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (uint32_t i = 0; i < run.options.threads && !status; i++) {
-        status = batch_worker_init(&run.workers[i], selector, run.options.block, run.options.angle);
-    }
-    for (size_t i = 0; i < run.block_count && !status; i++) {
-        struct block *block = &run.blocks[i];
-        block->poses = memory_raw(run.options.block, sizeof *block->poses);
-        block->starts = memory_zeroed((size_t)run.options.block + 1, sizeof *block->starts);
-        block->statuses = memory_raw(run.options.block, sizeof *block->statuses);
-        status = block->poses && block->starts && block->statuses ? CONUS_OK : CONUS_ERROR_MEMORY;
-    }
+    status = build(&run, selector);
     if (!status) {
         status = ring_run(&(const struct ring){.user = &run,
                                                .workers = run.options.threads,
@@ -123,16 +145,6 @@ conus_status conus_select_many(conus_astray *astray, conus_selector *selector, c
             aims_merge(astray, &run.workers[i].aims.found);
         }
     }
-    for (size_t i = 0; run.workers && i < run.options.threads; i++) {
-        batch_worker_finish(&run.workers[i]);
-    }
-    for (size_t i = 0; run.blocks && i < run.block_count; i++) {
-        memory_free(run.blocks[i].poses);
-        memory_free(run.blocks[i].starts);
-        memory_free(run.blocks[i].statuses);
-        memory_free(run.blocks[i].results);
-    }
-    memory_free(run.workers);
-    memory_free(run.blocks);
+    finish(&run);
     return status;
 }

@@ -262,15 +262,11 @@ static void show_pose(struct viewer *viewer)
     }
 }
 
-void panel_cone(struct window *window)
+static void choose_pointer(struct window *window)
 {
     static const char *const apexes[] = {"at the surface", "at your eye"};
-    static const char *const followed[FOLLOW_COUNT] = {"nothing", "the cone's tip", "the best contact"};
     struct viewer *viewer = window->viewer;
     size_t pointer = (size_t)viewer->tools[FIRST_TOOL].pointer;
-    if (!ui_section("Cone", true)) {
-        return;
-    }
     if (ui_choose("points", &pointer, pointer_names, POINTER_COUNT)) {
         tool_choose(viewer, FIRST_TOOL, (enum pointer)pointer);
     }
@@ -284,6 +280,37 @@ void panel_cone(struct window *window)
     if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
         choose_property(window, PROPERTY_APEX_AT_EYE, "begins", apexes, 2);
     }
+}
+
+static void choose_view(struct viewer *viewer)
+{
+    bool outlines = !viewer->display.no_outlines;
+    bool safe = viewer->display.safe_colours;
+    bool shown = ui_slider("context", &viewer->display.fade, 0, 1, "%.2f faded", false);
+    panel_tip(PROPERTY_FADE);
+    shown = ui_slider("areas", &viewer->display.fill, 0, 1, "%.2f filled", false) || shown;
+    panel_tip(PROPERTY_FILL);
+    shown = ui_check("outlines", &outlines) || shown;
+    panel_tip(PROPERTY_OUTLINES);
+    viewer->display.no_outlines = !outlines;
+    shown = ui_check("radiological (left is right)", &viewer->display.radiological) || shown;
+    panel_tip(PROPERTY_RADIOLOGICAL);
+    if (ui_check("colours for any colour vision", &safe)) {
+        viewer_use_safe_colours(viewer, safe);
+    }
+    panel_tip(PROPERTY_SAFE_COLOURS);
+    viewer->version += shown;
+    panel_look_view(viewer);
+}
+
+void panel_cone(struct window *window)
+{
+    static const char *const followed[FOLLOW_COUNT] = {"nothing", "the cone's tip", "the best contact"};
+    struct viewer *viewer = window->viewer;
+    if (!ui_section("Cone", true)) {
+        return;
+    }
+    choose_pointer(window);
     show_pose(viewer);
     choose_property(window, PROPERTY_FOLLOW, "cuts follow", followed, FOLLOW_COUNT);
     bool one_ray = viewer->cone.one_ray;
@@ -301,23 +328,7 @@ void panel_cone(struct window *window)
     }
     choose_hits(window);
     if (ui_section("View", false)) {
-        bool shown = ui_slider("context", &viewer->display.fade, 0, 1, "%.2f faded", false);
-        panel_tip(PROPERTY_FADE);
-        shown = ui_slider("areas", &viewer->display.fill, 0, 1, "%.2f filled", false) || shown;
-        panel_tip(PROPERTY_FILL);
-        bool outlines = !viewer->display.no_outlines;
-        shown = ui_check("outlines", &outlines) || shown;
-        panel_tip(PROPERTY_OUTLINES);
-        viewer->display.no_outlines = !outlines;
-        shown = ui_check("radiological (left is right)", &viewer->display.radiological) || shown;
-        panel_tip(PROPERTY_RADIOLOGICAL);
-        bool safe = viewer->display.safe_colours;
-        if (ui_check("colours for any colour vision", &safe)) {
-            viewer_use_safe_colours(viewer, safe);
-        }
-        panel_tip(PROPERTY_SAFE_COLOURS);
-        viewer->version += shown;
-        panel_look_view(viewer);
+        choose_view(viewer);
     }
     panel_transfer(window);
 }
