@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus query: what is in a cone or ball, with the tables, pictures and masks that belong to it. */
 #include "cli/answers/ends.h"
+#include "cli/answers/selection_files.h"
 #include "cli/commands.h"
 #include "cli/request.h"
 #include "options/messages.h"
@@ -13,28 +14,17 @@
 #include <conus/conus.h>
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 struct query_settings {
     struct request_settings request; /* first */
     const char *voxels;
     size_t voxels_of;
-    const char *image, *deep;
-    const char *mask;
-    size_t mask_content; /* conus_grid_content, if given */
-    const char *mask_object;
-    const char *streamlines;
+    struct selection_file_settings files;
     struct axis_settings axis;
     struct ends_settings ends;
     double point[3];
 };
-
-static const char *const mask_contents[] = {[CONUS_GRID_MASK_OF_AREAS] = "areas",
-                                            [CONUS_GRID_MASK_OF_REGION] = "all",
-                                            [CONUS_GRID_MAP_OF_LABELS] = "labels",
-                                            [CONUS_GRID_MAP_OF_VALUES] = "values",
-                                            NULL};
 
 static const char *const voxel_kinds[] = {"pathways", "all", NULL};
 
@@ -49,7 +39,7 @@ static const struct option point_options[] = {
     {0},
 };
 
-static const struct option output_options[] = {
+static const struct option voxels_options[] = {
     {.name = "voxels",
      .type = OPTION_TEXT,
      .offset = offsetof(struct query_settings, voxels),
@@ -64,55 +54,6 @@ static const struct option output_options[] = {
      .help = "whose voxels:",
      .choices = voxel_kinds,
      .needs = "voxels"},
-    {.name = "image",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, image),
-     .value = "FILE",
-     .help = "write the image seen from the device: .exr with id, X, Y, Z, t per pixel, or .png in the areas' colours",
-     .words = "figure, picture",
-     .role = OPTION_WRITES,
-     .flags = OPTION_OF_CONE | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE | OPTION_IS_PICTURE,
-     .endings = ".exr .png"},
-    {.name = "deep",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, deep),
-     .value = "FILE.exr",
-     .help = "with --layers all: write every interval of every ray inside an object, as a deep image with names",
-     .role = OPTION_WRITES,
-     .flags = OPTION_OF_CONE | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE | OPTION_IS_PICTURE,
-     .endings = ".exr"},
-    {.name = "mask",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, mask),
-     .value = "FILE.nii.gz",
-     .help = "write the voxels in the cone as a volume on the atlas's grid, with a .json beside it",
-     .words = "NIfTI, volume",
-     .role = OPTION_WRITES,
-     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
-     .endings = ".nii.gz .nii"},
-    {.name = "mask-of",
-     .type = OPTION_CHOICE,
-     .offset = offsetof(struct query_settings, mask_content),
-     .value = "WHAT",
-     .help = "content of the mask: 1 in voxels of areas, 1 in all voxels, labels of areas, or values of a pathway; "
-             "without it a name that ends in _dseg means labels, one that ends in _probseg values:",
-     .choices = mask_contents,
-     .needs = "mask"},
-    {.name = "mask-object",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, mask_object),
-     .value = "NAME",
-     .help = "only this area with those below it in the tree, or this pathway: a name, abbreviation or label",
-     .role = OPTION_ASKS,
-     .needs = "mask"},
-    {.name = "streamlines-out",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, streamlines),
-     .value = "FILE.tck",
-     .help = "write the streamlines of bundles that come into the cone or ball, whole, as a tractogram of MRtrix",
-     .role = OPTION_WRITES,
-     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
-     .endings = ".tck"},
     {0},
 };
 
@@ -127,90 +68,11 @@ static const struct option_group groups[] = {
     {"", axis_options, offsetof(struct query_settings, axis)},
     {"", endpoints_options, offsetof(struct query_settings, ends)},
     {"", connectivity_options, offsetof(struct query_settings, ends)},
-    {"", output_options, 0},
+    {"", voxels_options, 0},
+    {"", selection_file_options, offsetof(struct query_settings, files)},
     {"", quiet_options, REQUEST_FIELD(common)},
     {0},
 };
-
-/* A mask on its way from the selection to its file. A zeroed one is none. */
-struct mask {
-    const struct query_settings *settings;
-    char *sidecar; /* Path; NULL without a mask. */
-    conus_grid_content content;
-    conus_grid *grid;
-};
-
-/* Length of the path without .nii or .nii.gz, one of which it has. */
-static size_t stem_length(const char *path)
-{
-    return strlen(path) - strlen(path_ends(path, ".nii.gz") ? ".nii.gz" : ".nii");
-}
-
-static bool stem_ends(const char *path, const char *ending)
-{
-    size_t length = stem_length(path);
-    size_t wanted = strlen(ending);
-    return length >= wanted && memcmp(path + length - wanted, ending, wanted) == 0;
-}
-
-static int mask_init(struct mask *out, const struct query_settings *settings, const struct arguments *arguments)
-{
-    const char *path = settings->mask;
-    *out = (struct mask){.settings = settings};
-    if (!path) {
-        return EXIT_DONE;
-    }
-    out->content = option_given(arguments, "mask-of") ? (conus_grid_content)settings->mask_content
-                   : stem_ends(path, "_dseg")         ? CONUS_GRID_MAP_OF_LABELS
-                   : stem_ends(path, "_probseg")      ? CONUS_GRID_MAP_OF_VALUES
-                                                      : CONUS_GRID_MASK_OF_AREAS;
-    if (asprintf(&out->sidecar, "%.*s.json", (int)stem_length(path), path) < 0) {
-        out->sidecar = NULL;
-        return print_no_memory();
-    }
-    return EXIT_DONE;
-}
-
-/* Makes the mask of the selection. */
-static int mask_take(struct mask *mask, const conus_atlas *atlas, const conus_selection *selection)
-{
-    conus_grid_options options = {.content = mask->content};
-    const char *object = mask->settings->mask_object;
-    if (!mask->settings->mask || mask->grid) {
-        return EXIT_DONE;
-    }
-    conus_status status = object ? conus_atlas_find(&options.object, atlas, object) : CONUS_OK;
-    status = status ? status : conus_selection_grid(&mask->grid, selection, &options);
-    if (status == CONUS_ERROR_ARGUMENT) {
-        return print_usage_error("--mask: %s", conus_message());
-    }
-    return status ? print_status(status) : EXIT_DONE;
-}
-
-/* Writes the mask, and then its sidecar, which has the SHA-256 of the mask and the inputs of `provenance`. */
-static int mask_write(const struct mask *mask, conus_report *report, const struct provenance *provenance)
-{
-    struct provenance own = *provenance;
-    const char *text = NULL;
-    size_t size = 0;
-    char *whole = NULL;
-    if (!mask->grid) {
-        return EXIT_DONE;
-    }
-    conus_status status = conus_grid_write(mask->grid, mask->settings->mask);
-    if (status) {
-        return print_status(status);
-    }
-    provenance_add_output(&own, "mask", mask->settings->mask, NULL, 0);
-    status = conus_report_grid_sidecar(&text, &size, report, mask->grid);
-    if (status) {
-        return print_status(status);
-    }
-    int code = provenance_complete(&whole, text, size, &own);
-    code = code ? code : output_write(mask->sidecar, whole, strlen(whole));
-    free(whole);
-    return code;
-}
 
 static bool check_outputs(const struct query_settings *settings, const struct arguments *arguments)
 {
@@ -220,7 +82,7 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
         print_error_line("%s: --voxels writes TSV; end the name in .tsv", settings->voxels);
         return false;
     }
-    if (settings->deep && settings->request.engine.layers != CONUS_LAYERS_ALL) {
+    if (settings->files.deep && settings->request.engine.layers != CONUS_LAYERS_ALL) {
         print_error_line("--deep needs --layers all");
         return false;
     }
@@ -231,13 +93,10 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
 struct query {
     const struct query_settings *settings;
     struct request request;
-    conus_image *image;
-    struct mask mask;
-    conus_streamline_list *streamlines;
+    struct selection_files files;
     struct rows_file segments;
     struct ends ends;
     conus_contacts contacts;
-    conus_selection *selection; /* kept for --deep */
     bool has_points, has_cones; /* poses without a direction were asked, and with one */
     bool has_shanks;            /* answers along the axes of cones were asked */
 };
@@ -307,7 +166,7 @@ static conus_status add_segments(conus_report *report, conus_selector *selector,
     return status;
 }
 
-/* Adds what the command line asks for of one atlas's answer to a question. The image is of the last atlas. */
+/* Adds what the command line asks for of one atlas's answer to a question. */
 static int add_answer(struct query *query, size_t index, const struct asked_row *question,
                       const conus_selection *selection)
 {
@@ -323,20 +182,10 @@ static int add_answer(struct query *query, size_t index, const struct asked_row 
     }
     conus_status status = is_shank ? add_segments(answerer->report, answerer->selector, question)
                                    : conus_report_add(answerer->report, question->id, selection);
-    if (!status && settings->image) {
-        status = conus_image_of_selection(&query->image, selection);
-    }
     if (status) {
         return print_status(status);
     }
-    int code = mask_take(&query->mask, query->request.atlases.items[index].atlas, selection);
-    if (!code && settings->streamlines) {
-        status = conus_selection_streamlines(&query->streamlines, selection, 0);
-        code = status == CONUS_ERROR_ARGUMENT ? print_usage_error("--streamlines-out: %s", conus_message())
-               : status                       ? print_status(status)
-                                              : EXIT_DONE;
-    }
-    code = code ? code : ends_add(&query->ends, index, question->id, answerer->selector, selection, &report);
+    int code = ends_add(&query->ends, index, question->id, answerer->selector, selection, &report);
     if (!code && query->segments.path && !question->is_point) {
         status = add_segments(query->segments.reports[index], answerer->selector, question);
         code = status ? print_status(status) : EXIT_DONE;
@@ -361,11 +210,8 @@ static int ask_atlases(struct query *query, const struct asked_row *question, bo
         }
         radius = status || !question->is_point ? radius : conus_selection_ball(selection); /* one for all atlases */
         code = status ? print_status(status) : add_answer(query, i, question, selection);
-        if (!code && query->settings->deep) {
-            query->selection = selection;
-        } else {
-            conus_selection_destroy(selection);
-        }
+        code = code ? code : selection_files_take(&query->files, &selection, query->request.atlases.items[i].atlas);
+        conus_selection_destroy(selection);
     }
     return code || !question->is_point
                ? code
@@ -510,20 +356,8 @@ static int write_all(struct query *query)
     size_t size = 0;
     conus_status status = settings->voxels ? conus_report_voxels(&text, &size, report) : CONUS_OK;
     int code = text ? output_write(settings->voxels, text, size) : EXIT_DONE;
-    if (code) {
-        return code;
-    }
-    if (!status && query->image) {
-        status = conus_image_write(query->image, settings->image);
-    }
-    if (!status && query->selection) {
-        status = conus_selection_write_deep(query->selection, settings->deep);
-    }
-    if (!status && settings->streamlines) {
-        status = conus_streamline_list_write(query->streamlines, settings->streamlines);
-    }
-    if (status) {
-        return print_status(status);
+    if (code || status) {
+        return code ? code : print_status(status);
     }
     request_list_inputs(&provenance, request);
     if (query->has_points && !query->has_cones) {
@@ -535,7 +369,7 @@ static int write_all(struct query *query)
         provenance.question.rows = "segments";
         provenance.question.region = "axis";
     }
-    code = code ? code : mask_write(&query->mask, report, &provenance);
+    code = code ? code : selection_files_write(&query->files, report, &provenance);
     provenance_add_outputs(&provenance, request->arguments);
     return code || is_replaced(settings)
                ? code
@@ -626,8 +460,7 @@ static int start_outputs(struct query *query)
 {
     const struct query_settings *settings = query->settings;
     struct request *request = &query->request;
-    int code = mask_init(&query->mask, settings, request->arguments);
-    outputs_add_sidecar(&request->outputs, "mask", query->mask.sidecar);
+    int code = selection_files_init(&query->files, &request->outputs, &settings->files, request->arguments);
     code = code ? code : settings_contacts(&query->contacts, &settings->axis);
     code = code ? code : start_segments(query);
     code = code ? code : ends_init(&query->ends, &settings->ends, request->arguments);
@@ -651,13 +484,9 @@ static int run_query(const void *given, const struct arguments *arguments)
     int code = request_init(&query.request, &settings->request, arguments);
     code = code ? code : start_outputs(&query);
     code = code ? code : answer_query(&query);
-    conus_image_destroy(query.image);
-    conus_grid_destroy(query.mask.grid);
-    free(query.mask.sidecar);
-    conus_streamline_list_destroy(query.streamlines);
+    selection_files_finish(&query.files);
     rows_file_finish(&query.segments);
     ends_finish(&query.ends);
-    conus_selection_destroy(query.selection);
     request_finish(&query.request);
     return code;
 }

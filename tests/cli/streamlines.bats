@@ -495,6 +495,9 @@ lines 2 0 n/a 0 3 0 n/a 100.04499 bundle 1" ]
     printf 'x\ty\tz\tdx\tdy\tdz\n0\t0\t9\t0\t0\t1\n0\t0\t9\t0\t0\t1\n' >two.tsv
     fails 2 '--streamlines-out shows one pose' query slabs.nii.gz --pose two.tsv --radius 5 --streamlines lines.tck \
         --streamlines-out in.tck
+    printf 'x\ty\tz\tdx\tdy\tdz\n0\t0\t9\t0\t0\t0\n' >none.tsv
+    run -1 "$CONUS" query slabs.nii.gz --pose none.tsv --radius 5 --streamlines lines.tck --streamlines-out in.tck
+    has 'no answer: line 2: direction: 0,0,0'
     [ ! -e in.tck ] && [ ! -e in.trk ]
 }
 

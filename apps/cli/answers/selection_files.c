@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Files that show one selection: --image, --deep, --mask with its sidecar, --streamlines-out. */
+#include "cli/answers/selection_files.h"
+
+#include "options/messages.h"
+#include "options/output.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const mask_contents[] = {[CONUS_GRID_MASK_OF_AREAS] = "areas",
+                                            [CONUS_GRID_MASK_OF_REGION] = "all",
+                                            [CONUS_GRID_MAP_OF_LABELS] = "labels",
+                                            [CONUS_GRID_MAP_OF_VALUES] = "values",
+                                            NULL};
+
+const struct option selection_file_options[] = {
+    {.name = "image",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct selection_file_settings, image),
+     .value = "FILE",
+     .help = "write the image seen from the device: .exr with id, X, Y, Z, t per pixel, or .png in the areas' colours",
+     .words = "figure, picture",
+     .role = OPTION_WRITES,
+     .flags = OPTION_OF_CONE | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE | OPTION_IS_PICTURE,
+     .endings = ".exr .png"},
+    {.name = "deep",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct selection_file_settings, deep),
+     .value = "FILE.exr",
+     .help = "with --layers all: write every interval of every ray inside an object, as a deep image with names",
+     .role = OPTION_WRITES,
+     .flags = OPTION_OF_CONE | OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE | OPTION_IS_PICTURE,
+     .endings = ".exr"},
+    {.name = "mask",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct selection_file_settings, mask),
+     .value = "FILE.nii.gz",
+     .help = "write the voxels in the cone as a volume on the atlas's grid, with a .json beside it",
+     .words = "NIfTI, volume",
+     .role = OPTION_WRITES,
+     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
+     .endings = ".nii.gz .nii"},
+    {.name = "mask-of",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct selection_file_settings, mask_content),
+     .value = "WHAT",
+     .help = "content of the mask: 1 in voxels of areas, 1 in all voxels, labels of areas, or values of a pathway; "
+             "without it a name that ends in _dseg means labels, one that ends in _probseg values:",
+     .choices = mask_contents,
+     .needs = "mask"},
+    {.name = "mask-object",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct selection_file_settings, mask_object),
+     .value = "NAME",
+     .help = "only this area with those below it in the tree, or this pathway: a name, abbreviation or label",
+     .role = OPTION_ASKS,
+     .needs = "mask"},
+    {.name = "streamlines-out",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct selection_file_settings, streamlines),
+     .value = "FILE.tck",
+     .help = "write the streamlines of bundles that come into the cone or ball, whole, as a tractogram of MRtrix",
+     .role = OPTION_WRITES,
+     .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE,
+     .endings = ".tck"},
+    {0},
+};
+
+/* Length of the path without .nii or .nii.gz, one of which it has. */
+static size_t stem_length(const char *path)
+{
+    return strlen(path) - strlen(path_ends(path, ".nii.gz") ? ".nii.gz" : ".nii");
+}
+
+static bool stem_ends(const char *path, const char *ending)
+{
+    size_t length = stem_length(path);
+    size_t wanted = strlen(ending);
+    return length >= wanted && memcmp(path + length - wanted, ending, wanted) == 0;
+}
+
+int selection_files_init(struct selection_files *out, struct outputs *outputs,
+                         const struct selection_file_settings *settings, const struct arguments *arguments)
+{
+    const char *path = settings->mask;
+    *out = (struct selection_files){.settings = settings};
+    if (!path) {
+        return EXIT_DONE;
+    }
+    out->mask_content = option_given(arguments, "mask-of") ? (conus_grid_content)settings->mask_content
+                        : stem_ends(path, "_dseg")         ? CONUS_GRID_MAP_OF_LABELS
+                        : stem_ends(path, "_probseg")      ? CONUS_GRID_MAP_OF_VALUES
+                                                           : CONUS_GRID_MASK_OF_AREAS;
+    if (asprintf(&out->mask_sidecar, "%.*s.json", (int)stem_length(path), path) < 0) {
+        out->mask_sidecar = NULL;
+        return print_no_memory();
+    }
+    outputs_add_sidecar(outputs, "mask", out->mask_sidecar);
+    return EXIT_DONE;
+}
+
+void selection_files_finish(struct selection_files *files)
+{
+    conus_image_destroy(files->image);
+    conus_selection_destroy(files->deep);
+    conus_grid_destroy(files->mask);
+    free(files->mask_sidecar);
+    conus_streamline_list_destroy(files->streamlines);
+    *files = (struct selection_files){0};
+}
+
+static int take_mask(struct selection_files *files, const conus_selection *selection, const conus_atlas *atlas)
+{
+    conus_grid_options options = {.content = files->mask_content};
+    const char *object = files->settings->mask_object;
+    conus_status status = object ? conus_atlas_find(&options.object, atlas, object) : CONUS_OK;
+    status = status ? status : conus_selection_grid(&files->mask, selection, &options);
+    return status == CONUS_ERROR_ARGUMENT ? print_usage_error("--mask: %s", conus_message())
+           : status                       ? print_status(status)
+                                          : EXIT_DONE;
+}
+
+int selection_files_take(struct selection_files *files, conus_selection **selection, const conus_atlas *atlas)
+{
+    const struct selection_file_settings *settings = files->settings;
+    conus_status status = settings->image ? conus_image_of_selection(&files->image, *selection) : CONUS_OK;
+    int code = status ? print_status(status) : settings->mask ? take_mask(files, *selection, atlas) : EXIT_DONE;
+    if (!code && settings->streamlines) {
+        status = conus_selection_streamlines(&files->streamlines, *selection, 0);
+        code = status == CONUS_ERROR_ARGUMENT ? print_usage_error("--streamlines-out: %s", conus_message())
+               : status                       ? print_status(status)
+                                              : EXIT_DONE;
+    }
+    if (!code && settings->deep) {
+        files->deep = *selection;
+        *selection = NULL;
+    }
+    return code;
+}
+
+/* Writes the mask, and then its sidecar. */
+static int write_mask(const struct selection_files *files, conus_report *report, const struct provenance *provenance)
+{
+    struct provenance own = *provenance;
+    const char *text = NULL;
+    size_t size = 0;
+    char *whole = NULL;
+    conus_status status = conus_grid_write(files->mask, files->settings->mask);
+    if (status) {
+        return print_status(status);
+    }
+    provenance_add_output(&own, "mask", files->settings->mask, NULL, 0);
+    status = conus_report_grid_sidecar(&text, &size, report, files->mask);
+    if (status) {
+        return print_status(status);
+    }
+    int code = provenance_complete(&whole, text, size, &own);
+    code = code ? code : output_write(files->mask_sidecar, whole, strlen(whole));
+    free(whole);
+    return code;
+}
+
+int selection_files_write(const struct selection_files *files, conus_report *report,
+                          const struct provenance *provenance)
+{
+    const struct selection_file_settings *settings = files->settings;
+    conus_status status = files->image ? conus_image_write(files->image, settings->image) : CONUS_OK;
+    if (!status && files->deep) {
+        status = conus_selection_write_deep(files->deep, settings->deep);
+    }
+    if (!status && files->streamlines) {
+        status = conus_streamline_list_write(files->streamlines, settings->streamlines);
+    }
+    return status ? print_status(status) : files->mask ? write_mask(files, report, provenance) : EXIT_DONE;
+}
