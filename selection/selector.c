@@ -167,9 +167,11 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
                                .tract_index = selector->tract_index,
                                .whole = selector->whole,
                                .solids = selector->solids,
+                               .has_reach = selector->has_reach,
                                .inside_only = selector->inside_only,
                                .is_shared = true};
     memcpy(shared->box, selector->box, sizeof shared->box);
+    memcpy(shared->reach, selector->reach, sizeof shared->reach);
     if (selector_prepare_border(shared)) {
         memory_free(shared);
         return CONUS_ERROR_MEMORY;
@@ -205,6 +207,19 @@ conus_status selector_prepare_tracts(conus_selector *selector)
     return status || !selector->tract_index
                ? status
                : tract_census_prepare(&selector->tracts, selector->tract_index, selector->atlas);
+}
+
+conus_status selector_prepare_clearance(conus_selector *selector)
+{
+    conus_status status = clearance_prepare(&selector->clearance, selector->atlas);
+    status = status ? status : selector_prepare_tracts(selector);
+    if (!status && !selector->has_reach) {
+        selector->reach[0][0] = INFINITY; /* and stays so where the atlas is empty */
+        selector->has_reach = true;
+        status = conus_atlas_bounds(selector->reach[0], selector->reach[1], selector->atlas);
+        status = status == CONUS_ERROR_DATA ? CONUS_OK : status;
+    }
+    return status;
 }
 
 const struct tract_census *selector_take_tracts(conus_selector *selector, const struct region *region)
@@ -243,6 +258,7 @@ void conus_selector_destroy(conus_selector *selector)
         tally_finish(&selector->tally);
         census_finish(&selector->census);
         near_finish(&selector->near);
+        clearance_finish(&selector->clearance);
         tract_census_finish(&selector->tracts);
         if (selector->owns_tract_index) {
             tract_index_destroy(selector->tract_index);

@@ -6,6 +6,7 @@
 #include "atlas/areas/level.h"
 #include "selection/engine/engine.h"
 #include "selection/measure/census.h"
+#include "selection/measure/clearance.h"
 #include "selection/measure/near.h"
 #include "selection/measure/score.h"
 #include "selection/measure/statistics.h"
@@ -30,6 +31,10 @@ struct conus_selector {
     struct tract_index *tract_index; /**< NULL until selector_prepare_tracts(), and without bundles. */
     bool owns_tract_index;           /**< It is not another selector's. */
     struct tract_census tracts;
+    struct clearance clearance;
+    double reach[2][3]; /**< Around all objects, world; after selector_prepare_clearance(), and low above high where
+                           there are none. */
+    bool has_reach;
     struct solids solids; /**< Volumes of surfaces in the cone. */
     double *whole;        /**< [object_count + 1] Volumes of what is reported, mm^3. */
     bool inside_only;     /**< Only the pixels in the cone will be traced in its selections. */
@@ -42,6 +47,9 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
 
 /** Makes selector->axis ready, unless it is. Before selectors are shared, theirs is made once. */
 conus_status selector_prepare_axis(conus_selector *selector);
+
+/** Makes ready what clearance_take() needs, unless it is. Before selectors are shared, theirs is made once. */
+conus_status selector_prepare_clearance(conus_selector *selector);
 
 /** Makes selector->tract_index ready, unless it is, and reserves capacity to count streamlines; nothing where no bundle
  * is shown. */

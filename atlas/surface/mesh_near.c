@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Distance from a point to a mesh, and the winding number of the mesh around it. */
+/* Distance from a point or a needle to a mesh, and the winding number of the mesh around it. */
 #include "atlas/surface/mesh_near.h"
 
 #include "base/geometry/math3.h"
@@ -89,6 +89,49 @@ double mesh_nearest(double out[3], const struct mesh *mesh, const double point[3
         if (distance < best && distance <= limit) {
             best = distance;
             vec3_add_scaled(out, point, 1, foot);
+        }
+    }
+    return best;
+}
+
+double mesh_needle(double *depth, double point[3], const struct mesh *mesh, size_t triangle,
+                   const struct needle *needle)
+{
+    double corner[3][3];
+    double best = INFINITY;
+    if (mesh_is_passed(mesh, triangle, needle->origin, needle->direction)) {
+        double t = mesh_distance(mesh, triangle, needle->origin, needle->direction);
+        if (t >= needle->near && t <= needle->far) {
+            *depth = t;
+            needle_point(point, needle, t);
+            return 0;
+        }
+    }
+    /* Else it is nearest to an edge, or with an end above the inside */
+    mesh_corners(corner, mesh, triangle);
+    for (int c = 0; c < 3; c++) {
+        double foot[3];
+        double t;
+        double distance = needle_segment(&t, foot, needle, corner[c], corner[(c + 1) % 3]);
+        if (distance < best || (distance == best && t < *depth)) {
+            best = distance;
+            *depth = t;
+            memcpy(point, foot, sizeof foot);
+        }
+    }
+    for (int end = 0; end < 2; end++) {
+        double t = end ? needle->far : needle->near;
+        double tip[3];
+        double foot[3];
+        needle_point(tip, needle, t);
+        copy_corners(corner, mesh, triangle, tip);
+        if (foot_inside(foot, corner)) {
+            double distance = vec3_length(foot);
+            if (distance < best || (distance == best && t < *depth)) {
+                best = distance;
+                *depth = t;
+                vec3_add_scaled(point, tip, 1, foot);
+            }
         }
     }
     return best;

@@ -40,6 +40,7 @@
 #include <conus/batch.h>
 #include <conus/cache.h>
 #include <conus/catalogue.h>
+#include <conus/clearance.h>
 #include <conus/connectivity.h>
 #include <conus/export.h>
 #include <conus/file.h>

@@ -49,6 +49,12 @@ struct conus_segments {
     size_t count;
 };
 
+/* clearance.c: how far an axis stays from each object (Eq. 21). */
+struct conus_clearances {
+    conus_clearance *rows;
+    size_t count;
+};
+
 /* aims.c: where cones begin and whether they point at the atlas at all: geometry, before any ray is traced. */
 struct conus_aims {
     const conus_selector *selector;
