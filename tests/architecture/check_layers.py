@@ -111,7 +111,7 @@ LIBRARY = {
     "selection/engine": "base base/geometry atlas render/gl render/id selection/cone selection/evidence selection/engine/voxels"
     " selection/engine/tracts selection/engine/triangles",
     "selection/region": "base/simd base/geometry atlas/tracts atlas selection/cone",
-    "selection/measure": "base base/geometry atlas/surface atlas selection/cone selection/evidence selection/region",
+    "selection/measure": "base base/geometry atlas/surface atlas/tracts atlas selection/cone selection/evidence selection/region",
     "selection": "base base/geometry atlas atlas/areas selection/region selection/evidence selection/engine selection/measure",
     "selection/study": "base base/geometry atlas/surface atlas selection/measure selection",
     "selection/ends": "base base/geometry atlas/surface atlas selection/cone selection/measure selection",
