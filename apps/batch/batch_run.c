@@ -21,12 +21,12 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
     if (!batch_format(format, settings, arguments)) {
         return false;
     }
-    if (settings->atlas.more.count && *format > CONUS_FORMAT_NDJSON) {
+    if (settings->atlas.more.count && format_is_foreign(*format)) {
         print_error_line(
             "--format: formats of other programs have no column for the atlas; tsv, csv and ndjson have one");
         return false;
     }
-    if (settings->of_segments && *format > CONUS_FORMAT_NDJSON) {
+    if (settings->of_segments && format_is_foreign(*format)) {
         print_error_line("--format: formats of other programs hold no segments; tsv, csv and ndjson do");
         return false;
     }
@@ -35,7 +35,7 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
                          settings->summary ? "summary" : "order");
         return false;
     }
-    if (settings->summary && *format > CONUS_FORMAT_NDJSON) {
+    if (settings->summary && format_is_foreign(*format)) {
         print_error_line("--summary: formats of other programs have no summary; tsv, csv and ndjson have one");
         return false;
     }
@@ -81,7 +81,7 @@ static int open_poses(struct batch_run *run)
     if (code) {
         return code;
     }
-    if (run->shard.count > 1 && (run->format == CONUS_FORMAT_SPIKEGLX || run->format == CONUS_FORMAT_OPEN_EPHYS)) {
+    if (run->shard.count > 1 && format_is_of_probe(run->format)) {
         return print_usage_error("--shard: a probe's string is one whole; --jobs answers many probes");
     }
     run->piped = output_is_no_file(settings->poses);
@@ -112,8 +112,10 @@ static int open_poses(struct batch_run *run)
 /* No file that is written, partial file and journal included, may be one that is read. */
 static int check_files(const struct batch_run *run)
 {
-    static const char *const endings[] = {"", ".part", ".journal"};
     const struct batch_settings *settings = run->settings;
+    const struct {
+        const char *path, *ending;
+    } written[] = {{run->sidecar, ""}, {run->output, ""}, {run->output, ".part"}, {run->output, ".journal"}};
     const struct input inputs[] = {{"the label table", settings->atlas.labels},
                                    {"the list of areas", settings_level_file(&settings->engine)},
                                    {"the file of poses", settings->poses},
@@ -124,17 +126,15 @@ static int check_files(const struct batch_run *run)
     if (!run->output) {
         return EXIT_DONE;
     }
-    const char *input = atlases_input(&run->atlases, inputs, run->sidecar);
-    int code = input ? print_usage_error("%s would overwrite %s %s", option, input, run->sidecar) : EXIT_DONE;
-    code = code ? code : outputs_check_name(run->output); /* of a table of batches, too */
+    int code = outputs_check_name(run->output); /* of a table of batches, too */
     code = code ? code : outputs_check_name(settings->poses);
     code = code ? code : atlases_check_names(&run->atlases);
-    for (size_t i = 0; !code && i < sizeof endings / sizeof endings[0]; i++) {
+    for (size_t i = 0; !code && i < sizeof written / sizeof written[0]; i++) {
         char *path = NULL;
-        if (asprintf(&path, "%s%s", run->output, endings[i]) < 0) {
+        if (asprintf(&path, "%s%s", written[i].path, written[i].ending) < 0) {
             return print_no_memory();
         }
-        input = atlases_input(&run->atlases, inputs, path);
+        const char *input = atlases_input(&run->atlases, inputs, path);
         code = input ? print_usage_error("%s would overwrite %s %s", option, input, path) : EXIT_DONE;
         free(path);
     }
@@ -189,24 +189,25 @@ int batch_run_build(struct batch_run *run)
                    .order = settings->of_segments ? CONUS_ORDER_RANK : (conus_order)settings->axis.order,
                    .contacts = settings->of_segments ? (conus_contacts){0} : run->contacts},
     };
-    run->selectors = calloc(run->atlases.count, sizeof(conus_selector *));
-    run->astray = calloc(run->atlases.count, sizeof *run->astray);
-    if (!run->selectors || !run->astray) {
+    run->aimed = calloc(run->atlases.count, sizeof *run->aimed);
+    if (!run->aimed) {
         return print_no_memory();
     }
     for (size_t i = 0; i < run->atlases.count; i++) {
         const struct named_atlas *item = &run->atlases.items[i];
+        struct aimed *aimed = &run->aimed[i];
+        *aimed = (struct aimed){.atlas = item->atlas, .name = item->name, .frame = &run->frame};
         engine.level = i ? NULL : engine.level;
-        conus_status status = conus_selector_create(&run->selectors[i], item->atlas, &engine);
+        conus_status status = conus_selector_create(&aimed->selector, item->atlas, &engine);
         status = status   ? status
-                 : i == 0 ? conus_batch_create(&run->batch, run->selectors[0], &options)
-                          : conus_batch_add(run->batch, run->selectors[i], item->name);
+                 : i == 0 ? conus_batch_create(&run->batch, aimed->selector, &options)
+                          : conus_batch_add(run->batch, aimed->selector, item->name);
         if (status) {
             return print_status(status);
         }
     }
     if (settings->common.verbose) {
-        print_error_line("engine: %s; %" PRIu32 " threads", conus_selector_engine(run->selectors[0]),
+        print_error_line("engine: %s; %" PRIu32 " threads", conus_selector_engine(run->aimed[0].selector),
                          conus_batch_threads(run->batch));
     }
     atlases_say_notes(&run->atlases, &settings->common);
@@ -329,22 +330,13 @@ void batch_run_say_errors(const struct batch_run *run)
 void batch_run_find_astray(struct batch_run *run)
 {
     for (size_t i = 0; i < run->atlases.count; i++) {
-        run->astray[i] = conus_batch_astray_at(run->batch, i);
+        run->aimed[i].found = conus_batch_astray_at(run->batch, i);
     }
 }
 
 void batch_run_say_astray(const struct batch_run *run)
 {
-    size_t count = run->atlases.count;
-    struct aimed *aimed = calloc(count, sizeof *aimed);
-    for (size_t i = 0; aimed && i < count; i++) {
-        const struct named_atlas *at = &run->atlases.items[i];
-        aimed[i] = (struct aimed){&run->astray[i], run->selectors[i], at->atlas, at->name, &run->frame};
-    }
-    if (aimed) {
-        aim_notes_say(aimed, count, settings_poses_name(run->settings->poses), &run->settings->common);
-    }
-    free(aimed);
+    aim_notes_say(run->aimed, run->atlases.count, settings_poses_name(run->settings->poses), &run->settings->common);
 }
 
 /* The command line that resumes this batch; NULL without memory. */
@@ -418,8 +410,7 @@ int batch_run_finish_output(struct batch_run *run)
     };
     memcpy(record.fingerprint, run->fingerprint, sizeof record.fingerprint);
     const struct engine_settings *engine = &run->settings->engine;
-    bool of_shanks = (run->format == CONUS_FORMAT_SPIKEGLX || run->format == CONUS_FORMAT_OPEN_EPHYS) &&
-                     engine->range[1] > 0; /* contacts have no range */
+    bool of_shanks = format_is_of_probe(run->format) && engine->range[1] > 0; /* contacts have no range */
     bool of_axes = run->settings->of_segments || of_shanks;
     const struct question question = {
         .arguments = run->arguments,
@@ -438,11 +429,10 @@ void batch_run_finish(struct batch_run *run)
 {
     batch_file_close(&run->file);
     conus_batch_destroy(run->batch);
-    for (size_t i = 0; run->selectors && i < run->atlases.count; i++) {
-        conus_selector_destroy(run->selectors[i]);
+    for (size_t i = 0; run->aimed && i < run->atlases.count; i++) {
+        conus_selector_destroy(run->aimed[i].selector);
     }
-    free((void *)run->selectors);
-    free(run->astray);
+    free(run->aimed);
     atlases_finish(&run->atlases);
     conus_pose_stream_destroy(run->poses);
     free(run->sidecar);

@@ -7,6 +7,7 @@
 #include "batch/batch_file.h"
 #include "batch/batch_record.h"
 #include "options/progress.h"
+#include "settings/notes.h"
 
 /** The first pose that has no answer. */
 struct first_error {
@@ -27,9 +28,8 @@ struct batch_run {
     conus_pose_stream *poses;
     bool piped; /**< The poses can be read only once: from standard input or a named pipe. */
     struct atlases atlases;
-    conus_frame frame;          /**< The space of positions. */
-    conus_selector **selectors; /**< [atlases.count] */
-    conus_astray *astray;       /**< [atlases.count] Findings about the poses, after batch_run_find_astray(). */
+    conus_frame frame;   /**< The space of positions. */
+    struct aimed *aimed; /**< [atlases.count] With what is found about the poses, after batch_run_find_astray(). */
     conus_batch *batch;
     struct batch_file file; /**< The output, and how many poses are answered. With MPI only rank 0 opens it. */
     struct progress progress;
@@ -63,7 +63,7 @@ void batch_run_keep_error(struct batch_run *run, const conus_batch_block *block)
 /** Prints how many poses have no answer, with the first of this run; nothing where all have. */
 void batch_run_say_errors(const struct batch_run *run);
 
-/** Sets run->astray from the poses that the batch answered. */
+/** Sets what is found in run->aimed from the poses that the batch answered. */
 void batch_run_find_astray(struct batch_run *run);
 /** Prints it. */
 void batch_run_say_astray(const struct batch_run *run);

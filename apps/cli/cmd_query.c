@@ -101,22 +101,17 @@ struct query {
     bool has_shanks;            /* answers along the axes of cones were asked */
 };
 
-static bool is_of_probe(conus_format format)
-{
-    return format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
-}
-
 /* Whether the format of another program has a place for this answer. */
 static bool check_format(const struct request *request)
 {
     conus_format format = request->format;
-    if (format > CONUS_FORMAT_NDJSON && option_given(request->arguments, "atlas")) {
+    if (format_is_foreign(format) && option_given(request->arguments, "atlas")) {
         print_error_line("--format: formats of other programs have no column for the atlas; table, tsv, csv, json and "
                          "ndjson have one");
         return false;
     }
     bool of_contacts =
-        format == CONUS_FORMAT_BIDS || (is_of_probe(format) && option_given(request->arguments, "point"));
+        format == CONUS_FORMAT_BIDS || (format_is_of_probe(format) && option_given(request->arguments, "point"));
     if (of_contacts && !request->settings->aim.pose) {
         print_error_line("--format: this format lists contacts; --pose FILE names them");
         return false;
@@ -173,7 +168,7 @@ static int add_answer(struct query *query, size_t index, const struct asked_row 
     const struct query_settings *settings = query->settings;
     const struct answerer *answerer = &query->request.answerers[index];
     const conus_report_options report = request_report_options(&query->request);
-    bool is_shank = is_of_probe(query->request.format) && !question->is_point;
+    bool is_shank = format_is_of_probe(query->request.format) && !question->is_point;
     query->has_points = query->has_points || question->is_point;
     query->has_cones = query->has_cones || !question->is_point;
     query->has_shanks = query->has_shanks || is_shank;
@@ -324,7 +319,7 @@ static conus_status start_query(struct query *query)
     const struct arguments *arguments = request->arguments;
     bool is_of_nearest =
         option_given(arguments, "point") && !option_given(arguments, "radius") && !option_given(arguments, "order");
-    if (is_of_nearest && request->format <= CONUS_FORMAT_NDJSON) {
+    if (is_of_nearest && !format_is_foreign(request->format)) {
         report.order = CONUS_ORDER_DEPTH;
     }
     report.contacts = query->contacts;

@@ -285,7 +285,7 @@ void request_say_aims(const struct request *request)
         const struct named_atlas *at = &request->atlases.items[i];
         const struct answerer *answerer = &request->answerers[i];
         aimed[i] =
-            (struct aimed){conus_aims_found(answerer->aims), answerer->selector, at->atlas, at->name, &request->frame};
+            (struct aimed){*conus_aims_found(answerer->aims), answerer->selector, at->atlas, at->name, &request->frame};
     }
     if (aimed) {
         aim_notes_say(aimed, count, path ? settings_poses_name(path) : NULL, &request->settings->common);

@@ -205,12 +205,12 @@ static void say_astray(struct run *run)
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
     for (size_t i = 0; i < batch->atlases.count; i++) {
         if (run->cluster->rank > 0) {
-            MPI_Send(&batch->astray[i], sizeof batch->astray[i], MPI_BYTE, 0, 0, MPI_COMM_WORLD);
+            MPI_Send(&batch->aimed[i].found, sizeof batch->aimed[i].found, MPI_BYTE, 0, 0, MPI_COMM_WORLD);
         }
         for (int rank = 1; rank < ranks && run->cluster->rank == 0; rank++) {
             conus_astray more;
             MPI_Recv(&more, sizeof more, MPI_BYTE, rank, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
-            add_astray(&batch->astray[i], &more);
+            add_astray(&batch->aimed[i].found, &more);
         }
     }
     if (run->cluster->rank == 0) {

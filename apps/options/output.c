@@ -155,6 +155,16 @@ bool output_format(conus_format *out, const char *path)
     return false;
 }
 
+bool format_is_foreign(conus_format format)
+{
+    return format >= CONUS_FORMAT_AFNI;
+}
+
+bool format_is_of_probe(conus_format format)
+{
+    return format == CONUS_FORMAT_SPIKEGLX || format == CONUS_FORMAT_OPEN_EPHYS;
+}
+
 bool path_find_place(struct path_place *out, const char *path)
 {
     struct stat info;

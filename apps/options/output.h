@@ -41,6 +41,12 @@ bool output_is_no_file(const char *path);
 /** Finds the format by the ending of @p path: .txt is a table. False if the ending names none. */
 bool output_format(conus_format *out, const char *path);
 
+/** Whether a format is another program's. */
+bool format_is_foreign(conus_format format);
+
+/** Whether a format is of a probe: the areas along its shanks or at its channels. */
+bool format_is_of_probe(conus_format format);
+
 /** The part of @p path behind its last slash; all of it where nothing follows that slash. */
 const char *path_name(const char *path);
 

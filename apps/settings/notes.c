@@ -166,12 +166,12 @@ __attribute__((format(printf, 2, 3))) static void add_line(struct lines *lines, 
 
 static void add_inside(struct lines *out, const struct aimed *aimed, const char *file)
 {
-    const conus_oddity *inside = &aimed->found->inside;
+    const conus_oddity *inside = &aimed->found.inside;
     const char *name = conus_atlas_object(aimed->atlas, inside->object)->name;
     if (file) {
         add_line(out,
                  "%s: %" PRIu64 " of %" PRIu64 " devices lie inside an area, the first in line %" PRIu64 ", inside %s",
-                 file, inside->count, aimed->found->poses, inside->first, name);
+                 file, inside->count, aimed->found.poses, inside->first, name);
     } else {
         add_line(out, "the device lies inside %s", name);
     }
@@ -217,7 +217,7 @@ static void add_apart(struct lines *out, const conus_astray *found, const char *
 /* The same cone with DV counted downward, as some stereotaxic frames do; the object that it would hit, 0 = none. */
 static uint32_t hit_with_dv_down(const struct aimed *aimed)
 {
-    const double *m = aimed->found->away.pose.world_from_device;
+    const double *m = aimed->found.away.pose.world_from_device;
     double from[3] = {m[12], m[13], m[14]};
     double along[3] = {-m[8], -m[9], -m[10]};
     conus_pose pose;
@@ -229,7 +229,7 @@ static uint32_t hit_with_dv_down(const struct aimed *aimed)
     conus_frame_direction_to_world(along, aimed->frame, along);
     uint32_t object = 0;
     if (!conus_frame_to_world(from, aimed->frame, from) && !conus_pose_along(&pose, from, along, NULL) &&
-        !conus_select(&selection, aimed->selector, &pose, aimed->found->away.angle)) {
+        !conus_select(&selection, aimed->selector, &pose, aimed->found.away.angle)) {
         object = conus_selection_result(selection, 0)->object;
     }
     conus_selection_destroy(selection);
@@ -239,17 +239,17 @@ static uint32_t hit_with_dv_down(const struct aimed *aimed)
 static void find_lines(struct lines *out, const struct aimed *aimed, const char *file)
 {
     char words[256] = "";
-    add_apart(out, aimed->found, file);
+    add_apart(out, &aimed->found, file);
     if (aimed->frame->space >= CONUS_SPACE_CCF) { /* the readings are others than in people's spaces */
         bool is_bregma = aimed->frame->space == CONUS_SPACE_BREGMA;
-        uint32_t object = is_bregma && aimed->found->away.count ? hit_with_dv_down(aimed) : 0;
+        uint32_t object = is_bregma && aimed->found.away.count ? hit_with_dv_down(aimed) : 0;
         if (object) {
             snprintf(words, sizeof words, "; with DV counted downward it would hit %s first",
                      conus_atlas_object(aimed->atlas, object)->name);
         }
     } else {
         conus_reading reading = {0};
-        if (conus_aims_reading(&reading, aimed->found, aimed->selector)) {
+        if (conus_aims_reading(&reading, &aimed->found, aimed->selector)) {
             return;
         }
         if (reading.object) {
@@ -257,15 +257,15 @@ static void find_lines(struct lines *out, const struct aimed *aimed, const char 
                      conus_atlas_object(aimed->atlas, reading.object)->name);
         }
         if (reading.of_tiny) {
-            add_tiny(out, aimed->found, file, words);
+            add_tiny(out, &aimed->found, file, words);
             return; /* in metres, all else is otherwise, too */
         }
     }
-    if (aimed->found->inside.count) {
+    if (aimed->found.inside.count) {
         add_inside(out, aimed, file);
     }
-    if (aimed->found->away.count) {
-        add_away(out, aimed->found, file, words);
+    if (aimed->found.away.count) {
+        add_away(out, &aimed->found, file, words);
     }
 }
 
@@ -321,6 +321,6 @@ void aim_notes_of(const conus_pose *pose, double angle, conus_selector *selector
         return;
     }
     conus_aims_add(aims, 1, pose, angle);
-    aim_notes_say(&(struct aimed){conus_aims_found(aims), selector, atlas, NULL, frame}, 1, NULL, settings);
+    aim_notes_say(&(struct aimed){*conus_aims_found(aims), selector, atlas, NULL, frame}, 1, NULL, settings);
     conus_aims_destroy(aims);
 }

@@ -8,7 +8,7 @@
 
 /** How poses aim at an atlas. */
 struct aimed {
-    const conus_astray *found;
+    conus_astray found;
     conus_selector *selector;
     const conus_atlas *atlas;
     const char *name;         /**< NULL where there is one only. */

@@ -99,6 +99,12 @@ static inline bool report_is_shown(const conus_report *report, size_t row)
            report->rows[row].query != report->rows[row - 1].query;
 }
 
+/** Whether a format is another program's. */
+static inline bool report_is_foreign(conus_format format)
+{
+    return format >= CONUS_FORMAT_AFNI;
+}
+
 /** Whether a format is one string of a whole probe. */
 static inline bool report_is_of_probe(conus_format format)
 {

@@ -434,7 +434,7 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
 {
     json_t *root = json_object();
     bool whole = true;
-    bool has_columns = report->options.format <= CONUS_FORMAT_NDJSON || report->options.format == CONUS_FORMAT_BIDS;
+    bool has_columns = !report_is_foreign(report->options.format) || report->options.format == CONUS_FORMAT_BIDS;
     struct report_columns columns;
     report_list_columns(&columns, report);
     for (size_t i = 0; has_columns && i < columns.count; i++) {

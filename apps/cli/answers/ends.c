@@ -20,7 +20,7 @@ int rows_file_init(struct rows_file *out, const char *option, conus_rows rows, c
                                  "people, .txt",
                                  path, option);
     }
-    if (out->format > CONUS_FORMAT_NDJSON) {
+    if (format_is_foreign(out->format)) {
         return print_usage_error("--format: formats of other programs hold no %s; table, tsv, csv, json and ndjson do",
                                  option);
     }

@@ -210,27 +210,26 @@ static bool name_fits(const char *name, const char *pattern)
     return *name == *pattern;
 }
 
+/* When a value may differ. */
 enum freedom {
-    FREE,         /* it may say anything */
-    FREE_OLDER,   /* of another version of conus, */
-    FREE_MISSING, /* where it may be missing, too */
-    FREE_ENGINE,  /* of another engine */
-    FREE_MOVED,   /* of absolute paths that were found elsewhere */
-    FREE_ABSENT,  /* where it is missing: the command line says it, too */
+    FREE = 1 << 0,         /* always */
+    FREE_OLDER = 1 << 1,   /* in a record of another version of conus, */
+    FREE_MISSING = 1 << 2, /* where it is missing, too */
+    FREE_ENGINE = 1 << 3,  /* of another engine */
+    FREE_MOVED = 1 << 4,   /* of absolute paths that were found elsewhere */
+    FREE_ABSENT = 1 << 5,  /* where it is missing: the command line says it, too */
 };
 
 /* docs/commands.md lists them with the reasons. */
 static const struct {
     const char *name;
-    enum freedom freedom;
+    unsigned freedom; /* enum freedom */
 } free_values[] = {
     {"Checksum", FREE},
     {"GeneratedBy[].Version", FREE}, /* the verdict has a line about it */
     {"GeneratedBy[].CommandLine", FREE},
     {"*.Description", FREE_OLDER},
-    {"Batch.fingerprint", FREE_OLDER},
-    {"Batch.fingerprint", FREE_ENGINE},
-    {"Batch.fingerprint", FREE_MOVED},
+    {"Batch.fingerprint", FREE_OLDER | FREE_ENGINE | FREE_MOVED},
     {"Settings.engine", FREE_ENGINE},
     {"Question.options.engine", FREE_ENGINE},
     {"Question", FREE_ABSENT},
@@ -242,14 +241,11 @@ static const struct {
 static bool is_free(const struct comparing *comparing, const char *name, const json_t *recorded)
 {
     const struct sidecar_terms *terms = comparing->terms;
-    const bool holds[] = {[FREE] = true,
-                          [FREE_OLDER] = terms->older,
-                          [FREE_MISSING] = terms->older && !recorded,
-                          [FREE_ENGINE] = terms->other_engine,
-                          [FREE_MOVED] = terms->root != NULL,
-                          [FREE_ABSENT] = !recorded};
+    const unsigned holds = FREE | (terms->older ? FREE_OLDER : 0) | (terms->older && !recorded ? FREE_MISSING : 0) |
+                           (terms->other_engine ? FREE_ENGINE : 0) | (terms->root ? FREE_MOVED : 0) |
+                           (!recorded ? FREE_ABSENT : 0);
     for (size_t i = 0; i < sizeof free_values / sizeof free_values[0]; i++) {
-        if (holds[free_values[i].freedom] && name_fits(name, free_values[i].name)) {
+        if (holds & free_values[i].freedom && name_fits(name, free_values[i].name)) {
             return true;
         }
     }
