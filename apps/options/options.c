@@ -76,13 +76,26 @@ const struct option *option_find(const struct command *command, const char *name
     return find_name(command, NULL, name, strlen(name)).option;
 }
 
+/* The last use of the option; NULL if there is none. */
+static const struct option_use *find_use(const struct arguments *arguments, const char *name)
+{
+    const struct option_use *found = NULL;
+    for (size_t i = 0; i < arguments->use_count; i++) {
+        found = strcmp(arguments->uses[i].option->name, name) == 0 ? &arguments->uses[i] : found;
+    }
+    return found;
+}
+
 const char *option_text(const struct arguments *arguments, const char *name)
 {
-    const char *text = NULL;
-    for (size_t i = 0; i < arguments->use_count; i++) {
-        text = strcmp(arguments->uses[i].option->name, name) == 0 ? arguments->uses[i].value : text;
-    }
-    return text;
+    const struct option_use *use = find_use(arguments, name);
+    return use ? use->value : NULL;
+}
+
+const char *option_key(const struct arguments *arguments, const char *name)
+{
+    const struct option_use *use = find_use(arguments, name);
+    return use ? use->key : NULL;
 }
 
 const struct option *option_with(const struct arguments *arguments, unsigned flags)
@@ -116,31 +129,47 @@ static const char *take_value(struct cursor *cursor, const struct option *option
     return word;
 }
 
+/* Cuts ",key=..." off the end of a file, whose name may have commas as well. */
+static int cut_key(struct option_use *use)
+{
+    const struct option *option = use->option;
+    const char *comma = option->key ? strrchr(use->value, ',') : NULL;
+    size_t length = comma ? strcspn(comma + 1, "=") : 0;
+    if (!comma || !comma[1 + length]) {
+        return CONTINUE;
+    }
+    if (strlen(option->key) != length || memcmp(option->key, comma + 1, length) != 0) {
+        return print_usage_error("--%s: \"%s\" is no key of %s", option->name, comma + 1, option->value);
+    }
+    use->file = strndup(use->value, (size_t)(comma - use->value));
+    use->value = use->file;
+    use->key = comma + 1 + length + 1;
+    return use->file ? CONTINUE : print_no_memory();
+}
+
 static int take_option(struct cursor *cursor, struct found found, const char *attached)
 {
     struct arguments *arguments = cursor->arguments;
     const struct option *option = found.option;
-    const char *value = NULL;
+    struct option_use use = {.option = option};
     if (option->type == OPTION_FLAG && attached) {
         return print_usage_error("--%s takes no value, found \"%s\"", option->name, attached);
     }
     if (arguments->given[found.ordinal] && option->type != OPTION_LIST) {
         return print_usage_error("--%s is given twice", option->name);
     }
-    if (option->type != OPTION_FLAG && !(value = take_value(cursor, option, attached))) {
+    if (option->type != OPTION_FLAG && !(use.value = take_value(cursor, option, attached))) {
         return EXIT_USAGE;
     }
     arguments->given[found.ordinal] = true;
-    if (!option_read(option, found.field, value)) {
-        return EXIT_USAGE;
-    }
     struct option_use *uses = realloc(arguments->uses, (arguments->use_count + 1) * sizeof *uses);
     if (!uses) {
         return print_no_memory();
     }
     arguments->uses = uses;
-    arguments->uses[arguments->use_count++] = (struct option_use){option, value};
-    return CONTINUE;
+    int code = cut_key(&use);
+    arguments->uses[arguments->use_count++] = use;
+    return code != CONTINUE || option_read(option, found.field, use.value) ? code : EXIT_USAGE;
 }
 
 /* Whether `name` is one of the words, which commas separate, in any case. */
@@ -410,6 +439,9 @@ void options_finish(void *settings, struct arguments *arguments)
         if (list && found.option->type == OPTION_LIST) {
             free(list->items);
         }
+    }
+    for (size_t i = 0; i < arguments->use_count; i++) {
+        free(arguments->uses[i].file);
     }
     free(arguments->uses);
     arguments->uses = NULL;

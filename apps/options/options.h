@@ -75,6 +75,7 @@ struct option {
     const char *excludes; /**< "pose,poses": options that cannot stand beside it. */
     const char *endings;  /**< ".exr .png": the file's name must have one of them. */
     const char *format;   /**< The answer's format (OPTION_WRITES_ANSWER) if no ending says one. */
+    const char *key;      /**< "within": FILE,within=... is taken, too; option_key() gives what is behind the =. */
     const char *const *choices;             /**< NULL-terminated, or: */
     const char *(*choice_at)(size_t index); /**< NULL past the last. */
 };
@@ -91,7 +92,9 @@ enum { OPTION_LIMIT = 128, OPERAND_LIMIT = 2 };
 /** An option as it was given. */
 struct option_use {
     const struct option *option;
-    const char *value; /**< NULL of a flag. */
+    const char *value; /**< NULL of a flag; without the key behind a file. */
+    const char *key;   /**< That key's own value; NULL if it was not given. */
+    char *file;        /**< The value, where a key was cut off it; options_finish() frees it. */
 };
 
 /** The words of a command line, by their meaning. */
@@ -142,6 +145,9 @@ bool option_given(const struct arguments *arguments, const char *name);
 
 /** The last value of the option @p name; NULL if it was not given. */
 const char *option_text(const struct arguments *arguments, const char *name);
+
+/** The value of the key behind the file of the option @p name; NULL if none was given. */
+const char *option_key(const struct arguments *arguments, const char *name);
 
 /** The option of this name; NULL if the command has none. */
 const struct option *option_find(const struct command *command, const char *name);

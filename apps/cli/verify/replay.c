@@ -351,20 +351,25 @@ static char *atlas_word(const struct writing *out, const char *given, size_t ind
     return stage_word(out->stage, given);
 }
 
-/* A file of the same name in a folder of its own. */
-static void put_output(struct writing *out, const struct option *option, const char *given)
+/* A file of the same name in a folder of its own, with its key (NULL = none). */
+static void put_output(struct writing *out, const struct option *option, const char *given, const char *key)
 {
     const char *slash = given ? strrchr(given, '/') : NULL;
     const char *name = !given || output_is_stdout(given) ? "rows" : slash ? slash + 1 : given;
     conus_format format;
     char *path = stage_output(out->stage, option->name, name);
-    put_path(out, option->name, path);
+    char *keyed = NULL;
+    if (path && key && asprintf(&keyed, "%s,%s=%s", path, option->key, key) < 0) {
+        keyed = NULL;
+    }
+    put_path(out, option->name, key ? keyed : path);
     if (option->role == OPTION_WRITES_ANSWER) {
         if (!out->has_format && path && !output_format(&format, path)) { /* it went to no file */
             put_option(out, "format", option->format);
         }
         out->has_output = true;
     }
+    free(keyed);
     free(path);
 }
 
@@ -392,7 +397,7 @@ static void put_use(struct writing *out, const struct option_use *use)
     case OPTION_WRITES_ANSWER:
     case OPTION_WRITES:
     case OPTION_WRITES_ROWS:
-        put_output(out, use->option, use->value);
+        put_output(out, use->option, use->value, use->key);
         break;
     case OPTION_WRITES_SIDECAR: /* it comes beside the answer */
     case OPTION_OF_RUN:
@@ -428,10 +433,10 @@ static void put_words(struct writing *out)
         const char *poses = json_string_value(json_object_get(batch, "pose_file"));
         char *read = poses ? stage_word(out->stage, poses) : NULL;
         put_path(out, "poses", read);
-        put_output(out, option_find(replay->command, "output"), replay->result);
+        put_output(out, option_find(replay->command, "output"), replay->result, NULL);
         free(read);
     } else if (!out->has_output) {
-        put_output(out, option_find(replay->command, "output"), NULL);
+        put_output(out, option_find(replay->command, "output"), NULL, NULL);
     }
     const char *atlas = arguments->operand_count ? arguments->operands[0] : record_atlas(replay->record, 0);
     put_word(out, strdup("--")); /* since a path may begin with a dash */
