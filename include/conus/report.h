@@ -6,6 +6,7 @@
 #ifndef CONUS_PUBLIC_REPORT_H
 #define CONUS_PUBLIC_REPORT_H
 
+#include <conus/clearance.h>
 #include <conus/connectivity.h>
 #include <conus/jitter.h>
 #include <conus/mask.h>
@@ -44,13 +45,14 @@ typedef enum conus_rows {
     CONUS_ROWS_ANSWERS = 0, /**< From conus_report_add(). */
     CONUS_ROWS_SHARES, /**< The same with the angle, and for people a table of shares by angle; answers in a row that
                      have one id belong together. */
-    CONUS_ROWS_ADMISSIONS, /**< From conus_report_add_sweep(). */
-    CONUS_ROWS_CHANCES,    /**< From conus_report_add_jitter(). */
-    CONUS_ROWS_SUMMARIES,  /**< From conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
-                          #CONUS_FORMAT_TABLE. */
-    CONUS_ROWS_COVERAGES,  /**< From conus_report_add_overlap(). */
-    CONUS_ROWS_SEGMENTS,   /**< From conus_report_add_segments(). */
-    CONUS_ROWS_CONNECTIONS /**< From conus_report_add_connections(). */
+    CONUS_ROWS_ADMISSIONS,  /**< From conus_report_add_sweep(). */
+    CONUS_ROWS_CHANCES,     /**< From conus_report_add_jitter(). */
+    CONUS_ROWS_SUMMARIES,   /**< From conus_report_add(), one row each: the best, the runner-up, and by how much. Not as
+                           #CONUS_FORMAT_TABLE. */
+    CONUS_ROWS_COVERAGES,   /**< From conus_report_add_overlap(). */
+    CONUS_ROWS_SEGMENTS,    /**< From conus_report_add_segments(). */
+    CONUS_ROWS_CONNECTIONS, /**< From conus_report_add_connections(). */
+    CONUS_ROWS_CLEARANCES   /**< From conus_report_add_clearances(). */
 } conus_rows;
 
 /** The order of the answers to a query. */
@@ -89,6 +91,8 @@ typedef struct conus_report_options {
                                  then is #CONUS_SPACE_RAS or #CONUS_SPACE_LPS. */
     conus_order order;        /**< For #CONUS_ROWS_ANSWERS in the formats up to #CONUS_FORMAT_NDJSON, not of a track. */
     conus_contacts contacts;  /**< For #CONUS_FORMAT_OPEN_EPHYS, of shanks: conus_report_add_segments(). */
+    double within;            /**< For #CONUS_ROWS_CLEARANCES: that of conus_clearances_create(), which a batch calls
+                                 with it; mm, 0 = only what the needle meets, INFINITY = all objects. */
 } conus_report_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -191,6 +195,18 @@ CONUS_CHECKED conus_status conus_report_add_overlap(conus_report *report, const 
  */
 CONUS_CHECKED conus_status conus_report_add_segments(conus_report *report, const char *query_id,
                                                      const conus_segments *segments);
+
+/**
+ * Adds how far a needle stays from objects, a row for each.
+ * @param report The report.
+ * @param query_id As for conus_report_add().
+ * @param clearances Of the report's selector, within the report's distance; may end afterwards.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, or of another distance.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add_clearances(conus_report *report, const char *query_id,
+                                                       const conus_clearances *clearances);
 
 /**
  * Adds a query without an answer: one row of kind "error" with "line N: " and @p reason for a name, all else missing.

@@ -63,9 +63,11 @@ static conus_status add_atlas(conus_batch *batch, conus_selector *selector, cons
     struct batch_atlas atlas = {.workers = memory_zeroed(options->threads, sizeof *atlas.workers),
                                 .reports = memory_zeroed(options->threads, sizeof(conus_report *))};
     bool fits = memory_reserve(&batch->atlases, &batch->atlas_capacity, batch->atlas_count + 1, sizeof *batch->atlases);
-    bool has_axes = report->rows == CONUS_ROWS_SEGMENTS || report_is_of_probe(report->format);
+    bool has_axes = report_is_of_axes(report->rows) || report_is_of_probe(report->format);
     conus_status status = fits && atlas.workers && atlas.reports ? CONUS_OK : CONUS_ERROR_MEMORY;
-    status = status || !has_axes ? status : selector_prepare_axis(selector);
+    status = status || !has_axes                     ? status
+             : report->rows == CONUS_ROWS_CLEARANCES ? selector_prepare_clearance(selector)
+                                                     : selector_prepare_axis(selector);
     for (uint32_t i = 0; i < options->threads && !status; i++) {
         status = batch_worker_init(&atlas.workers[i], selector, options->block, options->angle);
         status = status ? status : conus_report_create(&atlas.reports[i], atlas.workers[i].selector, report);
@@ -288,11 +290,13 @@ static conus_status add_to_report(void *user, size_t index, const conus_selectio
     return selection ? conus_report_add(writing->report, id_of(writing, index), selection) : add_error(writing, index);
 }
 
-static conus_status add_axis_to_report(void *user, size_t index, const conus_segments *segments)
+static conus_status add_axis_to_report(void *user, size_t index, const conus_segments *segments,
+                                       const conus_clearances *clearances)
 {
     const struct writing *writing = user;
-    return segments ? conus_report_add_segments(writing->report, id_of(writing, index), segments)
-                    : add_error(writing, index);
+    return segments     ? conus_report_add_segments(writing->report, id_of(writing, index), segments)
+           : clearances ? conus_report_add_clearances(writing->report, id_of(writing, index), clearances)
+                        : add_error(writing, index);
 }
 
 /* Whether axes are asked about: of a probe, where its poses have one. */
@@ -306,7 +310,7 @@ static conus_status find_axes(bool *out, const struct block *block, const conus_
         return fail(CONUS_ERROR_ARGUMENT,
                     "format: of the poses %zu have a direction, as shanks do, and %zu are contacts", with[0], with[1]);
     }
-    *out = with[0] || report->options.rows == CONUS_ROWS_SEGMENTS;
+    *out = with[0] || report_is_of_axes(report->options.rows);
     return CONUS_OK;
 }
 
@@ -317,13 +321,15 @@ static conus_status answer_block(void *user, size_t slot, size_t worker, const a
     struct block *block = &batch->blocks[slot];
     conus_report *first = batch->atlases[0].reports[worker];
     bool of_axes = false;
+    const double *within = first->options.rows == CONUS_ROWS_CLEARANCES ? &first->options.within : NULL;
     conus_status status = find_axes(&of_axes, block, first);
     for (size_t i = 0; i < batch->atlas_count && !status; i++) {
         const struct batch_atlas *atlas = &batch->atlases[i];
         struct writing writing = {block, atlas->reports[worker], i == 0};
         struct batch_worker *asked = &atlas->workers[worker];
-        status = of_axes ? batch_worker_follow(asked, block->poses, block->count, stop, add_axis_to_report, &writing)
-                         : batch_worker_answer(asked, block->poses, block->count, stop, add_to_report, &writing);
+        status =
+            of_axes ? batch_worker_follow(asked, block->poses, block->count, stop, within, add_axis_to_report, &writing)
+                    : batch_worker_answer(asked, block->poses, block->count, stop, add_to_report, &writing);
     }
     if (!status) {
         first->taken = (size_t)block->first;

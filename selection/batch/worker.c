@@ -157,17 +157,20 @@ conus_status batch_worker_answer(struct batch_worker *worker, const struct batch
 }
 
 conus_status batch_worker_follow(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
-                                 const atomic_bool *stop, batch_take_axis *take, void *user)
+                                 const atomic_bool *stop, const double *within, batch_take_axis *take, void *user)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {
         conus_segments *segments = NULL;
+        conus_clearances *clearances = NULL;
         status = poses[i].is_no_pose ? CONUS_OK
                  : poses[i].is_point ? fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that an axis needs")
+                 : within            ? conus_clearances_create(&clearances, worker->selector, &poses[i].pose, *within)
                                      : conus_segments_create(&segments, worker->selector, &poses[i].pose);
         status = status == CONUS_ERROR_ARGUMENT ? CONUS_OK : status; /* the pose's own fault */
-        status = status ? status : take(user, i, segments);
+        status = status ? status : take(user, i, segments, clearances);
         conus_segments_destroy(segments);
+        conus_clearances_destroy(clearances);
     }
     if (!status) {
         count_aims(worker, poses, count);

@@ -43,12 +43,13 @@ typedef conus_status batch_take(void *user, size_t index, const conus_selection 
 conus_status batch_worker_answer(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
                                  const atomic_bool *stop, batch_take *take, void *user);
 
-/** Takes what the axis of pose @p index passes, which the caller ends; NULL where the pose is at fault, or has no axis;
- * the message says why, unless it is no pose at all. */
-typedef conus_status batch_take_axis(void *user, size_t index, const conus_segments *segments);
+/** Takes the answer about the axis of pose @p index, which the caller ends: one of the two, or neither where the pose
+ * is at fault, or has no axis; the message says why, unless it is no pose at all. */
+typedef conus_status batch_take_axis(void *user, size_t index, const conus_segments *segments,
+                                     const conus_clearances *clearances);
 
-/** batch_worker_answer() for the axes of the poses. */
+/** batch_worker_answer() for the axes of the poses: what they pass, or their clearances up to @p within unless NULL. */
 conus_status batch_worker_follow(struct batch_worker *worker, const struct batch_pose *poses, size_t count,
-                                 const atomic_bool *stop, batch_take_axis *take, void *user);
+                                 const atomic_bool *stop, const double *within, batch_take_axis *take, void *user);
 
 #endif

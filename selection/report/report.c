@@ -44,6 +44,9 @@ static conus_status check_options(const conus_report_options *options)
     if ((options->format == CONUS_FORMAT_BIDS) != (options->electrodes != NULL)) {
         return fail(CONUS_ERROR_ARGUMENT, "electrodes: BIDS needs the table, and no other format does");
     }
+    if (!(options->within >= 0)) {
+        return fail(CONUS_ERROR_ARGUMENT, "within: %g mm, allowed is 0 or more", options->within);
+    }
     const conus_contacts *contacts = &options->contacts;
     if (!contacts->count) {
         return CONUS_OK;
@@ -306,6 +309,24 @@ conus_status conus_report_add_segments(conus_report *report, const char *query_i
     conus_status status = report_append(&rows, report, query_id, &query, segments->count);
     for (size_t i = 0; !status && i < segments->count; i++) {
         rows[i].segment = segments->rows[i];
+    }
+    return status;
+}
+
+conus_status conus_report_add_clearances(conus_report *report, const char *query_id, const conus_clearances *clearances)
+{
+    struct report_row *rows;
+    const struct report_query query = {.cone = clearances->cone, .is_axis = true};
+    if (report->options.rows != CONUS_ROWS_CLEARANCES) {
+        return refuse_rows("clearances");
+    }
+    if (report->options.within != clearances->within) {
+        return fail(CONUS_ERROR_ARGUMENT, "within: clearances up to %g mm, but the report is of those up to %g mm",
+                    clearances->within, report->options.within);
+    }
+    conus_status status = report_append(&rows, report, query_id, &query, clearances->count);
+    for (size_t i = 0; !status && i < clearances->count; i++) {
+        rows[i].clearance = clearances->rows[i];
     }
     return status;
 }

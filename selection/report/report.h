@@ -34,6 +34,7 @@ struct report_row {
         conus_chance chance;
         conus_coverage coverage;
         conus_segment segment;
+        conus_clearance clearance;
         struct report_connection connection;
     };
 };
@@ -44,7 +45,7 @@ struct report_query {
     struct cone cone;
     uint32_t cone_pixels;        /**< Pixels of the aperture.                              */
     double ball;                 /**< Radius of a ball around the cone's origin; 0 of a cone. */
-    bool is_axis;                /**< Its rows are segments, of the cone's axis.          */
+    bool is_axis;                /**< Its rows are of the cone's axis: segments, clearances. */
     conus_step step;             /**< In a report on a track. */
     conus_jitter_options jitter; /**< For chances. */
     struct report_roi roi;       /**< For coverages. */
@@ -103,6 +104,12 @@ static inline bool report_is_shown(const conus_report *report, size_t row)
 static inline bool report_is_foreign(conus_format format)
 {
     return format >= CONUS_FORMAT_AFNI;
+}
+
+/** Whether rows are about the axis of a device. */
+static inline bool report_is_of_axes(conus_rows rows)
+{
+    return rows == CONUS_ROWS_SEGMENTS || rows == CONUS_ROWS_CLEARANCES;
 }
 
 /** Whether a format is one string of a whole probe. */

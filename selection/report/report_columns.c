@@ -293,6 +293,24 @@ static const struct report_column segment_columns[] = {
     {"atlas_exit_z", "mm", "the same, z", OF_ROW(OWN_Z, segment.exit_at), .moved_only = true},
 };
 
+static const struct report_column clearance_columns[] = {
+    {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
+    {"kind", NULL, "area, pathway or bundle; error: name says why", NAMED(get_kind)},
+    {"index", NULL, "the atlas's own label of the area, or the ordinal of the pathway or bundle", NAMED(get_index)},
+    {"name", NULL, "name of the area, pathway or bundle", NAMED(get_name)},
+    {"distance_mm", "mm", "from the needle's axis to it, 0 where the axis meets it",
+     OF_ROW(NUMBER, clearance.distance)},
+    {"clearance_mm", "mm", "the same from the needle's surface: less its radius; 0 or less where the needle touches it",
+     OF_ROW(NUMBER, clearance.clearance)},
+    {"depth_mm", "mm", "where the axis is nearest to it, from the apex", OF_ROW(NUMBER, clearance.depth)},
+    {"x", "mm", "that point of the axis, x", OF_ROW(X, clearance.at)},
+    {"y", "mm", "the same, y", OF_ROW(Y, clearance.at)},
+    {"z", "mm", "the same, z", OF_ROW(Z, clearance.at)},
+    {"near_x", "mm", "its nearest point to that, x", OF_ROW(X, clearance.near)},
+    {"near_y", "mm", "the same, y", OF_ROW(Y, clearance.near)},
+    {"near_z", "mm", "the same, z", OF_ROW(Z, clearance.near)},
+};
+
 static struct cell end_name(const conus_report *report, uint32_t area)
 {
     return text_cell(area ? conus_atlas_object(report->atlas, area)->name : "unassigned");
@@ -501,6 +519,9 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_SEGMENTS:
         list_table(out, report, segment_columns, COUNT_OF(segment_columns));
         break;
+    case CONUS_ROWS_CLEARANCES:
+        list_table(out, report, clearance_columns, COUNT_OF(clearance_columns));
+        break;
     case CONUS_ROWS_CONNECTIONS:
         list_table(out, report, connection_columns, COUNT_OF(connection_columns));
         break;
@@ -523,10 +544,10 @@ bool conus_column_is_number(const char *name)
     static const struct {
         const struct report_column *columns;
         size_t count;
-    } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),      ALL_OF(share_columns),
-                  ALL_OF(admission_columns), ALL_OF(chance_columns),     ALL_OF(coverage_columns),
-                  ALL_OF(segment_columns),   ALL_OF(connection_columns), ALL_OF(summary_columns),
-                  ALL_OF(electrode_columns), ALL_OF(voxel_columns)};
+    } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),     ALL_OF(share_columns),
+                  ALL_OF(admission_columns), ALL_OF(chance_columns),    ALL_OF(coverage_columns),
+                  ALL_OF(segment_columns),   ALL_OF(clearance_columns), ALL_OF(connection_columns),
+                  ALL_OF(summary_columns),   ALL_OF(electrode_columns), ALL_OF(voxel_columns)};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {

@@ -305,15 +305,24 @@ static bool add_shape(json_t *settings, const conus_report *report)
             (options->radius == 0 || put_value(settings, "radius_mm", json_real(options->radius))));
 }
 
+/* Its radius, and how far it looks; null = as far as there are objects. */
+static bool add_needle(json_t *settings, const conus_report *report)
+{
+    return report->options.rows != CONUS_ROWS_CLEARANCES ||
+           (put_value(settings, "radius_mm", json_real(report->selector.radius)) &&
+            put_value(settings, "within_mm", json_from_end(report->options.within)));
+}
+
 static json_t *json_from_settings(const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
-    bool has_axes = report->options.rows == CONUS_ROWS_SEGMENTS || report->options.rows == CONUS_ROWS_CONNECTIONS;
-    if (has_axes || report->options.rows == CONUS_ROWS_COVERAGES) { /* which have no rays of pixels */
+    conus_rows rows = report->options.rows;
+    bool has_axes = report_is_of_axes(rows) || rows == CONUS_ROWS_CONNECTIONS;
+    if (has_axes || rows == CONUS_ROWS_COVERAGES) { /* which have no rays of pixels */
         json_t *few = json_object();
         bool level_is_there = has_axes && report->name; /* in that of each atlas */
         return whole_or_null(few, (!has_axes || add_range(few, options)) && add_shape(few, report) &&
-                                      (level_is_there || add_level(few, report)));
+                                      add_needle(few, report) && (level_is_there || add_level(few, report)));
     }
     json_t *settings = json_pack(
         "{s: s, s: s, s: i, s: s, s: s}", "engine", report->engine, "sampling",

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table for people of what axes pass. */
+/* The tables for people of what axes pass, and of how far needles stay from objects. */
 #include "selection/report/report_table.h"
 #include "selection/report/report_writers.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const char NO_OBJECT[] = "(in no area)";
@@ -18,50 +19,118 @@ static void write_depth(struct buffer *out, double depth)
     }
 }
 
-void report_write_segments(struct buffer *out, const conus_report *report)
+static void write_place(struct buffer *out, const conus_report *report, const double place[3])
+{
+    int digits = table_digits(report);
+    double at[3];
+    memcpy(at, place, sizeof at);
+    report_point(report, at);
+    buffer_format(out, "  %8.*f %7.*f %7.*f", digits, at[0], digits, at[1], digits, at[2]);
+}
+
+/* Writes the rows of a query from one atlas, with their heading. */
+typedef void rows_writer(struct buffer *out, const conus_report *report, size_t query, int width);
+
+static void write_segments(struct buffer *out, const conus_report *report, size_t query, int width)
+{
+    static const char form[] = "%5s  %-*s  %10s  %8s  %8s  %8s  %24s\n";
+    char axes[TABLE_AXES_SIZE];
+    size_t first = report->queries[query].first_row;
+    buffer_format(out, form, "order", width, "name", "label", "enters", "leaves", "length",
+                  table_axes(axes, report, "enters at"));
+    buffer_format(out, form, "", width, "", "", "mm", "mm", "mm", conus_space_unit(report->frame.space));
+    for (size_t i = first; i < report_row_end(report, query); i++) {
+        const conus_segment *segment = &report->rows[i].segment;
+        char label[TABLE_LABEL_SIZE];
+        buffer_format(out, "%5zu  ", i - first + 1);
+        table_write_name(out, segment->object ? table_name(report, segment->object) : NO_OBJECT, width);
+        buffer_format(out, "  %10s", table_label(label, report, segment->object));
+        write_depth(out, segment->entry);
+        write_depth(out, segment->exit);
+        write_depth(out, segment->exit - segment->entry);
+        write_place(out, report, segment->entry_at);
+        buffer_text(out, "\n");
+    }
+}
+
+static void write_clearances(struct buffer *out, const conus_report *report, size_t query, int width)
+{
+    static const char form[] = "%-*s  %10s  %9s  %8s  %8s  %24s  %24s\n";
+    char at[TABLE_AXES_SIZE];
+    char near[TABLE_AXES_SIZE];
+    const char *unit = conus_space_unit(report->frame.space);
+    size_t first = report->queries[query].first_row;
+    size_t end = report_row_end(report, query);
+    if (first == end) {
+        buffer_text(out, "no area, pathway or bundle is that near\n");
+        return;
+    }
+    buffer_format(out, form, width, "name", "label", "clearance", "distance", "depth",
+                  table_axes(at, report, "axis at"), table_axes(near, report, "object at"));
+    buffer_format(out, form, width, "", "", "mm", "mm", "mm", unit, unit);
+    for (size_t i = first; i < end; i++) {
+        const conus_clearance *row = &report->rows[i].clearance;
+        char label[TABLE_LABEL_SIZE];
+        table_write_name(out, table_name(report, row->object), width);
+        buffer_format(out, "  %10s", table_label(label, report, row->object));
+        if (row->clearance > 0) {
+            buffer_format(out, "  %9.2f", row->clearance);
+        } else {
+            buffer_format(out, "  %9s", row->distance > 0 ? "touches" : "pierces");
+        }
+        write_depth(out, row->distance);
+        write_depth(out, row->depth);
+        write_place(out, report, row->at);
+        write_place(out, report, row->near);
+        buffer_text(out, "\n");
+    }
+}
+
+static void write_each_axis(struct buffer *out, const conus_report *report, const char *what, rows_writer *write_rows)
 {
     int width = table_name_width(report);
     for (size_t i = 0; i < report->query_count; i++) {
+        const struct report_query *query = &report->queries[i];
         bool more = i + 1 < report->query_count;
-        if (report->queries[i].error) {
-            table_write_error(out, &report->queries[i], more);
+        if (query->error) {
+            table_write_error(out, query, more);
             continue;
         }
-        const struct report_query *query = &report->queries[i];
         if (report->query_count > 1) {
             buffer_format(out, "query %s: ", query->id);
         }
-        buffer_text(out, "axis");
+        buffer_text(out, what);
         table_write_axis(out, report, query);
         if (cone_has_range(&query->cone)) {
             buffer_format(out, ", %.4g to %.4g mm deep", query->cone.range[0], query->cone.range[1]);
         }
         table_write_space(out, report);
         for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
-            size_t first = of->queries[i].first_row;
             table_write_atlas(out, of);
-            static const char form[] = "%5s  %-*s  %10s  %8s  %8s  %8s  %24s\n";
-            char axes[TABLE_AXES_SIZE];
-            buffer_format(out, form, "order", width, "name", "label", "enters", "leaves", "length",
-                          table_axes(axes, of, "enters at"));
-            buffer_format(out, form, "", width, "", "", "mm", "mm", "mm", conus_space_unit(of->frame.space));
-            for (size_t k = first; k < report_row_end(of, i); k++) {
-                const conus_segment *segment = &of->rows[k].segment;
-                char label[TABLE_LABEL_SIZE];
-                double at[3];
-                memcpy(at, segment->entry_at, sizeof at);
-                report_point(of, at);
-                buffer_format(out, "%5zu  ", k - first + 1);
-                table_write_name(out, segment->object ? table_name(of, segment->object) : NO_OBJECT, width);
-                buffer_format(out, "  %10s", table_label(label, of, segment->object));
-                write_depth(out, segment->entry);
-                write_depth(out, segment->exit);
-                write_depth(out, segment->exit - segment->entry);
-                int digits = table_digits(of);
-                buffer_format(out, "  %8.*f %7.*f %7.*f\n", digits, at[0], digits, at[1], digits, at[2]);
-            }
+            write_rows(out, of, i, width);
         }
         buffer_text(out, more ? "\n" : "");
     }
+}
+
+void report_write_segments(struct buffer *out, const conus_report *report)
+{
+    write_each_axis(out, report, "axis", write_segments);
+    table_write_sources(out, report);
+}
+
+void report_write_clearances(struct buffer *out, const conus_report *report)
+{
+    char what[64] = "axis";
+    if (report->selector.radius > 0) {
+        snprintf(what, sizeof what, "needle of radius %.4g mm", report->selector.radius);
+    }
+    write_each_axis(out, report, what, write_clearances);
+    if (isfinite(report->options.within)) {
+        buffer_format(out, "up to %.4g mm away, ", report->options.within);
+    }
+    buffer_text(out, report->selector.radius > 0
+                         ? "the nearest first; clearance is the distance of the axis less the radius\n"
+                         : "the nearest first; without a radius the clearance is the distance of the axis\n");
     table_write_sources(out, report);
 }

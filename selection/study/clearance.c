@@ -93,6 +93,11 @@ conus_status conus_clearances_create(conus_clearances **out, conus_selector *sel
     }
     conus_clearances *clearances = memory_zeroed(1, sizeof *clearances);
     status = clearances ? build(clearances, selector, &rigid, within) : CONUS_ERROR_MEMORY;
+    if (!status) {
+        clearances->cone = (struct cone){.pose = rigid, .angle = 1, .resolution = 1};
+        memcpy(clearances->cone.range, selector->options.range, sizeof clearances->cone.range);
+        clearances->within = within;
+    }
     if (status) {
         conus_clearances_destroy(clearances);
         return status;

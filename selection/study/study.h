@@ -51,6 +51,8 @@ struct conus_segments {
 
 /* clearance.c: how far an axis stays from each object (Eq. 21). */
 struct conus_clearances {
+    struct cone cone; /**< As of segments. */
+    double within;    /**< mm: objects with a larger clearance are left out. */
     conus_clearance *rows;
     size_t count;
 };
