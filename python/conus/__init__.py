@@ -15,6 +15,7 @@ library's own structs.
 """
 from ._answers import Answers, Hit, Jitter, Overlap, Selection, Step, Sweep, Track
 from ._atlas import Atlas, InstalledAtlas, Placement, Selector, atlases, load
+from ._axis import Clearances, Segments
 from ._conus import ffi as _ffi, lib as _lib
 from ._connectivity import Connectivity
 from ._library import (
@@ -31,14 +32,13 @@ from ._library import (
 from ._pose_file import Poses, pose_formats, read_poses
 from ._picture import Picture, Renderer, transfer_presets
 from ._program import Difference, SourceFile, Verification, cite, verify
-from ._segments import Segments
 from ._track import Tracker
 from ._tracts import Tractogram, is_tractogram
 
 __version__ = _ffi.string(_lib.conus_version()).decode()
 __all__ = [
-    "Answers", "ArgumentError", "Atlas", "CancelledError", "Connectivity", "DataError", "Difference", "Error", "FileError", "GLError",
-    "Hit", "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "Placement", "PoseWarning", "Poses", "Renderer",
+    "Answers", "ArgumentError", "Atlas", "CancelledError", "Clearances", "Connectivity", "DataError", "Difference", "Error", "FileError",
+    "GLError", "Hit", "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "Placement", "PoseWarning", "Poses", "Renderer",
     "Segments", "Selection", "Selector", "SourceFile", "Step", "Sweep", "Track", "Tracker", "Tractogram",
     "UnsupportedError", "Verification", "atlases", "cite", "is_tractogram", "load", "pose_formats", "read_poses",
     "transfer_presets", "verify",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, 
 import numpy as np
 
 from ._answers import Answers, Array, Jitter, Objects, Overlap, Selection, Sweep, Track, kind_word
+from ._axis import Clearances, Segments
 from ._callback import Callback
 from ._connectivity import Connectivity, options_of as _ends
 from ._conus import ffi, lib
@@ -39,7 +40,6 @@ from ._pose_file import Poses
 from ._poses import Aims, PoseArray, notes_of, pose_of, warn
 from ._progress import LoadProgress, Progress, telling
 from ._space import space_of
-from ._segments import Segments, follow_many, records_of
 from ._track import Tracker, follow
 from ._tracts import Tractogram, moves, options_of, polylines_of, tractograms_of
 
@@ -447,6 +447,14 @@ def _set_contexts(atlas: Any, context: Any, blocks: float, opacity: float, max_m
         _set_context(atlas, source, 0 if surface else blocks, opacity if surface else 0, max_memory, cache)
 
 
+def _distance(name: str, value: Any) -> float:
+    """So many mm."""
+    distance = real(name, value)
+    if not distance >= 0:
+        raise ArgumentError(f"{name}: {distance:g} mm, allowed are 0 and more")
+    return distance
+
+
 def _region(source: Any, threshold: float, max_memory: int, cache: bool) -> Any:
     options, out = ffi.new("conus_roi_options *"), ffi.new("conus_roi **")
     options.threshold, options.max_memory, options.cache = real("threshold", threshold), max_memory, cache
@@ -653,9 +661,8 @@ class Selector:
             A record for each stretch inside an object, occluded or not, and between objects. The selector's range and
             level hold; its radius, engine and sampling do not matter.
         """
-        aim, out = self._pose(origin, toward, direction, up, pose), ffi.new("conus_segments **")
-        self._call(lib.conus_segments_create, out, self._p, aim)
-        segments: Segments = self._place(Segments(self.atlas, records_of(out[0])))
+        aim = self._pose(origin, toward, direction, up, pose)
+        segments: Segments = self._place(Segments(self.atlas, Segments.ask(self._call, self._p, aim)))
         self._warn_of(aim, self._angle(None), may_be_inside=True)
         return segments
 
@@ -675,17 +682,55 @@ class Selector:
             Those of all poses. A pose that has no axis is in ``errors``.
         """
 
-        def follow(out: Any, array: PoseArray, index: int, pose: Any) -> Optional[str]:
-            try:
-                check(array.fill(pose, index))
-                self._call(lib.conus_segments_create, out, self._p, pose)
-            except ArgumentError as error:
-                return str(error)
-            return None
-
         array = self._poses(origins, directions, poses, up, None)
-        segments: Segments = self._place(follow_many(follow, self.atlas, array))
+        segments: Segments = self._place(Segments.ask_many(self.atlas, array, self._call, self._p))
         return segments
+
+    def clearance(
+        self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
+        within: float = 10,
+    ) -> Clearances:
+        """How far a needle stays from each object, the nearest first: ``conus query --clearance``.
+
+        Parameters
+        ----------
+        origin, toward, direction, up, pose
+            As of :meth:`Atlas.select`.
+        within
+            mm; objects with a larger clearance are left out. ``math.inf`` leaves none out.
+
+        Returns
+        -------
+        Clearances
+            A record for each object, occluded or not. The selector's range is that of the needle, its radius the
+            needle's, and its level holds.
+        """
+        aim = self._pose(origin, toward, direction, up, pose)
+        records = Clearances.ask(self._call, self._p, aim, _distance("within", within))
+        clearances: Clearances = self._place(Clearances(self.atlas, records))
+        self._warn_of(aim, self._angle(None), may_be_inside=True)
+        return clearances
+
+    def clearance_many(
+        self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None, within: float = 10,
+    ) -> Clearances:
+        """How far many needles stay from each object: ``conus batch --clearance``.
+
+        Parameters
+        ----------
+        origins, directions, poses, up
+            As for :meth:`select_many`.
+        within
+            As of :meth:`clearance`.
+
+        Returns
+        -------
+        Clearances
+            Those of all poses. A pose that has no axis is in ``errors``.
+        """
+        array, within = self._poses(origins, directions, poses, up, None), _distance("within", within)
+        clearances: Clearances = self._place(Clearances.ask_many(self.atlas, array, self._call, self._p, within))
+        return clearances
 
     def sweep(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
@@ -1162,6 +1207,18 @@ class Atlas:
                       **options: Any) -> Segments:
         """Lists what the axes of many devices pass: see :meth:`Selector.segments_many`."""
         return self._selector(options).segments_many(origins, directions, poses=poses, up=up)
+
+    def clearance(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None,
+                  pose: Any = None, within: float = 10, **options: Any) -> Clearances:
+        """How far a needle stays from each object, the nearest first: see :meth:`Selector.clearance`."""
+        return self._selector(options).clearance(
+            origin, toward=toward, direction=direction, up=up, pose=pose, within=within
+        )
+
+    def clearance_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
+                       within: float = 10, **options: Any) -> Clearances:
+        """How far many needles stay from each object: see :meth:`Selector.clearance_many`."""
+        return self._selector(options).clearance_many(origins, directions, poses=poses, up=up, within=within)
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
               angle: float = 60, **options: Any) -> Sweep:

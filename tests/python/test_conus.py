@@ -224,6 +224,39 @@ def test_segments_of_plates(atlas):
 
 
 @needs_aal
+def test_clearances_are_those_of_the_program(tmp_path):
+    table, needle = tmp_path / "rows.tsv", {"range": (0, 50), "radius": 0.65}
+    words = ("--origin=-70,-20,-10", "--toward=-25,-22,-12", "--range=0,50", "--radius=0.65", "--format=tsv", "-q")
+    run_conus("query", AAL, *words, "--clearance", f"{table},within=5")
+    rows = pandas.read_csv(table, sep="\t", na_values="n/a", keep_default_na=False)
+    frame = conus.load(AAL).clearance((-70, -20, -10), toward=(-25, -22, -12), within=5, **needle).to_dataframe()
+    assert_rows_of_the_program(frame, rows)
+    assert list(rows.columns) == ["query", *frame.columns] and len(frame) > 4
+
+
+def test_clearances_of_plates(atlas):
+    """Plates from x = -40 to -20 and 20 to 40: a needle at x = 5 and 35 lies 15 mm beside the second, and in it."""
+    needle = {"range": (0, 10), "radius": 2}
+    beside = atlas.clearance((5, 0, 0), direction=(0, 0, 1), within=13, **needle)
+    assert [tuple(row) for row in beside.records[["object", "distance", "clearance", "depth"]]] == [(2, 15, 13, 0)]
+    assert beside.records["at"].tolist() == [[5, 0, 0]] and beside.records["near"].tolist() == [[20, 0, 0]]
+    assert len(atlas.clearance((5, 0, 0), direction=(0, 0, 1), within=12.9, **needle)) == 0
+    all_of_them = atlas.clearance((5, 0, 0), direction=(0, 0, 1), within=math.inf)
+    assert all_of_them.records["clearance"].tolist() == [15, 25]
+    many = atlas.clearance_many([(5, 0, 0), (np.nan, 0, 0), (35, 0, 0)], [(0, 0, 1)] * 3, **needle, within=20)
+    assert many.starts.tolist() == [0, 1, 1, 2] and list(many.errors) == [1] and "nan" in many.errors[1]
+    assert repr(many) == "<conus.Clearances: 2 clearances of 3 poses>"
+    frame = many.to_dataframe()
+    assert list(frame["kind"]) == ["area", "error", "area"]
+    assert frame["clearance_mm"].tolist()[::2] == [13, -2]
+    for wrong in (-1, math.nan, "x"):
+        with pytest.raises(conus.ArgumentError, match="within"):
+            atlas.clearance_many([(5, 0, 0)], [(0, 0, 1)], within=wrong)
+        with pytest.raises(conus.ArgumentError, match="within"):
+            atlas.clearance((5, 0, 0), direction=(0, 0, 1), within=wrong)
+
+
+@needs_aal
 @pytest.mark.parametrize("layers", ["visible", "all"])
 def test_the_nearest_come_first(layers):
     words = ("--origin=-90,20,20", "--toward=0,-10,10", "--angle=40", f"--layers={layers}", "--order=depth", "--format=tsv")
