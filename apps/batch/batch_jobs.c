@@ -218,34 +218,53 @@ static int answer_table(const struct batch_settings *settings, const struct argu
     return is_signal(last) ? last : code;
 }
 
-/* rows.tsv and rows.csv have one sidecar, rows.json. */
-static bool share_sidecar(const char *output, const char *segments)
+/* A file of rows of one batch, and what is in it: answers where that is NULL. */
+struct batch_output {
+    const char *path;
+    const struct rows_kind *kind;
+};
+
+static const char *option_of(const struct batch_output *output)
 {
-    char *one = provenance_path(output);
-    char *other = provenance_path(segments);
-    bool shared = one && other && paths_equal(one, other);
-    if (shared) {
-        print_error_line("--output and --segments have one sidecar, %s; give them other names", one);
-    }
-    free(one);
-    free(other);
-    return shared;
+    return output->kind ? output->kind->option : "output";
 }
 
-/* With both, rows and segments are two files of two runs over the same poses. */
-static bool check_both(const struct batch_settings *settings)
+/* Whether they are two files with two sidecars: rows.tsv and rows.csv have one, rows.json. */
+static bool outputs_differ_from(const struct batch_output *one, const struct batch_output *other)
 {
-    const char *segments = settings->axis.segments;
-    if (output_is_stdout(settings->output) ? output_is_stdout(segments) : paths_equal(settings->output, segments)) {
-        print_error_line("--output and --segments are the same file");
+    if (output_is_stdout(one->path) ? output_is_stdout(other->path) : paths_equal(one->path, other->path)) {
+        print_error_line("--%s and --%s are the same file", option_of(one), option_of(other));
         return false;
     }
-    if (!output_is_stdout(settings->output) && share_sidecar(settings->output, segments)) {
-        return false;
+    if (output_is_stdout(one->path) || output_is_stdout(other->path)) {
+        return true;
     }
-    if (output_is_no_file(settings->poses)) {
-        print_error_line("--segments besides --output reads the poses once more: it needs a file of poses, not %s",
-                         output_is_stdout(settings->poses) ? "standard input" : "a pipe");
+    char *sidecar = provenance_path(one->path);
+    char *its = provenance_path(other->path);
+    bool shared = sidecar && its && paths_equal(sidecar, its);
+    if (shared) {
+        print_error_line("--%s and --%s have one sidecar, %s; give them other names", option_of(one), option_of(other),
+                         sidecar);
+    }
+    free(sidecar);
+    free(its);
+    return !shared;
+}
+
+/* Several are of as many runs over the same poses. */
+static bool check_outputs_differ(const struct batch_output *outputs, size_t count, const char *poses)
+{
+    for (size_t i = 1; i < count; i++) {
+        for (size_t k = 0; k < i; k++) {
+            if (!outputs_differ_from(&outputs[k], &outputs[i])) {
+                return false;
+            }
+        }
+    }
+    if (count > 1 && output_is_no_file(poses)) {
+        print_error_line("--%s besides --%s reads the poses once more: it needs a file of poses, not %s",
+                         option_of(&outputs[1]), option_of(&outputs[0]),
+                         output_is_stdout(poses) ? "standard input" : "a pipe");
         return false;
     }
     return true;
@@ -254,18 +273,24 @@ static bool check_both(const struct batch_settings *settings)
 static int answer_outputs(const struct batch_settings *settings, const struct arguments *arguments,
                           batch_answer *answer, void *user)
 {
-    struct batch_settings own = *settings;
-    int code = EXIT_DONE;
-    if (!settings->axis.segments) {
-        return answer(user, settings, arguments);
+    struct batch_output outputs[1 + AXIS_FILES] = {{settings->output, NULL}};
+    size_t count = settings->output != NULL;
+    for (size_t i = 0; i < AXIS_FILES; i++) {
+        if (settings->axis.files[i]) {
+            outputs[count++] = (struct batch_output){settings->axis.files[i], &settings_axis_rows[i]};
+        }
     }
-    if (settings->output) {
-        code = check_both(settings) ? answer(user, settings, arguments) : EXIT_USAGE;
-        own.common.quiet = true; /* the notes are said */
+    count = count ? count : 1; /* the answers, on standard output */
+    int code = check_outputs_differ(outputs, count, settings->poses) ? EXIT_DONE : EXIT_USAGE;
+    for (size_t i = 0; i < count && (code == EXIT_DONE || code == EXIT_DIFFERENT); i++) {
+        struct batch_settings own = *settings;
+        own.output = outputs[i].path;
+        own.of_axis = outputs[i].kind;
+        own.is_again = i > 0;
+        own.common.quiet = settings->common.quiet || i > 0; /* the notes are said */
+        code = worse_code(code, answer(user, &own, arguments));
     }
-    own.of_segments = true;
-    own.output = settings->axis.segments;
-    return code == EXIT_DONE || code == EXIT_DIFFERENT ? worse_code(code, answer(user, &own, arguments)) : code;
+    return code;
 }
 
 int batch_jobs_answer(const struct batch_settings *settings, const struct arguments *arguments, batch_answer *answer,

@@ -26,12 +26,13 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
             "--format: formats of other programs have no column for the atlas; tsv, csv and ndjson have one");
         return false;
     }
-    if (settings->of_segments && format_is_foreign(*format)) {
-        print_error_line("--format: formats of other programs hold no segments; tsv, csv and ndjson do");
+    if (settings->of_axis && format_is_foreign(*format)) {
+        print_error_line("--format: formats of other programs hold no %s; tsv, csv and ndjson do",
+                         settings->of_axis->option);
         return false;
     }
-    if (settings->of_segments && !option_given(arguments, "output") && (settings->summary || settings->axis.order)) {
-        print_error_line("--%s has no effect without --output, segments have but one order",
+    if (settings->of_axis && !option_given(arguments, "output") && (settings->summary || settings->axis.order)) {
+        print_error_line("--%s has no effect without --output: other rows have but one order",
                          settings->summary ? "summary" : "order");
         return false;
     }
@@ -55,6 +56,7 @@ int batch_run_init(struct batch_run *out, const struct batch_settings *settings,
         return EXIT_USAGE;
     }
     int code = settings_contacts(&out->contacts, &settings->axis);
+    code = code ? code : settings_within(&out->within, arguments);
     if (code) {
         return code;
     }
@@ -122,7 +124,7 @@ static int check_files(const struct batch_run *run)
                                    {"the coordinate system", conus_pose_stream_coordsystem(run->poses)},
                                    {"the table of batches", settings->jobs},
                                    {0}};
-    const char *option = settings->of_segments ? "--segments" : "--output";
+    const char *option = settings->of_axis ? settings->of_axis->option : "output";
     if (!run->output) {
         return EXIT_DONE;
     }
@@ -135,7 +137,7 @@ static int check_files(const struct batch_run *run)
             return print_no_memory();
         }
         const char *input = atlases_input(&run->atlases, inputs, path);
-        code = input ? print_usage_error("%s would overwrite %s %s", option, input, path) : EXIT_DONE;
+        code = input ? print_usage_error("--%s would overwrite %s %s", option, input, path) : EXIT_DONE;
         free(path);
     }
     return code ? code : outputs_check_sidecar(run->sidecar);
@@ -179,15 +181,16 @@ int batch_run_build(struct batch_run *run)
         .threads = settings->threads,
         .block = settings->block,
         .angle = settings_angle(&settings->aim, &settings->engine),
-        .report = {.rows = settings->of_segments ? CONUS_ROWS_SEGMENTS
-                           : settings->summary   ? CONUS_ROWS_SUMMARIES
-                                                 : CONUS_ROWS_ANSWERS,
+        .report = {.rows = settings->of_axis   ? settings->of_axis->rows
+                           : settings->summary ? CONUS_ROWS_SUMMARIES
+                                               : CONUS_ROWS_ANSWERS,
                    .format = run->format,
                    .frame = &run->frame,
                    .electrodes = run->format == CONUS_FORMAT_BIDS ? conus_pose_stream_electrodes(run->poses) : NULL,
                    .atlas = run->atlases.items[0].name,
-                   .order = settings->of_segments ? CONUS_ORDER_RANK : (conus_order)settings->axis.order,
-                   .contacts = settings->of_segments ? (conus_contacts){0} : run->contacts},
+                   .order = settings->of_axis ? CONUS_ORDER_RANK : (conus_order)settings->axis.order,
+                   .contacts = settings->of_axis ? (conus_contacts){0} : run->contacts,
+                   .within = run->within},
     };
     run->aimed = calloc(run->atlases.count, sizeof *run->aimed);
     if (!run->aimed) {
@@ -315,13 +318,11 @@ void batch_run_keep_error(struct batch_run *run, const conus_batch_block *block)
 void batch_run_say_errors(const struct batch_run *run)
 {
     const struct first_error *first = &run->first_error;
-    bool is_said =
-        run->settings->of_segments && option_given(run->arguments, "output"); /* the run for --output has said it */
     char where[sizeof first->why + 64] = "";
     if (first->line) {
         snprintf(where, sizeof where, ", the first in line %" PRIu64 ": %s", first->line, first->why);
     }
-    if (run->file.errors && !is_said) {
+    if (run->file.errors && !run->settings->is_again) {
         print_error_line("%s: no answer to %" PRIu64 " of %" PRIu64 " poses%s",
                          settings_poses_name(run->settings->poses), run->file.errors, run->file.poses, where);
     }
@@ -411,13 +412,15 @@ int batch_run_finish_output(struct batch_run *run)
     memcpy(record.fingerprint, run->fingerprint, sizeof record.fingerprint);
     const struct engine_settings *engine = &run->settings->engine;
     bool of_shanks = format_is_of_probe(run->format) && engine->range[1] > 0; /* contacts have no range */
-    bool of_axes = run->settings->of_segments || of_shanks;
+    const struct rows_kind *of_axis = run->settings->of_axis ? run->settings->of_axis
+                                      : of_shanks            ? &settings_axis_rows[0]
+                                                             : NULL;
     const struct question question = {
         .arguments = run->arguments,
-        .rows = of_axes                  ? "segments"
+        .rows = of_axis                  ? of_axis->word
                 : run->settings->summary ? "summaries"
                                          : "answers",
-        .region = of_axes              ? "axis"
+        .region = of_axis              ? "axis"
                   : engine->radius > 0 ? "cylinder"
                                        : "cone",
     };

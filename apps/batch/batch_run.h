@@ -23,6 +23,7 @@ struct batch_run {
     char *command_line;
     conus_format format;
     conus_contacts contacts; /**< From --contacts. */
+    double within;           /**< From --clearance, mm. */
     struct shard shard;
     uint64_t first, count; /**< Poses to answer; count UINT64_MAX = all from there on. */
     conus_pose_stream *poses;

@@ -30,7 +30,7 @@ static const struct option pose_options[] = {
      .help = "instead of ATLAS, --poses and -o: a table with columns atlas, poses and output, of batches to answer one "
              "after the other",
      .role = OPTION_OF_RUN,
-     .excludes = "poses,output,segments"},
+     .excludes = "poses,output,segments,clearance"},
     {.name = "angle",
      .type = OPTION_NUMBER,
      .offset = FIELD(aim.angle),
@@ -144,7 +144,7 @@ bool batch_format(conus_format *out, const struct batch_settings *settings, cons
     static const conus_format named[] = {CONUS_FORMAT_TSV,       CONUS_FORMAT_CSV,  CONUS_FORMAT_NDJSON,
                                          CONUS_FORMAT_AFNI,      CONUS_FORMAT_BIDS, CONUS_FORMAT_SPIKEGLX,
                                          CONUS_FORMAT_OPEN_EPHYS};
-    bool is_besides = settings->of_segments && option_given(arguments, "output"); /* --format is of the other file */
+    bool is_besides = settings->of_axis && option_given(arguments, "output"); /* --format is of the other file */
     *out = is_besides ? CONUS_FORMAT_TSV : named[settings->format];
     if ((option_given(arguments, "format") && !is_besides) || output_is_no_file(settings->output)) {
         return true;
@@ -153,7 +153,7 @@ bool batch_format(conus_format *out, const struct batch_settings *settings, cons
     return known ||
            (print_error_line("%s: --%s ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else is "
                              "written",
-                             settings->output, settings->of_segments ? "segments" : "output"),
+                             settings->output, settings->of_axis ? settings->of_axis->option : "output"),
             false);
 }
 

@@ -18,7 +18,8 @@ struct batch_settings {
     size_t format; /* batch_format() */
     bool summary;
     struct axis_settings axis;
-    bool of_segments; /* no option: the rows of this run are those of --segments, whose file is the output */
+    const struct rows_kind *of_axis; /* no option: the rows of this run, whose file is the output; NULL = answers */
+    bool is_again; /* no option: an earlier run over the same poses has said what there is to say about them */
     const char *jobs;
     const char *shard;
     uint32_t threads, block;
@@ -33,8 +34,8 @@ struct shard {
 
 extern const struct option_group batch_groups[]; /**< For struct batch_settings. */
 
-/** The format of the rows: --format (not that of segments besides rows), else what the ending of --output says, TSV
- * where that is no file. False, after an error message, for a file whose ending says nothing. */
+/** The format of the rows: --format (not that of rows about axes besides answers), else what the ending of --output
+ * says, TSV where that is no file. False, after an error message, for a file whose ending says nothing. */
 bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments);
 
 /** Reads --shard, or takes it from Slurm's job array, saying so. Returns the exit code and prints an error unless it is

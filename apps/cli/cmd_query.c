@@ -94,7 +94,7 @@ struct query {
     const struct query_settings *settings;
     struct request request;
     struct selection_files files;
-    struct rows_file segments;
+    struct rows_file axes[AXIS_FILES]; /* by settings_axis_rows */
     struct ends ends;
     conus_contacts contacts;
     bool has_points, has_cones; /* poses without a direction were asked, and with one */
@@ -161,6 +161,42 @@ static conus_status add_segments(conus_report *report, conus_selector *selector,
     return status;
 }
 
+/* Adds how far the axis stays from what is in one atlas. */
+static conus_status add_clearances(conus_report *report, conus_selector *selector, const struct asked_row *question,
+                                   double within)
+{
+    conus_clearances *clearances = NULL;
+    conus_status status = conus_clearances_create(&clearances, selector, &question->pose, within);
+    status = status ? status : conus_report_add_clearances(report, question->id, clearances);
+    conus_clearances_destroy(clearances);
+    return status;
+}
+
+/* Adds to each file about axes that is asked for. */
+static conus_status add_axes(const struct query *query, size_t index, const struct asked_row *question)
+{
+    conus_selector *selector = query->request.answerers[index].selector;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < AXIS_FILES && !status && !question->is_point; i++) {
+        const struct rows_file *file = &query->axes[i];
+        status = !file->path ? CONUS_OK
+                 : file->kind->rows == CONUS_ROWS_CLEARANCES
+                     ? add_clearances(file->reports[index], selector, question, file->within)
+                     : add_segments(file->reports[index], selector, question);
+    }
+    return status;
+}
+
+/* Adds a row to each of them that says why there is no answer. */
+static int refuse_axes(struct query *query, const char *id, size_t line, const char *why)
+{
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < AXIS_FILES && !code; i++) {
+        code = rows_file_refuse(&query->axes[i], id, line, why);
+    }
+    return code;
+}
+
 /* Adds what the command line asks for of one atlas's answer to a question. */
 static int add_answer(struct query *query, size_t index, const struct asked_row *question,
                       const conus_selection *selection)
@@ -181,11 +217,8 @@ static int add_answer(struct query *query, size_t index, const struct asked_row 
         return print_status(status);
     }
     int code = ends_add(&query->ends, index, question->id, answerer->selector, selection, &report);
-    if (!code && query->segments.path && !question->is_point) {
-        status = add_segments(query->segments.reports[index], answerer->selector, question);
-        code = status ? print_status(status) : EXIT_DONE;
-    }
-    return code;
+    status = code ? CONUS_OK : add_axes(query, index, question);
+    return status ? print_status(status) : code;
 }
 
 /* Asks all atlases. Where the question itself is at fault, nothing is printed or reported: that is for the caller, and
@@ -208,15 +241,13 @@ static int ask_atlases(struct query *query, const struct asked_row *question, bo
         code = code ? code : selection_files_take(&query->files, &selection, query->request.atlases.items[i].atlas);
         conus_selection_destroy(selection);
     }
-    return code || !question->is_point
-               ? code
-               : rows_file_refuse(&query->segments, question->id, question->line, POINT_HAS_NO_AXIS);
+    return code || !question->is_point ? code : refuse_axes(query, question->id, question->line, POINT_HAS_NO_AXIS);
 }
 
 static int refuse_row(struct query *query, const conus_pose_row *row, const char *why)
 {
     int code = request_refuse_row(&query->request, row, why);
-    code = code ? code : rows_file_refuse(&query->segments, row->id, row->line, why);
+    code = code ? code : refuse_axes(query, row->id, row->line, why);
     return code ? code : rows_file_refuse(&query->ends.rows, row->id, row->line, why);
 }
 
@@ -327,17 +358,24 @@ static conus_status start_query(struct query *query)
     status = request_reports(request, &report);
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
         report.atlas = request->atlases.items[i].name;
-        status = rows_file_report(&query->segments, request->answerers[i].selector, &report);
-        status = status ? status : rows_file_report(&query->ends.rows, request->answerers[i].selector, &report);
+        status = rows_file_report(&query->ends.rows, request->answerers[i].selector, &report);
+        for (size_t k = 0; k < AXIS_FILES && !status; k++) {
+            status = rows_file_report(&query->axes[k], request->answerers[i].selector, &report);
+        }
     }
     return status;
 }
 
-/* Whether segments take the place of the answer on stdout. */
+static bool is_on_stdout(const char *path)
+{
+    return path && output_is_stdout(path);
+}
+
+/* Whether rows about axes take the place of the answer on stdout. */
 static bool is_replaced(const struct query_settings *settings)
 {
-    const char *segments = settings->axis.segments;
-    return segments && output_is_stdout(segments) && output_is_stdout(settings->request.answer.output);
+    const char *const *files = settings->axis.files;
+    return (is_on_stdout(files[0]) || is_on_stdout(files[1])) && output_is_stdout(settings->request.answer.output);
 }
 
 /* The answer comes last: where it is, all that belongs to it is there, too. */
@@ -358,7 +396,9 @@ static int write_all(struct query *query)
     if (query->has_points && !query->has_cones) {
         provenance.question.region = "ball";
     }
-    code = rows_file_write(&query->segments, &provenance);
+    for (size_t i = 0; i < AXIS_FILES && !code; i++) {
+        code = rows_file_write(&query->axes[i], &provenance);
+    }
     code = code ? code : ends_write(&query->ends, &provenance);
     if (query->has_shanks) {
         provenance.question.rows = "segments";
@@ -433,21 +473,29 @@ static int answer_query(struct query *query)
 }
 
 /* On stdout they have the format of the answer, whose place they take unless -o names it another. */
-static int start_segments(struct query *query)
+static int start_axes(struct query *query)
 {
     const struct query_settings *settings = query->settings;
     struct request *request = &query->request;
-    const char *path = settings->axis.segments;
+    const char *const *files = settings->axis.files;
+    if (is_on_stdout(files[0]) && is_on_stdout(files[1])) {
+        return print_usage_error("--segments and --clearance cannot both be on standard output");
+    }
     if (is_replaced(settings) && settings->axis.order) {
-        return print_usage_error("--order has no effect without the answer, segments have but one order");
+        return print_usage_error("--order has no effect without the answer: other rows have but one order");
     }
     if (is_replaced(settings) && settings->request.answer.sidecar) {
         return print_usage_error("--sidecar has no effect without the answer");
     }
     bool answer_has_format = !output_is_stdout(settings->request.answer.output);
-    int code = rows_file_init(&query->segments, "segments", CONUS_ROWS_SEGMENTS, path,
+    double within;
+    int code = settings_within(&within, request->arguments);
+    for (size_t i = 0; i < AXIS_FILES && !code; i++) {
+        code = rows_file_init(&query->axes[i], &settings_axis_rows[i], files[i],
                               answer_has_format ? CONUS_FORMAT_TABLE : request->format);
-    outputs_add_sidecar(&request->outputs, "segments", query->segments.sidecar);
+        query->axes[i].within = within;
+        outputs_add_sidecar(&request->outputs, settings_axis_rows[i].option, query->axes[i].sidecar);
+    }
     return code;
 }
 
@@ -457,7 +505,7 @@ static int start_outputs(struct query *query)
     struct request *request = &query->request;
     int code = selection_files_init(&query->files, &request->outputs, &settings->files, request->arguments);
     code = code ? code : settings_contacts(&query->contacts, &settings->axis);
-    code = code ? code : start_segments(query);
+    code = code ? code : start_axes(query);
     code = code ? code : ends_init(&query->ends, &settings->ends, request->arguments);
     if (code) {
         return code;
@@ -480,7 +528,9 @@ static int run_query(const void *given, const struct arguments *arguments)
     code = code ? code : start_outputs(&query);
     code = code ? code : answer_query(&query);
     selection_files_finish(&query.files);
-    rows_file_finish(&query.segments);
+    for (size_t i = 0; i < AXIS_FILES; i++) {
+        rows_file_finish(&query.axes[i]);
+    }
     ends_finish(&query.ends);
     request_finish(&query.request);
     return code;

@@ -328,7 +328,7 @@ static int lead(void *user, const struct batch_settings *settings, const struct 
     struct shard shard;
     if (!settings->output || output_is_stdout(settings->output) || output_is_no_file(settings->poses)) {
         return print_usage_error("conus-mpi batch needs files for --poses and --%s",
-                                 settings->of_segments ? "segments" : "output");
+                                 settings->of_axis ? settings->of_axis->option : "output");
     }
     int code = batch_shard(&shard, settings);
     if (code) {
@@ -337,7 +337,7 @@ static int lead(void *user, const struct batch_settings *settings, const struct 
     snprintf(text, sizeof text, "%" PRIu64 "/%" PRIu64, shard.index, shard.count);
     own.shard = text;
     const char *const words[WORD_COUNT] = {arguments->operands[0], own.poses, own.output, own.shard,
-                                           own.of_segments ? "segments" : NULL};
+                                           own.of_axis ? own.of_axis->option : NULL};
     announce(words);
     return answer_batch(cluster, &own, arguments);
 }
@@ -354,7 +354,10 @@ static void follow(const struct cluster *cluster, const struct batch_settings *s
         own.poses = words[POSES];
         own.output = words[OUTPUT];
         own.shard = words[SHARD];
-        own.of_segments = words[ROWS];
+        for (size_t i = 0; i < AXIS_FILES && words[ROWS]; i++) {
+            bool is_it = strcmp(settings_axis_rows[i].option, words[ROWS]) == 0;
+            own.of_axis = is_it ? &settings_axis_rows[i] : own.of_axis;
+        }
         answer_batch(cluster, &own, &aimed);
         for (int i = 0; i < WORD_COUNT; i++) {
             free(words[i]);

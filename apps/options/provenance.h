@@ -14,7 +14,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/** Limits of one answer. A query writes its answer and eight more files, with every option that names one. */
+/** Limits of one answer. A query writes its answer and nine more files, with every option that names one. */
 enum { PROVENANCE_FILES = 12, SHA256_TEXT = 65 };
 
 /** A file that was written, or is about to be. */

@@ -514,16 +514,30 @@ void help_scores(FILE *out)
 
 static const char *const orders[] = {"rank", "depth", NULL};
 
+const struct rows_kind settings_axis_rows[AXIS_FILES] = {{"segments", CONUS_ROWS_SEGMENTS, "segments"},
+                                                         {"clearance", CONUS_ROWS_CLEARANCES, "clearances"}};
+
 const struct option axis_options[] = {
     {.name = "segments",
      .type = OPTION_TEXT,
-     .offset = offsetof(struct axis_settings, segments),
+     .offset = offsetof(struct axis_settings, files[0]),
      .value = "FILE",
      .help = "write what the axis passes, in order of depth: a row for each stretch inside an area, pathway or "
              "bundle, or between them",
      .words = "probe, shank, track",
      .role = OPTION_WRITES_ROWS,
      .flags = OPTION_OF_CONE},
+    {.name = "clearance",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct axis_settings, files[1]),
+     .value = "FILE[,within=MM]",
+     .help = "write how far the device stays from each area, pathway and bundle, the nearest first, and where; as a "
+             "needle of --radius (a cone has none) from the near to the far end of --range; up to MM away, 0 to 1000 "
+             "(default 10)",
+     .words = "margin, safety, needle, avoid",
+     .role = OPTION_WRITES_ROWS,
+     .flags = OPTION_OF_CONE,
+     .key = "within"},
     {.name = "order",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct axis_settings, order),
@@ -541,6 +555,20 @@ const struct option axis_options[] = {
      .role = OPTION_ASKS},
     {0},
 };
+
+int settings_within(double *out, const struct arguments *arguments)
+{
+    static const char *const keys[] = {",within=", NULL};
+    const char *path = option_text(arguments, "clearance");
+    const char *text = option_key(arguments, "clearance");
+    *out = 10;
+    if (path && key_left_in_file("--clearance", path, keys)) {
+        return EXIT_USAGE;
+    }
+    return !text || (number_parse(text, out) && *out >= 0 && *out <= 1000)
+               ? EXIT_DONE
+               : print_usage_error("--clearance: within=%s is no number of mm from 0 to 1000", text);
+}
 
 /* Cuts the next of the numbers off; false where there is none. */
 static bool take_number(double *out, char **rest)

@@ -118,9 +118,20 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
 /** Lists the scores and what they mean, for --help. */
 void help_scores(FILE *out);
 
+/** Rows that have a file of their own, beside the answer or instead of it. */
+struct rows_kind {
+    const char *option; /**< That names the file. */
+    conus_rows rows;
+    const char *word; /**< Of the sidecar's question. */
+};
+
+/** Those about the axis of a device. */
+enum { AXIS_FILES = 2 };
+extern const struct rows_kind settings_axis_rows[AXIS_FILES];
+
 struct axis_settings {
-    const char *segments;
-    size_t order; /* conus_order */
+    const char *files[AXIS_FILES]; /* in the order of settings_axis_rows; NULL = not asked for */
+    size_t order;                  /* conus_order */
     const char *contacts;
 };
 
@@ -128,6 +139,10 @@ extern const struct option axis_options[]; /**< axis_settings */
 
 /** Message for a pose that is only a point where an axis is wanted. */
 #define POINT_HAS_NO_AXIS "a point, without the direction that an axis needs"
+
+/** Reads the key of --clearance, mm; without one its default. Returns the exit code and prints an error unless it is 0.
+ */
+int settings_within(double *out, const struct arguments *arguments);
 
 /** Reads --contacts; the count is 0 if it was not given. Returns the exit code and prints an error unless it is 0. */
 int settings_contacts(conus_contacts *out, const struct axis_settings *settings);

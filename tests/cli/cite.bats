@@ -152,6 +152,11 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     done
     cites cone.tsv
     has Rick
+    conus query nested.nii.gz --origin 0,-100,0 --toward 0,0,0 --radius 0.5 --clearance near.tsv,within=3 -o tube.tsv
+    cites near.tsv
+    has "The distance of the device's axis, a straight line from the device's position on, from each area, less the needle's radius of 0.5 mm (the clearance), was determined for one pose"
+    has 'Eq. 21'
+    has 'Objects that are farther than 3 mm away are not reported'
     printf '0 0 0 A1\n0 0 2 A2\n' >points.txt
     conus batch nested.nii.gz --poses points.txt --radius 2 --format spikeglx -q -o contacts
     cites contacts

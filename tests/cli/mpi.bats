@@ -383,14 +383,15 @@ END
     [ ! -e short.txt ]
 }
 
-@test "segments are those of conus batch, alone and besides the rows" {
+@test "segments and clearances are those of conus batch, alone and besides the rows" {
     setup_poses
     printf '1\t1\tx\t4\t5\t6\n' >>poses.tsv
-    conus batch sphere.nii.gz --poses poses.tsv --segments segments.tsv -o rows.tsv || [ $? -eq 1 ]
+    conus batch sphere.nii.gz --poses poses.tsv --segments segments.tsv --clearance near.tsv,within=3 -o rows.tsv || [ $? -eq 1 ]
     ranks 2 sphere.nii.gz --poses poses.tsv --block 8 --segments alone.tsv 2>said && return 1 || [ $? -eq 1 ]
     cmp segments.tsv alone.tsv
-    ranks 3 sphere.nii.gz --poses poses.tsv --block 8 --segments both.tsv -o ranks.tsv 2>said && return 1 || [ $? -eq 1 ]
+    ranks 3 sphere.nii.gz --poses poses.tsv --block 8 --segments both.tsv --clearance three.tsv,within=3 -o ranks.tsv 2>said && return 1 || [ $? -eq 1 ]
     cmp segments.tsv both.tsv
+    cmp near.tsv three.tsv
     cmp rows.tsv ranks.tsv
     ranks 2 sphere.nii.gz --poses poses.tsv --segments - 2>said && return 1 || [ $? -eq 2 ]
     grep -q 'needs files for --poses and --segments' said

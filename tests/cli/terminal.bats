@@ -77,7 +77,8 @@ plain() {
 @test "other tables fit, too" {
     setup_nested
     for command in "info nested.nii.gz" "sweep nested.nii.gz --origin 0,0,100 --toward 0,0,0 --angle 20" \
-        "query nested.nii.gz --point 0,0,20" "query nested.nii.gz --origin 0,0,100 --toward 0,0,0 --segments -"; do
+        "query nested.nii.gz --point 0,0,20" "query nested.nii.gz --origin 0,0,100 --toward 0,0,0 --segments -" \
+        "query nested.nii.gz --origin 0,0,100 --toward 0,0,0 --clearance -"; do
         read -ra words <<<"$command"
         on 50 "$CONUS" "${words[@]}" | plain | grep -E '[^ ]   *[^ ]+   *[^ ]' >fitted || true
         [ -s fitted ] && [ "$(wc -L <fitted)" -le 50 ] || { echo "$command:"; cat fitted; return 1; }

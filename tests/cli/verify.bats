@@ -442,7 +442,7 @@ hostile() {
 # Every option with a text must be one that verify knows, or a sidecar with it is refused.
 @test "every option of the commands that are answered again is known, or refused on purpose" {
     study
-    local text='--angles --atlas --atlas-transform --connect --connectivity --contacts --context --deep --endpoints --hide --image --jitter --jobs
+    local text='--angles --atlas --atlas-transform --clearance --connect --connectivity --contacts --context --deep --endpoints --hide --image --jitter --jobs
         --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --reference --score
         --segments --shard --sidecar --streamlines --streamlines-out --tool --voxels --world-from-tracker'
     for command in query batch sweep track overlap connect; do

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rows beside the answers: --segments and --endpoints; and the table of areas of --connectivity. */
+/* Rows beside the answers: --segments, --clearance and --endpoints; and the table of areas of --connectivity. */
 #include "cli/answers/ends.h"
 
 #include "cli/answers/answer_format.h"
@@ -9,20 +9,20 @@
 
 #include <stdlib.h>
 
-int rows_file_init(struct rows_file *out, const char *option, conus_rows rows, const char *path, conus_format format)
+int rows_file_init(struct rows_file *out, const struct rows_kind *kind, const char *path, conus_format format)
 {
-    *out = (struct rows_file){.option = option, .rows = rows, .path = path, .format = format};
+    *out = (struct rows_file){.kind = kind, .path = path, .format = format};
     if (!path) {
         return EXIT_DONE;
     }
     if (!output_is_no_file(path) && !output_format(&out->format, path)) {
         return print_usage_error("%s: --%s ends in none of .tsv, .csv, .json, .ndjson, .jsonl and, for a table for "
                                  "people, .txt",
-                                 path, option);
+                                 path, kind->option);
     }
     if (format_is_foreign(out->format)) {
         return print_usage_error("--format: formats of other programs hold no %s; table, tsv, csv, json and ndjson do",
-                                 option);
+                                 kind->option);
     }
     return answer_sidecar(&out->sidecar, out->format, &(struct answer_settings){.output = path});
 }
@@ -40,7 +40,8 @@ void rows_file_finish(struct rows_file *file)
 conus_status rows_file_report(struct rows_file *file, const conus_selector *selector,
                               const conus_report_options *options)
 {
-    const conus_report_options own = {.rows = file->rows,
+    const conus_report_options own = {.rows = file->kind->rows,
+                                      .within = file->within,
                                       .format = file->format,
                                       .frame = options->frame,
                                       .command = options->command,
@@ -76,9 +77,9 @@ int rows_file_write(const struct rows_file *file, const struct provenance *prove
         return EXIT_DONE;
     }
     struct provenance own = *provenance;
-    own.option = file->option;
-    own.question.rows = file->rows == CONUS_ROWS_SEGMENTS ? "segments" : "connections";
-    own.question.region = file->rows == CONUS_ROWS_SEGMENTS ? "axis" : own.question.region;
+    own.option = file->kind->option;
+    own.question.rows = file->kind->word;
+    own.question.region = file->kind->rows == CONUS_ROWS_CONNECTIONS ? own.question.region : "axis";
     return answer_write(file->reports[0], file->path, file->sidecar, &own);
 }
 
@@ -198,7 +199,8 @@ int ends_init(struct ends *out, const struct ends_settings *settings, const stru
     if (settings->endpoints && output_is_stdout(settings->endpoints)) {
         return print_usage_error("--endpoints needs a file: the answer is on standard output");
     }
-    int code = rows_file_init(&out->rows, "endpoints", CONUS_ROWS_CONNECTIONS, settings->endpoints, CONUS_FORMAT_TABLE);
+    static const struct rows_kind connections = {"endpoints", CONUS_ROWS_CONNECTIONS, "connections"};
+    int code = rows_file_init(&out->rows, &connections, settings->endpoints, CONUS_FORMAT_TABLE);
     return code ? code : matrix_file_init(&out->matrix, settings->connectivity);
 }
 

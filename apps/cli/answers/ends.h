@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Rows beside the answers, of --segments and --endpoints, each in a report of its own; --connectivity: which
- * areas the streamlines connect, as rows and as a table of areas. */
+/** @file Rows beside the answers, of --segments, --clearance and --endpoints, each in a report of its own;
+ * --connectivity: which areas the streamlines connect, as rows and as a table of areas. */
 #ifndef CONUS_CLI_ANSWERS_ENDS_H
 #define CONUS_CLI_ANSWERS_ENDS_H
 
 #include "options/provenance.h"
 #include "settings/atlases.h"
+#include "settings/settings.h"
 
 struct rows_file {
-    const char *option; /**< "segments" */
-    conus_rows rows;
+    const struct rows_kind *kind;
     const char *path; /**< NULL = none. */
+    double within;    /**< Of clearances, mm. */
     conus_format format;
     char *sidecar;          /**< Path; NULL if there is none to write. */
     conus_report **reports; /**< [count] That of the first atlas has the rows of all. */
@@ -19,9 +20,9 @@ struct rows_file {
 
 /* Those that return an int give the exit code and print an error unless it is 0. With no path they do nothing. */
 
-/** Finds format and sidecar of the file @p path of --@p option: the format by the ending, or @p format where that is no
- * file. @p out is the caller's to rows_file_finish() in any case. */
-int rows_file_init(struct rows_file *out, const char *option, conus_rows rows, const char *path, conus_format format);
+/** Finds format and sidecar of the file @p path: the format by the ending, or @p format where that is no file. @p out
+ * is the caller's to rows_file_finish() in any case. */
+int rows_file_init(struct rows_file *out, const struct rows_kind *kind, const char *path, conus_format format);
 void rows_file_finish(struct rows_file *file);
 
 /** Makes the report of the next atlas. @p options has space, command and the atlas's name. */

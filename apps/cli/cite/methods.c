@@ -457,6 +457,26 @@ static void put_axis(FILE *out, const struct citation *citation)
     fputs(" Borders are where the axis crosses faces of voxels, or a surface.", out);
 }
 
+static void put_clearance(FILE *out, const struct citation *citation)
+{
+    double radius = json_number_value(citation_setting(citation, "radius_mm"));
+    const json_t *within = citation_setting(citation, "within_mm");
+    fprintf(out, "The distance of the device's axis, a straight line from the device's position on, from each %s",
+            objects_of(citation, ONE, true));
+    if (radius > 0) {
+        fprintf(out, ", less the needle's radius of %.9g mm (the clearance),", radius);
+    }
+    fputs(" was determined for ", out);
+    put_poses(out, citation);
+    put_program(out, citation);
+    put_range(out, citation);
+    fprintf(out, " Distances are to the nearest point of an object's voxels (whole cells), %s",
+            "surface or streamlines, 0 where the axis is in it (Eq. 21 of conus's documentation).");
+    if (json_is_number(within)) {
+        fprintf(out, " Objects that are farther than %.9g mm away are not reported.", json_number_value(within));
+    }
+}
+
 static void put_admission(FILE *out, const struct citation *citation)
 {
     const char *angle = option_value(citation, "angle");
@@ -530,11 +550,17 @@ static const struct {
     void (*put)(FILE *out, const struct citation *citation);
     bool has_rays;
 } sentences[] = {
-    {"coverages", NULL, put_overlap, false},    {"connections", NULL, put_connections, false},
-    {"admissions", NULL, put_admission, false}, {"segments", NULL, put_axis, false},
-    {"answers", "ball", put_ball, false},       {"answers", NULL, put_cone, true},
-    {"summaries", NULL, put_cone, true},        {"shares", NULL, put_cone, true},
-    {"chances", NULL, put_cone, true},          {"steps", NULL, put_cone, true},
+    {"coverages", NULL, put_overlap, false},
+    {"connections", NULL, put_connections, false},
+    {"admissions", NULL, put_admission, false},
+    {"segments", NULL, put_axis, false},
+    {"clearances", NULL, put_clearance, false},
+    {"answers", "ball", put_ball, false},
+    {"answers", NULL, put_cone, true},
+    {"summaries", NULL, put_cone, true},
+    {"shares", NULL, put_cone, true},
+    {"chances", NULL, put_cone, true},
+    {"steps", NULL, put_cone, true},
 };
 
 /* The index of that row; the number of rows where none fits. */

@@ -236,7 +236,9 @@ static const char *read_batch(struct record *out)
     out->is_batch = true;
     out->shard[0] = shard[0];
     out->shard[1] = shard[1];
-    const char *option = json_object_get(out->root, "entry_x") ? "segments" : "output"; /* only they have that column */
+    const char *option = json_object_get(out->root, "entry_x")        ? "segments" /* only they have these columns */
+                         : json_object_get(out->root, "clearance_mm") ? "clearance"
+                                                                      : "output";
     const struct recorded_file rows = {.option = option, .bytes = bytes, .crc32 = (int64_t)strtoul(crc, &end, 16)};
     const char *bad = add_file(&out->outputs, &out->output_count, &rows);
     bad = bad ? bad : add_named(out, batch, "pose_file", "pose_file_sha256");

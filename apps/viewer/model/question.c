@@ -164,8 +164,8 @@ bool ask_words(struct viewer *viewer, char **words, int count)
     struct ask_settings settings = {0};
     struct arguments arguments;
     bool fine = options_parse(&arguments, &settings, &command, NULL, count, words, 1) < 0;
-    if (fine && (option_given(&arguments, "segments") || option_given(&arguments, "contacts"))) {
-        print_error_line("ask: --segments and --contacts are of files, not of the window");
+    if (fine && (settings.axis.files[0] || settings.axis.files[1] || settings.axis.contacts)) {
+        print_error_line("ask: --segments, --clearance and --contacts are of files, not of the window");
         fine = false;
     }
     fine = fine && settings_check_score(&settings.engine, false);
