@@ -4,8 +4,10 @@
 
 #include "test.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static void a_word_is_a_kind_and_a_file(void **state)
 {
@@ -246,11 +248,37 @@ static void what_a_session_says_of_files_is_not_trusted(void **state)
     json_decref(window.files.opened);
 }
 
+/* JSON has no such bytes; the folder that the session was moved to may. */
+static void a_file_is_found_in_a_folder_that_is_no_utf8(void **state)
+{
+    char folder[512];
+    char path[600];
+    char missing[ADDITIONS_MISSING];
+    json_t *words = json_pack("[s, s]", "--context=/gone/one.nii,volume=1", "--pathway=/gone/two.nii");
+    json_t *described = json_pack("[{s: s}, {s: s}]", "option", "--context=/gone/one.nii,volume=1", "option",
+                                  "--pathway=/gone/two.nii");
+    (void)state;
+    snprintf(folder, sizeof folder, "%s\xff", test_scratch("moved"));
+    mkdir(folder, 0700);
+    snprintf(path, sizeof path, "%s/one.nii", folder);
+    assert_ok(conus_write_file(path, "1", 1));
+    snprintf(path, sizeof path, "%s/s.json", folder);
+    json_t *found = additions_find(missing, words, described, path);
+    assert_int_equal(json_array_size(found), 1);
+    snprintf(path, sizeof path, "--context=%s/one.nii,volume=1", folder);
+    assert_string_equal(json_string_value(json_array_get(found, 0)), path);
+    assert_string_equal(missing, "two.nii");
+    json_decref(found);
+    json_decref(described);
+    json_decref(words);
+}
+
 TEST_GROUP(additions)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_word_is_a_kind_and_a_file),
         cmocka_unit_test(a_volume_takes_the_place_of_another_as_context),
+        cmocka_unit_test(a_file_is_found_in_a_folder_that_is_no_utf8),
         cmocka_unit_test(numbers_go_with_their_files),
         cmocka_unit_test(what_a_session_says_of_files_is_not_trusted),
     };

@@ -259,11 +259,11 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
                                           .sha256 = text_of(entry, "sha256"),
                                           .bytes = (uint64_t)json_integer_value(json_object_get(entry, "bytes"))};
         (void)addition_of(&value, word);
-        json_t *now = session_file_find(where, &file, session, NULL, 0)
-                          ? json_sprintf("--%s=%s%s", addition_names[kind], where, value + strlen(path))
-                          : NULL;
-        if (now) {
-            fine = !json_array_append_new(found, now);
+        if (session_file_find(where, &file, session, NULL, 0)) {
+            char *now = NULL; /* not always UTF-8, as the session is: its folder may have any name */
+            int size = asprintf(&now, "--%s=%s%s", addition_names[kind], where, value + strlen(path));
+            fine = size >= 0 && !json_array_append_new(found, json_string_nocheck(now));
+            free(size >= 0 ? now : NULL);
         } else {
             size_t used = strlen(missing);
             snprintf(missing + used, ADDITIONS_MISSING - used, "%s%s", used ? ", " : "", path_name(path));

@@ -269,8 +269,15 @@ static conus_status afni_place(struct text_volume *out, const struct header *hea
     double matrix[12] = {0};
     double plumb[16];
     bool real = header->matrix.text.data;
-    conus_status other = read_plumb(plumb, header);
-    conus_status status = real ? afni_take_numbers(matrix, 12, &header->matrix) : other;
+    bool has_plumb = !real || (header->orient.text.data && header->origin.text.data && header->delta.text.data);
+    conus_status status = has_plumb ? read_plumb(plumb, header) : CONUS_OK;
+    if (real && status) {
+        has_plumb = false;
+        status = notes_warn(notes, "IJK_TO_DICOM_REAL was used; %s", conus_message());
+    }
+    if (real && !status) {
+        status = afni_take_numbers(matrix, 12, &header->matrix);
+    }
     if (status) {
         return status;
     }
@@ -281,7 +288,7 @@ static conus_status afni_place(struct text_volume *out, const struct header *hea
         size_t at = 4 * (i % 4) + i / 4;
         lps[at] = real ? matrix[i] : plumb[at];
     }
-    double gap = other ? 0 : space_corner_distance(dim, lps, plumb);
+    double gap = !has_plumb ? 0 : space_corner_distance(dim, lps, plumb);
     header_turn_lps(out->world_from_voxel);
     snprintf(out->transform, sizeof out->transform, "%s",
              real ? "IJK_TO_DICOM_REAL" : "ORIENT_SPECIFIC, ORIGIN, DELTA");

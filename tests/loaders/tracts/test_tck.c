@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "loaders/tracts/tract_file.h"
+#include "loaders/tracts/tract_formats.h"
 #include "test.h"
 
 #include <math.h>
@@ -307,6 +308,21 @@ static void more_than_a_block(void **state)
     buffer_finish(&bytes);
 }
 
+/* A file may be cut short between two readings: the reader of one that was a tractogram has a reason then, too. */
+static void the_reader_says_why_a_file_is_empty(void **state)
+{
+    struct byte_stream stream;
+    struct tractogram out = {0};
+    struct notes notes = {0};
+    (void)state;
+    assert_ok(byte_stream_of(&stream, (const uint8_t *)"", 0));
+    (void)fail(CONUS_ERROR_DATA, "before");
+    assert_fails(tck_read(&out, &stream, 0, &notes), CONUS_ERROR_DATA);
+    assert_string_equal(conus_message(), "header: found no line END in the first 0 bytes");
+    byte_stream_finish(&stream);
+    notes_finish(&notes);
+}
+
 static void every_prefix_is_refused(void **state)
 {
     (void)state;
@@ -367,6 +383,7 @@ TEST_GROUP(tck)
         cmocka_unit_test(files_without_an_end_are_refused),
         cmocka_unit_test(what_is_no_tractogram_is_said),
         cmocka_unit_test(more_than_a_block),
+        cmocka_unit_test(the_reader_says_why_a_file_is_empty),
         cmocka_unit_test(every_prefix_is_refused),
         cmocka_unit_test(every_failing_allocation),
     };

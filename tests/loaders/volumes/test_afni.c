@@ -3,6 +3,7 @@
 #include "loaders/volumes/text/text_volume.h"
 
 #include "base/memory.h"
+#include "base/status.h"
 #include "builders/bent_text.h"
 #include "builders/nifti_builder.h"
 #include "loaders/volumes/volume_file.h"
@@ -124,6 +125,30 @@ static void the_real_matrix_wins(void **state)
     assert_non_null(strstr(notes.lines[0], "IJK_TO_DICOM_REAL was used; ORIENT_SPECIFIC"));
     text_volume_finish(&volume);
     notes_finish(&notes);
+}
+
+/* Steps of the wrong sign do not count beside the matrix, which a note says; where there are none, nothing is said. */
+static void broken_plumb_axes_are_noted_beside_the_matrix(void **state)
+{
+    static const char *const gone[][2] = {{"ORIGIN", "OTHER1"}, {"DELTA", "OTHER"}, {"ORIENT_SPECIFIC", "OTHER"}};
+    struct text_volume volume;
+    struct notes notes = {0};
+    (void)state;
+    assert_ok(parse_bent(&volume, " -2 -3 4\n", " 2 -3 4\n", real, &notes));
+    assert_near(volume.world_from_voxel[1], -3, 1e-12);
+    assert_int_equal(notes.count, 1);
+    assert_string_equal(notes.lines[0], "IJK_TO_DICOM_REAL was used; DELTA: found 2, ORIENT_SPECIFIC 1 needs a step of "
+                                        "the other sign");
+    text_volume_finish(&volume);
+    notes_finish(&notes);
+    for (size_t i = 0; i < 3; i++) {
+        struct notes none = {0};
+        (void)fail(CONUS_ERROR_DATA, "before");
+        assert_ok(parse_bent(&volume, gone[i][0], gone[i][1], real, &none));
+        assert_string_equal(conus_message(), "before");
+        assert_int_equal(none.count, 0);
+        text_volume_finish(&volume);
+    }
 }
 
 static void the_space_follows_view_and_template(void **state)
@@ -323,6 +348,7 @@ TEST_GROUP(afni)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(plumb_axes_follow_their_codes),
         cmocka_unit_test(the_real_matrix_wins),
+        cmocka_unit_test(broken_plumb_axes_are_noted_beside_the_matrix),
         cmocka_unit_test(the_space_follows_view_and_template),
         cmocka_unit_test(a_data_set_opens_by_either_name),
         cmocka_unit_test(a_series_has_its_own_factors_and_names),
