@@ -65,7 +65,7 @@ const char *settings_poses_name(const char *path)
 /* Whether it is the name of an installed atlas, or a file that only an atlas can be. */
 static bool is_atlas(const char *path)
 {
-    static const char *const endings[] = {".nii", ".nii.gz", ".mgz", ".mgh",   ".nrrd",      ".seg.nrrd",
+    static const char *const endings[] = {".nii", ".nii.gz", ".mgz", ".mgh",   ".nrrd",
                                           ".mha", ".HEAD",   ".gii", ".annot", ".atlas.json"};
     for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
         if (path_ends(path, endings[i])) {

@@ -242,33 +242,20 @@ static void draw_notices(const struct window *window)
     }
 }
 
-/* The ray from the eye through the mouse. */
-static void find_ray(double eye[3], double direction[3], const struct window *window)
+/* Finds what is on the ray from the eye through the mouse. */
+static void find_hovered(struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     const struct ui_mouse mouse = ui_mouse_now();
     const double size[2] = {(double)box->width, (double)box->height};
     const double at[2] = {(double)(mouse.x - box->x), (double)(mouse.y - box->y)};
-    memcpy(eye, window->pictures.eye.camera.world_from_device + 12, 3 * sizeof *eye);
-    eye_ray(direction, &window->pictures.eye, size, at);
-}
-
-/* Names what is under the mouse; where the cone follows the mouse, it has its name there already. */
-static void hover(struct window *window)
-{
-    struct viewer *viewer = window->viewer;
-    double *eye = window->frame.hover.eye;
-    double *direction = window->frame.hover.direction;
-    find_ray(eye, direction, window);
-    window->frame.hover.by_ray = true;
-    window->frame.hover.has_place =
-        viewer_pick(&window->frame.hover.object, window->frame.hover.at, viewer, eye, direction);
-    if (window->frame.hover.object) {
-        window->frame.hover.value = view_atlas_value(viewer->drawn, window->frame.hover.object, window->frame.hover.at);
-    }
-    enum tool_number follows = tool_moved_by(viewer, POINT_BY_MOUSE);
-    if (window->frame.hover.object && (follows == TOOL_COUNT || viewer->tools[follows].held)) {
-        hover_tip(window);
+    struct hover *hover = &window->frame.hover;
+    memcpy(hover->eye, window->pictures.eye.camera.world_from_device + 12, sizeof hover->eye);
+    eye_ray(hover->direction, &window->pictures.eye, size, at);
+    hover->by_ray = true;
+    hover->has_place = viewer_pick(&hover->object, hover->at, window->viewer, hover->eye, hover->direction);
+    if (hover->object) {
+        hover->value = view_atlas_value(window->viewer->drawn, hover->object, hover->at);
     }
 }
 
@@ -276,10 +263,7 @@ static void hover(struct window *window)
 static void use_click(struct window *window, const struct ui_mouse *mouse)
 {
     struct viewer *viewer = window->viewer;
-    uint32_t object;
-    double at[3];
-    double eye[3];
-    double direction[3];
+    const struct hover *hover = &window->frame.hover;
     bool is_click = mouse->released[0] && window->frame.click_left > 0;
     bool is_pressed = mouse->pressed[0] && ui_surface_held(); /* a press that began on a panel is no click here */
     float left = is_pressed ? click : window->frame.click_left - fabsf(mouse->moved_x) - fabsf(mouse->moved_y);
@@ -291,10 +275,9 @@ static void use_click(struct window *window, const struct ui_mouse *mouse)
     if (tool < TOOL_COUNT && viewer->tools[tool].has_pose) {
         tool_hold(viewer, tool);
     }
-    find_ray(eye, direction, window);
-    if (viewer_pick(&object, at, viewer, eye, direction)) {
-        viewer_cross(viewer, at);
-        viewer->drawn->shown.chosen = object ? object : viewer->drawn->shown.chosen;
+    if (hover->has_place) {
+        viewer_cross(viewer, hover->at);
+        viewer->drawn->shown.chosen = hover->object ? hover->object : viewer->drawn->shown.chosen;
     }
 }
 
@@ -303,8 +286,6 @@ static bool use_mouse(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     struct ui_mouse mouse = ui_mouse_now();
-    double eye[3];
-    double direction[3];
     double height = (double)window->screen.panes[PANE_3D].height;
     bool held = ui_surface_held();
     bool moved = mouse.moved_x != 0 || mouse.moved_y != 0;
@@ -317,8 +298,7 @@ static bool use_mouse(struct window *window)
     } else if (held && moved && (mouse.down[1] || mouse.down[2])) {
         orbit_pan(&viewer->orbit, (double)mouse.moved_x, (double)mouse.moved_y, height);
     } else if (!held && moved) {
-        find_ray(eye, direction, window);
-        inputs_point(&window->inputs, viewer, eye, direction);
+        inputs_point(&window->inputs, viewer, window->frame.hover.eye, window->frame.hover.direction);
     }
     if (mouse.wheel != 0) {
         orbit_zoom(&viewer->orbit, (double)mouse.wheel);
@@ -328,6 +308,15 @@ static bool use_mouse(struct window *window)
         tool_confirm(viewer, FIRST_TOOL);
     }
     return moved || mouse.wheel != 0;
+}
+
+/* Names what is under the mouse; where the cone follows the mouse, it has its name there already. */
+static void tell_hovered(const struct window *window)
+{
+    enum tool_number follows = tool_moved_by(window->viewer, POINT_BY_MOUSE);
+    if (window->frame.hover.object && (follows == TOOL_COUNT || window->viewer->tools[follows].held)) {
+        hover_tip(window);
+    }
 }
 
 /* Notes until when pictures shall be quick: the mouse moves the view or the cone, or a tracker or a replay does. */
@@ -360,11 +349,13 @@ void pane_3d(struct window *window)
     } else {
         ui_draw_box(*box, dark, 0);
     }
-    bool touched = ui_surface("surface", *box);
-    note_moves(window, touched && use_mouse(window));
-    if (touched) {
-        hover(window);
+    bool by_mouse = false;
+    if (ui_surface("surface", *box)) {
+        find_hovered(window);
+        by_mouse = use_mouse(window);
+        tell_hovered(window);
     }
+    note_moves(window, by_mouse);
     ask_painter(window, window->pictures.moving);
     ui_clip(*box);
     pane_chosen(window);
