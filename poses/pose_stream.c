@@ -517,6 +517,11 @@ bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
     return found;
 }
 
+bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
+{
+    return stream->format == CONUS_POSE_FORMAT_TABLE && pose_table_has_ranges(&stream->table);
+}
+
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)
 {
     bool found = stream->format == CONUS_POSE_FORMAT_POINTS;

@@ -38,6 +38,8 @@ enum column {
     TRIGGER,
     ERROR_DEG,
     ERROR_MM,
+    NEAR,
+    FAR,
     SPACE,
     ID,
     COLUMNS
@@ -46,10 +48,10 @@ enum column {
 _Static_assert((int)COLUMNS == POSE_COLUMNS, "one flag per column");
 
 static const char *const names[COLUMNS] = {
-    "x",   "y",   "z",     "tx",     "ty",      "tz",        "dx",       "dy",    "dz",      "qw",
-    "qx",  "qy",  "qz",    "m00",    "m01",     "m02",       "m03",      "m10",   "m11",     "m12",
-    "m13", "m20", "m21",   "m22",    "m23",     "m30",       "m31",      "m32",   "m33",     "ux",
-    "uy",  "uz",  "angle", "time_s", "trigger", "error_deg", "error_mm", "space", "query_id"};
+    "x",      "y",       "z",         "tx",       "ty",   "tz",  "dx",    "dy",      "dz",  "qw",  "qx",
+    "qy",     "qz",      "m00",       "m01",      "m02",  "m03", "m10",   "m11",     "m12", "m13", "m20",
+    "m21",    "m22",     "m23",       "m30",      "m31",  "m32", "m33",   "ux",      "uy",  "uz",  "angle",
+    "time_s", "trigger", "error_deg", "error_mm", "near", "far", "space", "query_id"};
 
 /* A header being read. */
 struct header {
@@ -311,6 +313,11 @@ bool pose_table_has_angles(const struct pose_table *table)
     return table->has[ANGLE];
 }
 
+bool pose_table_has_ranges(const struct pose_table *table)
+{
+    return table->has[NEAR] || table->has[FAR];
+}
+
 static conus_status pose_from_values(conus_pose *out, const struct pose_table *table, double v[COLUMNS],
                                      const conus_pose_options *options)
 {
@@ -441,7 +448,8 @@ static conus_status check_text(struct text line)
 conus_status pose_table_row(conus_pose_row *row, struct pose_name *name, const struct pose_table *table,
                             struct text line, const conus_pose_options *options)
 {
-    double values[COLUMNS] = {[TIME] = NAN, [ERROR_DEG] = NAN, [ERROR_MM] = NAN, [SPACE] = NAN};
+    double values[COLUMNS] = {
+        [TIME] = NAN, [ERROR_DEG] = NAN, [ERROR_MM] = NAN, [NEAR] = NAN, [FAR] = NAN, [SPACE] = NAN};
     conus_status status = check_text(line);
     status = status ? status : read_values(values, name, table, line);
     /* A row may have other signs than the table, but not another space's axes and units. */
@@ -459,6 +467,11 @@ conus_status pose_table_row(conus_pose_row *row, struct pose_name *name, const s
                                                              "180, or n/a for none")
                                     : pose_check_angle(row->angle);
     }
+    if (!status && !isnan(values[FAR])) { /* what near alone may be depends on the range of those without */
+        status = pose_check_range((double[]){isnan(values[NEAR]) ? 0 : values[NEAR], values[FAR]});
+    }
+    row->range[0] = values[NEAR];
+    row->range[1] = values[FAR];
     row->time_s = values[TIME];
     row->trigger = values[TRIGGER] != 0;
     row->error_deg = values[ERROR_DEG];

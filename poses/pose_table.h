@@ -8,7 +8,7 @@
 #include "poses/rows/pose_row.h"
 
 enum {
-    POSE_COLUMNS = 39,
+    POSE_COLUMNS = 41,
     POSE_COLUMN_LIMIT = 1000,
     POSE_NAME_SIZE = POSE_ID_LIMIT + 1 /**< One byte more than is allowed, so that more is seen. */
 };
@@ -31,6 +31,8 @@ conus_status pose_table_header(struct pose_table *out, struct notes *notes, stru
 bool pose_table_has_times(const struct pose_table *table);
 /** Whether rows may have angles. */
 bool pose_table_has_angles(const struct pose_table *table);
+/** Whether rows may have ranges. */
+bool pose_table_has_ranges(const struct pose_table *table);
 
 /** A row's name; "" if it gives none. */
 struct pose_name {

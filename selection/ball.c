@@ -156,7 +156,7 @@ static conus_status select_nearest(conus_selection **out, conus_selector *select
 
 conus_status conus_select_ball(conus_selection **out, conus_selector *selector, const double centre[3], double radius)
 {
-    if (selector->options.range[1] > 0) {
+    if (selector->range[1] > 0) {
         return fail(CONUS_ERROR_ARGUMENT, "a ball has no axis, along which a range of depths could be");
     }
     if (!vec3_is_finite(centre)) {

@@ -103,7 +103,7 @@ size_t selections_at_once(const conus_selector *selector)
     return !selector->engine->functions->trace_many || fitting < 1 ? 1 : fitting;
 }
 
-/* Traces what is visible, for all selections (NULL is skipped) at once. */
+/* Traces what is visible, for all selections at once, but for those with a range (NULL is skipped). */
 static conus_status trace_together(conus_selection *const *selections, size_t count, struct engine *engine)
 {
     struct evidence **evidence = memory_raw(count, sizeof(void *));
@@ -111,7 +111,7 @@ static conus_status trace_together(conus_selection *const *selections, size_t co
     conus_status status = evidence && cones ? CONUS_OK : CONUS_ERROR_MEMORY;
     size_t given = 0;
     for (size_t i = 0; i < count && !status; i++) {
-        if (selections[i]) {
+        if (selections[i] && !cone_has_range(&selections[i]->cone)) {
             evidence[given] = &selections[i]->evidence;
             cones[given++] = &selections[i]->cone;
         }
@@ -125,7 +125,6 @@ static conus_status trace_together(conus_selection *const *selections, size_t co
 conus_status selections_trace(conus_selection *const *selections, size_t count, conus_selector *selector)
 {
     struct engine *engine = selector->engine;
-    bool has_range = selector->options.range[1] > 0; /* then what is first follows from all layers */
     bool together = count > 1 && engine->functions->trace_many;
     /* In a volume, a ray's first hit is the object of its first interval, unless several intervals begin there. In a
      * mesh it need not be: a ray may begin inside. */
@@ -139,9 +138,10 @@ conus_status selections_trace(conus_selection *const *selections, size_t count, 
             cone->rays = count == 1 && cone->radius == 0 ? &selector->aperture.rays : NULL;
         }
     }
-    conus_status status = together && !has_range ? trace_together(selections, count, engine) : CONUS_OK;
+    conus_status status = together ? trace_together(selections, count, engine) : CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         conus_selection *selection = selections[i];
+        bool has_range = selection && cone_has_range(&selection->cone); /* what is first follows from all layers */
         bool is_traced = selection && !has_range && (together || !selection->has_layers || !layers_show_first);
         if (is_traced && !together) {
             status = engine->functions->trace(engine, &selection->evidence, &selection->cone);
@@ -187,7 +187,7 @@ conus_status selection_begin(conus_selection **out, conus_selector *selector, co
                         .resolution = options->resolution,
                         .aperture = options->aperture,
                         .radius = options->radius,
-                        .range = {options->range[0], options->range[1]}};
+                        .range = {selector->range[0], selector->range[1]}};
     conus_status status = conus_pose_from_matrix(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
     if (status) {

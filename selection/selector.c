@@ -117,7 +117,7 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     selector->options = *options_of(conus_selector_options, options);
     selector->options.resolution = selector->options.resolution ? selector->options.resolution : DEFAULT_RESOLUTION;
     conus_status status = selector_prepare_ranking(selector);
-    status = status ? status : check_options(&selector->options);
+    status = status ? status : conus_selector_set_range(selector, NULL);
     const char *level = selector->options.level;
     selector->options.level = NULL;
     selector->level_spec = level && !status ? memory_text(level, strlen(level)) : NULL;
@@ -150,6 +150,19 @@ conus_status conus_selector_create(conus_selector **out, const conus_atlas *atla
     return CONUS_OK;
 }
 
+conus_status conus_selector_set_range(conus_selector *selector, const double range[2])
+{
+    conus_selector_options options = selector->options;
+    for (int i = 0; range && i < 2; i++) {
+        options.range[i] = isnan(range[i]) ? options.range[i] : range[i];
+    }
+    conus_status status = check_options(&options);
+    if (!status) {
+        memcpy(selector->range, options.range, sizeof selector->range);
+    }
+    return status;
+}
+
 conus_status selector_share(conus_selector **out, const conus_selector *selector)
 {
     conus_selector *shared = memory_zeroed(1, sizeof *shared);
@@ -158,6 +171,7 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
     }
     *shared = (conus_selector){.atlas = selector->atlas, /* and all scratch is its own */
                                .options = selector->options,
+                               .range = {selector->options.range[0], selector->options.range[1]},
                                .ranking = selector->ranking,
                                .level = selector->level,
                                .level_spec = selector->level_spec,

@@ -111,6 +111,9 @@ static json_t *json_from_record(const struct batch_record *record)
         json_object_set_new(batch, "own_angles", json_boolean(record->has_angles));
         json_object_set_new(batch, "points", json_boolean(record->has_points));
     }
+    if (record->pose_file && record->has_ranges) {
+        json_object_set_new(batch, "own_ranges", json_true());
+    }
     if (record->pose_file && *record->coordsystem) {
         json_t *path = json_string(record->coordsystem);
         json_object_set_new(batch, "coordsystem_file", path ? path : json_null());

@@ -22,7 +22,8 @@ struct batch_record {
     const char *coordsystem_hash;  /**< its SHA-256, */
     const char *level_file;        /**< The list of areas, "--level @FILE"; NULL = none. */
     double angle;                  /**< and the angle of poses without one, degrees; */
-    bool has_angles, has_points;   /**< poses may have angles of their own, or be points. */
+    bool has_angles, has_points;   /**< poses may have angles of their own, or be points, */
+    bool has_ranges;               /**< or have ranges of their own. */
 };
 
 /** Fingerprint of a batch: of its sidecar, header row, the atlases' objects, how poses are read, and what they are read

@@ -407,11 +407,13 @@ int batch_run_finish_output(struct batch_run *run)
         .level_file = settings_level_file(&run->settings->engine),
         .angle = settings_angle(&run->settings->aim, &run->settings->engine) * (180 / M_PI),
         .has_angles = conus_pose_stream_has_angles(run->poses),
+        .has_ranges = conus_pose_stream_has_ranges(run->poses),
         .has_points = conus_pose_stream_has_points(run->poses),
     };
     memcpy(record.fingerprint, run->fingerprint, sizeof record.fingerprint);
     const struct engine_settings *engine = &run->settings->engine;
-    bool of_shanks = format_is_of_probe(run->format) && engine->range[1] > 0; /* contacts have no range */
+    bool of_shanks =
+        format_is_of_probe(run->format) && (engine->range[1] > 0 || record.has_ranges); /* contacts have no range */
     const struct rows_kind *of_axis = run->settings->of_axis ? run->settings->of_axis
                                       : of_shanks            ? &settings_axis_rows[0]
                                                              : NULL;

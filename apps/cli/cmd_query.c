@@ -146,6 +146,7 @@ struct asked_row {
     size_t line; /* of its file; 0 = none */
     conus_pose pose;
     double angle;
+    const double *range; /* NULL = --range */
     bool is_point;
     double point[3];
     double radius; /* of the ball; 0 = as far as the nearest */
@@ -230,8 +231,10 @@ static int ask_atlases(struct query *query, const struct asked_row *question, bo
     for (size_t i = 0; i < query->request.atlases.count && !code; i++) {
         conus_selector *selector = query->request.answerers[i].selector;
         conus_selection *selection = NULL;
-        conus_status status = question->is_point ? conus_select_ball(&selection, selector, question->point, radius)
-                                                 : conus_select(&selection, selector, &question->pose, question->angle);
+        conus_status status = conus_selector_set_range(selector, question->range);
+        status = status               ? status
+                 : question->is_point ? conus_select_ball(&selection, selector, question->point, radius)
+                                      : conus_select(&selection, selector, &question->pose, question->angle);
         *fault = status == CONUS_ERROR_ARGUMENT && i == 0;
         if (*fault) {
             return EXIT_DONE;
@@ -256,8 +259,12 @@ static int answer_row(void *user, const conus_pose_row *row)
     struct query *query = user;
     struct request *request = &query->request;
     double radius = request->settings->engine.radius;
-    struct asked_row question = {
-        .id = row->id, .line = row->line, .pose = row->pose, .is_point = row->is_point, .radius = radius};
+    struct asked_row question = {.id = row->id,
+                                 .line = row->line,
+                                 .pose = row->pose,
+                                 .range = row->range,
+                                 .is_point = row->is_point,
+                                 .radius = radius};
     bool fault = false;
     if (row->error || (row->is_point && radius == 0)) {
         return refuse_row(query, row, row->error ? row->error : POINT_HAS_NO_DIRECTION ", or the radius of a ball");

@@ -766,8 +766,8 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
         return refuse_row(picture, row, settings_row_error(row), EXIT_DATA);
     }
     double angle = row->angle != 0 ? row->angle : settings_angle(&settings->aim, &settings->engine);
-    bool fault = false;
-    int code = draw_cone(picture, &row->pose, angle, drawn->path, &fault);
+    bool fault = conus_selector_set_range(picture->selector, row->range) != CONUS_OK;
+    int code = fault ? EXIT_DONE : draw_cone(picture, &row->pose, angle, drawn->path, &fault);
     if (fault) {
         return refuse_row(picture, row, conus_message(), EXIT_USAGE);
     }

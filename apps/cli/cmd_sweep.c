@@ -254,7 +254,9 @@ static conus_status add_answers(struct sweep *sweep, const conus_pose_row *row)
     request_count_pose(request, row->line, &row->pose, widest);
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
         const struct answerer *answerer = &request->answerers[i];
-        status = sweep->rows == CONUS_ROWS_SHARES    ? add_shares(sweep, answerer, row)
+        status = conus_selector_set_range(answerer->selector, row->range);
+        status = status                              ? status
+                 : sweep->rows == CONUS_ROWS_SHARES  ? add_shares(sweep, answerer, row)
                  : sweep->rows == CONUS_ROWS_CHANCES ? add_chances(sweep, answerer, row, angle)
                                                      : add_admissions(answerer, row, angle);
     }
@@ -297,7 +299,7 @@ static int answer_all(struct sweep *sweep)
         say_unused_errors(sweep);
         return request_each_row(request, answer_row, sweep);
     }
-    conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN};
+    conus_pose_row row = {.id = "1", .error_deg = NAN, .error_mm = NAN, .range = {NAN, NAN}};
     int code = settings_pose(&row.pose, &request->settings->aim, &request->frame, request->arguments);
     request_start_progress(request, 1);
     conus_status status = code ? CONUS_OK : add_answers(sweep, &row);

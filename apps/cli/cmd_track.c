@@ -186,7 +186,10 @@ static int answer_step(struct track *track, const conus_pose_row *row, bool *fau
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
         const struct answerer *answerer = &request->answerers[i];
         conus_selection *selection = NULL;
-        status = conus_tracker_step(&selection, track->trackers[i], row->time_s, &row->pose, angle, row->trigger);
+        status = conus_selector_set_range(answerer->selector, row->range);
+        status = status
+                     ? status
+                     : conus_tracker_step(&selection, track->trackers[i], row->time_s, &row->pose, angle, row->trigger);
         *fault = status == CONUS_ERROR_ARGUMENT && i == 0;
         if (*fault) {
             return EXIT_DONE;
@@ -219,7 +222,7 @@ static int answer_update(struct track *track, const struct station_update *updat
 {
     char id[24];
     bool fault = false;
-    const conus_pose_row row = {.id = id, .pose = update->pose, .time_s = time_s};
+    const conus_pose_row row = {.id = id, .pose = update->pose, .time_s = time_s, .range = {NAN, NAN}};
     snprintf(id, sizeof id, "%llu", (unsigned long long)update->number);
     int code = answer_step(track, &row, &fault);
     code = fault ? print_status(CONUS_ERROR_ARGUMENT) : code;

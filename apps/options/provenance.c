@@ -219,8 +219,11 @@ static bool add_files(json_t *root, const struct provenance *provenance)
         whole = json_object_set_new(root, "Question", question_json(&provenance->question)) == 0 && whole;
     }
     if (provenance->poses) {
-        json_object_set_new(json_object_get(root, "Settings"), "own_angles",
-                            json_boolean(conus_pose_stream_has_angles(provenance->poses)));
+        json_t *settings = json_object_get(root, "Settings");
+        json_object_set_new(settings, "own_angles", json_boolean(conus_pose_stream_has_angles(provenance->poses)));
+        if (conus_pose_stream_has_ranges(provenance->poses)) {
+            json_object_set_new(settings, "own_ranges", json_true());
+        }
     }
     for (size_t i = 0; i < provenance->input_count; i++) {
         whole = provenance_put_input(root, provenance->inputs[i]) && whole;

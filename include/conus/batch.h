@@ -167,6 +167,7 @@ typedef struct conus_pose_array {
     const double *direction; /**< [count 3] Any length but 0. */
     const double *up;        /**< [count 3] As for conus_pose_along(); NULL = the default of Eq. 2. */
     const double *angle;     /**< [count] Full opening, radians; where it is 0, and where this is NULL, the options'. */
+    const double *range;     /**< [count 2] As for conus_selector_set_range(), mm; NULL = the selector's options'. */
 } conus_pose_array;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

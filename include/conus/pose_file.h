@@ -92,6 +92,7 @@ typedef struct conus_pose_row {
     double time_s;     /**< Column time_s, seconds; NaN if absent. */
     double error_deg;  /**< Column error_deg: how far off the direction may be, degrees (not radians); NaN if absent. */
     double error_mm;   /**< Column error_mm: how far off the position may be, mm; NaN if absent. */
+    double range[2];   /**< Columns near and far, mm, as for conus_selector_set_range(); NaN if absent. */
     const char *error; /**< NULL, or why the row is no pose; then only id and line have a meaning. */
 } conus_pose_row;
 
@@ -202,6 +203,15 @@ CONUS_API bool conus_pose_stream_has_times(const conus_pose_stream *stream);
  * @since 0.1
  */
 CONUS_API bool conus_pose_stream_has_angles(const conus_pose_stream *stream);
+
+/**
+ * Returns whether rows may have a range of their own.
+ * @param stream The stream.
+ * @return False for a table without the columns near and far and for other formats.
+ * @threads One at a time for each @p stream.
+ * @since 0.1
+ */
+CONUS_API bool conus_pose_stream_has_ranges(const conus_pose_stream *stream);
 
 /**
  * Returns whether rows may be points, which have no direction.

@@ -94,6 +94,16 @@ CONUS_CHECKED conus_status conus_selector_create(conus_selector **out, const con
 CONUS_CHECKED conus_status conus_selector_share(conus_selector **out, const conus_selector *selector);
 
 /**
+ * Gives what is asked next a range of its own: conus_select() and whatever else goes by the selector's range.
+ * @param selector The selector. Its range stays as it was after a failure.
+ * @param range As conus_selector_options.range; NaN = that of the options. NULL = both of the options.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for ends that are no range, and for one with the paper's slices.
+ * @threads One at a time for each @p selector.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_selector_set_range(conus_selector *selector, const double range[2]);
+
+/**
  * Ends a selector. What was made for it must have ended before.
  * @param selector NULL is allowed.
  * @threads One at a time for each @p selector. With the gl engine, the one that made it.

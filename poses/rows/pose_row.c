@@ -15,7 +15,7 @@ uint64_t pose_memory(const conus_pose_options *options)
 
 conus_pose_row pose_row_at(size_t line)
 {
-    return (conus_pose_row){.line = line, .time_s = NAN, .error_deg = NAN, .error_mm = NAN};
+    return (conus_pose_row){.line = line, .time_s = NAN, .error_deg = NAN, .error_mm = NAN, .range = {NAN, NAN}};
 }
 
 const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint64_t number)
@@ -44,6 +44,14 @@ conus_status pose_check_angle(double angle)
                ? CONUS_OK
                : fail(CONUS_ERROR_ARGUMENT, "angle: %g degrees, allowed is more than 0 and less than 180%s",
                       degrees_from_radians(angle), angle == 0 ? "; 0 needs a radius" : "");
+}
+
+conus_status pose_check_range(const double range[2])
+{
+    return range[0] >= 0 && range[1] > range[0] && isfinite(range[1])
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "range: %g to %g mm, allowed is NEAR from 0 on and FAR beyond it", range[0],
+                      range[1]);
 }
 
 void pose_flip_point(double p[3])

@@ -19,7 +19,7 @@ enum {
 /** Bytes that a file that is read whole may take: what @p options say, or 1 GiB. */
 uint64_t pose_memory(const conus_pose_options *options);
 
-/** A row that says nothing yet: no times, no errors, no angle. */
+/** A row that says nothing yet: no times, no errors, no angle, no range. */
 conus_pose_row pose_row_at(size_t line);
 
 /** Lets @p id be the number of the row, written into @p ordinal, unless it is a name that can be used. Says what is
@@ -28,6 +28,9 @@ const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint
 
 /** CONUS_ERROR_ARGUMENT with what is allowed, unless @p angle, in radians, is a cone's full opening angle. */
 conus_status pose_check_angle(double angle);
+
+/** CONUS_ERROR_ARGUMENT with what is allowed, unless @p range is of two depths, mm. */
+conus_status pose_check_range(const double range[2]);
 
 /** LPS to RAS and back: x and y change sign. */
 void pose_flip_point(double p[3]);

@@ -236,6 +236,7 @@ static conus_status read_poses(struct block *block, conus_pose_stream *poses, ui
             } else {
                 pose->pose = row->pose;
                 pose->angle = row->angle;
+                memcpy(pose->range, row->range, sizeof pose->range);
             }
         }
     }

@@ -7,6 +7,9 @@
 #include "base/options.h"
 #include "base/status.h"
 
+#include <math.h>
+#include <string.h>
+
 struct block {
     struct batch_pose *poses; /* [capacity] */
     size_t *starts;           /* [capacity + 1] */
@@ -35,7 +38,10 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
     for (size_t i = 0; i < block->count; i++) {
         size_t n = block->first + i;
         struct batch_pose *pose = &block->poses[i];
-        *pose = (struct batch_pose){.angle = poses->angle ? poses->angle[n] : 0, .line = n};
+        *pose = (struct batch_pose){.angle = poses->angle ? poses->angle[n] : 0, .range = {NAN, NAN}, .line = n};
+        if (poses->range) {
+            memcpy(pose->range, poses->range + 2 * n, sizeof pose->range);
+        }
         conus_status status = poses->matrix
                                   ? conus_pose_from_matrix(&pose->pose, poses->matrix + 16 * n)
                                   : conus_pose_along(&pose->pose, poses->origin + 3 * n, poses->direction + 3 * n,

@@ -68,6 +68,10 @@ static double angle_of(const struct batch_worker *worker, const struct batch_pos
 static conus_status select_pose(conus_selection **out, struct batch_worker *worker, const struct batch_pose *pose)
 {
     double radius = worker->selector->options.radius;
+    conus_status status = conus_selector_set_range(worker->selector, pose->range);
+    if (status) {
+        return status;
+    }
     if (!pose->is_point) {
         return conus_select(out, worker->selector, &pose->pose, angle_of(worker, pose));
     }
@@ -106,7 +110,10 @@ static conus_status answer_together(const struct answering *answering, size_t fi
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         if (!poses[i].is_no_pose && !poses[i].is_point) {
-            status = selection_begin(&worker->begun[i], worker->selector, &poses[i].pose, angle_of(worker, &poses[i]));
+            status = conus_selector_set_range(worker->selector, poses[i].range);
+            status = status ? status
+                            : selection_begin(&worker->begun[i], worker->selector, &poses[i].pose,
+                                              angle_of(worker, &poses[i]));
             status = status == CONUS_ERROR_ARGUMENT ? CONUS_OK : status;
         }
     }
@@ -163,10 +170,14 @@ conus_status batch_worker_follow(struct batch_worker *worker, const struct batch
     for (size_t i = 0; i < count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {
         conus_segments *segments = NULL;
         conus_clearances *clearances = NULL;
-        status = poses[i].is_no_pose ? CONUS_OK
-                 : poses[i].is_point ? fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that an axis needs")
-                 : within            ? conus_clearances_create(&clearances, worker->selector, &poses[i].pose, *within)
-                                     : conus_segments_create(&segments, worker->selector, &poses[i].pose);
+        if (poses[i].is_point) {
+            status = fail(CONUS_ERROR_ARGUMENT, "a point, without the direction that an axis needs");
+        } else if (!poses[i].is_no_pose) {
+            status = conus_selector_set_range(worker->selector, poses[i].range);
+            status = status   ? status
+                     : within ? conus_clearances_create(&clearances, worker->selector, &poses[i].pose, *within)
+                              : conus_segments_create(&segments, worker->selector, &poses[i].pose);
+        }
         status = status == CONUS_ERROR_ARGUMENT ? CONUS_OK : status; /* the pose's own fault */
         status = status ? status : take(user, i, segments, clearances);
         conus_segments_destroy(segments);

@@ -10,8 +10,9 @@
 /** A pose of a block. */
 struct batch_pose {
     conus_pose pose;
-    double angle; /**< 0 = the worker's. */
-    size_t line;  /**< Its number for whoever asks: a line of a file, say. */
+    double angle;    /**< 0 = the worker's. */
+    double range[2]; /**< mm; NaN = that of the worker's selector. */
+    size_t line;     /**< Its number for whoever asks: a line of a file, say. */
     bool is_no_pose;
     bool is_point;
 };

@@ -23,18 +23,13 @@ conus_status cone_check(const struct cone *cone)
                     degrees_from_radians(cone->angle));
     }
     conus_status status = cone->radius > 0 ? CONUS_OK : pose_check_angle(cone->angle);
-    if (status) {
-        return status;
+    if (!status && (cone->range[0] != 0 || cone->range[1] != 0)) {
+        status = pose_check_range(cone->range);
     }
-    const double *range = cone->range;
-    if ((range[0] != 0 || range[1] != 0) && !(range[0] >= 0 && range[1] > range[0] && isfinite(range[1]))) {
-        return fail(CONUS_ERROR_ARGUMENT, "range: %g to %g mm, allowed is NEAR from 0 on and FAR beyond it", range[0],
-                    range[1]);
+    if (!status && (cone->resolution < 1 || cone->resolution > RESOLUTION_LIMIT)) {
+        status = fail(CONUS_ERROR_ARGUMENT, "resolution: %u, allowed is 1 to %d", cone->resolution, RESOLUTION_LIMIT);
     }
-    if (cone->resolution < 1 || cone->resolution > RESOLUTION_LIMIT) {
-        return fail(CONUS_ERROR_ARGUMENT, "resolution: %u, allowed is 1 to %d", cone->resolution, RESOLUTION_LIMIT);
-    }
-    return CONUS_OK;
+    return status;
 }
 
 double cone_slope(const struct cone *cone)

@@ -159,32 +159,37 @@ static bool has_axes(const conus_report *report)
 
 static conus_status check_shanks(const conus_report *report)
 {
+    bool have_tips = true;
     for (size_t i = 0; i < report->query_count; i++) {
-        if (!report->queries[i].error && !report->queries[i].is_axis) {
+        const struct report_query *query = &report->queries[i];
+        if (!query->error && !query->is_axis) {
             return fail(CONUS_ERROR_ARGUMENT, "format: \"%s\" is a contact, and no shank, which has a direction",
-                        report->queries[i].id);
+                        query->id);
         }
+        have_tips = have_tips && (query->error || cone_has_range(&query->cone));
     }
-    return report->selector.range[1] > 0
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT,
-                      "range: a shank has its tip at the far end of the range, and there is none");
+    return have_tips ? CONUS_OK
+                     : fail(CONUS_ERROR_ARGUMENT,
+                            "range: a shank has its tip at the far end of the range, and there is none");
 }
 
 /* Open Ephys counts channels. */
 static conus_status check_rows(const conus_report *report)
 {
     const conus_contacts *contacts = &report->options.contacts;
-    double length = report->selector.range[1] - report->selector.range[0];
     if (!contacts->count) {
         return fail(CONUS_ERROR_ARGUMENT, "contacts: Open Ephys counts those of a shank, and there are none");
     }
     uint32_t last = (contacts->count - 1) / contacts->columns;
     double height = contacts->tip + last * contacts->pitch;
-    return height <= length
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT,
-                      "contacts: the last is %g mm from the tip, but the range is only %g mm long", height, length);
+    for (size_t i = 0; i < report->query_count; i++) {
+        double length = report->queries[i].cone.range[1] - report->queries[i].cone.range[0];
+        if (!report->queries[i].error && height > length) {
+            return fail(CONUS_ERROR_ARGUMENT,
+                        "contacts: the last is %g mm from the tip, but the range is only %g mm long", height, length);
+        }
+    }
+    return CONUS_OK;
 }
 
 /* The object at a depth on a shank that was entered last, of equals the one that is left first; NULL =
@@ -205,7 +210,7 @@ static const conus_object *innermost(const conus_report *report, size_t query, d
 /* The deepest end of a segment above a depth; that of the range if there is none. */
 static double next_border(const conus_report *report, size_t query, double depth)
 {
-    double border = report->selector.range[0];
+    double border = report->queries[query].cone.range[0];
     for (size_t i = report->queries[query].first_row; i < report_row_end(report, query); i++) {
         const double ends[] = {report->rows[i].segment.entry, report->rows[i].segment.exit};
         for (int k = 0; k < 2; k++) {
@@ -218,7 +223,7 @@ static double next_border(const conus_report *report, size_t query, double depth
 /* How far up the shank the object at a depth reaches; and which one that is. */
 static double end_of_region(const conus_object **out, const conus_report *report, size_t query, double depth)
 {
-    double near = report->selector.range[0];
+    double near = report->queries[query].cone.range[0];
     double end = next_border(report, query, depth);
     *out = innermost(report, query, (depth + end) / 2);
     while (end > near) {
@@ -234,7 +239,7 @@ static double end_of_region(const conus_object **out, const conus_report *report
 /* From the tip on. */
 static void write_shank(struct buffer *out, const conus_report *report, size_t query)
 {
-    const double *range = report->selector.range;
+    const double *range = report->queries[query].cone.range;
     double depth = range[1];
     while (depth > range[0]) {
         const conus_object *object;
@@ -269,7 +274,8 @@ static const conus_object *object_at(const conus_report *report, size_t channel)
     size_t query = channel / contacts->count;
     size_t row = channel % contacts->count / contacts->columns;
     double height = contacts->tip + (double)row * contacts->pitch;
-    return report->queries[query].error ? NULL : innermost(report, query, report->selector.range[1] - height);
+    return report->queries[query].error ? NULL
+                                        : innermost(report, query, report->queries[query].cone.range[1] - height);
 }
 
 conus_status report_write_spikeglx(struct buffer *out, const conus_report *report)

@@ -55,7 +55,7 @@ static conus_status build(struct conus_clearances *clearances, conus_selector *s
     }
     memcpy(needle.origin, pose->world_from_device + 12, sizeof needle.origin);
     vec3_scale(needle.direction, pose->world_from_device + 8, -1);
-    end_needle(&needle, &question.limit, selector->reach, selector->options.range);
+    end_needle(&needle, &question.limit, selector->reach, selector->range);
     question.tracts = selector->tract_index;
     clearance_take(&selector->clearance, &question, &needle);
     const struct clearance *taken = &selector->clearance;
@@ -95,7 +95,7 @@ conus_status conus_clearances_create(conus_clearances **out, conus_selector *sel
     status = clearances ? build(clearances, selector, &rigid, within) : CONUS_ERROR_MEMORY;
     if (!status) {
         clearances->cone = (struct cone){.pose = rigid, .angle = 1, .resolution = 1};
-        memcpy(clearances->cone.range, selector->options.range, sizeof clearances->cone.range);
+        memcpy(clearances->cone.range, selector->range, sizeof clearances->cone.range);
         clearances->within = within;
     }
     if (status) {

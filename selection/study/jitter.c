@@ -255,7 +255,7 @@ conus_status conus_jitter_create(conus_jitter **out, conus_selector *selector, c
                         .resolution = selector->options.resolution,
                         .aperture = selector->options.aperture,
                         .radius = selector->options.radius,
-                        .range = {selector->options.range[0], selector->options.range[1]}};
+                        .range = {selector->range[0], selector->range[1]}};
     filled.samples = filled.samples ? filled.samples : DEFAULT_SAMPLES;
     if (!(filled.tilt >= 0 && filled.tilt <= MATH3_PI / 2)) {
         return fail(CONUS_ERROR_ARGUMENT, "jitter: a tilt of %g degrees, allowed is 0 to 90",

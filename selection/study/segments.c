@@ -142,7 +142,7 @@ conus_status conus_segments_create(conus_segments **out, conus_selector *selecto
     if (status) {
         return status;
     }
-    memcpy(axis.range, selector->options.range, sizeof axis.range);
+    memcpy(axis.range, selector->range, sizeof axis.range);
     conus_segments *segments = memory_zeroed(1, sizeof *segments);
     if (!segments) {
         return CONUS_ERROR_MEMORY;

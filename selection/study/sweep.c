@@ -332,7 +332,7 @@ conus_status conus_sweep_create(conus_sweep **out, const conus_selector *selecto
 {
     const conus_selector_options *options = &selector->options;
     struct cone cone = {
-        .angle = widest, .resolution = options->resolution, .range = {options->range[0], options->range[1]}};
+        .angle = widest, .resolution = options->resolution, .range = {selector->range[0], selector->range[1]}};
     if (selector->options.radius > 0) {
         return fail(CONUS_ERROR_ARGUMENT, "radius: %g mm, but a cylinder has no angle to sweep",
                     selector->options.radius);

@@ -66,6 +66,85 @@ wait_for_lines() {
     done
 }
 
+# Poses around three shells with ranges of their own; every fifth has none, every third only a far end.
+ranged_poses() {
+    awk -v n="$1" -v OFS='\t' 'BEGIN {
+        print "query_id", "x", "y", "z", "tx", "ty", "tz", "near", "far"
+        for (i = 1; i <= n; i++)
+            print i, 40 * cos(i), 40 * sin(i), i % 7, i % 3 * 4, i % 5, 0,
+                  (i % 5 && i % 3 ? i % 4 * 12 : "n/a"), (i % 5 ? 37 + i % 12 : "")
+    }' >ranged.tsv
+}
+
+# alone ARGUMENT...: the answers to each row of ranged.tsv on its own, by --range; 20,44 has what it has not.
+alone() {
+    local pose near far first=1
+    while IFS= read -r pose; do
+        IFS=: read -r near far <<<"$(cut -f 8- <<<"$pose" | tr '\t' :)"
+        printf 'query_id\tx\ty\tz\ttx\tty\ttz\n%s\n' "$(cut -f -7 <<<"$pose")" >one.tsv
+        range=${near/n\/a/20},${far:-44}
+        conus batch nested.nii.gz --poses one.tsv --threads 1 --range "$range" -q "$@" | tail -n "+$first"
+        first=2
+    done < <(tail -n +2 ranged.tsv)
+}
+
+@test "near and far of a row are its own --range" {
+    conus phantom nested -o . --size 32
+    ranged_poses 12
+    local aim=(nested.nii.gz --range 20,44 -q)
+    for what in "--angle 12" "--angle 12 --layers all" "--radius 2"; do
+        alone $what >wanted.tsv
+        [ "$(grep -c area wanted.tsv)" -gt 12 ]
+        conus query "${aim[@]}" --pose ranged.tsv $what --format tsv | cmp - wanted.tsv
+        for settings in "1 1" "2 7" "3 256"; do
+            conus batch "${aim[@]}" --poses ranged.tsv $what --threads "${settings% *}" --block "${settings#* }" | cmp - wanted.tsv
+        done
+        run "$CONUS" batch "${aim[@]}" --poses ranged.tsv $what --engine gl --block 9
+        [ "$status" -eq 4 ] || cmp - wanted.tsv <<<"$output"
+    done
+    for rows in segments clearance; do
+        alone "--$rows" - >wanted.tsv
+        conus query "${aim[@]}" --pose ranged.tsv "--$rows" - --format tsv | cmp - wanted.tsv
+        conus batch "${aim[@]}" --poses ranged.tsv "--$rows" - --threads 2 --block 3 | cmp - wanted.tsv
+    done
+    conus batch "${aim[@]}" --poses ranged.tsv -o rows.tsv
+    [ "$(jq -c '[.Batch.own_ranges, .Settings.range_mm]' rows.json)" = '[true,[20,44]]' ]
+    conus verify rows.tsv
+    run conus cite rows.tsv
+    [[ "$(tr '\n' ' ' <<<"$output")" == *"20 mm and 44 mm from the apex, or the pose's own where the file gives them."* ]]
+    conus query "${aim[@]}" --pose ranged.tsv -o rows.json --force
+    [ "$(jq -c '[.Queries[1, 2, 4, 7].range_mm]' rows.json)" = '[[24,39],[20,40],null,[0,45]]' ]
+}
+
+@test "sweep, track and render take the row's range" {
+    setup_ball 1
+    local row='0\t0\t90\t0\t0\t0\t0'
+    printf "x\ty\tz\ttx\tty\ttz\ttime_s\tnear\tfar\n$row\t0\t65\n$row\t75\tn/a\n" >poses.tsv
+    for command in "sweep --pose" "sweep --angles 5 --pose" "sweep --jitter 1,1 --samples 32 --pose" "track --poses"; do
+        # the ball is hit at 70 mm, and ends at 110
+        conus ${command%% *} sphere.nii.gz ${command#* } poses.tsv --format tsv --range 0,100 -q >rows
+        [ "$(cut -f 2 rows | grep -c area)" -eq 1 ]
+    done
+    conus render sphere.nii.gz --pose poses.tsv -o '{row}.png' --size 64x64 -q --range 0,100
+    conus render sphere.nii.gz --pose poses.tsv -o 'cone{row}.png' --size 64x64 -q --range 0,65 --row 1
+    cmp 1.png cone1.png
+}
+
+@test "a row whose near and far are no range has no answer" {
+    setup_ball 1
+    printf 'x\ty\tz\ttx\tty\ttz\tnear\tfar\n' >poses.tsv
+    printf '0\t0\t90\t0\t0\t0\t%s\n' $'0\t80' $'30\t20' $'n/a\t0' $'\t80' $'40\t' $'-1\t9' $'nan\t80' $'0\tfar' >>poses.tsv
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv -q
+    [ "$(cut -f 1-2 <<<"$output" | sort -u | grep -c error)" -eq 6 ]
+    [[ "$output" == *'line 3: range: 30 to 20 mm, allowed is NEAR from 0 on and FAR beyond it'* ]]
+    [[ "$output" == *'line 6: range: 40 to 0 mm'*'line 7: range: -1 to 9 mm'*'line 9: column far: "far" is not a finite number'* ]]
+    batched=$output
+    run -1 --separate-stderr conus query sphere.nii.gz --pose poses.tsv --format tsv -q
+    [ "$output" = "$batched" ]
+    run -1 --separate-stderr conus batch sphere.nii.gz --poses poses.tsv --sampling slices -q
+    [[ "$output" == *'line 2: range: needs exact sampling, slices see only what is first'* ]]
+}
+
 @test "a pose without an answer gets a row that says why, and the exit code is 1" {
     setup_ball 2
     printf 'query_id\tx\ty\tz\ttx\tty\ttz\tangle\n' >poses.tsv

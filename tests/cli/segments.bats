@@ -197,6 +197,11 @@ shanks() {
     answers query u-shape.nii.gz --pose poses.tsv --range 0,80 --format spikeglx -q
     [ "$output" = "[0,0]$wanted"$'\n'"[0,1]$wanted" ]
     [ "$(conus batch u-shape.nii.gz --poses poses.tsv --range 0,80 --format spikeglx -q)" = "$output" ]
+    # Each with the range of its row.
+    awk -v OFS='\t' '{ print $0, NR == 1 ? "near\tfar" : NR == 2 ? "20\t60" : "n/a\t80" }' poses.tsv >ranged.tsv
+    answers query u-shape.nii.gz --pose ranged.tsv --format spikeglx -q
+    [ "$output" = "[0,0](0,8000,$u,U)(15000,25000,$ball,Bal)(32000,40000,$u,U)"$'\n'"[0,1]$wanted" ]
+    [ "$(conus batch u-shape.nii.gz --poses ranged.tsv --format spikeglx -q)" = "$output" ]
 }
 
 @test "shanks go to Open Ephys by their contacts" {

@@ -99,6 +99,8 @@ settle
 screenshot window.png
 END
     conus query ras.nii --space bregma --pose poses.csv --angle 4 --format tsv --quiet >wanted
+    printf 'x,y,z,dx,dy,dz,far\n0,0,90,0,0,-1,9\n' >ranged.csv
+    fails 3 'ranged.csv: near and far: the window has one range for all poses' view ras.nii --poses ranged.csv
     diff replayed.tsv wanted
     conus query ras.nii --space bregma --origin=0,-1,2 --toward=0.5,-1,-3 --angle 4 --format tsv --quiet >wanted
     diff aimed.tsv wanted

@@ -251,6 +251,67 @@ static void optional_columns_are_read(void **state)
     conus_pose_stream_destroy(stream);
 }
 
+static void check_range(conus_pose_stream *stream, double near, double far)
+{
+    conus_pose_row row = read_one(stream);
+    assert_null(row.error);
+    assert_true(row.range[0] == near || (isnan(near) && isnan(row.range[0])));
+    assert_true(row.range[1] == far || (isnan(far) && isnan(row.range[1])));
+}
+
+/* mm in every space, also in one of micrometres. What near alone may be only the range of the others decides. */
+static void ranges_are_read(void **state)
+{
+    (void)state;
+    static const char *const bad[][2] = {
+        {"30,20", "range: 30 to 20 mm, allowed is NEAR from 0 on and FAR beyond it"},
+        {"20,20", "range: 20 to 20 mm"},
+        {"-1,20", "range: -1 to 20 mm"},
+        {"0,0", "range: 0 to 0 mm"},
+        {"n/a,-3", "range: 0 to -3 mm"},
+        {"nan,20", "column near: \"nan\" is not a finite number"},
+        {"0,inf", "column far: \"inf\" is not a finite number"},
+        {"x,20", "column near: \"x\" is not a finite number"},
+    };
+    const conus_pose_options ccf = {
+        .space = CONUS_SPACE_CCF,
+        .frame = &(conus_frame){.space = CONUS_SPACE_CCF,
+                                .world_from_space = {0.001, 0, 0, 0, 0, 0.001, 0, 0, 0, 0, 0.001, 0, 0, 0, 0, 1}}};
+    char text[1024] = "far,x,y,z,dx,dy,dz,Near\n";
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        const char *comma = strchr(bad[i][0], ',');
+        size_t size = strlen(text);
+        snprintf(text + size, sizeof text - size, "%s,0,0,0,0,1,0,%.*s\n", comma + 1, (int)(comma - bad[i][0]),
+                 bad[i][0]);
+    }
+    conus_pose_stream *stream = parse(text, NULL);
+    assert_true(conus_pose_stream_has_ranges(stream));
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_non_null(strstr(read_one(stream).error, bad[i][1]));
+    }
+    conus_pose_stream_destroy(stream);
+    stream = parse(
+        "x,y,z,dx,dy,dz,near,far\n5e3,0,0,0,1,0,2.5,40\n5e3,0,0,0,1,0,,N/A\n5e3,0,0,0,1,0,n/a,1e-3\n5e3,0,0,0,1,0,7,\n",
+        &ccf);
+    check_range(stream, 2.5, 40);
+    check_range(stream, NAN, NAN);
+    check_range(stream, NAN, 1e-3);
+    check_range(stream, 7, NAN);
+    conus_pose_stream_destroy(stream);
+    stream = parse("x,y,z,dx,dy,dz,far\n0,0,0,0,1,0,40\n", NULL);
+    assert_true(conus_pose_stream_has_ranges(stream));
+    check_range(stream, NAN, 40);
+    conus_pose_stream_destroy(stream);
+    stream = parse("x,y,z,dx,dy,dz\n0,0,0,0,1,0\n", NULL);
+    assert_false(conus_pose_stream_has_ranges(stream));
+    check_range(stream, NAN, NAN);
+    conus_pose_stream_destroy(stream);
+    stream = parse("1 2 3\n", NULL);
+    assert_false(conus_pose_stream_has_ranges(stream));
+    check_range(stream, NAN, NAN);
+    conus_pose_stream_destroy(stream);
+}
+
 /* The device looks along the axis that was asked for, and stays a rotation. */
 static void every_axis_looks_its_way(void **state)
 {
@@ -457,7 +518,7 @@ static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
     const char *path = test_scratch("small.tsv");
-    const char text[] = "x,y,z,dx,dy,dz\n0,0,0,0,1,0\nbad\n";
+    const char text[] = "x,y,z,dx,dy,dz,near,far\n0,0,0,0,1,0,1,2\n0,0,0,0,1,0,2,1\nbad\n";
     assert_ok(file_write(path, text, sizeof text - 1));
     char copy[4096];
     snprintf(copy, sizeof copy, "%s", path);
@@ -467,13 +528,21 @@ static void every_failing_allocation_is_clean(void **state)
 TEST_GROUP(pose_stream)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blocks_join_without_a_seam),  cmocka_unit_test(rows_can_be_passed_over),
-        cmocka_unit_test(numbers_count_all_rows),      cmocka_unit_test(pipes_are_read_as_they_fill),
-        cmocka_unit_test(pipes_can_be_stopped),        cmocka_unit_test(cuts_do_not_matter),
-        cmocka_unit_test(optional_columns_are_read),   cmocka_unit_test(every_axis_looks_its_way),
-        cmocka_unit_test(points_are_points),           cmocka_unit_test(what_does_not_fit_is_refused),
-        cmocka_unit_test(what_is_read_has_its_sha256), cmocka_unit_test(a_file_that_changes_is_an_error),
-        cmocka_unit_test(long_lines_are_one_bad_row),  cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(blocks_join_without_a_seam),
+        cmocka_unit_test(rows_can_be_passed_over),
+        cmocka_unit_test(numbers_count_all_rows),
+        cmocka_unit_test(pipes_are_read_as_they_fill),
+        cmocka_unit_test(pipes_can_be_stopped),
+        cmocka_unit_test(cuts_do_not_matter),
+        cmocka_unit_test(optional_columns_are_read),
+        cmocka_unit_test(every_axis_looks_its_way),
+        cmocka_unit_test(points_are_points),
+        cmocka_unit_test(what_does_not_fit_is_refused),
+        cmocka_unit_test(what_is_read_has_its_sha256),
+        cmocka_unit_test(a_file_that_changes_is_an_error),
+        cmocka_unit_test(ranges_are_read),
+        cmocka_unit_test(long_lines_are_one_bad_row),
+        cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -271,15 +271,22 @@ static const char *shape_of(const struct citation *citation)
 
 static void put_range(FILE *out, const struct citation *citation)
 {
+    const json_t *batch = json_object_get(citation->sidecar, "Batch");
     const json_t *range = citation_setting(citation, "range_mm");
     const char *given = option_value(citation, "range");
-    if (range || given) {
+    bool has_own =
+        json_is_true(batch ? json_object_get(batch, "own_ranges") : citation_setting(citation, "own_ranges"));
+    const char *own =
+        has_own || count_with(citation, "range_mm") ? ", or the pose's own where the file gives them" : "";
+    if (range || given || *own) {
         fprintf(out, " Only what lies between two depths along the axis counted: ");
         if (range) {
-            fprintf(out, "%.9g mm and %.9g mm from the apex.", json_number_value(json_array_get(range, 0)),
-                    json_number_value(json_array_get(range, 1)));
+            fprintf(out, "%.9g mm and %.9g mm from the apex%s.", json_number_value(json_array_get(range, 0)),
+                    json_number_value(json_array_get(range, 1)), own);
+        } else if (given) {
+            fprintf(out, "%s mm from the apex%s.", given, own);
         } else {
-            fprintf(out, "%s mm from the apex.", given);
+            fprintf(out, "the pose's own, where the file gives them.");
         }
     }
 }

@@ -18,6 +18,7 @@
 
 #include <GLFW/glfw3.h>
 #include <assert.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -236,6 +237,13 @@ int open_poses(struct window *window, const struct view_settings *settings, cons
     if (!conus_pose_list_count(window->inputs.replay.poses)) {
         print_error_line("%s: no poses in it to replay", settings->poses);
         return EXIT_DATA;
+    }
+    for (size_t i = 0; i < conus_pose_list_count(window->inputs.replay.poses); i++) {
+        const double *range = conus_pose_list_row(window->inputs.replay.poses, i)->range;
+        if (isfinite(range[0]) || isfinite(range[1])) {
+            print_error_line("%s: near and far: the window has one range for all poses", settings->poses);
+            return EXIT_DATA;
+        }
     }
     return EXIT_DONE;
 }

@@ -137,6 +137,49 @@ static void answers_do_not_depend_on_threads_or_blocks(void **state)
     }
 }
 
+/* The oracle is a selector whose options have the range of the pose, each end its own or the common one. */
+static void each_pose_may_have_its_range(void **state)
+{
+    struct fixture *fixture = *state;
+    enum { KINDS = 5 };
+    static const double ranges[KINDS][2] = {{NAN, NAN}, {0, 20}, {NAN, 25}, {12, NAN}, {8, 30}};
+    const conus_selector_options layers[] = {{.range = {5, 40}}, {.range = {5, 40}, .layers = CONUS_LAYERS_ALL}};
+    double all[POSES][2];
+    conus_pose_array poses = matrices_of(fixture);
+    poses.range = all[0];
+    for (size_t i = 0; i < POSES; i++) {
+        memcpy(all[i], ranges[i % KINDS], sizeof all[i]);
+    }
+    all[1][1] = -1; /* at fault */
+    for (size_t l = 0; l < 2; l++) {
+        struct fixture own = *fixture;
+        struct received received = {.as_expected = true};
+        conus_selector *selector = NULL;
+        assert_ok(conus_selector_create(&selector, fixture->atlas, &layers[l]));
+        conus_many_options options = twenty_degrees;
+        options.threads = 2;
+        options.block = 7;
+        assert_ok(conus_select_many(NULL, selector, &poses, &options, receive, &received));
+        assert_int_equal(received.status[1], CONUS_ERROR_ARGUMENT);
+        for (size_t k = 0; k < KINDS; k++) {
+            conus_selector_options with = layers[l];
+            with.range[0] = isnan(ranges[k][0]) ? with.range[0] : ranges[k][0];
+            with.range[1] = isnan(ranges[k][1]) ? with.range[1] : ranges[k][1];
+            assert_ok(conus_selector_create(&own.selector, fixture->atlas, &with));
+            for (size_t i = k; i < POSES; i += KINDS) {
+                conus_pose pose;
+                if (i % BAD && i != 1) {
+                    assert_ok(conus_pose_from_matrix(&pose, fixture->matrix[i]));
+                    check_pose(&own, &received, i, &pose);
+                }
+            }
+            conus_selector_destroy(own.selector);
+        }
+        free(received.results);
+        conus_selector_destroy(selector);
+    }
+}
+
 static void no_poses_are_no_answers(void **state)
 {
     struct fixture *fixture = *state;
@@ -257,6 +300,7 @@ TEST_GROUP(select_many)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(answers_do_not_depend_on_threads_or_blocks),
+        cmocka_unit_test(each_pose_may_have_its_range),
         cmocka_unit_test(no_poses_are_no_answers),
         cmocka_unit_test(findings_are_those_of_the_poses),
         cmocka_unit_test(a_sink_ends_the_run),

@@ -32,13 +32,15 @@ static conus_selector *gl_selector(const conus_atlas *atlas, conus_selector_opti
     return selector;
 }
 
-/* Every seventh row is no pose, every eleventh has an angle that no cone has, and angles change from row to row. */
-static const char *write_poses(uint64_t seed, const conus_atlas *atlas, bool cylinders)
+/* Every seventh row is no pose, every eleventh has an angle that no cone has, and angles change from row to row; so do
+ * ranges, where there are some: every third row has its own. */
+static const char *write_poses(uint64_t seed, const conus_atlas *atlas, bool cylinders, bool ranges)
 {
     const char *path = test_scratch("poses.tsv");
     struct buffer text = {0};
     buffer_text(&text, "query_id\tm00\tm01\tm02\tm03\tm10\tm11\tm12\tm13\tm20\tm21\tm22\tm23\tm30\tm31\tm32\tm33");
-    buffer_text(&text, cylinders ? "\n" : "\tangle\n");
+    buffer_text(&text, cylinders ? "" : "\tangle");
+    buffer_text(&text, ranges ? "\tnear\tfar\n" : "\n");
     for (int i = 0; i < POSES; i++) {
         conus_pose pose =
             atlas->volume_count ? scene_generic_pose(&seed, atlas) : mesh_scene_random_cone(&seed, 20).pose;
@@ -48,6 +50,9 @@ static const char *write_poses(uint64_t seed, const conus_atlas *atlas, bool cyl
         }
         if (!cylinders) {
             buffer_format(&text, "\t%d", i % 11 == 4 ? 500 : 2 + i % 3 * 13);
+        }
+        if (ranges) {
+            buffer_text(&text, i % 3 ? "\tn/a\tn/a" : i % 2 ? "\t0\t40" : "\t12\t60");
         }
         buffer_text(&text, "\n");
     }
@@ -130,7 +135,8 @@ static void blocks_of_cones_give_the_rows_of_the_rays(void **state)
         {.resolution = 50, .score = "distance"}, /* some hundred cones are too many at once */
     };
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
-        compare_engines(atlas, &settings[i], write_poses(7 + i, atlas, settings[i].radius > 0));
+        bool ranged = i % 2 == 0 && settings[i].sampling == CONUS_SAMPLING_EXACT;
+        compare_engines(atlas, &settings[i], write_poses(7 + i, atlas, settings[i].radius > 0, ranged));
     }
     conus_atlas_destroy(atlas);
 }
@@ -140,7 +146,7 @@ static void a_real_atlas_gives_the_same_rows(void **state)
     (void)state;
     conus_atlas *atlas = NULL;
     assert_ok(conus_atlas_load(&atlas, test_mricron("aal.nii.gz"), NULL));
-    compare_engines(atlas, &(conus_selector_options){0}, write_poses(3, atlas, false));
+    compare_engines(atlas, &(conus_selector_options){0}, write_poses(3, atlas, false, false));
     conus_atlas_destroy(atlas);
 }
 
@@ -176,7 +182,7 @@ static void blocks_do_not_move_the_edges_of_meshes(void **state)
     (void)state;
     uint64_t random = 62;
     conus_atlas *atlas = mixed_atlas(&random);
-    const char *path = write_poses(5, atlas, false);
+    const char *path = write_poses(5, atlas, false, true);
     static const conus_selector_options settings[] = {{0}, {.resolution = 50}, {.layers = CONUS_LAYERS_ALL}};
     for (size_t i = 0; i < sizeof settings / sizeof settings[0]; i++) {
         conus_selector *selector = gl_selector(atlas, settings[i]);
@@ -290,7 +296,7 @@ static void every_failing_allocation_is_clean(void **state)
     (void)state;
     uint64_t random = 65;
     conus_atlas *atlas = mixed_atlas(&random);
-    struct attempt attempt = {.path = write_poses(9, atlas, false)};
+    struct attempt attempt = {.path = write_poses(9, atlas, false, true)};
     conus_selector *another = gl_selector(atlas, (conus_selector_options){.resolution = 4});
     attempt.selector = gl_selector(atlas, (conus_selector_options){.resolution = 4});
     assert_ok(run_batch(&attempt.wanted, another, attempt.path, 40));

@@ -332,6 +332,44 @@ static void the_range_cuts_and_is_filled(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* The same of one selector, whose own range is another; an end that is not given is its own. */
+static void a_query_may_have_its_range(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = diagonal();
+    conus_selector *selector = NULL;
+    const conus_pose pose = along(-2.5, 0.5, 0, 1, 0, 0);
+    const struct wanted cut[] = {{2, 2.5, 3}, {1, 3, 3.25}};
+    const struct wanted filled[] = {{0, 1, 2}, {2, 2, 3}, {1, 3, 4}, {2, 4, 6}, {0, 6, 9}};
+    const struct wanted up_to_face[] = {{0, 1, 2}, {2, 2, 3}};
+    const struct wanted behind[] = {{0, 6, 9}};
+    const struct {
+        double range[2];
+        const struct wanted *rows;
+        size_t count;
+    } cases[] = {{{2.5, 3.25}, cut, 2}, {{NAN, NAN}, filled, 5}, {{NAN, 3}, up_to_face, 2}, {{6, NAN}, behind, 1}};
+    static const double bad[][2] = {{9, NAN}, {NAN, 1}, {-1, 2}, {2, INFINITY}, {NAN, -1}, {3, 2}};
+    assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.range = {1, 9}}));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_segments *segments = NULL;
+        assert_ok(conus_selector_set_range(selector, cases[i].range));
+        for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) { /* which leave the last one */
+            assert_fails(conus_selector_set_range(selector, bad[k]), CONUS_ERROR_ARGUMENT);
+        }
+        assert_ok(conus_segments_create(&segments, selector, &pose));
+        check_rows(segments, cases[i].rows, cases[i].count, 1e-12);
+    }
+    conus_segments *segments = NULL;
+    assert_ok(conus_selector_set_range(selector, NULL));
+    assert_ok(conus_segments_create(&segments, selector, &pose));
+    CHECK_ROWS(segments, filled, 1e-12);
+    conus_selector_destroy(selector);
+    assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.sampling = CONUS_SAMPLING_SLICES}));
+    assert_fails(conus_selector_set_range(selector, cases[0].range), CONUS_ERROR_ARGUMENT);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
 /* An axis without an end that meets nothing: one row, whose end is nowhere. */
 static void an_axis_that_meets_nothing_has_one_row(void **state)
 {
@@ -576,6 +614,7 @@ TEST_GROUP(segments)
         cmocka_unit_test(what_only_touches_is_no_segment),
         cmocka_unit_test(a_face_belongs_to_the_cell_that_begins_there),
         cmocka_unit_test(the_range_cuts_and_is_filled),
+        cmocka_unit_test(a_query_may_have_its_range),
         cmocka_unit_test(an_axis_that_meets_nothing_has_one_row),
         cmocka_unit_test(ends_are_where_the_depths_say),
         cmocka_unit_test(a_context_blocks_nothing),
