@@ -181,11 +181,10 @@ conus_status selector_share(conus_selector **out, const conus_selector *selector
                                .tract_index = selector->tract_index,
                                .whole = selector->whole,
                                .solids = selector->solids,
-                               .has_reach = selector->has_reach,
+                               .clearance_index = selector->clearance_index,
                                .inside_only = selector->inside_only,
                                .is_shared = true};
     memcpy(shared->box, selector->box, sizeof shared->box);
-    memcpy(shared->reach, selector->reach, sizeof shared->reach);
     if (selector_prepare_border(shared)) {
         memory_free(shared);
         return CONUS_ERROR_MEMORY;
@@ -227,11 +226,9 @@ conus_status selector_prepare_clearance(conus_selector *selector)
 {
     conus_status status = clearance_prepare(&selector->clearance, selector->atlas);
     status = status ? status : selector_prepare_tracts(selector);
-    if (!status && !selector->has_reach) {
-        selector->reach[0][0] = INFINITY; /* and stays so where the atlas is empty */
-        selector->has_reach = true;
-        status = conus_atlas_bounds(selector->reach[0], selector->reach[1], selector->atlas);
-        status = status == CONUS_ERROR_DATA ? CONUS_OK : status;
+    if (!status && !selector->clearance_index) {
+        status = clearance_index_create(&selector->clearance_index, selector->atlas);
+        selector->owns_clearance_index = !status;
     }
     return status;
 }
@@ -273,6 +270,9 @@ void conus_selector_destroy(conus_selector *selector)
         census_finish(&selector->census);
         near_finish(&selector->near);
         clearance_finish(&selector->clearance);
+        if (selector->owns_clearance_index) {
+            clearance_index_destroy(selector->clearance_index);
+        }
         tract_census_finish(&selector->tracts);
         if (selector->owns_tract_index) {
             tract_index_destroy(selector->tract_index);

@@ -33,13 +33,12 @@ struct conus_selector {
     bool owns_tract_index;           /**< It is not another selector's. */
     struct tract_census tracts;
     struct clearance clearance;
-    double reach[2][3]; /**< Around all objects, world; after selector_prepare_clearance(), and low above high where
-                           there are none. */
-    bool has_reach;
-    struct solids solids; /**< Volumes of surfaces in the cone. */
-    double *whole;        /**< [object_count + 1] Volumes of what is reported, mm^3. */
-    bool inside_only;     /**< Only the pixels in the cone will be traced in its selections. */
-    bool is_shared;       /**< Engine, level and volumes are another selector's. */
+    struct clearance_index *clearance_index; /**< NULL until selector_prepare_clearance(). */
+    bool owns_clearance_index;               /**< It is not another selector's. */
+    struct solids solids;                    /**< Volumes of surfaces in the cone. */
+    double *whole;                           /**< [object_count + 1] Volumes of what is reported, mm^3. */
+    bool inside_only;                        /**< Only the pixels in the cone will be traced in its selections. */
+    bool is_shared;                          /**< Engine, level and volumes are another selector's. */
 };
 
 /** A selector like @p selector, which must outlive it, with the same engine and scratch of its own: each may answer on

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes trees of boxes by halving them at the median, and searches them along rays. */
+/* Makes trees of boxes by halving them at the median, and searches them along rays and round needles. */
 #include "atlas/surface/bvh.h"
 
 #include "base/geometry/math3.h"
@@ -152,6 +152,14 @@ void bvh_finish(struct bvh *bvh)
     *bvh = (struct bvh){0};
 }
 
+static double distance_from(const struct needle_frame *needle, const struct bvh_node *node)
+{
+    const double low[3] = {(double)node->low[0], (double)node->low[1], (double)node->low[2]};
+    const double high[3] = {(double)node->high[0], (double)node->high[1], (double)node->high[2]};
+    double depth;
+    return needle_box(&depth, needle, low, high);
+}
+
 /* Pushes a node if the ray hits its box at @p limit or before. By slabs: where the ray runs along a slab, both of its
  * distances are infinite, or NaN, with which every comparison is false. */
 static void add_if_hit(struct bvh_search *search, size_t index, double limit)
@@ -159,7 +167,10 @@ static void add_if_hit(struct bvh_search *search, size_t index, double limit)
     const struct bvh_node *node = &search->bvh->nodes[index];
     double enter = 0;
     double leave = limit;
-    for (int a = 0; a < 3; a++) {
+    if (search->needle) {
+        enter = distance_from(search->needle, node);
+    }
+    for (int a = 0; a < 3 && !search->needle; a++) {
         double low = ((double)node->low[a] - search->slack - search->origin[a]) * search->inverse[a];
         double high = ((double)node->high[a] + search->slack - search->origin[a]) * search->inverse[a];
         double near = search->inverse[a] < 0 ? high : low;
@@ -176,6 +187,7 @@ void bvh_search_init(struct bvh_search *out, const struct bvh *bvh, const double
 {
     double reach = 0;
     out->bvh = bvh;
+    out->needle = NULL;
     out->next = out->end = out->waiting = 0;
     for (int a = 0; a < 3; a++) {
         out->origin[a] = origin[a];
@@ -186,6 +198,16 @@ void bvh_search_init(struct bvh_search *out, const struct bvh *bvh, const double
         }
     }
     out->slack = BVH_SLACK * reach;
+    if (bvh->count) {
+        add_if_hit(out, 0, INFINITY);
+    }
+}
+
+void bvh_search_round(struct bvh_search *out, const struct bvh *bvh, const struct needle_frame *needle)
+{
+    out->bvh = bvh;
+    out->needle = needle;
+    out->next = out->end = out->waiting = 0;
     if (bvh->count) {
         add_if_hit(out, 0, INFINITY);
     }

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A bounding volume hierarchy: a tree of boxes along the axes, searched along rays. Every box is taken to be a
- * little larger than it is (BVH_SLACK), far more than rounding in double precision moves a ray. So a triangle that
- * mesh_is_passed() accepts lies in boxes that the ray hits. */
+/** @file A bounding volume hierarchy: a tree of boxes along the axes, searched along rays and round needles. Every box
+ * is taken to be a little larger than it is (BVH_SLACK), far more than rounding in double precision moves a ray. So a
+ * triangle that mesh_is_passed() accepts lies in boxes that the ray hits. */
 #ifndef CONUS_ATLAS_SURFACE_BVH_H
 #define CONUS_ATLAS_SURFACE_BVH_H
 
+#include "base/geometry/needle.h"
 #include "base/status.h"
 
 #include <stdbool.h>
@@ -55,12 +56,13 @@ enum { BVH_DEPTH = 33 };
 /** A search on its way. */
 struct bvh_search {
     const struct bvh *bvh;
+    const struct needle_frame *needle; /**< Round which it goes; NULL: along a ray. */
     double origin[3];
     double inverse[3]; /**< 1 / direction; infinite where that is 0. */
     double slack;
     size_t next, end; /**< The rest of a leaf, in bvh->numbers. */
     struct bvh_visit {
-        double enter; /**< Where the ray enters the node's box. */
+        double enter; /**< Where the ray enters the node's box, or how far the needle is from it. */
         uint32_t node;
     } visits[BVH_DEPTH]; /**< A stack of nodes to visit. */
     size_t waiting;
@@ -69,9 +71,12 @@ struct bvh_search {
 /** Begins a search along a ray from @p origin; both arrays are copied, @p bvh must outlive the search. */
 void bvh_search_init(struct bvh_search *out, const struct bvh *bvh, const double origin[3], const double direction[3]);
 
+/** Begins a search round @p needle, in the frame of the boxes; both must outlive the search. Boxes are as they are. */
+void bvh_search_round(struct bvh_search *out, const struct bvh *bvh, const struct needle_frame *needle);
+
 /** The next number, approximately from near to far, whose leaf the ray hits at @p limit (in units of the direction's
- * length) or before; false after the last. The limit may shrink from call to call. The ray may miss the number's own
- * box. */
+ * length) or before, or is no farther from the needle than that, mm; false after the last. The limit may shrink from
+ * call to call. The ray may miss the number's own box. */
 bool bvh_search_next(uint32_t *number, struct bvh_search *search, double limit);
 
 #endif

@@ -22,7 +22,8 @@ conus_status clearance_prepare(struct clearance *clearance, const conus_atlas *a
     struct clearance larger = {.object_count = atlas->object_count};
     larger.found = memory_raw(atlas->object_count + 1, sizeof *larger.found);
     larger.touched = memory_raw(atlas->object_count + 1, sizeof *larger.touched);
-    if (!larger.found || !larger.touched) {
+    larger.open = memory_raw(atlas->object_count + 1, sizeof *larger.open);
+    if (!larger.found || !larger.touched || !larger.open) {
         clearance_finish(&larger);
         return CONUS_ERROR_MEMORY;
     }
@@ -38,7 +39,145 @@ void clearance_finish(struct clearance *clearance)
 {
     memory_free(clearance->found);
     memory_free(clearance->touched);
+    memory_free(clearance->open);
     *clearance = (struct clearance){0};
+}
+
+static void include(struct census_box *box, const struct census_box *other)
+{
+    for (int a = 0; a < 3; a++) {
+        box->first[a] = other->first[a] < box->first[a] ? other->first[a] : box->first[a];
+        box->last[a] = other->last[a] > box->last[a] ? other->last[a] : box->last[a];
+    }
+}
+
+static const struct census_box EMPTY = {.first = {SIZE_MAX, SIZE_MAX, SIZE_MAX}};
+
+/* The corners of the cells of a box, in indices. */
+static void corners_of(double low[3], double high[3], const struct census_box *box)
+{
+    for (int a = 0; a < 3; a++) {
+        low[a] = (double)box->first[a] - 0.5;
+        high[a] = (double)box->last[a] + 0.5;
+    }
+}
+
+static void box_voxels(struct clearance_index *index, const struct volume *volume)
+{
+    const size_t *dim = volume->info.dim;
+    for (size_t row = 0; row < dim[1] * dim[2]; row++) {
+        for (size_t i = 0; i < dim[0];) {
+            uint32_t object = volume_object(volume, row * dim[0] + i);
+            size_t run = label_run_length(volume, row * dim[0] + i, dim[0] - i);
+            if (object) {
+                size_t j = row % dim[1];
+                size_t k = row / dim[1];
+                include(&index->boxes[object], &(struct census_box){{i, j, k}, {i + run - 1, j, k}});
+            }
+            i += run;
+        }
+    }
+}
+
+static conus_status grow_tree(struct bvh *out, const struct mesh *mesh)
+{
+    struct bvh_box *boxes = memory_raw(mesh->triangle_count, sizeof *boxes);
+    if (!boxes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < mesh->triangle_count; i++) {
+        boxes[i] = bvh_box_empty((uint32_t)i);
+        for (size_t c = 0; c < 3; c++) {
+            bvh_box_extend(&boxes[i], mesh->positions + 3 * (size_t)mesh->triangles[3 * i + c]);
+        }
+    }
+    conus_status status = bvh_init(out, boxes, mesh->triangle_count);
+    memory_free(boxes);
+    return status;
+}
+
+/* Whether the object has voxels that can be near: those of volumes[index] of its place. */
+static bool has_voxels(const conus_atlas *atlas, uint32_t object)
+{
+    const struct object_place *place = &atlas->places[object - 1];
+    return !place->is_mesh && !place->is_bundle && !place->is_hidden && atlas->objects[object - 1].voxels;
+}
+
+static void add_point(struct clearance_index *index, const double p[3], double reach)
+{
+    for (int a = 0; a < 3; a++) {
+        index->low[a] = fmin(index->low[a], p[a] - reach);
+        index->high[a] = fmax(index->high[a], p[a] + reach);
+    }
+}
+
+static void add_object(struct clearance_index *index, const conus_atlas *atlas, uint32_t object)
+{
+    const struct mesh *mesh = atlas_object_mesh(atlas, object);
+    const struct object_place *place = &atlas->places[object - 1];
+    if (has_voxels(atlas, object) && index->boxes[object].first[0] <= index->boxes[object].last[0]) {
+        double ends[2][3];
+        corners_of(ends[0], ends[1], &index->boxes[object]);
+        for (int corner = 0; corner < 8; corner++) {
+            double p[3] = {ends[corner & 1][0], ends[corner >> 1 & 1][1], ends[corner >> 2][2]};
+            mat4_point(p, atlas->volumes[place->index].info.world_from_voxel, p);
+            add_point(index, p, 0);
+        }
+    } else if (mesh) {
+        add_point(index, mesh->shape.low, 0);
+        add_point(index, mesh->shape.high, 0);
+    } else if (place->is_bundle && !place->is_hidden && atlas->tractograms[place->index].point_count) {
+        const struct tractogram *tractogram = &atlas->tractograms[place->index];
+        add_point(index, tractogram->low, tractogram->radius);
+        add_point(index, tractogram->high, tractogram->radius);
+    }
+}
+
+conus_status clearance_index_create(struct clearance_index **out, const conus_atlas *atlas)
+{
+    struct clearance_index *index = memory_zeroed(1, sizeof *index);
+    conus_status status = index ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (index) {
+        index->object_count = atlas->object_count;
+        index->boxes = memory_raw(atlas->object_count + 1, sizeof *index->boxes);
+        index->trees = memory_zeroed(atlas->object_count + 1, sizeof *index->trees);
+        status = index->boxes && index->trees ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    for (size_t object = 0; !status && object <= atlas->object_count; object++) {
+        index->boxes[object] = EMPTY;
+    }
+    for (size_t i = 0; !status && i < atlas->volume_count; i++) {
+        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(&atlas->volumes[i])) {
+            box_voxels(index, &atlas->volumes[i]);
+        }
+    }
+    for (int a = 0; !status && a < 3; a++) {
+        index->low[a] = INFINITY;
+        index->high[a] = -INFINITY;
+    }
+    for (uint32_t object = 1; !status && object <= atlas->object_count; object++) {
+        const struct mesh *mesh = atlas_object_mesh(atlas, object);
+        add_object(index, atlas, object);
+        status = mesh ? grow_tree(&index->trees[object], mesh) : CONUS_OK;
+    }
+    if (status) {
+        clearance_index_destroy(index);
+        return status;
+    }
+    *out = index;
+    return CONUS_OK;
+}
+
+void clearance_index_destroy(struct clearance_index *index)
+{
+    if (index) {
+        for (size_t object = 0; index->trees && object <= index->object_count; object++) {
+            bvh_finish(&index->trees[object]);
+        }
+        memory_free(index->boxes);
+        memory_free(index->trees);
+        memory_free(index);
+    }
 }
 
 /* A search under way, in one volume, mesh or tractogram. */
@@ -270,77 +409,114 @@ static struct region region_round(const struct needle *needle, double reach)
     return region;
 }
 
-/* Whether nothing farther than @p radius needs to be looked at for the sake of objects in this place. */
-static bool is_settled(const struct search *search, uint32_t object)
+/* Lists the objects of a volume that may be within the limit. Returns how many. */
+static size_t list_open(const struct cells *cells, const struct volume *volume)
 {
-    uint32_t group = search->question->groups[object];
-    return !group || search->clearance->found[group].distance <= search->radius;
-}
-
-static bool volume_is_settled(const struct search *search, const struct volume *volume)
-{
-    const conus_atlas *atlas = search->question->atlas;
+    const struct search *search = &cells->search;
+    const struct clearance_question *question = search->question;
+    const conus_atlas *atlas = question->atlas;
+    size_t count = 0;
     for (uint32_t object = 1; object <= atlas->object_count; object++) {
-        const struct object_place *place = &atlas->places[object - 1];
-        if (!place->is_hidden && !place->is_mesh && !place->is_bundle && atlas->objects[object - 1].voxels &&
-            &atlas->volumes[place->index] == volume && !is_settled(search, object)) {
-            return false;
+        uint32_t group = question->groups[object];
+        if (group && has_voxels(atlas, object) && &atlas->volumes[atlas->places[object - 1].index] == volume) {
+            double low[3];
+            double high[3];
+            double depth;
+            corners_of(low, high, &question->index->boxes[object]);
+            double bound = cells->shrink * needle_box(&depth, &search->frame, low, high) - ROUNDING;
+            if (bound <= bound_of(search, group)) {
+                search->clearance->open[count++] = (struct clearance_open){object, bound};
+            }
         }
     }
-    return true;
+    return count;
+}
+
+/* Drops what is found, or cannot be nearer than what is. Returns how many are left, and in `box` all voxels of those
+ * that may be within the radius of the search. */
+static size_t drop_settled(struct census_box *box, const struct search *search, size_t count)
+{
+    const struct clearance_question *question = search->question;
+    struct clearance_open *open = search->clearance->open;
+    size_t left = 0;
+    *box = EMPTY;
+    for (size_t i = 0; i < count; i++) {
+        double found = search->clearance->found[question->groups[open[i].object]].distance;
+        if (found > search->settled && found >= open[i].bound) {
+            open[left++] = open[i];
+            if (open[i].bound <= search->radius) {
+                include(box, &question->index->boxes[open[i].object]);
+            }
+        }
+    }
+    return left;
 }
 
 static void search_volume(const struct search *all, const struct volume *volume)
 {
     struct cells cells = {.search = *all};
     struct search *search = &cells.search;
+    struct census_box box;
+    double limit = search->question->limit;
     cells_init(&cells, volume);
     needle_frame_init(&search->frame, search->needle, volume->voxel_from_world);
-    double limit = search->question->limit;
     search->settled = -1;
-    search->radius = 0;
-    for (double radius = WIDER * cells.reach; !volume_is_settled(search, volume) && search->radius < limit;
-         radius *= WIDER) {
-        search->settled = search->radius > 0 ? search->radius : -1;
-        search->radius = radius < limit ? radius : limit;
-        struct region region = region_round(search->needle, (search->radius + cells.reach) * (1 + 1e-9) + ROUNDING);
-        census_walk(&region, volume, search_row, &cells);
+    search->radius = fmin(WIDER * cells.reach, limit);
+    size_t open = list_open(&cells, volume);
+    while ((open = drop_settled(&box, search, open)) > 0) {
+        struct region region = region_round(search->needle, (search->radius + cells.reach) * (1 + ROUNDING) + ROUNDING);
+        census_walk_box(&region, volume, &box, search_row, &cells);
+        if (search->radius >= limit) {
+            break;
+        }
+        search->settled = search->radius;
+        search->radius = fmin(WIDER * search->radius, limit);
     }
 }
 
-static void search_mesh(struct search *search, const struct mesh *mesh, uint32_t group)
+/* Whether the surface winds around the point: of a closed one as a ray from there says. */
+static bool is_inside(const struct bvh *tree, const struct mesh *mesh, const double point[3])
+{
+    static const double away[3] = {0.48, 0.6, 0.64};
+    struct bvh_search search;
+    uint32_t triangle;
+    int winding = 0;
+    for (int a = 0; a < 3; a++) {
+        if (point[a] < mesh->shape.low[a] || point[a] > mesh->shape.high[a]) {
+            return false;
+        }
+    }
+    if (!mesh->shape.closed) {
+        return fabs(mesh_winding(mesh, point)) >= 0.5;
+    }
+    bvh_search_init(&search, tree, point, away);
+    while (bvh_search_next(&triangle, &search, INFINITY)) {
+        int side = 0;
+        if (mesh_is_passed(mesh, triangle, point, away) && mesh_crossing(&side, mesh, triangle, point, away) >= 0) {
+            winding += side;
+        }
+    }
+    return winding != 0;
+}
+
+static void search_mesh(const struct search *search, const struct mesh *mesh, uint32_t object)
 {
     const struct needle *needle = search->needle;
-    double depth;
-    double at_near[3];
-    needle_point(at_near, needle, needle->near);
-    if (needle_box(&depth, &search->frame, mesh->shape.low, mesh->shape.high) > bound_of(search, group) + ROUNDING) {
-        return;
-    }
+    const struct bvh *tree = &search->question->index->trees[object];
+    uint32_t group = search->question->groups[object];
     struct clearance_found found = {.source = search->source, .depth = needle->near};
-    bool may_be_inside = true;
-    for (int a = 0; a < 3; a++) {
-        may_be_inside = may_be_inside && at_near[a] >= mesh->shape.low[a] && at_near[a] <= mesh->shape.high[a];
-    }
-    if (may_be_inside && fabs(mesh_winding(mesh, at_near)) >= 0.5) {
-        memcpy(found.point, at_near, sizeof at_near);
+    struct bvh_search near;
+    uint32_t triangle;
+    needle_point(found.point, needle, needle->near);
+    if (is_inside(tree, mesh, found.point)) {
         note(search, group, &found);
         return;
     }
-    for (size_t triangle = 0; triangle < mesh->triangle_count; triangle++) {
-        double corner[3][3];
-        double low[3];
-        double high[3];
-        mesh_corners(corner, mesh, triangle);
-        for (int a = 0; a < 3; a++) {
-            low[a] = fmin(corner[0][a], fmin(corner[1][a], corner[2][a]));
-            high[a] = fmax(corner[0][a], fmax(corner[1][a], corner[2][a]));
-        }
-        if (needle_box(&depth, &search->frame, low, high) <= bound_of(search, group) + ROUNDING) {
-            found.part = triangle;
-            found.distance = mesh_needle(&found.depth, found.point, mesh, triangle, needle);
-            note(search, group, &found);
-        }
+    bvh_search_round(&near, tree, &search->frame);
+    while (bvh_search_next(&triangle, &near, bound_of(search, group) + ROUNDING)) {
+        found.part = triangle;
+        found.distance = mesh_needle(&found.depth, found.point, mesh, triangle, needle);
+        note(search, group, &found);
     }
 }
 
@@ -354,8 +530,10 @@ struct tubes {
 static enum tract_answer test_box(void *user, const double low[3], const double high[3])
 {
     const struct tubes *tubes = user;
+    const struct search *search = &tubes->search;
+    double bound = tubes->owners->all ? bound_of(search, search->question->groups[tubes->owners->all]) : INFINITY;
     double depth;
-    double most = tubes->search.radius + tubes->tractogram->radius + ROUNDING;
+    double most = fmin(bound, search->radius) + tubes->tractogram->radius + ROUNDING;
     return needle_box(&depth, &tubes->search.frame, low, high) > most ? TRACT_OUTSIDE : TRACT_PERHAPS;
 }
 
@@ -403,13 +581,15 @@ static void visit_run(void *user, const struct tract_run *run, bool inside)
     }
 }
 
-static bool bundles_are_settled(const struct search *search, const struct tractogram *tractogram)
+/* Whether no bundle of the tractogram can be nearer outside of the radius. */
+static bool is_settled(const struct search *search, const struct tractogram *tractogram)
 {
     const conus_atlas *atlas = search->question->atlas;
     for (uint32_t object = (uint32_t)atlas->area_count + 1; object <= atlas->object_count; object++) {
         const struct object_place *place = &atlas->places[object - 1];
-        if (place->is_bundle && !place->is_hidden && &atlas->tractograms[place->index] == tractogram &&
-            !is_settled(search, object)) {
+        uint32_t group = search->question->groups[object];
+        if (place->is_bundle && !place->is_hidden && &atlas->tractograms[place->index] == tractogram && group &&
+            search->clearance->found[group].distance > search->radius) {
             return false;
         }
     }
@@ -422,10 +602,9 @@ static void search_tractogram(const struct search *all, const struct tractogram 
     struct tubes tubes = {.search = *all, .tractogram = tractogram, .owners = owners};
     struct search *search = &tubes.search;
     double limit = search->question->limit;
-    search->radius = 0;
-    for (double radius = 2 * tractogram->radius; !bundles_are_settled(search, tractogram) && search->radius < limit;
-         radius *= WIDER) {
-        search->radius = radius < limit ? radius : limit;
+    double wider = WIDER * tractogram->radius;
+    for (search->radius = -1; search->radius < limit && !is_settled(search, tractogram); wider *= WIDER) {
+        search->radius = fmin(wider, limit);
         tract_tree_walk(tractogram, test_box, visit_run, &tubes);
     }
 }
@@ -449,7 +628,7 @@ void clearance_take(struct clearance *clearance, const struct clearance_question
     for (uint32_t object = 1; atlas->mesh_count && object <= atlas->object_count; object++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, object);
         if (mesh && question->groups[object]) {
-            search_mesh(&search, mesh, question->groups[object]);
+            search_mesh(&search, mesh, object);
         }
         search.source++;
     }

@@ -4,7 +4,9 @@
 #define CONUS_SELECTION_MEASURE_CLEARANCE_H
 
 #include "atlas/atlas.h"
+#include "atlas/surface/bvh.h"
 #include "base/geometry/needle.h"
+#include "selection/measure/census.h"
 #include "selection/measure/tract_census.h"
 
 /** Distances of objects, or of groups of them; kept between needles. A zeroed one is ready for clearance_prepare(). */
@@ -18,6 +20,10 @@ struct clearance {
     } * found;           /**< [object_count + 1]                                                                  */
     uint32_t *touched;   /**< Those that are found, in no order.                                                  */
     size_t touched_count;
+    struct clearance_open {
+        uint32_t object;
+        double bound; /**< mm: no part of it is nearer. */
+    } * open;         /**< [object_count + 1] Scratch: what is not found yet in a volume. */
     size_t object_count;
 };
 
@@ -25,9 +31,23 @@ struct clearance {
 conus_status clearance_prepare(struct clearance *clearance, const conus_atlas *atlas);
 void clearance_finish(struct clearance *clearance);
 
+/** Where the objects of an atlas are. It follows from the atlas and does not change: all threads share it. */
+struct clearance_index {
+    struct census_box *boxes; /**< [object_count + 1] Round its voxels, in its volume's indices.                   */
+    struct bvh *trees;        /**< [object_count + 1] Of its triangles; empty where it is no mesh, or hidden.      */
+    size_t object_count;
+    double low[3], high[3]; /**< Round all that can be near, world mm; low above high where that is nothing. */
+};
+
+/** Looks at all voxels and triangles. CONUS_ERROR_MEMORY. */
+conus_status clearance_index_create(struct clearance_index **out, const conus_atlas *atlas);
+/** NULL is fine. */
+void clearance_index_destroy(struct clearance_index *index);
+
 /** What is asked of an atlas. */
 struct clearance_question {
     const conus_atlas *atlas;
+    const struct clearance_index *index;
     const struct tract_index *tracts; /**< Its streamlines' owners; NULL leaves bundles out. */
     const uint32_t *groups; /**< [object_count + 1] What each object counts as, a number up to object_count: the least
                                of a group is found. 0 = it takes no part. */

@@ -11,7 +11,7 @@
 
 /* Without a far end the needle ends where no object can be nearest farther on; without a limit, that is the distance of
  * the box's farthest corner. */
-static void end_needle(struct needle *needle, double *limit, double box[2][3], const double range[2])
+static void end_needle(struct needle *needle, double *limit, const struct clearance_index *index, const double range[2])
 {
     double farthest = 0;
     needle->near = range[0];
@@ -19,7 +19,8 @@ static void end_needle(struct needle *needle, double *limit, double box[2][3], c
     for (int corner = 0; corner < 8; corner++) {
         double offset[3];
         for (int a = 0; a < 3; a++) {
-            offset[a] = box[corner >> a & 1][a] - needle->origin[a] - needle->near * needle->direction[a];
+            offset[a] = corner >> a & 1 ? index->high[a] : index->low[a];
+            offset[a] -= needle->origin[a] + needle->near * needle->direction[a];
         }
         if (range[1] == 0) {
             needle->far = fmax(needle->far, needle->near + vec3_dot(offset, needle->direction));
@@ -50,12 +51,13 @@ static conus_status build(struct conus_clearances *clearances, conus_selector *s
     struct clearance_question question = {
         .atlas = selector->atlas, .groups = level_group(selector->level), .limit = within + radius};
     conus_status status = selector_prepare_clearance(selector);
-    if (status || !(selector->reach[0][0] <= selector->reach[1][0])) {
+    question.index = selector->clearance_index;
+    if (status || !(question.index->low[0] <= question.index->high[0])) {
         return status; /* without an object there is no clearance */
     }
     memcpy(needle.origin, pose->world_from_device + 12, sizeof needle.origin);
     vec3_scale(needle.direction, pose->world_from_device + 8, -1);
-    end_needle(&needle, &question.limit, selector->reach, selector->range);
+    end_needle(&needle, &question.limit, question.index, selector->range);
     question.tracts = selector->tract_index;
     clearance_take(&selector->clearance, &question, &needle);
     const struct clearance *taken = &selector->clearance;
