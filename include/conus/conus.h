@@ -52,6 +52,7 @@
 #include <conus/overlap.h>
 #include <conus/phantom.h>
 #include <conus/picture.h>
+#include <conus/plan.h>
 #include <conus/pose.h>
 #include <conus/pose_file.h>
 #include <conus/report.h>

@@ -10,16 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* mm: what is shorter, rounding makes of a ray that only touches. */
-static const double TOUCH = 1e-9;
-
 /* Any angle has the axis for the ray of its only pixel. */
 static const struct cone AXIS = {.angle = 1, .resolution = 1};
 
-/* Cuts an interval at the range; false where nothing is left of it. */
-static bool clip(conus_interval *interval, const conus_atlas *atlas, const double range[2])
+bool axis_clip(conus_interval *interval, const conus_atlas *atlas, const double range[2])
 {
-    bool is_point = interval->exit - interval->entry <= TOUCH;
+    bool is_point = interval->exit - interval->entry <= AXIS_TOUCH;
     double far = range[1] > 0 ? range[1] : INFINITY;
     if (is_point) { /* a surface with holes is the one thing that a ray may cross without being in it */
         const struct mesh *mesh = atlas_object_mesh(atlas, interval->object);
@@ -27,7 +23,7 @@ static bool clip(conus_interval *interval, const conus_atlas *atlas, const doubl
     }
     interval->entry = fmax(interval->entry, range[0]);
     interval->exit = fmin(interval->exit, far);
-    return interval->exit - interval->entry > TOUCH;
+    return interval->exit - interval->entry > AXIS_TOUCH;
 }
 
 /* The last row of an object; NULL = none. */
@@ -54,7 +50,7 @@ static void join_intervals(conus_segments *segments, const struct layers *layers
         const conus_interval *interval = &layers->intervals[i];
         uint32_t object = group ? group[interval->object] : interval->object;
         conus_segment *last = last_of(segments, object);
-        if (last && interval->entry <= last->exit + TOUCH) {
+        if (last && interval->entry <= last->exit + AXIS_TOUCH) {
             last->exit = fmax(last->exit, interval->exit);
         } else {
             add_row(segments, conus_atlas_object(selector->atlas, object)->kind, object, interval->entry,
@@ -83,13 +79,13 @@ static void add_gaps(conus_segments *segments)
     size_t count = segments->count;
     double reached = segments->cone.range[0];
     for (size_t i = 0; i < count; i++) {
-        if (segments->rows[i].entry > reached + TOUCH) {
+        if (segments->rows[i].entry > reached + AXIS_TOUCH) {
             add_row(segments, CONUS_KIND_UNASSIGNED, 0, reached, segments->rows[i].entry);
         }
         reached = fmax(reached, segments->rows[i].exit);
     }
     double end = segments->cone.range[1] > 0 ? segments->cone.range[1] : count ? reached : INFINITY;
-    if (end > reached + TOUCH) {
+    if (end > reached + AXIS_TOUCH) {
         add_row(segments, CONUS_KIND_UNASSIGNED, 0, reached, end);
     }
 }
@@ -103,23 +99,31 @@ static void place(double out[3], const struct cone *axis, double depth)
     }
 }
 
+conus_status axis_follow(struct layers *out, conus_selector *selector, const conus_pose *pose)
+{
+    struct cone axis = AXIS;
+    axis.pose = *pose;
+    conus_status status = selector_prepare_axis(selector);
+    status = status ? status : selector->axis->functions->pierce(selector->axis, out, &axis);
+    if (status) {
+        return status;
+    }
+    layers_drop_blockers(out);
+    return layers_sort(out, 1);
+}
+
 static conus_status build(conus_segments *segments, conus_selector *selector)
 {
     struct layers layers = {0};
-    conus_status status = selector_prepare_axis(selector);
-    status = status ? status : selector->axis->functions->pierce(selector->axis, &layers, &segments->cone);
-    if (!status) {
-        layers_drop_blockers(&layers);
-        size_t kept = 0;
-        for (size_t i = 0; i < layers.count; i++) {
-            conus_interval interval = layers.intervals[i];
-            if (clip(&interval, selector->atlas, segments->cone.range)) {
-                layers.intervals[kept++] = interval;
-            }
+    conus_status status = axis_follow(&layers, selector, &segments->cone.pose);
+    size_t kept = 0;
+    for (size_t i = 0; i < layers.count && !status; i++) {
+        conus_interval interval = layers.intervals[i];
+        if (axis_clip(&interval, selector->atlas, segments->cone.range)) {
+            layers.intervals[kept++] = interval;
         }
-        layers.count = kept;
-        status = layers_sort(&layers, 1);
     }
+    layers.count = kept;
     segments->rows = status ? NULL : memory_raw(2 * layers.count + 1, sizeof *segments->rows); /* each with a gap */
     if (segments->rows) {
         join_intervals(segments, &layers, selector);

@@ -49,6 +49,15 @@ struct conus_segments {
     size_t count;
 };
 
+/* mm: what an axis meets for less, rounding makes of a ray that only touches. */
+#define AXIS_TOUCH 1e-9
+
+/** Appends all intervals of the axis of @p pose in objects, from the apex on, and sorts @p out by entry. */
+conus_status axis_follow(struct layers *out, conus_selector *selector, const conus_pose *pose);
+
+/** Cuts an interval of an axis at the range, whose end is infinite where it is 0; false where nothing is left of it. */
+bool axis_clip(conus_interval *interval, const conus_atlas *atlas, const double range[2]);
+
 /* clearance.c: how far an axis stays from each object (Eq. 21). */
 struct conus_clearances {
     struct cone cone; /**< As of segments. */

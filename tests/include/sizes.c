@@ -73,6 +73,11 @@ SIZE(conus_polylines, 72);
 SIZE(conus_tract_scalar, 32);
 SIZE(conus_streamline_list_view, 32);
 SIZE(conus_tractogram_info, 144);
+SIZE(conus_constraint, 96);
+SIZE(conus_plan_options, 88);
+SIZE(conus_verdict, 48);
+SIZE(conus_planned, 256);
+SIZE(conus_plan_faults, 24);
 #endif
 
 extern int sizes_are_known;

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/**
+ * @file plan.h
+ * Which needles reach some structures and stay clear of others, and how far off they may be (Eq. 22).
+ */
+#ifndef CONUS_PUBLIC_PLAN_H
+#define CONUS_PUBLIC_PLAN_H
+
+#include <conus/pose_file.h>
+#include <conus/selection.h>
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct conus_plan conus_plan; /**< Constraints, and the poses that were tried against them. */
+
+/** What a constraint asks of a pose. */
+typedef enum conus_constraint_kind {
+    CONUS_CONSTRAINT_REACH = 0, /**< The measure of the structure is at least the limit. */
+    CONUS_CONSTRAINT_AVOID,     /**< The clearance of the structure (Eq. 21) is more than the limit, mm; by
+                                   #CONUS_MEASURE_SHARE or #CONUS_MEASURE_PIERCED the measure is at most the limit. */
+    CONUS_CONSTRAINT_LENGTH,    /**< far - near is between the limit and most, mm. */
+    CONUS_CONSTRAINT_LEAN,      /**< The axis and direction enclose at most the limit, radians. */
+    CONUS_CONSTRAINT_APART,     /**< The axis is farther than the limit from those of other needles, mm. */
+    CONUS_CONSTRAINT_FIRST      /**< The first object that the axis passes is of the structure. */
+} conus_constraint_kind;
+
+/** What is measured of a structure. Measures from #CONUS_MEASURE_SHARE on are of the cone or cylinder. */
+typedef enum conus_measure {
+    CONUS_MEASURE_LENGTH = 0, /**< REACH: mm of the axis in the union of its objects (Eq. 17). AVOID: the clearance. */
+    CONUS_MEASURE_TIP,        /**< 1 where the far end is in it, else 0. */
+    CONUS_MEASURE_CROSSED,    /**< 1 where the axis passes or crosses it, also a surface with holes, else 0. */
+    CONUS_MEASURE_SHARE,      /**< Share of its objects (Eq. 4), summed. */
+    CONUS_MEASURE_PIERCED,    /**< Pixels whose ray passes any of its objects / the cone's pixels, 0 to 1 (Eq. 10). */
+    CONUS_MEASURE_VOLUME,     /**< Volume of its objects in the cone, mm^3, summed (Eq. 10). */
+    CONUS_MEASURE_FRACTION,   /**< That volume / the whole volume of its objects, 0 to 1. */
+    CONUS_MEASURE_STREAMLINES /**< Streamlines of its bundles in the cone, summed (Eq. 19). */
+} conus_measure;
+
+/** One constraint. All must hold. */
+typedef struct conus_constraint {
+    size_t struct_size;         /**< Its size, as #CONUS_CONSTRAINT_INIT sets it; 0 = that of this version. */
+    conus_constraint_kind kind; /**< What it asks. */
+    conus_measure measure;      /**< REACH, AVOID: what is measured. */
+    const char *names;          /**< REACH, AVOID, FIRST: the structure, a list of names, abbreviations or labels as of
+                                   conus_atlas_find(), separated by commas; one with a comma stands in double quotes. It is the
+                                   union of these objects and of the areas below them in the area tree, but for hidden ones. */
+    double limit;   /**< In the measure's unit. 0 of REACH: more than 1e-9 mm, or any at all. AVOID by clearance: the
+                       margin, 0 to 100 mm. */
+    double most;    /**< LENGTH: the upper end, mm. */
+    double part[2]; /**< REACH by length: only the axis from part[0] to part[1] mm before the far end counts; both
+                       0 = all of it. */
+    double direction[3];   /**< LEAN: world, of any length but 0. */
+    const double *needles; /**< APART: [needle_count][6] both ends of their axes, world mm. */
+    size_t needle_count;   /**< APART: how many there are. */
+} conus_constraint;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_CONSTRAINT_INIT CONUS_INIT_(conus_constraint)
+
+/** How poses are tried and which are listed. Keys of a rank are leeway, slack, clearance, depth, score, reach (value of
+ * the first REACH; reach2 that of the second, and so on) and share, volume (of the first REACH by them). */
+typedef struct conus_plan_options {
+    size_t struct_size; /**< Its size, as #CONUS_PLAN_OPTIONS_INIT sets it; 0 = that of this version. */
+    uint32_t threads;   /**< Up to 1024; 0 = as many as processors that the process may use. */
+    uint64_t top;       /**< Poses to list; 0 = 20, UINT64_MAX = all. Memory grows with them alone. */
+    bool infeasible;    /**< Poses that break a constraint are listed, too, behind the others, by candidate; within
+                           top. */
+    bool no_pruning;    /**< Everything is measured of every pose: slower, the same answer. */
+    const char *rank;   /**< Keys separated by commas, the more important first; larger is better, of -KEY smaller;
+                           KEY/STEP compares floor(key / STEP). NULL = "leeway,-depth". */
+    const char *score;  /**< Formula of the key score: numbers, keys, + - * / and parentheses, as of Eq. 12. NULL =
+                           none. */
+    const char *pareto; /**< Keys for conus_planned.front, as of rank without steps; NULL = none. All that is feasible
+                           is kept for it: 8 bytes a key and 16 a pose, and its fronts take up to the square of the
+                           poses' number in time. */
+    double angle;       /**< Opening of poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0.
+                           Only measures of the cone need it. */
+    double far;         /**< Far end of poses that have none of their own, mm from the apex; 0 = that of the selector's
+                           range. */
+    conus_progress progress; /**< Hears how many poses were tried, of how many 0: nobody knows; false ends the run.
+                                NULL = no callback. */
+    void *progress_user;     /**< Passed to @p progress. */
+} conus_plan_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_PLAN_OPTIONS_INIT CONUS_INIT_(conus_plan_options)
+
+/** What became of one constraint for one pose. */
+typedef struct conus_verdict {
+    bool holds;      /**< Whether it holds. */
+    double value;    /**< What was measured: of a clearance the axis's distance (radius not taken off), of LENGTH far -
+                        near, of LEAN the angle, radians, of APART the distance, of FIRST 1 or 0. */
+    double slack;    /**< By how much it holds, at least 0, or more than 0 of a clearance or APART; below, it breaks by
+                        so much. Of a clearance value - radius - limit. */
+    double leeway;   /**< mm by which no point of the axis may move so that it breaks (Eq. 22), 0 where it does; NaN
+                        where none is known. */
+    double depth;    /**< mm from the apex: of a clearance where the axis is nearest, of a length or FIRST where it
+                        enters; else, and where there is none, NaN. */
+    uint32_t object; /**< Of a clearance the nearest object, of FIRST the first; else, and of none, 0. */
+} conus_verdict;
+
+/** A pose of the list. */
+typedef struct conus_planned {
+    const char *id;      /**< As of conus_pose_row. */
+    uint64_t candidate;  /**< Number of its row in the stream, from 1. */
+    uint64_t rank;       /**< From 1; 0 where it is infeasible. */
+    uint64_t front;      /**< 1 where no pose is at least as good in all keys of pareto and better in one, 2 where none
+                            is when these are gone, and so on; 0 without pareto, and where it is infeasible. */
+    bool feasible;       /**< All constraints hold. */
+    size_t broken;       /**< Index of the first constraint that does not hold; SIZE_MAX = none. */
+    conus_pose pose;     /**< Apex and axis. */
+    double near;         /**< Where the needle begins, mm from the apex. */
+    double far;          /**< Where it ends. */
+    double angle;        /**< Opening of its cone, radians; 0 of a cylinder. */
+    double leeway;       /**< The least of the verdicts' (Eq. 22), mm; NaN where none is known. */
+    size_t leeway_of;    /**< Index of that constraint; SIZE_MAX where there is none. */
+    double slack;        /**< The least of the clearances' slacks, mm; NaN without one. */
+    double clearance;    /**< The least clearance, radius taken off, mm; NaN without one. */
+    size_t clearance_of; /**< Index of the constraint that has it; SIZE_MAX where there is none. */
+    double score;        /**< By the formula; NaN without one. */
+    const conus_verdict *verdicts; /**< [constraints] Of each constraint. */
+} conus_planned;
+
+/** Rows that were no candidates. */
+typedef struct conus_plan_faults {
+    uint64_t count;  /**< How many: no pose, a point without direction, no far end, or one before the near end. */
+    size_t line;     /**< Line of the first in its file; 0 = there is none. */
+    const char *why; /**< Why it is none; "" = there is none. Borrowed from the plan. */
+} conus_plan_faults;
+
+/**
+ * Prepares to try poses.
+ * @param[out] out The plan; end it with conus_plan_destroy().
+ * @param selector Must outlive the plan. Its range holds where a pose has none of its own, its radius is the needle's.
+ * A structure has all that is below it, whatever its level; a measure of a cone needs one that reports nothing else
+ * with it, and behind #CONUS_MEASURE_SHARE #CONUS_LAYERS_ALL.
+ * @param constraints [count] An array of structs of the size that its first one's struct_size says. Copied.
+ * @param count At least 1.
+ * @param options NULL = defaults. Its strings are copied.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is unknown or means several, with the closest one in the
+ * message, a structure without a shape, one both reached and avoided, a constraint given twice, a number out of its
+ * range, a measure that the kind or the selector has not, and an unknown key.
+ * @threads One at a time for each @p selector.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_plan_create(conus_plan **out, conus_selector *selector,
+                                             const conus_constraint *constraints, size_t count,
+                                             const conus_plan_options *options);
+
+/**
+ * Ends a plan.
+ * @param plan NULL is allowed.
+ * @threads One at a time for each @p plan.
+ * @since 0.1
+ */
+CONUS_API void conus_plan_destroy(conus_plan *plan);
+
+/**
+ * Tries poses. The list is the same for any number of threads, and with or without pruning.
+ * @param plan Not run before.
+ * @param poses The stream. A row that is no candidate is counted, see conus_plan_rejected().
+ * @param limit Rows to read at most.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a plan that was run; #CONUS_ERROR_CANCELLED; the errors of
+ * conus_pose_stream_read() and conus_select().
+ * @threads One at a time for each @p plan and @p poses, and for the selector.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t limit);
+
+/**
+ * Counts the poses of the list: feasible ones by rank, then perhaps others.
+ * @param plan NULL counts 0.
+ * @return How many there are; 0 before conus_plan_run().
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API size_t conus_plan_count(const conus_plan *plan);
+
+/**
+ * Gives pose @p index of the list.
+ * @param plan The plan.
+ * @param index From 0.
+ * @return NULL past the last. Borrowed from the plan.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const conus_planned *conus_plan_pose(const conus_plan *plan, size_t index);
+
+/**
+ * Counts the candidates that hold the first constraints: the funnel.
+ * @param plan The plan.
+ * @param constraints So many constraints, the first ones; 0 counts all candidates, all of them the feasible ones.
+ * @return How many candidates hold them.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API uint64_t conus_plan_left(const conus_plan *plan, size_t constraints);
+
+/**
+ * Gives the candidate that breaks constraint @p index alone, by the least; of equal ones the first.
+ * @param plan The plan.
+ * @param index Index of the constraint.
+ * @return NULL where there is none, and where some candidate is feasible. Borrowed from the plan.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const conus_planned *conus_plan_miss(const conus_plan *plan, size_t index);
+
+/**
+ * Says which rows were no candidates.
+ * @param plan The plan.
+ * @return Their number, and the first.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API conus_plan_faults conus_plan_rejected(const conus_plan *plan);
+
+/**
+ * Tells whether a constraint has a leeway, of poses where it holds. Without one it does not count for the leeway of
+ * poses: LENGTH, LEAN, FIRST, the measures of a cone, and a REACH by surfaces that are not closed.
+ * @param plan The plan.
+ * @param index Index of the constraint.
+ * @return Whether it has one.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API bool conus_plan_has_leeway(const conus_plan *plan, size_t index);
+
+/**
+ * Measures how far a point of a listed pose's axis is from the structure of a constraint, to draw a curve of it.
+ * @param[out] out mm, the radius not taken off (Eq. 21).
+ * @param plan The plan.
+ * @param pose Index in the list.
+ * @param constraint Index of a REACH, AVOID or FIRST.
+ * @param depth mm from the apex.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an index or a depth that is none.
+ * @threads One at a time for each @p plan.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, size_t constraint,
+                                               double depth);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

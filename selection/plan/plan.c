@@ -1,0 +1,636 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Tries poses of a stream by threads, and keeps the best of them. */
+#include "selection/plan/plan.h"
+
+#include "base/buffer.h"
+#include "base/memory.h"
+#include "base/options.h"
+#include "poses/pose_stream.h"
+#include "poses/rows/pose_row.h"
+#include "selection/batch/ring.h"
+#include "selection/batch/worker.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CONSTRAINT_LIMIT = 100, BLOCK = 32, DEFAULT_TOP = 20, SPARE = 16 };
+
+/* A pose that is kept; its verdicts, keys and id stand behind it. */
+struct entry {
+    conus_planned planned;
+    const double *keys; /* [key_count] Of the rank, as they are compared. */
+    size_t key_count;
+    size_t feasible; /* its number among the feasible ones */
+};
+
+struct entries {
+    struct entry **items;
+    size_t count, capacity;
+};
+
+/* What is known of the poses before, so that less need be asked of those behind. */
+struct bar {
+    bool has_feasible;
+    bool is_full;      /* keys are those of the last pose of a full list: whatever follows has to be better */
+    size_t infeasible; /* so many are kept */
+    double *keys;      /* [rank_count] */
+    double *misses;    /* [count] By how much the nearest miss breaks each constraint. */
+};
+
+/* A pose that is tried. */
+struct trial {
+    conus_planned planned; /* the id is that at `id` of the block's strings */
+    size_t id;
+    conus_verdict *verdicts;
+    double *keys, *pareto; /* as they are compared */
+    bool is_measured;      /* all of this is whole */
+    bool is_lone;          /* it breaks planned.broken and nothing else */
+};
+
+struct block {
+    struct trial *trials; /* [BLOCK] */
+    size_t count;
+    conus_verdict *verdicts; /* theirs */
+    double *keys;
+    struct buffer strings;
+    struct rejected {
+        uint64_t count;
+        size_t line;
+        char why[256];
+    } rejected;
+};
+
+struct worker {
+    struct plan_judge judge;
+    struct bar bar; /* as it was when the block began */
+};
+
+struct conus_plan {
+    conus_selector *selector;
+    conus_plan_options options; /* Defaults filled in; strings are not kept. */
+    struct plan_constraint *constraints;
+    size_t count;
+    struct plan_order order;
+    bool was_run, is_done;
+    uint64_t *left; /* [count + 1] The funnel. */
+    struct rejected rejected;
+    struct entries list;       /* Feasible poses during a run, then all that is listed. */
+    struct entries infeasible; /* The first ones. */
+    struct entry **misses;     /* [count] */
+    double *fronts;            /* [feasible][pareto_count] Keys of all feasible poses. */
+    size_t front_capacity, feasible;
+    struct bar bar;
+    pthread_mutex_t lock; /* of the bar, during a run */
+    struct worker *workers;
+    struct block *blocks;
+    conus_pose_stream *poses; /* of the run */
+    uint64_t rows;            /* still to be read */
+};
+
+static void finish_entries(struct entries *entries)
+{
+    for (size_t i = 0; i < entries->count; i++) {
+        memory_free(entries->items[i]);
+    }
+    memory_free((void *)entries->items);
+    *entries = (struct entries){0};
+}
+
+static conus_status init_bar(struct bar *out, const conus_plan *plan)
+{
+    out->keys = memory_zeroed(plan->order.rank_count, sizeof *out->keys);
+    out->misses = memory_raw(plan->count, sizeof *out->misses);
+    for (size_t i = 0; out->misses && i < plan->count; i++) {
+        out->misses[i] = INFINITY;
+    }
+    return out->keys && out->misses ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static void finish_bar(struct bar *bar)
+{
+    memory_free(bar->keys);
+    memory_free(bar->misses);
+}
+
+static conus_status init_block(struct block *block, const conus_plan *plan)
+{
+    size_t key_count = plan->order.rank_count + plan->order.pareto_count;
+    block->trials = memory_zeroed(BLOCK, sizeof *block->trials);
+    block->verdicts = memory_zeroed(BLOCK * plan->count, sizeof *block->verdicts);
+    block->keys = memory_zeroed(BLOCK * key_count, sizeof *block->keys);
+    if (!block->trials || !block->verdicts || !block->keys) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < BLOCK; i++) {
+        block->trials[i].verdicts = block->verdicts + i * plan->count;
+        block->trials[i].keys = block->keys + i * key_count;
+        block->trials[i].pareto = block->trials[i].keys + plan->order.rank_count;
+    }
+    return CONUS_OK;
+}
+
+/* Constraint `index` of an array of structs of the caller's size. */
+static conus_constraint constraint_at(const conus_constraint *constraints, size_t index)
+{
+    size_t size = constraints->struct_size ? constraints->struct_size : sizeof *constraints;
+    return *options_of(conus_constraint, (const char *)constraints + index * size);
+}
+
+static conus_status init_constraints(conus_plan *plan, const conus_constraint *constraints, size_t count)
+{
+    if (!count || count > CONSTRAINT_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "constraints: %zu, allowed is 1 to %d", count, CONSTRAINT_LIMIT);
+    }
+    plan->constraints = memory_zeroed(count, sizeof *plan->constraints);
+    conus_status status = plan->constraints ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < count && !status; i++) {
+        const conus_constraint asked = constraint_at(constraints, i);
+        status = plan_constraint_init(&plan->constraints[i], plan->selector, &asked);
+        plan->count++;
+    }
+    return status ? status : plan_constraints_check(plan->constraints, count, plan->selector->atlas);
+}
+
+static conus_status init_options(conus_plan *plan)
+{
+    uint32_t block = BLOCK;
+    double far = plan->options.far;
+    plan->options.top = plan->options.top ? plan->options.top : DEFAULT_TOP;
+    conus_status status = !(far >= 0 && isfinite(far))
+                              ? fail(CONUS_ERROR_ARGUMENT, "far: %g mm, allowed is 0 or more", far)
+                          : plan->options.angle != 0 ? pose_check_angle(plan->options.angle)
+                                                     : CONUS_OK;
+    status = status ? status : batch_fill_in(&plan->options.threads, &block, &plan->options.angle, plan->selector);
+    plan->options.rank = plan->options.score = plan->options.pareto = NULL;
+    return status;
+}
+
+conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const conus_constraint *constraints,
+                               size_t count, const conus_plan_options *options)
+{
+    conus_plan *plan = memory_zeroed(1, sizeof *plan);
+    if (!plan) {
+        return CONUS_ERROR_MEMORY;
+    }
+    const conus_plan_options filled = *options_of(conus_plan_options, options);
+    plan->selector = selector;
+    plan->options = filled;
+    conus_status status = init_constraints(plan, constraints, count);
+    status = status ? status : plan_order_init(&plan->order, plan->constraints, plan->count, &filled);
+    status = status ? status : init_options(plan);
+    if (!status) {
+        plan->left = memory_zeroed(plan->count + 1, sizeof *plan->left);
+        plan->misses = memory_zeroed(plan->count, sizeof *plan->misses);
+        plan->workers = memory_zeroed(plan->options.threads, sizeof *plan->workers);
+        plan->blocks = memory_zeroed(ring_slots(plan->options.threads), sizeof *plan->blocks);
+        status = plan->left && plan->misses && plan->workers && plan->blocks ? init_bar(&plan->bar, plan)
+                                                                             : CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; !status && i < plan->options.threads; i++) {
+        status = plan_judge_init(&plan->workers[i].judge, selector, plan->constraints);
+        status = status ? status : init_bar(&plan->workers[i].bar, plan);
+    }
+    for (size_t i = 0; !status && i < ring_slots(plan->options.threads); i++) {
+        status = init_block(&plan->blocks[i], plan);
+    }
+    if (status) {
+        conus_plan_destroy(plan);
+        return status;
+    }
+    *out = plan;
+    return CONUS_OK;
+}
+
+void conus_plan_destroy(conus_plan *plan)
+{
+    if (!plan) {
+        return;
+    }
+    for (size_t i = 0; plan->workers && i < plan->options.threads; i++) {
+        plan_judge_finish(&plan->workers[i].judge);
+        finish_bar(&plan->workers[i].bar);
+    }
+    for (size_t i = 0; plan->blocks && i < ring_slots(plan->options.threads); i++) {
+        memory_free(plan->blocks[i].trials);
+        memory_free(plan->blocks[i].verdicts);
+        memory_free(plan->blocks[i].keys);
+        buffer_finish(&plan->blocks[i].strings);
+    }
+    for (size_t i = 0; i < plan->count; i++) {
+        plan_constraint_finish(&plan->constraints[i]);
+        memory_free(plan->misses ? plan->misses[i] : NULL);
+    }
+    plan_order_finish(&plan->order);
+    finish_entries(&plan->list);
+    finish_entries(&plan->infeasible);
+    finish_bar(&plan->bar);
+    memory_free(plan->constraints);
+    memory_free(plan->left);
+    memory_free((void *)plan->misses);
+    memory_free(plan->fronts);
+    memory_free(plan->workers);
+    memory_free(plan->blocks);
+    memory_free(plan);
+}
+
+/* Why a row is no candidate; NULL where it is one, and `out` has its needle. */
+static const char *take_needle(conus_planned *out, const conus_pose_row *row, const conus_plan *plan)
+{
+    const double *range = plan->selector->options.range;
+    if (row->error || row->is_point) {
+        return row->error ? row->error : "a point, without the direction that a needle needs";
+    }
+    bool has_angle = row->angle != 0 && plan->selector->options.radius == 0;
+    *out = (conus_planned){.pose = row->pose,
+                           .near = isnan(row->range[0]) ? range[0] : row->range[0],
+                           .far = !isnan(row->range[1])   ? row->range[1]
+                                  : plan->options.far > 0 ? plan->options.far
+                                                          : range[1],
+                           .angle = has_angle ? row->angle : plan->options.angle};
+    if (has_angle && pose_check_angle(row->angle)) {
+        return conus_message();
+    }
+    return out->far == 0 ? "no far end: nothing says how deep it goes"
+           : !(out->near >= 0 && out->far > out->near && isfinite(out->far)) ? "its far end is not beyond its near end"
+                                                                             : NULL;
+}
+
+static void reject(struct rejected *rejected, size_t line, const char *why)
+{
+    if (!rejected->count++) {
+        rejected->line = line;
+        snprintf(rejected->why, sizeof rejected->why, "%s", why);
+    }
+}
+
+static conus_status read_block(void *user, size_t slot, bool *may_follow)
+{
+    conus_plan *plan = user;
+    struct block *block = &plan->blocks[slot];
+    conus_pose_row rows[BLOCK];
+    conus_status status = CONUS_OK;
+    size_t count = 1;
+    block->count = 0;
+    block->rejected = (struct rejected){0};
+    buffer_clear(&block->strings);
+    while (block->count < BLOCK && plan->rows && count && !status) {
+        size_t wanted = BLOCK - block->count;
+        uint64_t number = pose_stream_position(plan->poses);
+        status = conus_pose_stream_read(rows, &count, plan->poses, wanted < plan->rows ? wanted : (size_t)plan->rows);
+        plan->rows -= status ? 0 : count;
+        for (size_t i = 0; i < count && !status; i++) {
+            struct trial *trial = &block->trials[block->count];
+            const char *why = take_needle(&trial->planned, &rows[i], plan);
+            if (why) {
+                reject(&block->rejected, rows[i].line, why);
+                continue;
+            }
+            trial->planned.candidate = number + i + 1;
+            trial->planned.verdicts = trial->verdicts;
+            trial->id = block->strings.size;
+            buffer_append(&block->strings, rows[i].id, strlen(rows[i].id) + 1);
+            block->count++;
+        }
+    }
+    *may_follow = count && plan->rows;
+    return status ? status : buffer_status(&block->strings);
+}
+
+/* The least of all verdicts, and the keys. */
+static void summarise(struct trial *trial, const conus_plan *plan)
+{
+    conus_planned *planned = &trial->planned;
+    double radius = plan->selector->options.radius;
+    planned->leeway = planned->slack = planned->clearance = NAN;
+    planned->leeway_of = planned->clearance_of = SIZE_MAX;
+    for (size_t i = 0; i < plan->count; i++) {
+        const conus_verdict *verdict = &trial->verdicts[i];
+        if (!isnan(verdict->leeway) && !(verdict->leeway >= planned->leeway)) {
+            planned->leeway = verdict->leeway;
+            planned->leeway_of = i;
+        }
+        if (plan_is_clearance(&plan->constraints[i])) {
+            planned->slack = fmin(planned->slack, verdict->slack);
+            if (!(verdict->value - radius >= planned->clearance)) {
+                planned->clearance = verdict->value - radius;
+                planned->clearance_of = i;
+            }
+        }
+    }
+    plan_order_keys(trial->keys, trial->pareto, planned, &plan->order);
+}
+
+static conus_status measure(struct trial *trial, struct plan_judge *judge, const conus_plan *plan, enum plan_care care)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < plan->count && !status; i++) {
+        status = plan_judge(&trial->verdicts[i], judge, i, care);
+    }
+    if (!status) {
+        summarise(trial, plan);
+        trial->is_measured = care == PLAN_ALL;
+    }
+    return status;
+}
+
+/* Whether a feasible pose may be better than the last of a full list: it is measured no more than that takes. What a
+ * pose before it has for its keys is enough to be before it. */
+static conus_status may_enter(bool *out, struct trial *trial, struct worker *worker, const conus_plan *plan)
+{
+    const struct plan_key *first = &plan->order.rank[0];
+    enum plan_quantity quantity = plan->order.names[first->name].quantity;
+    conus_status status = CONUS_OK;
+    *out = true;
+    if (!worker->bar.is_full) {
+        return CONUS_OK;
+    }
+    double least = worker->bar.keys[0] * (first->step > 0 ? first->step : 1); /* less what nine digits may hide */
+    least -= 1e-8 * fabs(least) + 1e-9;
+    bool has_least = !first->smaller && least > 0 && quantity <= PLAN_CLEARANCE;
+    for (size_t i = 0; i < plan->count && has_least && *out && !status; i++) {
+        status = plan_judge_least(out, &worker->judge, i, quantity, least);
+    }
+    if (*out && !status) {
+        status = measure(trial, &worker->judge, plan, plan->order.needs_leeway ? PLAN_ALL : PLAN_SLACKS);
+        *out = plan_keys_compare(trial->keys, worker->bar.keys, plan->order.rank_count) > 0;
+    }
+    return status;
+}
+
+static conus_status try_pose(struct trial *trial, struct worker *worker, const conus_plan *plan)
+{
+    bool measures_all = plan->options.no_pruning;
+    size_t breaks = 0;
+    size_t enough = measures_all ? SIZE_MAX : worker->bar.has_feasible ? 1 : 2; /* a miss breaks one constraint */
+    conus_status status = CONUS_OK;
+    trial->planned.broken = SIZE_MAX;
+    trial->is_measured = false;
+    plan_judge_turn(&worker->judge, &trial->planned);
+    for (size_t i = 0; i < plan->count && breaks < enough && !status; i++) {
+        status = plan_judge(&trial->verdicts[i], &worker->judge, i, PLAN_HOLDS);
+        if (!trial->verdicts[i].holds && breaks++ == 0) {
+            trial->planned.broken = i;
+        }
+    }
+    trial->planned.feasible = !breaks;
+    trial->is_lone = breaks == 1 && enough > 1;
+    bool is_wanted = measures_all;
+    if (!status && !is_wanted && trial->planned.feasible) {
+        is_wanted = true;
+        status = plan->order.pareto_count ? CONUS_OK : may_enter(&is_wanted, trial, worker, plan);
+    } else if (!status && !is_wanted) {
+        is_wanted = plan->options.infeasible && worker->bar.infeasible < plan->options.top;
+    }
+    if (!status && !is_wanted && trial->is_lone) {
+        conus_verdict *broken = &trial->verdicts[trial->planned.broken];
+        status = plan_judge(broken, &worker->judge, trial->planned.broken, PLAN_SLACKS);
+        is_wanted = -broken->slack < worker->bar.misses[trial->planned.broken];
+    }
+    return status || !is_wanted || trial->is_measured ? status : measure(trial, &worker->judge, plan, PLAN_ALL);
+}
+
+static void copy_bar(struct bar *to, const struct bar *from, const conus_plan *plan)
+{
+    to->has_feasible = from->has_feasible;
+    to->is_full = from->is_full;
+    to->infeasible = from->infeasible;
+    memcpy(to->keys, from->keys, plan->order.rank_count * sizeof *to->keys);
+    memcpy(to->misses, from->misses, plan->count * sizeof *to->misses);
+}
+
+static conus_status answer_block(void *user, size_t slot, size_t worker, const atomic_bool *stop)
+{
+    conus_plan *plan = user;
+    struct block *block = &plan->blocks[slot];
+    conus_status status = CONUS_OK;
+    pthread_mutex_lock(&plan->lock);
+    copy_bar(&plan->workers[worker].bar, &plan->bar, plan);
+    pthread_mutex_unlock(&plan->lock);
+    for (size_t i = 0; i < block->count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {
+        status = try_pose(&block->trials[i], &plan->workers[worker], plan);
+    }
+    return status;
+}
+
+/* NULL without memory. */
+static struct entry *keep(const struct trial *trial, const struct block *block, const conus_plan *plan)
+{
+    const char *id = block->strings.data + trial->id;
+    size_t verdicts = plan->count * sizeof(conus_verdict);
+    size_t keys = plan->order.rank_count * sizeof(double);
+    size_t size = strlen(id) + 1;
+    struct entry *entry = memory_raw(1, sizeof *entry + verdicts + keys + size);
+    if (entry) {
+        char *behind = (char *)(entry + 1);
+        *entry = (struct entry){trial->planned, (double *)(behind + verdicts), plan->order.rank_count, plan->feasible};
+        entry->planned.verdicts = memcpy(behind, trial->verdicts, verdicts);
+        memcpy(behind + verdicts, trial->keys, keys);
+        entry->planned.id = memcpy(behind + verdicts + keys, id, size);
+    }
+    return entry;
+}
+
+static conus_status keep_in(struct entries *entries, const struct trial *trial, const struct block *block,
+                            const conus_plan *plan)
+{
+    struct entry *entry = keep(trial, block, plan);
+    if (!entry || !memory_reserve(&entries->items, &entries->capacity, entries->count + 1, sizeof(struct entry *))) {
+        memory_free(entry);
+        return CONUS_ERROR_MEMORY;
+    }
+    entries->items[entries->count++] = entry;
+    return CONUS_OK;
+}
+
+static int better_first(const void *a, const void *b)
+{
+    const struct entry *x = *(struct entry *const *)a;
+    const struct entry *y = *(struct entry *const *)b;
+    int order = plan_keys_compare(y->keys, x->keys, x->key_count);
+    return order ? order
+                 : (x->planned.candidate > y->planned.candidate) - (x->planned.candidate < y->planned.candidate);
+}
+
+/* Leaves the best poses of the list, best first. */
+static void cut_list(conus_plan *plan)
+{
+    struct entries *list = &plan->list;
+    if (list->count) {
+        qsort((void *)list->items, list->count, sizeof(struct entry *), better_first);
+    }
+    while (list->count > plan->options.top) {
+        memory_free(list->items[--list->count]);
+    }
+}
+
+static conus_status take_feasible(conus_plan *plan, const struct trial *trial, const struct block *block)
+{
+    struct entries *list = &plan->list;
+    size_t keys = plan->order.pareto_count;
+    conus_status status = CONUS_OK;
+    if (keys) {
+        if (!memory_reserve(&plan->fronts, &plan->front_capacity, (plan->feasible + 1) * keys, sizeof *plan->fronts)) {
+            return CONUS_ERROR_MEMORY;
+        }
+        memcpy(plan->fronts + plan->feasible * keys, trial->pareto, keys * sizeof *plan->fronts);
+    }
+    plan->bar.has_feasible = true;
+    if (trial->is_measured) {
+        status = keep_in(list, trial, block, plan);
+    }
+    plan->feasible++;
+    if (list->count > plan->options.top && list->count - plan->options.top > plan->options.top / 4 + SPARE) {
+        cut_list(plan);
+        plan->bar.is_full = true;
+        memcpy(plan->bar.keys, list->items[list->count - 1]->keys, plan->order.rank_count * sizeof(double));
+    }
+    return status;
+}
+
+static conus_status take_infeasible(conus_plan *plan, const struct trial *trial, const struct block *block)
+{
+    size_t broken = trial->planned.broken;
+    conus_status status = CONUS_OK;
+    if (plan->options.infeasible && plan->infeasible.count < plan->options.top) {
+        status = keep_in(&plan->infeasible, trial, block, plan);
+        plan->bar.infeasible = plan->infeasible.count;
+    }
+    if (trial->is_lone && trial->is_measured && !plan->bar.has_feasible &&
+        -trial->verdicts[broken].slack < plan->bar.misses[broken]) {
+        memory_free(plan->misses[broken]);
+        plan->misses[broken] = keep(trial, block, plan);
+        plan->bar.misses[broken] = -trial->verdicts[broken].slack;
+        status = plan->misses[broken] ? status : CONUS_ERROR_MEMORY;
+    }
+    return status;
+}
+
+static conus_status deliver_block(void *user, size_t slot)
+{
+    conus_plan *plan = user;
+    const struct block *block = &plan->blocks[slot];
+    conus_status status = CONUS_OK;
+    pthread_mutex_lock(&plan->lock);
+    for (size_t i = 0; i < block->count && !status; i++) {
+        const struct trial *trial = &block->trials[i];
+        for (size_t k = 0; k <= plan->count && (k == 0 || trial->planned.broken > k - 1); k++) {
+            plan->left[k]++;
+        }
+        status = trial->planned.feasible ? take_feasible(plan, trial, block) : take_infeasible(plan, trial, block);
+    }
+    pthread_mutex_unlock(&plan->lock);
+    if (block->rejected.count && !plan->rejected.count) {
+        plan->rejected = block->rejected;
+    } else {
+        plan->rejected.count += block->rejected.count;
+    }
+    conus_progress progress = plan->options.progress;
+    return !status && progress && !progress(plan->options.progress_user, (size_t)plan->left[0], 0)
+               ? fail(CONUS_ERROR_CANCELLED, "the plan was cancelled")
+               : status;
+}
+
+static void stop_reading(void *user)
+{
+    conus_pose_stream_stop(((conus_plan *)user)->poses);
+}
+
+/* From what was kept to what is listed. */
+static conus_status complete(conus_plan *plan)
+{
+    uint64_t *front = plan->order.pareto_count ? memory_zeroed(plan->feasible, sizeof *front) : NULL;
+    conus_status status = CONUS_OK;
+    if (plan->order.pareto_count) {
+        status =
+            front ? plan_fronts(front, plan->fronts, plan->feasible, plan->order.pareto_count) : CONUS_ERROR_MEMORY;
+    }
+    cut_list(plan);
+    for (size_t i = 0; i < plan->list.count && !status; i++) {
+        struct entry *entry = plan->list.items[i];
+        entry->planned.rank = i + 1;
+        entry->planned.front = front ? front[entry->feasible] : 0;
+    }
+    memory_free(front);
+    size_t more = plan->options.top - plan->list.count < plan->infeasible.count
+                      ? (size_t)(plan->options.top - plan->list.count)
+                      : plan->infeasible.count;
+    if (!status &&
+        !memory_reserve(&plan->list.items, &plan->list.capacity, plan->list.count + more + 1, sizeof(struct entry *))) {
+        status = CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < more && !status; i++) {
+        plan->list.items[plan->list.count++] = plan->infeasible.items[i];
+        plan->infeasible.items[i] = NULL;
+    }
+    return status;
+}
+
+conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t limit)
+{
+    if (plan->was_run) {
+        return fail(CONUS_ERROR_ARGUMENT, "a plan is run once");
+    }
+    plan->was_run = true;
+    plan->poses = poses;
+    plan->rows = limit;
+    pthread_mutex_init(&plan->lock, NULL);
+    conus_status status = ring_run(&(const struct ring){.user = plan,
+                                                        .workers = plan->options.threads,
+                                                        .slots = ring_slots(plan->options.threads),
+                                                        .read = read_block,
+                                                        .answer = answer_block,
+                                                        .deliver = deliver_block,
+                                                        .interrupt = stop_reading});
+    pthread_mutex_destroy(&plan->lock);
+    status = status ? status : complete(plan);
+    plan->is_done = !status;
+    return status;
+}
+
+size_t conus_plan_count(const conus_plan *plan)
+{
+    return plan && plan->is_done ? plan->list.count : 0;
+}
+
+const conus_planned *conus_plan_pose(const conus_plan *plan, size_t index)
+{
+    return index < conus_plan_count(plan) ? &plan->list.items[index]->planned : NULL;
+}
+
+uint64_t conus_plan_left(const conus_plan *plan, size_t constraints)
+{
+    return constraints <= plan->count ? plan->left[constraints] : 0;
+}
+
+const conus_planned *conus_plan_miss(const conus_plan *plan, size_t index)
+{
+    bool has_miss = plan->is_done && !plan->feasible && index < plan->count && plan->misses[index];
+    return has_miss ? &plan->misses[index]->planned : NULL;
+}
+
+conus_plan_faults conus_plan_rejected(const conus_plan *plan)
+{
+    return (conus_plan_faults){plan->rejected.count, plan->rejected.line, plan->rejected.why};
+}
+
+bool conus_plan_has_leeway(const conus_plan *plan, size_t index)
+{
+    return index < plan->count && plan->constraints[index].has_leeway;
+}
+
+conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, size_t constraint, double depth)
+{
+    const conus_planned *planned = conus_plan_pose(plan, pose);
+    if (!planned || constraint >= plan->count || !plan->constraints[constraint].has || !isfinite(depth)) {
+        return fail(CONUS_ERROR_ARGUMENT, "pose %zu, constraint %zu, %g mm: no such pose, structure or depth", pose,
+                    constraint, depth);
+    }
+    conus_planned point = *planned;
+    point.near = point.far = depth;
+    plan_judge_turn(&plan->workers[0].judge, &point);
+    *out = plan_judge_distance(&plan->workers[0].judge, constraint);
+    return CONUS_OK;
+}

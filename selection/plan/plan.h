@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A plan from inside: its constraints, what judges a pose, and the order of poses (Eq. 22). */
+#ifndef CONUS_SELECTION_PLAN_PLAN_H
+#define CONUS_SELECTION_PLAN_PLAN_H
+
+#include "selection/measure/formula.h"
+#include "selection/plan/plan_leeway.h"
+#include "selection/selector.h"
+#include "selection/study/study.h"
+
+/* plan_order.c */
+
+/** A key by which poses are ordered: what a name of struct plan_order means. */
+struct plan_key {
+    size_t name;
+    bool smaller; /**< Smaller is better. */
+    double step;  /**< 0 = none. */
+};
+
+struct plan_name {
+    char text[16];
+    enum plan_quantity {
+        PLAN_LEEWAY,
+        PLAN_SLACK,
+        PLAN_CLEARANCE,
+        PLAN_DEPTH,
+        PLAN_VALUE, /**< Of a constraint. */
+        PLAN_SCORE
+    } quantity;
+    size_t constraint;
+};
+
+struct plan_order {
+    struct plan_name *names; /**< [name_count] The last is the score's, if there is one. */
+    size_t name_count;
+    struct plan_key *rank, *pareto; /**< [rank_count], [pareto_count] */
+    size_t rank_count, pareto_count;
+    struct formula *score; /**< NULL = none. */
+    bool needs_leeway;
+};
+
+/** Fills a zeroed one; it can be finished after a failure, too. */
+conus_status plan_order_init(struct plan_order *out, const struct plan_constraint *constraints, size_t count,
+                             const conus_plan_options *options);
+void plan_order_finish(struct plan_order *order);
+
+/** Sets planned->score, and the keys of @p rank and @p pareto (either may be NULL) as they are compared: larger is
+ * better. @p pose has its verdicts. */
+void plan_order_keys(double *rank, double *pareto, conus_planned *pose, const struct plan_order *order);
+
+/** Above 0 where keys @p a are better than @p b, below 0 where they are worse. */
+int plan_keys_compare(const double *a, const double *b, size_t count);
+
+/** The fronts of @p count poses with @p key_count keys each: front[i], from 1. */
+conus_status plan_fronts(uint64_t *front, const double *keys, size_t count, size_t key_count);
+
+/* plan_verdict.c */
+
+/** How much of a verdict is wanted. */
+enum plan_care {
+    PLAN_HOLDS,  /**< Whether the constraint holds. */
+    PLAN_SLACKS, /**< All but the leeway. */
+    PLAN_ALL
+};
+
+/** What one thread judges with, and the pose at hand. */
+struct plan_judge {
+    const struct plan_constraint *constraints;
+    conus_selector *selector; /**< Shares its engine with the other threads'. */
+    const conus_planned *pose;
+    struct needle needle;
+    bool is_followed;           /**< The layers are the pose's. */
+    struct layers layers;       /**< What the axis passes, from the apex on, sorted. */
+    conus_selection *selection; /**< NULL = not needed yet. */
+    struct plan_leeway leeway;
+};
+
+conus_status plan_judge_init(struct plan_judge *out, conus_selector *selector,
+                             const struct plan_constraint *constraints);
+void plan_judge_finish(struct plan_judge *judge);
+
+/** Turns to another candidate. */
+void plan_judge_turn(struct plan_judge *judge, const conus_planned *pose);
+
+/** The verdict on constraint @p index. Less care leaves members as they were. */
+conus_status plan_judge(conus_verdict *out, struct plan_judge *judge, size_t index, enum plan_care care);
+
+/** Whether constraint @p index, which holds, lets @p quantity (leeway, slack or clearance) of the pose be @p least or
+ * more; quicker than to measure it. */
+conus_status plan_judge_least(bool *out, struct plan_judge *judge, size_t index, enum plan_quantity quantity,
+                              double least);
+
+/** mm from the needle's axis to the structure of constraint @p index. */
+double plan_judge_distance(struct plan_judge *judge, size_t index);
+
+#endif

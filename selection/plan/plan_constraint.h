@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file What a plan asks of poses, checked (Eq. 22). */
+#ifndef CONUS_SELECTION_PLAN_PLAN_CONSTRAINT_H
+#define CONUS_SELECTION_PLAN_PLAN_CONSTRAINT_H
+
+#include "selection/selector.h"
+
+/** A shape that objects of a structure have: a volume, a mesh, or a bundle. */
+struct plan_part {
+    const struct volume *volume; /**< Any of its objects may be the structure's. */
+    const struct mesh *mesh;
+    const struct tractogram *tractogram;
+    const struct tract_group *group; /**< Of the tractogram; NULL = all of it. */
+    uint32_t object;                 /**< The mesh's or the bundle's. */
+};
+
+/** A constraint, checked. */
+struct plan_constraint {
+    conus_constraint asked; /**< Without names; needles are owned, the direction has length 1. */
+    uint32_t *has;  /**< [object_count + 1] Each object of the structure at its number, else 0; NULL without one. */
+    bool *reported; /**< [object_count + 1] As what they are reported; NULL but for measures of a cone. */
+    struct plan_part *parts;
+    size_t part_count;
+    bool has_leeway;
+};
+
+/** Fills a zeroed one; it can be finished after a failure, too. */
+conus_status plan_constraint_init(struct plan_constraint *out, const conus_selector *selector,
+                                  const conus_constraint *asked);
+void plan_constraint_finish(struct plan_constraint *constraint);
+
+/** Refuses constraints that repeat or exclude each other. */
+conus_status plan_constraints_check(const struct plan_constraint *constraints, size_t count, const conus_atlas *atlas);
+
+/** Whether a measure is of the pose's cone or cylinder, and not of its axis. */
+static inline bool plan_is_of_cone(conus_measure measure)
+{
+    return measure >= CONUS_MEASURE_SHARE;
+}
+
+/** Whether the constraint is a distance that must be kept. */
+static inline bool plan_is_clearance(const struct plan_constraint *constraint)
+{
+    return constraint->asked.kind == CONUS_CONSTRAINT_AVOID && constraint->asked.measure == CONUS_MEASURE_LENGTH;
+}
+
+#endif

@@ -1,0 +1,481 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* How far the points of an axis may move, each anywhere, until a structure is no longer reached (Eq. 22). What is not
+ * the structure begins at its border: faces of cells, triangles. Distances from these are convex along a line. So each
+ * is nearer than delta to one interval of the axis, and what all of them leave has the length that is asked for, or
+ * not.
+ */
+#include "selection/plan/plan_leeway.h"
+
+#include "atlas/surface/mesh_near.h"
+#include "atlas/tracts/capsule.h"
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "selection/measure/census.h"
+#include "selection/measure/near.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double RESOLUTION = 1e-6; /* mm of a leeway */
+static const double ROUNDING = 1e-12;  /* mm along the axis */
+static const double WIDER = 1 + 1e-9;  /* a bound that rounding does not pass */
+enum { STEP_LIMIT = 60 };
+
+/* A face of a cell, between low and high corners in voxels; a triangle; or a segment of a streamline. */
+struct plan_body {
+    double corner[2][3];
+    size_t triangle;
+    double bound;         /* mm from its centre to its farthest point */
+    double depth, beside; /* of its centre: along the axis, and off it */
+    double idle;          /* delta up to which it takes nothing of the structure */
+};
+
+/* A part of the structure, as the axis sees it. */
+struct plan_side {
+    const struct plan_part *part;
+    struct near_cells cells;     /* of a volume, */
+    double start[3], step[3];    /* the axis in its voxels, */
+    double toward[3];            /* and what an offset of a voxel is along the axis, mm */
+    size_t first_body, body_end; /* bodies are of one side after the other */
+    size_t first_inside, inside_end;
+};
+
+void plan_leeway_finish(struct plan_leeway *leeway)
+{
+    memory_free(leeway->sides);
+    memory_free(leeway->bodies);
+    memory_free(leeway->inside.items);
+    memory_free(leeway->taken.items);
+    memory_free(leeway->left.items);
+    *leeway = (struct plan_leeway){0};
+}
+
+static conus_status add_span(struct plan_spans *spans, double entry, double exit)
+{
+    if (!memory_reserve(&spans->items, &spans->capacity, spans->count + 1, sizeof *spans->items)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    spans->items[spans->count++] = (struct plan_span){entry, exit};
+    return CONUS_OK;
+}
+
+static int by_entry(const void *a, const void *b)
+{
+    const struct plan_span *x = a;
+    const struct plan_span *y = b;
+    return (x->entry > y->entry) - (x->entry < y->entry);
+}
+
+static void sort(struct plan_spans *spans)
+{
+    if (spans->count) {
+        qsort(spans->items, spans->count, sizeof *spans->items, by_entry);
+    }
+}
+
+static conus_status add_side(struct plan_leeway *leeway, const struct plan_part *part)
+{
+    if (!memory_reserve(&leeway->sides, &leeway->side_capacity, leeway->side_count + 1, sizeof *leeway->sides)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    struct plan_side *side = &leeway->sides[leeway->side_count++];
+    *side = (struct plan_side){.part = part, .first_inside = leeway->inside.count};
+    if (part->volume) {
+        near_cells_init(&side->cells, part->volume);
+        mat4_point(side->start, part->volume->voxel_from_world, leeway->needle.origin);
+        mat4_direction(side->step, part->volume->voxel_from_world, leeway->needle.direction);
+        for (int a = 0; a < 3; a++) {
+            side->toward[a] = vec3_dot(side->cells.gram[a], side->step);
+        }
+    }
+    return CONUS_OK;
+}
+
+static bool is_of(const struct plan_part *part, uint32_t object, const uint32_t *has, const conus_atlas *atlas)
+{
+    return part->volume ? has[object] && atlas_object_volume(atlas, object) == part->volume : object == part->object;
+}
+
+conus_status plan_leeway_ask(struct plan_leeway *leeway, const struct plan_constraint *constraint,
+                             const conus_atlas *atlas, const struct layers *layers)
+{
+    conus_status status = CONUS_OK;
+    leeway->has = constraint->has;
+    leeway->side_count = 0;
+    leeway->inside.count = 0;
+    for (size_t i = 0; i < constraint->part_count && !status; i++) {
+        const struct plan_part *part = &constraint->parts[i];
+        if (part->mesh && !part->mesh->shape.closed) {
+            continue; /* it has no inside */
+        }
+        status = add_side(leeway, part);
+        for (size_t k = 0; k < layers->count && !status; k++) {
+            const conus_interval *interval = &layers->intervals[k];
+            double entry = fmax(interval->entry, leeway->needle.near);
+            double exit = fmin(interval->exit, leeway->needle.far);
+            if (entry <= exit && is_of(part, interval->object, constraint->has, atlas)) {
+                status = add_span(&leeway->inside, entry, exit);
+            }
+        }
+        if (!status) {
+            leeway->sides[leeway->side_count - 1].inside_end = leeway->inside.count;
+        }
+    }
+    return status;
+}
+
+/* Adds a body, unless it is surely farther than `radius` from the needle. */
+static conus_status add_body(struct plan_leeway *leeway, const struct plan_body *body, const double centre[3],
+                             double radius)
+{
+    const struct needle *needle = &leeway->needle;
+    double away[3];
+    double reach = radius + body->bound;
+    vec3_sub(away, centre, needle->origin);
+    double depth = vec3_dot(away, needle->direction);
+    vec3_add_scaled(away, away, -depth, needle->direction);
+    double beside = vec3_length(away);
+    if (beside > reach || depth + reach < needle->near || depth - reach > needle->far) {
+        return CONUS_OK;
+    }
+    if (!memory_reserve(&leeway->bodies, &leeway->body_capacity, leeway->body_count + 1, sizeof *leeway->bodies)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    leeway->bodies[leeway->body_count] = *body;
+    leeway->bodies[leeway->body_count].idle = -1;
+    leeway->bodies[leeway->body_count].depth = depth;
+    leeway->bodies[leeway->body_count++].beside = beside;
+    return CONUS_OK;
+}
+
+/* A search for the bodies of one side. */
+struct body_search {
+    struct plan_leeway *leeway;
+    const struct plan_part *part;
+    const struct plan_side *side;
+    const uint32_t *has;
+    double radius;
+    conus_status status;
+};
+
+static bool is_border(const struct body_search *search, const size_t at[3], int axis, int step)
+{
+    const struct volume *volume = search->part->volume;
+    size_t next[3] = {at[0], at[1], at[2]};
+    next[axis] += (size_t)step; /* below 0 it is beyond all */
+    return next[axis] >= volume->info.dim[axis] ||
+           !search
+                ->has[volume_object(volume, next[0] + volume->info.dim[0] * (next[1] + volume->info.dim[1] * next[2]))];
+}
+
+static void add_faces(struct body_search *search, const size_t at[3])
+{
+    for (int face = 0; face < 6 && !search->status; face++) {
+        int axis = face / 2;
+        int step = face % 2 ? 1 : -1;
+        if (is_border(search, at, axis, step)) {
+            struct plan_body body = {.bound = search->side->cells.reach * WIDER};
+            double middle[3] = {(double)at[0], (double)at[1], (double)at[2]};
+            double centre[3];
+            middle[axis] += 0.5 * step;
+            for (int a = 0; a < 3; a++) {
+                body.corner[0][a] = middle[a] - (a == axis ? 0 : 0.5);
+                body.corner[1][a] = middle[a] + (a == axis ? 0 : 0.5);
+            }
+            mat4_point(centre, search->part->volume->info.world_from_voxel, middle);
+            search->status = add_body(search->leeway, &body, centre, search->radius);
+        }
+    }
+}
+
+static void face_row(void *user, const struct volume *volume, const size_t at[3], size_t count)
+{
+    struct body_search *search = user;
+    size_t first = at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]);
+    for (size_t i = 0; i < count && !search->status; i++) {
+        if (search->has[volume_object(volume, first + i)]) {
+            add_faces(search, (const size_t[]){at[0] + i, at[1], at[2]});
+        }
+    }
+}
+
+/* The faces between the structure's cells and others. */
+static void gather_faces(struct body_search *search)
+{
+    const struct needle *needle = &search->leeway->needle;
+    double wide = (search->radius + search->side->cells.reach) * WIDER;
+    struct region around = {
+        .shape = REGION_CYLINDER, .cosine = 1, .radius = wide, .far = needle->far - needle->near + 2 * wide};
+    conus_pose pose;
+    needle_point(around.origin, needle, needle->near - wide);
+    memcpy(around.axis, needle->direction, sizeof around.axis);
+    search->status = conus_pose_along(&pose, around.origin, needle->direction, NULL);
+    memcpy(around.right, pose.world_from_device, sizeof around.right);
+    memcpy(around.up, pose.world_from_device + 4, sizeof around.up);
+    if (!search->status) {
+        census_walk(&around, search->part->volume, face_row, search);
+    }
+}
+
+static void gather_triangles(struct body_search *search)
+{
+    const struct mesh *mesh = search->part->mesh;
+    for (size_t triangle = 0; triangle < mesh->triangle_count && !search->status; triangle++) {
+        struct plan_body body = {.triangle = triangle};
+        double corner[3][3];
+        double centre[3];
+        mesh_corners(corner, mesh, triangle);
+        for (int a = 0; a < 3; a++) {
+            centre[a] = (corner[0][a] + corner[1][a] + corner[2][a]) / 3;
+        }
+        for (int c = 0; c < 3; c++) {
+            vec3_sub(corner[c], corner[c], centre);
+            body.bound = fmax(body.bound, vec3_length(corner[c]) * WIDER);
+        }
+        search->status = add_body(search->leeway, &body, centre, search->radius);
+    }
+}
+
+static enum tract_answer is_box_near(void *user, const double low[3], const double high[3])
+{
+    const struct body_search *search = user;
+    struct needle_frame frame;
+    double depth;
+    needle_frame_init(&frame, &search->leeway->needle, NULL);
+    return needle_box(&depth, &frame, low, high) > search->radius * WIDER ? TRACT_OUTSIDE : TRACT_PERHAPS;
+}
+
+static int compare_members(const void *a, const void *b)
+{
+    uint32_t x = *(const uint32_t *)a;
+    uint32_t y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+static void add_segments(void *user, const struct tract_run *run, bool inside)
+{
+    struct body_search *search = user;
+    const struct tract_group *group = search->part->group;
+    (void)inside;
+    if (group && !bsearch(&run->streamline, group->members, group->count, sizeof *group->members, compare_members)) {
+        return;
+    }
+    uint32_t last = run->segments ? run->segments - 1 : 0; /* a run of one point is a segment of no length */
+    for (uint32_t i = 0; i <= last && !search->status; i++) {
+        struct plan_body body = {0};
+        double centre[3];
+        tractogram_point(body.corner[0], search->part->tractogram, run->point + i);
+        tractogram_point(body.corner[1], search->part->tractogram, run->point + i + (run->segments ? 1 : 0));
+        vec3_sub(centre, body.corner[1], body.corner[0]);
+        body.bound = vec3_length(centre) / 2 * WIDER;
+        vec3_add_scaled(centre, body.corner[0], 0.5, centre);
+        search->status = add_body(search->leeway, &body, centre, search->radius);
+    }
+}
+
+/* All bodies that are no farther than `radius` from the needle; of a bundle, whose tubes are the structure, the
+ * segments of tubes that the needle passes. */
+static conus_status gather(struct plan_leeway *leeway, double radius)
+{
+    conus_status status = CONUS_OK;
+    leeway->body_count = 0;
+    for (size_t i = 0; i < leeway->side_count && !status; i++) {
+        struct plan_side *side = &leeway->sides[i];
+        struct body_search search = {
+            .leeway = leeway, .part = side->part, .side = side, .has = leeway->has, .radius = radius};
+        side->first_body = leeway->body_count;
+        if (side->first_inside == side->inside_end) { /* the needle is not in it at all */
+        } else if (side->part->volume) {
+            gather_faces(&search);
+        } else if (side->part->mesh) {
+            gather_triangles(&search);
+        } else {
+            search.radius = side->part->tractogram->radius;
+            tract_tree_walk(side->part->tractogram, is_box_near, add_segments, &search);
+        }
+        side->body_end = leeway->body_count;
+        status = search.status;
+    }
+    return status;
+}
+
+/* mm from the axis at depth t to a body, and by how much that grows for each mm of depth. */
+static double distance_at(double *slope, const struct plan_leeway *leeway, const struct plan_side *side,
+                          const struct plan_body *body, double t)
+{
+    double distance;
+    double offset[3];
+    double toward; /* the way to the body, along the axis */
+    if (side->part->volume) {
+        double box[2][3];
+        double gram[3][3];
+        for (int a = 0; a < 3; a++) {
+            double at = side->start[a] + t * side->step[a];
+            box[0][a] = body->corner[0][a] - at;
+            box[1][a] = body->corner[1][a] - at;
+        }
+        memcpy(gram, side->cells.gram, sizeof gram);
+        distance = near_box(offset, box, gram);
+        toward = vec3_dot(offset, side->toward);
+    } else {
+        struct needle here = leeway->needle;
+        double depth;
+        double at[3];
+        here.near = here.far = t;
+        distance = mesh_needle(&depth, offset, side->part->mesh, body->triangle, &here);
+        needle_point(at, &here, t);
+        vec3_sub(offset, offset, at);
+        toward = vec3_dot(offset, here.direction);
+    }
+    *slope = distance > 0 ? -toward / distance : 0;
+    return distance;
+}
+
+/* Moves `t`, where a body is delta away or more, forwards (or backwards) to where it is delta away, or to a little
+ * before that: tangents never pass the root of a convex function. False where the body is farther everywhere. */
+static bool approach(double *t, const struct plan_leeway *leeway, const struct plan_side *side,
+                     const struct plan_body *body, double delta, double forwards)
+{
+    for (int i = 0; i < STEP_LIMIT; i++) {
+        double slope;
+        double beyond = distance_at(&slope, leeway, side, body, *t) - delta;
+        if (beyond <= 0) {
+            return true;
+        }
+        if (slope * forwards >= 0) {
+            return false;
+        }
+        double step = beyond / -(slope * forwards);
+        if (step < ROUNDING) {
+            return true;
+        }
+        *t += step * forwards;
+    }
+    return true;
+}
+
+/* Whether some of the needle that is in the side's objects lies between two depths. */
+static bool has_inside(const struct plan_leeway *leeway, const struct plan_side *side, double entry, double exit)
+{
+    for (size_t i = side->first_inside; i < side->inside_end; i++) {
+        if (leeway->inside.items[i].entry <= exit && leeway->inside.items[i].exit >= entry) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Adds where the axis is nearer than delta to a body. */
+static conus_status take(struct plan_leeway *leeway, const struct plan_side *side, struct plan_body *body, double delta)
+{
+    double reach = delta + body->bound;
+    if (delta <= body->idle || body->beside > reach) {
+        return CONUS_OK;
+    }
+    double half = sqrt((reach - body->beside) * (reach + body->beside)) * WIDER + ROUNDING;
+    double entry = body->depth - half;
+    double exit = body->depth + half;
+    if (has_inside(leeway, side, entry, exit) && approach(&entry, leeway, side, body, delta, 1) &&
+        approach(&exit, leeway, side, body, delta, -1) && has_inside(leeway, side, entry, exit)) {
+        return add_span(&leeway->taken, entry, exit);
+    }
+    body->idle = delta;
+    return CONUS_OK;
+}
+
+/* Adds what of the needle is in the side's objects and delta or more from all of its bodies. */
+static conus_status leave(struct plan_leeway *leeway, const struct plan_side *side, double delta)
+{
+    conus_status status = CONUS_OK;
+    leeway->taken.count = 0;
+    for (size_t i = side->first_body; i < side->body_end && !status; i++) {
+        status = take(leeway, side, &leeway->bodies[i], delta);
+    }
+    sort(&leeway->taken);
+    for (size_t i = side->first_inside; i < side->inside_end && !status; i++) {
+        double from = leeway->inside.items[i].entry;
+        double to = leeway->inside.items[i].exit;
+        for (size_t k = 0; k < leeway->taken.count && from <= to && !status; k++) {
+            const struct plan_span *taken = &leeway->taken.items[k];
+            if (taken->entry > from) {
+                status = add_span(&leeway->left, from, fmin(taken->entry, to));
+            }
+            from = fmax(from, taken->exit);
+        }
+        status = status || from > to ? status : add_span(&leeway->left, from, to);
+    }
+    return status;
+}
+
+/* The same of a bundle: a point no farther from a streamline than the radius less delta is delta inside of its tube. */
+static conus_status leave_tubes(struct plan_leeway *leeway, const struct plan_side *side, double delta)
+{
+    conus_status status = CONUS_OK;
+    double radius = side->part->tractogram->radius - delta;
+    for (size_t i = side->first_body; i < side->body_end && !status && radius > 0; i++) {
+        const struct plan_body *body = &leeway->bodies[i];
+        double span[2];
+        if (capsule_interval(span, leeway->needle.origin, leeway->needle.direction, body->corner[0], body->corner[1],
+                             radius)) {
+            double entry = fmax(span[0], leeway->needle.near);
+            double exit = fmin(span[1], leeway->needle.far);
+            status = entry <= exit ? add_span(&leeway->left, entry, exit) : CONUS_OK;
+        }
+    }
+    return status;
+}
+
+/* plan_leeway_is(), where bodies up to delta are gathered. */
+static conus_status is_enough(bool *out, struct plan_leeway *leeway, double delta)
+{
+    conus_status status = CONUS_OK;
+    leeway->left.count = 0;
+    for (size_t i = 0; i < leeway->side_count && !status; i++) {
+        const struct plan_side *side = &leeway->sides[i];
+        status = side->part->tractogram ? leave_tubes(leeway, side, delta) : leave(leeway, side, delta);
+    }
+    sort(&leeway->left);
+    double sum = 0;
+    double reached = -INFINITY;
+    for (size_t i = 0; i < leeway->left.count; i++) {
+        const struct plan_span *span = &leeway->left.items[i];
+        sum += fmax(span->exit - fmax(span->entry, reached), 0);
+        reached = fmax(reached, span->exit);
+    }
+    *out = leeway->is_tip ? reached >= leeway->needle.far : sum >= leeway->length;
+    return status;
+}
+
+conus_status plan_leeway_is(bool *out, struct plan_leeway *leeway, double delta)
+{
+    conus_status status = gather(leeway, delta);
+    return status ? status : is_enough(out, leeway, delta);
+}
+
+conus_status plan_leeway_find(double *out, struct plan_leeway *leeway)
+{
+    double low = 0;
+    double high = 0;
+    for (size_t i = 0; i < leeway->side_count; i++) {
+        const struct plan_part *part = leeway->sides[i].part;
+        double size = part->volume ? leeway->sides[i].cells.reach : part->mesh ? 1 : part->tractogram->radius;
+        high = high == 0 ? size : fmin(high, size);
+    }
+    bool is_left = true;
+    conus_status status = CONUS_OK;
+    for (int i = 0; i < STEP_LIMIT && is_left && !status; i++) { /* nothing is endless: once, nothing is left */
+        status = plan_leeway_is(&is_left, leeway, high);
+        low = is_left ? high : low;
+        high = is_left ? 2 * high : high;
+    }
+    while (high - low > RESOLUTION && !status) {
+        double middle = (low + high) / 2;
+        status = is_enough(&is_left, leeway, middle);
+        *(is_left ? &low : &high) = middle;
+    }
+    if (!status) {
+        *out = low;
+    }
+    return status;
+}

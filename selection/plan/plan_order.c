@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The order of poses: keys as they are printed, a score by a formula of them, and Pareto fronts. */
+#include "base/memory.h"
+#include "base/text.h"
+#include "base/text_number.h"
+#include "selection/plan/plan.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char DEFAULT_RANK[] = "leeway,-depth";
+
+static void add_name(struct plan_order *order, const char *text, enum plan_quantity quantity, size_t constraint)
+{
+    struct plan_name *name = &order->names[order->name_count++];
+    *name = (struct plan_name){.quantity = quantity, .constraint = constraint};
+    snprintf(name->text, sizeof name->text, "%s", text);
+}
+
+/* The names that these constraints have something for. */
+static conus_status find_names(struct plan_order *order, const struct plan_constraint *constraints, size_t count)
+{
+    order->names = memory_zeroed(2 * count + 5, sizeof *order->names);
+    if (!order->names) {
+        return CONUS_ERROR_MEMORY;
+    }
+    add_name(order, "leeway", PLAN_LEEWAY, 0);
+    add_name(order, "slack", PLAN_SLACK, 0);
+    add_name(order, "clearance", PLAN_CLEARANCE, 0);
+    add_name(order, "depth", PLAN_DEPTH, 0);
+    size_t reaches = 0;
+    bool has[CONUS_MEASURE_STREAMLINES + 1] = {false};
+    for (size_t i = 0; i < count; i++) {
+        const conus_constraint *asked = &constraints[i].asked;
+        if (asked->kind != CONUS_CONSTRAINT_REACH) {
+            continue;
+        }
+        char number[16] = "reach";
+        if (reaches++) {
+            snprintf(number, sizeof number, "reach%zu", reaches);
+        }
+        add_name(order, number, PLAN_VALUE, i);
+        bool is_named = asked->measure == CONUS_MEASURE_SHARE || asked->measure == CONUS_MEASURE_VOLUME;
+        if (is_named && !has[asked->measure]) {
+            add_name(order, asked->measure == CONUS_MEASURE_SHARE ? "share" : "volume", PLAN_VALUE, i);
+            has[asked->measure] = true;
+        }
+    }
+    return CONUS_OK;
+}
+
+static const char *name_at(const void *names, size_t index)
+{
+    const struct plan_order *order = names;
+    return index < order->name_count ? order->names[index].text : NULL;
+}
+
+/* [-]NAME[/STEP] */
+static conus_status parse_key(struct plan_key *out, struct text word, const struct plan_order *order)
+{
+    struct text number;
+    struct text rest = text_trim(word);
+    bool has_step = true; /* behind the name */
+    *out = (struct plan_key){.smaller = text_starts(rest, "-")};
+    rest = (struct text){rest.data + out->smaller, rest.size - out->smaller};
+    text_field(&rest, '/', &has_step, &word);
+    number = text_trim(rest);
+    if (has_step && !(text_to_double(number, &out->step) && out->step > 0 && isfinite(out->step))) {
+        return fail(CONUS_ERROR_ARGUMENT, "step: \"%.*s\", allowed is more than 0", TEXT_SHOW(number, 40));
+    }
+    struct formula *formula = memory_raw(1, sizeof *formula);
+    char *copy = memory_text(word.data, word.size);
+    conus_status status = formula && copy ? formula_parse(formula, copy, name_at, order) : CONUS_ERROR_MEMORY;
+    if (!status && (formula->count != 1 || formula->steps[0].kind != FORMULA_NAME)) {
+        status = fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is no key", TEXT_SHOW(word, 40));
+    }
+    if (!status) {
+        out->name = formula->steps[0].name;
+    }
+    memory_free(formula);
+    memory_free(copy);
+    return status;
+}
+
+static conus_status parse_keys(struct plan_key **out, size_t *count, const char *list, const struct plan_order *order,
+                               bool has_steps)
+{
+    bool more = true;
+    struct text rest = text_from(list);
+    conus_status status = CONUS_OK;
+    while (more && !status) {
+        struct text word;
+        struct plan_key *keys = memory_resize(*out, *count + 1, sizeof *keys);
+        if (!keys) {
+            return CONUS_ERROR_MEMORY;
+        }
+        *out = keys;
+        text_field(&rest, ',', &more, &word);
+        status = parse_key(&keys[*count], word, order);
+        if (!status && keys[*count].step > 0 && !has_steps) {
+            status = fail(CONUS_ERROR_ARGUMENT, "a step, which only a rank has");
+        }
+        *count += 1;
+    }
+    return status;
+}
+
+static bool uses(const struct plan_order *order, enum plan_quantity quantity)
+{
+    for (size_t i = 0; i < order->rank_count + order->pareto_count; i++) {
+        const struct plan_key *key = i < order->rank_count ? &order->rank[i] : &order->pareto[i - order->rank_count];
+        if (order->names[key->name].quantity == quantity) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_in_score(const struct plan_order *order, enum plan_quantity quantity)
+{
+    for (size_t i = 0; order->score && i < order->name_count; i++) {
+        if (order->names[i].quantity == quantity && formula_uses(order->score, i)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+conus_status plan_order_init(struct plan_order *out, const struct plan_constraint *constraints, size_t count,
+                             const conus_plan_options *options)
+{
+    conus_status status = find_names(out, constraints, count);
+    if (!status && options->score) {
+        out->score = memory_raw(1, sizeof *out->score);
+        status = out->score ? formula_parse(out->score, options->score, name_at, out) : CONUS_ERROR_MEMORY;
+        status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, "score") : status;
+        if (!status) {
+            add_name(out, "score", PLAN_SCORE, 0);
+        }
+    }
+    if (!status) {
+        status = parse_keys(&out->rank, &out->rank_count, options->rank ? options->rank : DEFAULT_RANK, out, true);
+        status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, "rank") : status;
+    }
+    if (!status && options->pareto) {
+        status = parse_keys(&out->pareto, &out->pareto_count, options->pareto, out, false);
+        status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, "pareto") : status;
+    }
+    if (!status) {
+        out->needs_leeway = uses(out, PLAN_LEEWAY) || is_in_score(out, PLAN_LEEWAY);
+    }
+    return status;
+}
+
+void plan_order_finish(struct plan_order *order)
+{
+    memory_free(order->names);
+    memory_free(order->rank);
+    memory_free(order->pareto);
+    memory_free(order->score);
+}
+
+static double value_of(const struct plan_name *name, const conus_planned *pose)
+{
+    switch (name->quantity) {
+    case PLAN_LEEWAY:
+        return pose->leeway;
+    case PLAN_SLACK:
+        return pose->slack;
+    case PLAN_CLEARANCE:
+        return pose->clearance;
+    case PLAN_DEPTH:
+        return pose->far;
+    case PLAN_VALUE:
+        return pose->verdicts[name->constraint].value;
+    default:
+        return pose->score;
+    }
+}
+
+/* As it is printed, so that nobody sees an order that the text does not have. */
+static double compared(const struct plan_key *key, double value)
+{
+    char text[TEXT_NUMBER_SIZE];
+    double printed = NAN;
+    if (isnan(value) || !text_to_double(text_from(text_number(text, value)), &printed)) {
+        return -INFINITY;
+    }
+    printed = key->step > 0 ? floor(printed / key->step) : printed;
+    return key->smaller ? -printed : printed;
+}
+
+void plan_order_keys(double *rank, double *pareto, conus_planned *pose, const struct plan_order *order)
+{
+    pose->score = NAN;
+    if (order->score) {
+        double values[FORMULA_LENGTH_LIMIT];
+        for (size_t i = 0; i < order->name_count; i++) {
+            values[i] = value_of(&order->names[i], pose);
+        }
+        pose->score = formula_value(order->score, values);
+    }
+    for (size_t i = 0; rank && i < order->rank_count; i++) {
+        rank[i] = compared(&order->rank[i], value_of(&order->names[order->rank[i].name], pose));
+    }
+    for (size_t i = 0; pareto && i < order->pareto_count; i++) {
+        pareto[i] = compared(&order->pareto[i], value_of(&order->names[order->pareto[i].name], pose));
+    }
+}
+
+int plan_keys_compare(const double *a, const double *b, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (a[i] != b[i]) {
+            return a[i] > b[i] ? 1 : -1;
+        }
+    }
+    return 0;
+}
+
+/* Poses to be put in order: their keys, and which pose. */
+struct ranked {
+    const double *keys;
+    size_t count, pose;
+};
+
+static int better_first(const void *a, const void *b)
+{
+    const struct ranked *x = a;
+    const struct ranked *y = b;
+    int order = plan_keys_compare(y->keys, x->keys, x->count);
+    return order ? order : (x->pose > y->pose) - (x->pose < y->pose);
+}
+
+/* Whether keys `a` are at least as good in all and better in one. */
+static bool dominates(const double *a, const double *b, size_t count)
+{
+    bool is_better = false;
+    for (size_t i = 0; i < count; i++) {
+        if (a[i] < b[i]) {
+            return false;
+        }
+        is_better = is_better || a[i] > b[i];
+    }
+    return is_better;
+}
+
+/* In order of their keys, only a pose before another may dominate it. Fronts are chains of those in them, newest first;
+ * the first front of which none dominates a pose is found by halves, since a pose that one of a front dominates is
+ * dominated by one of each front before. */
+conus_status plan_fronts(uint64_t *front, const double *keys, size_t count, size_t key_count)
+{
+    struct ranked *poses = memory_raw(count, sizeof *poses);
+    size_t *newest = memory_raw(count, sizeof *newest); /* of each front, + 1 */
+    size_t *older = memory_raw(count, sizeof *older);   /* than each in its front, + 1 */
+    conus_status status = poses && newest && older ? CONUS_OK : CONUS_ERROR_MEMORY;
+    size_t fronts = 0;
+    for (size_t i = 0; i < count && !status; i++) {
+        poses[i] = (struct ranked){keys + i * key_count, key_count, i};
+    }
+    if (!status) {
+        qsort(poses, count, sizeof *poses, better_first);
+    }
+    for (size_t i = 0; i < count && !status; i++) {
+        size_t low = 0;
+        size_t high = fronts;
+        while (low < high) {
+            size_t middle = (low + high) / 2;
+            size_t other = newest[middle];
+            while (other && !dominates(poses[other - 1].keys, poses[i].keys, key_count)) {
+                other = older[other - 1];
+            }
+            *(other ? &low : &high) = other ? middle + 1 : middle;
+        }
+        older[i] = low < fronts ? newest[low] : 0;
+        newest[low] = i + 1;
+        fronts += low == fronts;
+        front[poses[i].pose] = low + 1;
+    }
+    memory_free(poses);
+    memory_free(newest);
+    memory_free(older);
+    return status;
+}

@@ -1,0 +1,377 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Judges one pose by one constraint after the other (Eq. 22). */
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "selection/plan/plan.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double FAR = 1e7; /* mm: as far as a clearance is measured */
+
+conus_status plan_judge_init(struct plan_judge *out, conus_selector *selector,
+                             const struct plan_constraint *constraints)
+{
+    *out = (struct plan_judge){.constraints = constraints};
+    conus_status status = selector_prepare_axis(selector);
+    status = status ? status : selector_prepare_clearance(selector);
+    status = status ? status : selector_share(&out->selector, selector);
+    if (!status) {
+        out->selector->inside_only = true;
+        status = selector_prepare_clearance(out->selector);
+    }
+    return status;
+}
+
+void plan_judge_finish(struct plan_judge *judge)
+{
+    conus_selection_destroy(judge->selection);
+    conus_selector_destroy(judge->selector);
+    layers_finish(&judge->layers);
+    plan_leeway_finish(&judge->leeway);
+}
+
+void plan_judge_turn(struct plan_judge *judge, const conus_planned *pose)
+{
+    const double *device = pose->pose.world_from_device;
+    judge->pose = pose;
+    judge->needle = (struct needle){.near = pose->near, .far = pose->far};
+    memcpy(judge->needle.origin, device + 12, sizeof judge->needle.origin);
+    vec3_scale(judge->needle.direction, device + 8, -1);
+    judge->is_followed = false;
+    conus_selection_destroy(judge->selection);
+    judge->selection = NULL;
+}
+
+static conus_status follow(struct plan_judge *judge)
+{
+    conus_status status = CONUS_OK;
+    if (!judge->is_followed) {
+        layers_clear(&judge->layers);
+        status = axis_follow(&judge->layers, judge->selector, &judge->pose->pose);
+        judge->is_followed = !status;
+    }
+    return status;
+}
+
+/* The depths between which a constraint counts: far is no more than near where there are none. */
+static void find_window(double out[2], const struct plan_judge *judge, const struct plan_constraint *constraint)
+{
+    const double *part = constraint->asked.part;
+    bool is_all = part[0] == 0 && part[1] == 0;
+    out[0] = is_all ? judge->pose->near : fmax(judge->pose->near, judge->pose->far - part[1]);
+    out[1] = judge->pose->far - part[0];
+}
+
+/* mm of the axis in the union of the structure's objects: each stretch in order of depth. */
+static void measure_length(conus_verdict *out, const struct plan_judge *judge, const struct plan_constraint *constraint)
+{
+    double range[2];
+    double entry = NAN;
+    double exit = NAN;
+    find_window(range, judge, constraint);
+    out->value = 0;
+    out->depth = NAN;
+    for (size_t i = 0; i < judge->layers.count && range[1] > range[0]; i++) {
+        conus_interval interval = judge->layers.intervals[i];
+        if (!constraint->has[interval.object] || !axis_clip(&interval, judge->selector->atlas, range)) {
+            continue;
+        }
+        if (interval.entry <= exit + AXIS_TOUCH) {
+            exit = fmax(exit, interval.exit);
+            continue;
+        }
+        out->depth = isnan(out->depth) ? interval.entry : out->depth;
+        out->value += isnan(exit) ? 0 : exit - entry;
+        entry = interval.entry;
+        exit = interval.exit;
+    }
+    out->value += isnan(exit) ? 0 : exit - entry;
+}
+
+/* Whether the far end is in the structure: where one ends, it is in the next one. */
+static void measure_tip(conus_verdict *out, const struct plan_judge *judge, const struct plan_constraint *constraint)
+{
+    out->value = 0;
+    for (size_t i = 0; i < judge->layers.count; i++) {
+        const conus_interval *interval = &judge->layers.intervals[i];
+        if (constraint->has[interval->object] && interval->entry <= judge->pose->far &&
+            interval->exit > judge->pose->far) {
+            out->value = 1;
+        }
+    }
+}
+
+/* Whether the axis passes or crosses the structure; of FIRST, whether nothing else comes before it. */
+static void measure_crossing(conus_verdict *out, const struct plan_judge *judge,
+                             const struct plan_constraint *constraint)
+{
+    const double range[2] = {judge->pose->near, judge->pose->far};
+    bool is_first = constraint->asked.kind == CONUS_CONSTRAINT_FIRST;
+    out->value = 0;
+    out->depth = NAN;
+    out->object = 0;
+    for (size_t i = 0; i < judge->layers.count; i++) {
+        conus_interval interval = judge->layers.intervals[i];
+        if ((!is_first && !constraint->has[interval.object]) || !axis_clip(&interval, judge->selector->atlas, range)) {
+            continue;
+        }
+        bool is_sooner = !(interval.entry >= out->depth);
+        if (is_sooner || (interval.entry == out->depth && constraint->has[interval.object] && out->value == 0)) {
+            out->value = constraint->has[interval.object];
+            out->depth = interval.entry;
+            out->object = is_first ? interval.object : 0;
+        }
+    }
+}
+
+/* The axis's distance from the structure, up to `limit`; beyond it infinity, and no object. */
+static void measure_clearance(conus_verdict *out, struct plan_judge *judge, const struct plan_constraint *constraint,
+                              double limit)
+{
+    struct clearance *clearance = &judge->selector->clearance;
+    const struct clearance_question question = {.atlas = judge->selector->atlas,
+                                                .index = judge->selector->clearance_index,
+                                                .tracts = judge->selector->tract_index,
+                                                .groups = constraint->has,
+                                                .limit = limit};
+    clearance_take(clearance, &question, &judge->needle);
+    out->value = INFINITY;
+    out->depth = NAN;
+    out->object = 0;
+    for (size_t i = 0; i < clearance->touched_count; i++) {
+        uint32_t object = clearance->touched[i];
+        const struct clearance_found *found = &clearance->found[object];
+        bool is_equal = found->distance == out->value && found->depth == out->depth;
+        if (found->distance < out->value || (found->distance == out->value && found->depth < out->depth) ||
+            (is_equal && object < out->object)) {
+            out->value = found->distance;
+            out->depth = found->depth;
+            out->object = object;
+        }
+    }
+}
+
+static void measure_apart(conus_verdict *out, const struct plan_judge *judge, const struct plan_constraint *constraint)
+{
+    out->value = INFINITY;
+    for (size_t i = 0; i < constraint->asked.needle_count; i++) {
+        const double *ends = constraint->asked.needles + 6 * i;
+        double depth;
+        double point[3];
+        double distance = needle_segment(&depth, point, &judge->needle, ends, ends + 3);
+        if (distance < out->value) {
+            out->value = distance;
+            out->depth = depth;
+        }
+    }
+}
+
+/* The part of the cone's pixels whose ray has an interval in the structure: intervals are ordered by pixel. */
+static double measure_pierced(const conus_selection *selection, const struct plan_constraint *constraint)
+{
+    const conus_evidence evidence = conus_selection_evidence(selection);
+    size_t pixels = (size_t)evidence.resolution * evidence.resolution;
+    size_t of_cone = 0;
+    size_t pierced = 0;
+    size_t last = SIZE_MAX;
+    size_t count;
+    const conus_interval *intervals = conus_selection_intervals(&count, selection);
+    for (size_t i = 0; i < pixels; i++) {
+        of_cone += evidence.in_cone[i];
+    }
+    for (size_t i = 0; i < count; i++) {
+        size_t pixel = intervals[i].pixel;
+        if (constraint->reported[intervals[i].object] && evidence.in_cone[pixel] && pixel != last) {
+            pierced++;
+            last = pixel;
+        }
+    }
+    return (double)pierced / (double)of_cone;
+}
+
+/* The structure's results, summed in the order of their ranks. */
+static void sum_results(conus_verdict *out, const struct plan_judge *judge, const struct plan_constraint *constraint)
+{
+    conus_measure measure = constraint->asked.measure;
+    double whole = 0;
+    out->value = 0;
+    for (size_t i = 0; i < conus_selection_count(judge->selection); i++) {
+        const conus_result *result = conus_selection_result(judge->selection, i);
+        if (constraint->reported[result->object]) {
+            out->value += measure == CONUS_MEASURE_SHARE         ? result->share
+                          : measure == CONUS_MEASURE_STREAMLINES ? (double)result->streamlines
+                                                                 : result->volume;
+        }
+    }
+    if (measure == CONUS_MEASURE_FRACTION) {
+        for (size_t i = 1; i <= judge->selector->atlas->object_count; i++) {
+            whole += constraint->reported[i] ? judge->selector->whole[i] : 0;
+        }
+        out->value /= whole;
+    }
+}
+
+static conus_status measure_cone(conus_verdict *out, struct plan_judge *judge, const struct plan_constraint *constraint)
+{
+    const double range[2] = {judge->pose->near, judge->pose->far};
+    if (!judge->selection) {
+        conus_status status = conus_selector_set_range(judge->selector, range);
+        status =
+            status ? status : conus_select(&judge->selection, judge->selector, &judge->pose->pose, judge->pose->angle);
+        if (status) {
+            return status;
+        }
+    }
+    if (constraint->asked.measure == CONUS_MEASURE_PIERCED) {
+        out->value = measure_pierced(judge->selection, constraint);
+    } else {
+        sum_results(out, judge, constraint);
+    }
+    return CONUS_OK;
+}
+
+static double angle_between(const double a[3], const double b[3])
+{
+    double cross[3];
+    vec3_cross(cross, a, b);
+    return atan2(vec3_length(cross), vec3_dot(a, b));
+}
+
+/* Value, depth and object; of a clearance that is more than `limit` the value is infinite. */
+static conus_status measure(conus_verdict *out, struct plan_judge *judge, const struct plan_constraint *constraint,
+                            double limit)
+{
+    const conus_constraint *asked = &constraint->asked;
+    if (plan_is_of_cone(asked->measure)) {
+        return measure_cone(out, judge, constraint);
+    }
+    bool needs_axis = asked->kind == CONUS_CONSTRAINT_REACH || asked->kind == CONUS_CONSTRAINT_FIRST;
+    conus_status status = needs_axis ? follow(judge) : CONUS_OK;
+    if (status) {
+        return status;
+    }
+    switch (asked->kind) {
+    case CONUS_CONSTRAINT_REACH:
+        if (asked->measure == CONUS_MEASURE_LENGTH) {
+            measure_length(out, judge, constraint);
+        } else if (asked->measure == CONUS_MEASURE_TIP) {
+            measure_tip(out, judge, constraint);
+        } else {
+            measure_crossing(out, judge, constraint);
+        }
+        break;
+    case CONUS_CONSTRAINT_AVOID:
+        measure_clearance(out, judge, constraint, limit);
+        break;
+    case CONUS_CONSTRAINT_LENGTH:
+        out->value = judge->pose->far - judge->pose->near;
+        break;
+    case CONUS_CONSTRAINT_LEAN:
+        out->value = angle_between(judge->needle.direction, asked->direction);
+        break;
+    case CONUS_CONSTRAINT_APART:
+        measure_apart(out, judge, constraint);
+        break;
+    case CONUS_CONSTRAINT_FIRST:
+        measure_crossing(out, judge, constraint);
+        break;
+    }
+    return CONUS_OK;
+}
+
+static void decide(conus_verdict *out, const struct plan_constraint *constraint, double radius)
+{
+    const conus_constraint *asked = &constraint->asked;
+    bool may_be_equal = true;
+    switch (asked->kind) {
+    case CONUS_CONSTRAINT_REACH:
+        may_be_equal =
+            asked->limit > 0 || asked->measure == CONUS_MEASURE_TIP || asked->measure == CONUS_MEASURE_CROSSED;
+        out->slack = out->value - (asked->limit == 0 && may_be_equal ? 1 : asked->limit);
+        break;
+    case CONUS_CONSTRAINT_AVOID:
+        may_be_equal = plan_is_of_cone(asked->measure);
+        out->slack = may_be_equal ? asked->limit - out->value : out->value - radius - asked->limit;
+        break;
+    case CONUS_CONSTRAINT_LENGTH:
+        out->slack = fmin(out->value - asked->limit, asked->most - out->value);
+        break;
+    case CONUS_CONSTRAINT_LEAN:
+        out->slack = asked->limit - out->value;
+        break;
+    case CONUS_CONSTRAINT_APART:
+        out->slack = out->value - asked->limit;
+        may_be_equal = false;
+        break;
+    case CONUS_CONSTRAINT_FIRST:
+        out->slack = out->value - 1;
+        break;
+    }
+    out->holds = out->slack > 0 || (may_be_equal && out->slack == 0);
+}
+
+/* Turns to the reach whose leeway is asked for. */
+static conus_status ask_leeway(struct plan_judge *judge, const struct plan_constraint *constraint)
+{
+    double range[2];
+    find_window(range, judge, constraint);
+    judge->leeway.needle = judge->needle;
+    judge->leeway.needle.near = range[0];
+    judge->leeway.needle.far = range[1];
+    judge->leeway.is_tip = constraint->asked.measure == CONUS_MEASURE_TIP;
+    judge->leeway.length = fmax(constraint->asked.limit, AXIS_TOUCH); /* so much is crossed, too */
+    conus_status status = follow(judge);
+    return status ? status : plan_leeway_ask(&judge->leeway, constraint, judge->selector->atlas, &judge->layers);
+}
+
+static conus_status find_leeway(conus_verdict *out, struct plan_judge *judge, const struct plan_constraint *constraint)
+{
+    bool is_reach = constraint->asked.kind == CONUS_CONSTRAINT_REACH;
+    out->leeway = !constraint->has_leeway ? NAN : !out->holds ? 0 : is_reach ? NAN : out->slack;
+    if (!constraint->has_leeway || !out->holds || !is_reach) {
+        return CONUS_OK;
+    }
+    conus_status status = ask_leeway(judge, constraint);
+    return status ? status : plan_leeway_find(&out->leeway, &judge->leeway);
+}
+
+conus_status plan_judge(conus_verdict *out, struct plan_judge *judge, size_t index, enum plan_care care)
+{
+    const struct plan_constraint *constraint = &judge->constraints[index];
+    double radius = judge->selector->options.radius;
+    double settled = (radius + constraint->asked.limit) * (1 + 1e-9) + 1e-9; /* mm: farther, the margin is kept */
+    *out = (conus_verdict){.slack = NAN, .leeway = NAN, .depth = NAN};
+    conus_status status = measure(out, judge, constraint, care == PLAN_HOLDS ? settled : FAR);
+    if (status) {
+        return status;
+    }
+    decide(out, constraint, radius);
+    return care == PLAN_ALL ? find_leeway(out, judge, constraint) : CONUS_OK;
+}
+
+conus_status plan_judge_least(bool *out, struct plan_judge *judge, size_t index, enum plan_quantity quantity,
+                              double least)
+{
+    const struct plan_constraint *constraint = &judge->constraints[index];
+    conus_status status = CONUS_OK;
+    *out = true;
+    if (plan_is_clearance(constraint)) {
+        double radius = judge->selector->options.radius;
+        double wanted = radius + (quantity == PLAN_CLEARANCE ? 0 : constraint->asked.limit) + least;
+        conus_verdict verdict;
+        measure_clearance(&verdict, judge, constraint, wanted);
+        *out = verdict.value >= wanted;
+    } else if (quantity == PLAN_LEEWAY && constraint->has_leeway && constraint->asked.kind == CONUS_CONSTRAINT_REACH) {
+        status = ask_leeway(judge, constraint);
+        status = status ? status : plan_leeway_is(out, &judge->leeway, least);
+    }
+    return status;
+}
+
+double plan_judge_distance(struct plan_judge *judge, size_t index)
+{
+    conus_verdict verdict;
+    measure_clearance(&verdict, judge, &judge->constraints[index], FAR);
+    return verdict.value;
+}
