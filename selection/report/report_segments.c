@@ -86,7 +86,8 @@ static void write_clearances(struct buffer *out, const conus_report *report, siz
     }
 }
 
-static void write_each_axis(struct buffer *out, const conus_report *report, const char *what, rows_writer *write_rows)
+static void write_each_axis(struct buffer *out, const conus_report *report, const char *what, const char *endless,
+                            rows_writer *write_rows)
 {
     int width = table_name_width(report);
     for (size_t i = 0; i < report->query_count; i++) {
@@ -103,6 +104,8 @@ static void write_each_axis(struct buffer *out, const conus_report *report, cons
         table_write_axis(out, report, query);
         if (cone_has_range(&query->cone)) {
             buffer_format(out, ", %.4g to %.4g mm deep", query->cone.range[0], query->cone.range[1]);
+        } else {
+            buffer_text(out, endless);
         }
         table_write_space(out, report);
         for (const conus_report *of = report; of && i < of->query_count; of = of->next) {
@@ -115,7 +118,7 @@ static void write_each_axis(struct buffer *out, const conus_report *report, cons
 
 void report_write_segments(struct buffer *out, const conus_report *report)
 {
-    write_each_axis(out, report, "axis", write_segments);
+    write_each_axis(out, report, "axis", "", write_segments);
     table_write_sources(out, report);
 }
 
@@ -125,7 +128,7 @@ void report_write_clearances(struct buffer *out, const conus_report *report)
     if (report->selector.radius > 0) {
         snprintf(what, sizeof what, "needle of radius %.4g mm", report->selector.radius);
     }
-    write_each_axis(out, report, what, write_clearances);
+    write_each_axis(out, report, what, ", without an end", write_clearances);
     if (isfinite(report->options.within)) {
         buffer_format(out, "up to %.4g mm away, ", report->options.within);
     }

@@ -27,6 +27,8 @@ poses() {
     # The tip at y = -9, and a distance that is just within.
     answers query ${NEEDLE/0,40/0,11} -q --clearance -,within=4 --format tsv
     [ "$(sed 1d <<<"$output" | tr '\t' ' ')" = "1 area 1 U 5 4 11 8 -9 5 12 -6 5" ]
+    printf 'x\ty\tz\tdx\tdy\tdz\tfar\n8\t-20\t5\t0\t1\t0\t11\n' >own.tsv # the same tip, of the row's own range
+    [ "$(conus query u-shape.nii.gz --pose own.tsv --range 0,40 --radius 1 -q --clearance -,within=4 --format tsv)" = "$output" ]
     answers query ${NEEDLE/0,40/0,11} -q --clearance -,within=3.999
     has 'no area, pathway or bundle is that near'
 }

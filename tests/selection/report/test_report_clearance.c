@@ -100,6 +100,36 @@ static void people_are_told_what_touches(void **state)
     destroy(&made);
 }
 
+/* A device without a thickness or an end, which nothing is near to. */
+static void people_are_told_what_is_not_there(void **state)
+{
+    (void)state;
+    struct made made = make(10);
+    conus_selector *plain = NULL;
+    conus_clearances *none = NULL;
+    conus_report *report = NULL;
+    conus_pose pose;
+    const char *text = NULL;
+    size_t size = 0;
+    assert_ok(conus_pose_along(&pose, (const double[]){0, 0, 100}, (const double[]){0, 0, 1}, NULL));
+    assert_ok(conus_selector_create(&plain, made.atlas, NULL));
+    assert_ok(conus_clearances_create(&none, plain, &pose, 2)); /* the boxes are 95 mm below, and farther */
+    assert_ok(conus_report_create(&report, plain, &(conus_report_options){.rows = CONUS_ROWS_CLEARANCES, .within = 2}));
+    assert_ok(conus_report_add_clearances(report, "a", none));
+    assert_ok(conus_report_add_error(report, "b", 3, "is no pose"));
+    assert_ok(conus_report_text(&text, &size, report));
+    static const char wanted[] =
+        "query a: axis from (0.00, 0.00, 100.00) along (0.0000, 0.0000, 1.0000), without an end, RAS mm\n"
+        "no area, pathway or bundle is that near\n\n"
+        "query b: no answer: line 3: is no pose\n"
+        "up to 2 mm away, the nearest first; without a radius the clearance is the distance of the axis\n";
+    assert_memory_equal(text, wanted, sizeof wanted - 1);
+    conus_report_destroy(report);
+    conus_clearances_destroy(none);
+    conus_selector_destroy(plain);
+    destroy(&made);
+}
+
 static void all_that_there_is_may_be_asked_for(void **state)
 {
     (void)state;
@@ -163,8 +193,8 @@ TEST_GROUP(report_clearance)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_are_ordered_by_clearance),        cmocka_unit_test(people_are_told_what_touches),
-        cmocka_unit_test(all_that_there_is_may_be_asked_for),   cmocka_unit_test(what_does_not_go_together_is_refused),
-        cmocka_unit_test(every_failing_allocation_is_survived),
+        cmocka_unit_test(people_are_told_what_is_not_there),    cmocka_unit_test(all_that_there_is_may_be_asked_for),
+        cmocka_unit_test(what_does_not_go_together_is_refused), cmocka_unit_test(every_failing_allocation_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
