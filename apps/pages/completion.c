@@ -7,38 +7,37 @@
 #include <stdbool.h>
 #include <string.h>
 
-enum completion_value completion_value(const struct option *option)
+/* The words that the shell offers for the value of an option. */
+enum value {
+    VALUE_NONE,    /* the option has no value */
+    VALUE_CHOICES, /* option_choice() lists them */
+    VALUE_FILE,
+    VALUE_FOLDER,
+    VALUE_ATLAS, /* a file, or a name that `conus atlases --format names` lists */
+    VALUE_ANY,   /* a value that only the user knows: a number, a name */
+};
+
+static enum value value_of(const struct option *option)
 {
     if (option->type == OPTION_CHOICE) {
-        return COMPLETION_CHOICES;
+        return VALUE_CHOICES;
     }
     if (!option->value) {
-        return COMPLETION_NONE;
+        return VALUE_NONE;
     }
-    return strstr(option->value, "FILE")    ? COMPLETION_FILE
-           : strstr(option->value, "DIR")   ? COMPLETION_FOLDER
-           : strstr(option->value, "ATLAS") ? COMPLETION_ATLAS
-                                            : COMPLETION_ANY;
+    return strstr(option->value, "FILE")    ? VALUE_FILE
+           : strstr(option->value, "DIR")   ? VALUE_FOLDER
+           : strstr(option->value, "ATLAS") ? VALUE_ATLAS
+                                            : VALUE_ANY;
 }
 
-bool completion_takes_atlas(const struct command *command)
+static bool takes_atlas(const struct command *command)
 {
     return command->operands[0] && strcmp(command->operands[0], "ATLAS") == 0;
 }
 
-const struct option *completion_option(const struct command *command, size_t index)
-{
-    for (const struct option_group *group = command->groups; group && group->title; group++) {
-        for (const struct option *option = group->options; option->name; option++) {
-            if (index-- == 0) {
-                return option;
-            }
-        }
-    }
-    return NULL;
-}
-
-void completion_quote(FILE *out, const char *text, const char *special)
+/* Writes `text` within single quotes of sh, with a backslash before each character of `special`. */
+static void put_quoted(FILE *out, const char *text, const char *special)
 {
     fputc('\'', out);
     for (; *text; text++) {
@@ -48,6 +47,14 @@ void completion_quote(FILE *out, const char *text, const char *special)
         fputs(*text == '\'' ? "'\\''" : (char[]){*text, '\0'}, out);
     }
     fputc('\'', out);
+}
+
+static void put_choices(FILE *out, const struct option *option)
+{
+    const char *choice;
+    for (size_t i = 0; (choice = option_choice(option, i)); i++) {
+        fprintf(out, "%s%s", i ? " " : "", choice);
+    }
 }
 
 static void bash_put_function_name(FILE *out, const char *program)
@@ -67,26 +74,27 @@ static void bash_put_command_names(FILE *out, const struct program *program)
 
 static void bash_put_value_cases(FILE *out, const struct command *command)
 {
-    static const char *const words[] = {[COMPLETION_FILE] = "value=file",
-                                        [COMPLETION_FOLDER] = "value=folder",
-                                        [COMPLETION_ATLAS] = "value=atlas",
-                                        [COMPLETION_ANY] = "value=any"};
+    static const char *const words[] = {[VALUE_CHOICES] = "value=word words='",
+                                        [VALUE_FILE] = "value=file",
+                                        [VALUE_FOLDER] = "value=folder",
+                                        [VALUE_ATLAS] = "value=atlas",
+                                        [VALUE_ANY] = "value=any"};
     const struct option *option;
-    const char *choice;
-    for (size_t i = 0; (option = completion_option(command, i)); i++) {
-        enum completion_value value = completion_value(option);
-        if (value == COMPLETION_NONE) {
+    for (size_t i = 0; (option = option_at(command, i)); i++) {
+        enum value value = value_of(option);
+        if (value == VALUE_NONE) {
             continue;
         }
         fputs("        ", out);
         if (option->letter) {
             fprintf(out, "-%c | ", option->letter);
         }
-        fprintf(out, "--%s) %s", option->name, value == COMPLETION_CHOICES ? "value=word words='" : words[value]);
-        for (size_t n = 0; value == COMPLETION_CHOICES && (choice = option_choice(option, n)); n++) {
-            fprintf(out, "%s%s", n ? " " : "", choice);
+        fprintf(out, "--%s) %s", option->name, words[value]);
+        if (value == VALUE_CHOICES) {
+            put_choices(out, option);
+            fputc('\'', out);
         }
-        fputs(value == COMPLETION_CHOICES ? "' ;;\n" : " ;;\n", out);
+        fputs(" ;;\n", out);
     }
 }
 
@@ -94,10 +102,10 @@ static void bash_put_command(FILE *out, const struct command *command)
 {
     const struct option *option;
     fputs("        options='", out);
-    for (size_t i = 0; (option = completion_option(command, i)); i++) {
+    for (size_t i = 0; (option = option_at(command, i)); i++) {
         fprintf(out, "%s--%s", i ? " " : "", option->name);
     }
-    fprintf(out, "'%s\n        case $before in\n", completion_takes_atlas(command) ? " atlas=yes" : "");
+    fprintf(out, "'%s\n        case $before in\n", takes_atlas(command) ? " atlas=yes" : "");
     bash_put_value_cases(out, command);
     fputs("        esac\n", out);
 }
@@ -188,11 +196,8 @@ void completion_bash(FILE *out, const struct program *program)
 
 #define FISH_ATLASES "(conus atlases --quiet --format names 2>/dev/null)"
 
-/* In fish's single quotes a backslash escapes. */
-static void fish_put_quoted(FILE *out, const char *text)
-{
-    completion_quote(out, text, "\\");
-}
+/* Characters that fish's single quotes give a meaning. */
+static const char fish_special[] = "\\";
 
 /* Begins a line that counts where `command` is the program's first word; NULL = everywhere. */
 static void fish_put_start(FILE *out, const struct program *program, const char *command)
@@ -209,43 +214,40 @@ static void fish_put_option(FILE *out, const struct option *option)
     if (option->letter) {
         fprintf(out, " -s %c", option->letter);
     }
-    const char *choice;
-    switch (completion_value(option)) {
-    case COMPLETION_NONE:
+    switch (value_of(option)) {
+    case VALUE_NONE:
         break;
-    case COMPLETION_CHOICES:
+    case VALUE_CHOICES:
         fputs(" -xa '", out);
-        for (size_t i = 0; (choice = option_choice(option, i)); i++) {
-            fprintf(out, "%s%s", i ? " " : "", choice);
-        }
-        fputs("'", out);
+        put_choices(out, option);
+        fputc('\'', out);
         break;
-    case COMPLETION_FILE:
+    case VALUE_FILE:
         fputs(" -rF", out);
         break;
-    case COMPLETION_ATLAS:
+    case VALUE_ATLAS:
         fputs(" -rF -a '" FISH_ATLASES "'", out);
         break;
-    case COMPLETION_FOLDER:
+    case VALUE_FOLDER:
         fputs(" -xa '(__fish_complete_directories)'", out);
         break;
-    case COMPLETION_ANY:
+    case VALUE_ANY:
         fputs(" -x", out);
         break;
     }
     fputs(" -d ", out);
-    fish_put_quoted(out, option->help);
+    put_quoted(out, option->help, fish_special);
     fputc('\n', out);
 }
 
 static void fish_put_options(FILE *out, const struct program *program, const struct command *command)
 {
     const struct option *option;
-    if (completion_takes_atlas(command)) {
+    if (takes_atlas(command)) {
         fish_put_start(out, program, program->unnamed ? NULL : command->name);
         fputs(" -a '" FISH_ATLASES "' -d 'installed atlas'\n", out);
     }
-    for (size_t i = 0; (option = completion_option(command, i)); i++) {
+    for (size_t i = 0; (option = option_at(command, i)); i++) {
         fish_put_start(out, program, program->unnamed ? NULL : command->name);
         fish_put_option(out, option);
     }
@@ -258,7 +260,7 @@ static void fish_put_command_names(FILE *out, const struct program *program)
     for (size_t i = 0; program->commands[i]; i++) {
         const struct command *command = program->commands[i];
         fprintf(out, "complete -c %s -f -n '%s' -a %s -d ", program->name, first, command->name);
-        fish_put_quoted(out, command->summary);
+        put_quoted(out, command->summary, fish_special);
         fputc('\n', out);
         if (program->commands[1]) {
             fish_put_start(out, program, "help");
@@ -298,25 +300,20 @@ static const char zsh_special[] = "[]:\\";
 
 static void zsh_put_values(FILE *out, const struct option *option)
 {
-    static const char *const actions[] = {[COMPLETION_FILE] = "_files",
-                                          [COMPLETION_FOLDER] = "_files -/",
-                                          [COMPLETION_ATLAS] = ZSH_ATLASES,
-                                          [COMPLETION_ANY] = " "};
-    enum completion_value value = completion_value(option);
-    const char *choice;
+    static const char *const actions[] = {
+        [VALUE_FILE] = "_files", [VALUE_FOLDER] = "_files -/", [VALUE_ATLAS] = ZSH_ATLASES, [VALUE_ANY] = " "};
+    enum value value = value_of(option);
     if (!option->value) {
         return;
     }
-    completion_quote(out, option->value, zsh_special);
+    put_quoted(out, option->value, zsh_special);
     fputs("':'", out);
-    if (value != COMPLETION_CHOICES) {
+    if (value != VALUE_CHOICES) {
         fprintf(out, "'%s'", actions[value]);
         return;
     }
     fputs("'(", out);
-    for (size_t i = 0; (choice = option_choice(option, i)); i++) {
-        fprintf(out, "%s%s", i ? " " : "", choice);
-    }
+    put_choices(out, option);
     fputs(")'", out);
 }
 
@@ -330,7 +327,7 @@ static void zsh_put_form(FILE *out, const struct option *option, const char *for
         fprintf(out, "'(-%c --%s)'", option->letter, option->name);
     }
     fprintf(out, "%s%s'['", form, option->value ? (form[1] == '-' ? "=" : "+") : "");
-    completion_quote(out, option->help, zsh_special);
+    put_quoted(out, option->help, zsh_special);
     fprintf(out, "']%s'", option->value ? ":" : "");
     zsh_put_values(out, option);
 }
@@ -339,7 +336,7 @@ static void zsh_put_arguments(FILE *out, const struct command *command)
 {
     fputs("_arguments -s", out);
     const struct option *option;
-    for (size_t i = 0; (option = completion_option(command, i)); i++) {
+    for (size_t i = 0; (option = option_at(command, i)); i++) {
         char form[64];
         if (option->letter) {
             snprintf(form, sizeof form, "-%c", option->letter);
@@ -348,7 +345,7 @@ static void zsh_put_arguments(FILE *out, const struct command *command)
         snprintf(form, sizeof form, "--%s", option->name);
         zsh_put_form(out, option, form);
     }
-    fprintf(out, " \\\n        '*:%s'", completion_takes_atlas(command) ? "atlas:" ZSH_ATLASES : "file:_files");
+    fprintf(out, " \\\n        '*:%s'", takes_atlas(command) ? "atlas:" ZSH_ATLASES : "file:_files");
 }
 
 static void zsh_put_commands(FILE *out, const struct program *program)
@@ -356,7 +353,7 @@ static void zsh_put_commands(FILE *out, const struct program *program)
     fputs("local line state\nlocal -a names\nnames=(\n", out);
     for (size_t i = 0; program->commands[i]; i++) {
         fprintf(out, "    %s':'", program->commands[i]->name);
-        completion_quote(out, program->commands[i]->summary, zsh_special);
+        put_quoted(out, program->commands[i]->summary, zsh_special);
         fputc('\n', out);
     }
     bool several = program->commands[1] != NULL;
