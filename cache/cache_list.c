@@ -19,15 +19,14 @@ struct conus_cache {
     struct buffer folder;
     struct conus_cache_entry *entries; /* whose strings are owned, but for the kind */
     size_t count, capacity;
-    const char *problem;
-    bool theirs; /* what the problem is, if it is of the folder */
+    const char *problem; /* why nothing is kept; NULL = there is none */
+    bool theirs;         /* the problem is that others own the folder or can write to it */
 };
 
-static const struct {
-    const char *ending, *kind;
-} kinds[] = {{ATLAS_CACHE_ENDING, "atlas"}, {".index", "index"}, {".mesh", "surfaces"}};
-
-enum { KINDS = sizeof kinds / sizeof kinds[0] };
+static const struct kind {
+    const char *ending, *word;
+    bool has_key; /* which has the path of a file */
+} kinds[] = {{ATLAS_CACHE_ENDING, "atlas", true}, {".index", "index", true}, {".mesh", "surfaces", false}};
 
 void conus_cache_destroy(conus_cache *cache)
 {
@@ -87,18 +86,17 @@ static char *path_of(int folder, const char *name)
     return copy;
 }
 
-static conus_status add_entry(conus_cache *cache, int folder, const struct cache_item *item, const char *kind)
+static conus_status add_entry(conus_cache *cache, int folder, const struct cache_item *item, const struct kind *kind)
 {
-    bool has_key = kind != kinds[KINDS - 1].kind;
     char *file = memory_text(item->name, strlen(item->name));
-    char *path = has_key ? path_of(folder, item->name) : memory_text("", 0);
+    char *path = kind->has_key ? path_of(folder, item->name) : memory_text("", 0);
     if (!file || !path ||
         !memory_reserve(&cache->entries, &cache->capacity, cache->count + 1, sizeof *cache->entries)) {
         memory_free(file);
         memory_free(path);
         return CONUS_ERROR_MEMORY;
     }
-    cache->entries[cache->count++] = (struct conus_cache_entry){file, kind, path, item->size, item->used_s};
+    cache->entries[cache->count++] = (struct conus_cache_entry){file, kind->word, path, item->size, item->used_s};
     return CONUS_OK;
 }
 
@@ -111,11 +109,11 @@ static conus_status list_folder(conus_cache *cache)
                      : cache->theirs        ? "others can write to the folder or own it, or it is a link"
                      : !cache_limit(&limit) ? "$CONUS_CACHE is not " CACHE_LIMITS
                                             : NULL;
-    for (size_t i = 0; folder >= 0 && !status && i < KINDS; i++) {
+    for (size_t i = 0; folder >= 0 && !status && i < sizeof kinds / sizeof kinds[0]; i++) {
         struct cache_listing list = {0};
         status = cache_folder_list(&list, cache->folder.data, kinds[i].ending);
         for (size_t k = 0; !status && k < list.count; k++) {
-            status = add_entry(cache, folder, &list.items[k], kinds[i].kind);
+            status = add_entry(cache, folder, &list.items[k], &kinds[i]);
         }
         cache_listing_finish(&list);
     }
@@ -168,14 +166,13 @@ conus_status conus_cache_clear(void)
     conus_cache *cache = NULL;
     bool theirs;
     conus_status status = conus_cache_create(&cache);
-    if (status || !cache->folder.size || cache->theirs) {
-        status = !status && cache->folder.size
-                     ? fail(CONUS_ERROR_IO, "%s: not cleared, since %s", cache->folder.data, cache->problem)
-                     : status;
-        conus_cache_destroy(cache);
+    if (status) {
         return status;
     }
-    int folder = cache_folder_open(cache->folder.data, &theirs);
+    if (cache->theirs) {
+        status = fail(CONUS_ERROR_IO, "%s: not cleared, since %s", cache->folder.data, cache->problem);
+    }
+    int folder = !status && cache->folder.size ? cache_folder_open(cache->folder.data, &theirs) : -1;
     for (size_t i = 0; folder >= 0 && i < cache->count; i++) {
         const char *name = cache->entries[i].file;
         if (unlinkat(folder, name, 0) && errno != ENOENT) {

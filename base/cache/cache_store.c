@@ -25,10 +25,6 @@
 
 enum { BUILD_ID_SIZE = 65 };
 
-/** The identity that the linker gave to the library, or to the program that it is part of, in hexadecimal: it follows
- * from the machine code. False where the linker gave none. */
-bool build_id_find(char out[BUILD_ID_SIZE]);
-
 /* The name of the note, "GNU" and its NUL. */
 static const char owner[4] = "GNU";
 
@@ -62,8 +58,8 @@ static void read_notes(char out[BUILD_ID_SIZE], const uint8_t *at, size_t size, 
 static int read_build_id(struct dl_phdr_info *info, size_t size, void *out)
 {
     (void)size;
-    uintptr_t here = (uintptr_t)&build_id_find;
-    bool is_own = false; /* whether the object holds this code */
+    uintptr_t here = (uintptr_t)owner;
+    bool is_own = false; /* whether it is the object that this file is a part of */
     for (size_t i = 0; i < info->dlpi_phnum; i++) {
         const ElfW(Phdr) *part = &info->dlpi_phdr[i];
         is_own = is_own || (part->p_type == PT_LOAD && here - (info->dlpi_addr + part->p_vaddr) < part->p_memsz);
@@ -81,7 +77,9 @@ static int read_build_id(struct dl_phdr_info *info, size_t size, void *out)
     return 1;
 }
 
-bool build_id_find(char out[BUILD_ID_SIZE])
+/* The identity that the linker gave to the library, or to the program that it is part of, in hexadecimal: it follows
+ * from the machine code. False where the linker gave none. */
+static bool build_id_find(char out[BUILD_ID_SIZE])
 {
     out[0] = '\0';
     dl_iterate_phdr(read_build_id, out);
