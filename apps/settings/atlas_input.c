@@ -343,14 +343,14 @@ static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *
     return code;
 }
 
-/* Adds to the atlas as the command line says. */
+/* What the command line adds to an atlas. */
 struct additions {
-    struct pathway_option *pathways;        /* as many as there are options */
-    struct streamlines_option *streamlines; /* the same */
+    struct pathway_option *pathways;        /* [settings->pathways.count] */
+    struct streamlines_option *streamlines; /* [settings->streamlines.count] */
     size_t files;
 };
 
-/* Gives the exit code; `out` is the caller's to free in any case. */
+/* Gives the exit code; `out` is the caller's to additions_finish() in any case. */
 static int additions_parse(struct additions *out, const struct atlas_settings *settings)
 {
     size_t count = settings->streamlines.count;
@@ -371,6 +371,19 @@ static int additions_parse(struct additions *out, const struct atlas_settings *s
     }
     out->files = files + count;
     return parsed ? EXIT_DONE : EXIT_USAGE;
+}
+
+static void additions_finish(struct additions *additions, const struct atlas_settings *settings)
+{
+    for (size_t i = 0; additions->pathways && i < settings->pathways.count; i++) {
+        free(additions->pathways[i].bands);
+        free(additions->pathways[i].text);
+    }
+    for (size_t i = 0; additions->streamlines && i < settings->streamlines.count; i++) {
+        free(additions->streamlines[i].path);
+    }
+    free(additions->pathways);
+    free(additions->streamlines);
 }
 
 /* The option's lists as one; NULL if it was not given, or without memory. */
@@ -396,10 +409,7 @@ static int show_objects(conus_atlas *atlas, const struct atlas_settings *setting
     conus_status status = failed ? CONUS_ERROR_MEMORY : conus_atlas_show(atlas, only, hide);
     free(only);
     free(hide);
-    if (failed) {
-        print_error_line("not enough memory");
-    }
-    return failed ? EXIT_DATA : status ? print_status(status) : EXIT_DONE;
+    return failed ? print_no_memory() : status ? print_status(status) : EXIT_DONE;
 }
 
 bool atlas_input_is_image(const char *why)
@@ -433,6 +443,16 @@ const char *atlas_name_labels(const struct atlas_name *name, const char *given)
     return given || !name->atlas ? given : name->atlas->labels;
 }
 
+static int choose_hemispheres(conus_atlas *atlas, const char *path, const struct atlas_settings *settings)
+{
+    conus_status status = conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
+    if (status && settings->more.count) { /* which of several atlases has no such hemispheres */
+        print_error_line("%s: %s", path, conus_message());
+        return exit_code_of(status);
+    }
+    return status ? print_status(status) : EXIT_DONE;
+}
+
 static int load_named(conus_atlas **out, const struct atlas_name *name, const struct additions *additions,
                       struct progress progress)
 {
@@ -458,13 +478,7 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
     if (status) {
         return print_status(status);
     }
-    status = conus_atlas_set_hemispheres(atlas, (conus_hemispheres)settings->hemispheres);
-    int code = status ? exit_code_of(status) : EXIT_DONE;
-    if (status && settings->more.count) { /* which of several atlases has no such hemispheres */
-        print_error_line("%s: %s", name->path, conus_message());
-    } else if (status) {
-        print_status(status);
-    }
+    int code = choose_hemispheres(atlas, name->path, settings);
     code = code ? code : add_streamlines(atlas, additions->streamlines, true, &progress);
     /* Points go through the first transform first; the atlas goes back through the last one first. */
     for (size_t i = settings->transforms.count; i > 0 && !code; i--) {
@@ -489,15 +503,7 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
     code = code ? code : atlas_name_find(&name, path);
     code = code ? code : load_named(out, &name, &additions, (struct progress){settings, 0, additions.files, 0});
     atlas_name_finish(&name);
-    for (size_t i = 0; additions.pathways && i < settings->pathways.count; i++) {
-        free(additions.pathways[i].bands);
-        free(additions.pathways[i].text);
-    }
-    for (size_t i = 0; additions.streamlines && i < settings->streamlines.count; i++) {
-        free(additions.streamlines[i].path);
-    }
-    free(additions.pathways);
-    free(additions.streamlines);
+    additions_finish(&additions, settings);
     return code;
 }
 
@@ -563,8 +569,7 @@ static bool is_label_table(const conus_atlas *atlas, const char *path)
     const conus_volume_info *info = conus_atlas_volume(atlas, 0);
     const char *voxels = info ? info->path : "";
     const char *slash = strrchr(voxels, '/');
-    const char *own_slash = strrchr(path, '/');
-    const char *name = own_slash ? own_slash + 1 : path;
+    const char *name = path_name(path);
     const char *source = conus_atlas_label_source(atlas);
     const char *named = strstr(source, name);
     char beside[PATH_MAX];
