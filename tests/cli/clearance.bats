@@ -80,7 +80,7 @@ poses() {
         fails 2 "--clearance: within=$wrong is no number of mm from 0 to 1000" query $NEEDLE --clearance "rows.tsv,within=$wrong"
     done
     fails 2 'within=x is no number' batch u-shape.nii.gz --poses poses.tsv --clearance rows.tsv,within=x
-    fails 2 '--clearance: "far=3" is no key of FILE[,within=MM]' query $NEEDLE --clearance rows.tsv,far=3
+    fails 2 '--clearance: "with=3" is no key of FILE[,within=MM]' query $NEEDLE --clearance rows.tsv,with=3
     fails 2 'a number has a decimal point' query $NEEDLE --clearance rows.tsv,within=1,5
     fails 2 '"" is not FILE[,within=MM]' query $NEEDLE --clearance ,within=3
     fails 2 'cannot both be on standard output' query $NEEDLE --clearance - --segments -

@@ -157,7 +157,8 @@ static void what_does_not_go_together_is_refused(void **state)
         assert_null(report);
     }
     static const conus_report_options others[] = {{.rows = CONUS_ROWS_SEGMENTS, .within = 10},
-                                                  {.rows = CONUS_ROWS_CLEARANCES, .within = 9}};
+                                                  {.rows = CONUS_ROWS_CLEARANCES, .within = 9},
+                                                  {.rows = CONUS_ROWS_CLEARANCES, .within = 11}};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
         assert_ok(conus_report_create(&report, made.selector, &others[i]));
         assert_fails(conus_report_add_clearances(report, "a", made.clearances), CONUS_ERROR_ARGUMENT);
