@@ -28,6 +28,7 @@ static const struct bench_scenario scenarios[] = {
     {"batch_mesh", "the same batch on surfaces that conus mesh makes of the areas", bench_batch_mesh, 1000, 5, 15},
     {"batch_layers", "the same batch with all layers: intervals ray by ray and in packets, and first hits",
      bench_batch_layers, 1000, 5, 15},
+    {"clearance", "how far needles stay from areas: cell by cell, and by the search", bench_clearance, 16, 5, 15},
     {"python", "select_many() of the Python package against conus batch, the same poses", bench_python, 100000, 5, 40},
     {"torus", "256 rays into 1,000 to 200,000 tori, one at a time or in packets; the paper's pass", bench_torus, 64, 9,
      12},

@@ -108,6 +108,7 @@ conus_status bench_batch_layers(struct bench *bench); /**< All layers.          
 conus_status bench_python(struct bench *bench);
 conus_status bench_accuracy(struct bench *bench);
 conus_status bench_bonsai(struct bench *bench);
+conus_status bench_clearance(struct bench *bench);
 conus_status bench_growth(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
 conus_status bench_open(struct bench *bench);

@@ -6,10 +6,12 @@
 #include "atlas/tracts/capsule.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
-#include "selection/measure/census.h"
+#include "selection/measure/label_runs.h"
 #include "selection/measure/near.h"
 
-/* Distances are looked for in cylinders round the needle, each so many times as wide as the one before. */
+#include <stdlib.h>
+
+/* Tubes are looked for round the needle, each time so many times as far as before. */
 static const double WIDER = 2;
 /* What rounding may do to a bound, mm, and as a part of it. */
 static const double ROUNDING = 1e-9;
@@ -22,8 +24,7 @@ conus_status clearance_prepare(struct clearance *clearance, const conus_atlas *a
     struct clearance larger = {.object_count = atlas->object_count};
     larger.found = memory_raw(atlas->object_count + 1, sizeof *larger.found);
     larger.touched = memory_raw(atlas->object_count + 1, sizeof *larger.touched);
-    larger.open = memory_raw(atlas->object_count + 1, sizeof *larger.open);
-    if (!larger.found || !larger.touched || !larger.open) {
+    if (!larger.found || !larger.touched) {
         clearance_finish(&larger);
         return CONUS_ERROR_MEMORY;
     }
@@ -39,44 +40,156 @@ void clearance_finish(struct clearance *clearance)
 {
     memory_free(clearance->found);
     memory_free(clearance->touched);
-    memory_free(clearance->open);
     *clearance = (struct clearance){0};
 }
 
-static void include(struct census_box *box, const struct census_box *other)
+/* Bricks in the making, of all objects. */
+struct quarry {
+    struct clearance_brick *bricks;
+    size_t count, capacity;
+};
+
+/* Adds voxels of an object in a row to its brick, which is one of those from `first` on, or a new one. */
+static conus_status add_run(struct quarry *quarry, size_t first, uint32_t object, const size_t at[3], size_t run)
 {
-    for (int a = 0; a < 3; a++) {
-        box->first[a] = other->first[a] < box->first[a] ? other->first[a] : box->first[a];
-        box->last[a] = other->last[a] > box->last[a] ? other->last[a] : box->last[a];
+    size_t i = first;
+    while (i < quarry->count && quarry->bricks[i].object != object) {
+        i++;
     }
+    if (i == quarry->count) {
+        if (!memory_reserve(&quarry->bricks, &quarry->capacity, i + 1, sizeof *quarry->bricks)) {
+            return CONUS_ERROR_MEMORY;
+        }
+        quarry->count++;
+        quarry->bricks[i] = (struct clearance_brick){.object = object, .first = {UINT32_MAX, UINT32_MAX, UINT32_MAX}};
+    }
+    struct clearance_brick *brick = &quarry->bricks[i];
+    for (int a = 0; a < 3; a++) {
+        uint32_t low = (uint32_t)at[a];
+        uint32_t high = (uint32_t)(at[a] + (a ? 0 : run - 1));
+        brick->first[a] = low < brick->first[a] ? low : brick->first[a];
+        brick->last[a] = high > brick->last[a] ? high : brick->last[a];
+    }
+    return CONUS_OK;
 }
 
-static const struct census_box EMPTY = {.first = {SIZE_MAX, SIZE_MAX, SIZE_MAX}};
-
-/* The corners of the cells of a box, in indices. */
-static void corners_of(double low[3], double high[3], const struct census_box *box)
+static size_t smaller(size_t a, size_t b)
 {
-    for (int a = 0; a < 3; a++) {
-        low[a] = (double)box->first[a] - 0.5;
-        high[a] = (double)box->last[a] + 0.5;
-    }
+    return a < b ? a : b;
 }
 
-static void box_voxels(struct clearance_index *index, const struct volume *volume)
+/* Adds what is in the cube that begins at a voxel. */
+static conus_status add_cube(struct quarry *quarry, const struct volume *volume, const size_t corner[3])
 {
     const size_t *dim = volume->info.dim;
-    for (size_t row = 0; row < dim[1] * dim[2]; row++) {
-        for (size_t i = 0; i < dim[0];) {
-            uint32_t object = volume_object(volume, row * dim[0] + i);
-            size_t run = label_run_length(volume, row * dim[0] + i, dim[0] - i);
-            if (object) {
-                size_t j = row % dim[1];
-                size_t k = row / dim[1];
-                include(&index->boxes[object], &(struct census_box){{i, j, k}, {i + run - 1, j, k}});
+    size_t first = quarry->count;
+    conus_status status = CONUS_OK;
+    for (size_t k = corner[2]; k < smaller(corner[2] + CLEARANCE_BRICK, dim[2]); k++) {
+        for (size_t j = corner[1]; j < smaller(corner[1] + CLEARANCE_BRICK, dim[1]); j++) {
+            size_t end = smaller(corner[0] + CLEARANCE_BRICK, dim[0]);
+            for (size_t i = corner[0]; !status && i < end;) {
+                size_t voxel = i + dim[0] * (j + dim[1] * k);
+                size_t run = label_run_length(volume, voxel, end - i);
+                uint32_t object = volume_object(volume, voxel);
+                status = object ? add_run(quarry, first, object, (const size_t[]){i, j, k}, run) : CONUS_OK;
+                i += run;
             }
-            i += run;
         }
     }
+    return status;
+}
+
+static conus_status add_volume(struct quarry *quarry, const struct volume *volume)
+{
+    const size_t *dim = volume->info.dim;
+    conus_status status = CONUS_OK;
+    for (size_t k = 0; k < dim[2]; k += CLEARANCE_BRICK) {
+        for (size_t j = 0; j < dim[1]; j += CLEARANCE_BRICK) {
+            for (size_t i = 0; !status && i < dim[0]; i += CLEARANCE_BRICK) {
+                status = add_cube(quarry, volume, (const size_t[]){i, j, k});
+            }
+        }
+    }
+    return status;
+}
+
+static int by_object(const void *a, const void *b)
+{
+    const struct clearance_brick *x = a;
+    const struct clearance_brick *y = b;
+    for (int axis = 2; x->object == y->object && axis >= 0; axis--) {
+        if (x->first[axis] != y->first[axis]) {
+            return x->first[axis] < y->first[axis] ? -1 : 1;
+        }
+    }
+    return (x->object > y->object) - (x->object < y->object);
+}
+
+/* The corners of the cells of a brick, in indices. */
+static void corners_of(double low[3], double high[3], const struct clearance_brick *brick)
+{
+    for (int a = 0; a < 3; a++) {
+        low[a] = brick->first[a] - 0.5;
+        high[a] = brick->last[a] + 0.5;
+    }
+}
+
+static void add_point(struct clearance_index *index, const double p[3], double reach)
+{
+    for (int a = 0; a < 3; a++) {
+        index->low[a] = fmin(index->low[a], p[a] - reach);
+        index->high[a] = fmax(index->high[a], p[a] + reach);
+    }
+}
+
+/* Makes the tree of the bricks from `first` to before `end`, which are one object's. */
+static conus_status stack_bricks(struct clearance_index *index, const struct volume *volume, size_t first, size_t end)
+{
+    struct bvh_box *boxes = memory_raw(end - first, sizeof *boxes);
+    if (!boxes) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = first; i < end; i++) {
+        double ends[2][3];
+        corners_of(ends[0], ends[1], &index->bricks[i]);
+        boxes[i - first].number = (uint32_t)i;
+        for (int a = 0; a < 3; a++) {
+            boxes[i - first].low[a] = (float)ends[0][a];
+            boxes[i - first].high[a] = (float)ends[1][a];
+        }
+        for (int corner = 0; corner < 8; corner++) {
+            double p[3] = {ends[corner & 1][0], ends[corner >> 1 & 1][1], ends[corner >> 2][2]};
+            mat4_point(p, volume->info.world_from_voxel, p);
+            add_point(index, p, 0);
+        }
+    }
+    conus_status status = bvh_init(&index->trees[index->bricks[first].object], boxes, end - first);
+    memory_free(boxes);
+    return status;
+}
+
+static conus_status index_voxels(struct clearance_index *index, const conus_atlas *atlas)
+{
+    struct quarry quarry = {0};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < atlas->volume_count; i++) {
+        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(&atlas->volumes[i])) {
+            status = add_volume(&quarry, &atlas->volumes[i]);
+        }
+    }
+    index->bricks = quarry.bricks;
+    index->brick_count = quarry.count;
+    if (!status && quarry.count) {
+        qsort(quarry.bricks, quarry.count, sizeof *quarry.bricks, by_object);
+    }
+    for (size_t first = 0, end = 0; !status && first < quarry.count; first = end) {
+        uint32_t object = quarry.bricks[first].object;
+        while (end < quarry.count && quarry.bricks[end].object == object) {
+            end++;
+        }
+        status = stack_bricks(index, &atlas->volumes[atlas->places[object - 1].index], first, end);
+    }
+    return status;
 }
 
 static conus_status grow_tree(struct bvh *out, const struct mesh *mesh)
@@ -96,69 +209,38 @@ static conus_status grow_tree(struct bvh *out, const struct mesh *mesh)
     return status;
 }
 
-/* Whether the object has voxels that can be near: those of volumes[index] of its place. */
-static bool has_voxels(const conus_atlas *atlas, uint32_t object)
-{
-    const struct object_place *place = &atlas->places[object - 1];
-    return !place->is_mesh && !place->is_bundle && !place->is_hidden && atlas->objects[object - 1].voxels;
-}
-
-static void add_point(struct clearance_index *index, const double p[3], double reach)
-{
-    for (int a = 0; a < 3; a++) {
-        index->low[a] = fmin(index->low[a], p[a] - reach);
-        index->high[a] = fmax(index->high[a], p[a] + reach);
-    }
-}
-
-static void add_object(struct clearance_index *index, const conus_atlas *atlas, uint32_t object)
+static conus_status index_object(struct clearance_index *index, const conus_atlas *atlas, uint32_t object)
 {
     const struct mesh *mesh = atlas_object_mesh(atlas, object);
     const struct object_place *place = &atlas->places[object - 1];
-    if (has_voxels(atlas, object) && index->boxes[object].first[0] <= index->boxes[object].last[0]) {
-        double ends[2][3];
-        corners_of(ends[0], ends[1], &index->boxes[object]);
-        for (int corner = 0; corner < 8; corner++) {
-            double p[3] = {ends[corner & 1][0], ends[corner >> 1 & 1][1], ends[corner >> 2][2]};
-            mat4_point(p, atlas->volumes[place->index].info.world_from_voxel, p);
-            add_point(index, p, 0);
-        }
-    } else if (mesh) {
+    if (mesh) {
         add_point(index, mesh->shape.low, 0);
         add_point(index, mesh->shape.high, 0);
-    } else if (place->is_bundle && !place->is_hidden && atlas->tractograms[place->index].point_count) {
+        return grow_tree(&index->trees[object], mesh);
+    }
+    if (place->is_bundle && !place->is_hidden && atlas->tractograms[place->index].point_count) {
         const struct tractogram *tractogram = &atlas->tractograms[place->index];
         add_point(index, tractogram->low, tractogram->radius);
         add_point(index, tractogram->high, tractogram->radius);
     }
+    return CONUS_OK;
 }
 
 conus_status clearance_index_create(struct clearance_index **out, const conus_atlas *atlas)
 {
     struct clearance_index *index = memory_zeroed(1, sizeof *index);
-    conus_status status = index ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (index) {
-        index->object_count = atlas->object_count;
-        index->boxes = memory_raw(atlas->object_count + 1, sizeof *index->boxes);
-        index->trees = memory_zeroed(atlas->object_count + 1, sizeof *index->trees);
-        status = index->boxes && index->trees ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!index) {
+        return CONUS_ERROR_MEMORY;
     }
-    for (size_t object = 0; !status && object <= atlas->object_count; object++) {
-        index->boxes[object] = EMPTY;
-    }
-    for (size_t i = 0; !status && i < atlas->volume_count; i++) {
-        if (atlas->volumes[i].info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(&atlas->volumes[i])) {
-            box_voxels(index, &atlas->volumes[i]);
-        }
-    }
-    for (int a = 0; !status && a < 3; a++) {
+    for (int a = 0; a < 3; a++) {
         index->low[a] = INFINITY;
         index->high[a] = -INFINITY;
     }
+    index->object_count = atlas->object_count;
+    index->trees = memory_zeroed(atlas->object_count + 1, sizeof *index->trees);
+    conus_status status = index->trees ? index_voxels(index, atlas) : CONUS_ERROR_MEMORY;
     for (uint32_t object = 1; !status && object <= atlas->object_count; object++) {
-        const struct mesh *mesh = atlas_object_mesh(atlas, object);
-        add_object(index, atlas, object);
-        status = mesh ? grow_tree(&index->trees[object], mesh) : CONUS_OK;
+        status = index_object(index, atlas, object);
     }
     if (status) {
         clearance_index_destroy(index);
@@ -174,7 +256,7 @@ void clearance_index_destroy(struct clearance_index *index)
         for (size_t object = 0; index->trees && object <= index->object_count; object++) {
             bvh_finish(&index->trees[object]);
         }
-        memory_free(index->boxes);
+        memory_free(index->bricks);
         memory_free(index->trees);
         memory_free(index);
     }
@@ -187,8 +269,7 @@ struct search {
     const struct needle *needle;
     struct needle_frame frame; /* of the world, or the volume */
     uint64_t source;
-    double settled; /* mm: groups within it are found, -1 = none is */
-    double radius;  /* mm: up to which it goes */
+    double radius; /* mm: up to which tubes are looked for */
 };
 
 /* What could be nearer than this is looked at. */
@@ -226,7 +307,6 @@ struct cells {
     struct search search;
     double gram[3][3]; /* dot products of the axes, mm^2 */
     double shrink;     /* distances are no less than this part of those of perpendicular axes, for which it is 1 */
-    double reach;      /* from a cell's centre to its farthest corner, mm */
 };
 
 /* The least eigenvalue of the gram matrix with axes of unit length is no less than what is left of the discs round its
@@ -250,14 +330,11 @@ static double least_stretch(double gram[3][3])
 static void cells_init(struct cells *out, const struct volume *volume)
 {
     const double *m = volume->info.world_from_voxel;
-    struct near_cells rounded;
-    near_cells_init(&rounded, volume);
     for (int a = 0; a < 9; a++) {
         double dot = vec3_dot(m + 4 * (a / 3), m + 4 * (a % 3));
         bool is_rounding = fabs(dot) < 1e-13 * vec3_length(m + 4 * (a / 3)) * vec3_length(m + 4 * (a % 3));
         out->gram[a / 3][a % 3] = is_rounding ? 0 : dot;
     }
-    out->reach = rounded.reach * (1 + 1e-5);
     out->shrink = least_stretch(out->gram);
 }
 
@@ -377,100 +454,43 @@ static void search_run(struct cells *cells, const struct volume *volume, uint32_
     }
 }
 
-static void search_row(void *user, const struct volume *volume, const size_t at[3], size_t count)
+static void search_brick(struct cells *cells, const struct volume *volume, uint32_t group,
+                         const struct clearance_brick *brick)
 {
-    struct cells *cells = user;
-    const struct search *search = &cells->search;
-    size_t first = at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]);
-    for (size_t done = 0; done < count;) {
-        uint32_t group = search->question->groups[volume_object(volume, first + done)];
-        size_t run = label_run_length(volume, first + done, count - done);
-        if (group && search->clearance->found[group].distance > search->settled) {
-            search_run(cells, volume, group, (const size_t[]){at[0] + done, at[1], at[2]}, run);
+    const size_t *dim = volume->info.dim;
+    for (size_t k = brick->first[2]; k <= brick->last[2]; k++) {
+        for (size_t j = brick->first[1]; j <= brick->last[1]; j++) {
+            for (size_t i = brick->first[0]; i <= brick->last[0];) {
+                size_t voxel = i + dim[0] * (j + dim[1] * k);
+                size_t run = label_run_length(volume, voxel, brick->last[0] + 1 - i);
+                if (volume_object(volume, voxel) == brick->object) {
+                    search_run(cells, volume, group, (const size_t[]){i, j, k}, run);
+                }
+                i += run;
+            }
         }
-        done += run;
     }
 }
 
-/* The cylinder that has all points no farther than `reach` from the needle. */
-static struct region region_round(const struct needle *needle, double reach)
+static void search_volume(const struct search *all, size_t number)
 {
-    const double *axis = needle->direction;
-    struct region region = {.shape = REGION_CYLINDER, .cosine = 1, .radius = reach};
-    int least = fabs(axis[0]) <= fabs(axis[1]) ? 0 : 1;
-    least = fabs(axis[least]) <= fabs(axis[2]) ? least : 2;
-    double other[3] = {least == 0, least == 1, least == 2};
-    memcpy(region.axis, axis, sizeof region.axis);
-    vec3_cross(region.right, axis, other);
-    vec3_normalise(region.right, region.right);
-    vec3_cross(region.up, region.right, axis);
-    needle_point(region.origin, needle, needle->near - reach);
-    region.far = needle->far - needle->near + 2 * reach;
-    return region;
-}
-
-/* Lists the objects of a volume that may be within the limit. Returns how many. */
-static size_t list_open(const struct cells *cells, const struct volume *volume)
-{
-    const struct search *search = &cells->search;
-    const struct clearance_question *question = search->question;
+    const struct clearance_question *question = all->question;
     const conus_atlas *atlas = question->atlas;
-    size_t count = 0;
-    for (uint32_t object = 1; object <= atlas->object_count; object++) {
-        uint32_t group = question->groups[object];
-        if (group && has_voxels(atlas, object) && &atlas->volumes[atlas->places[object - 1].index] == volume) {
-            double low[3];
-            double high[3];
-            double depth;
-            corners_of(low, high, &question->index->boxes[object]);
-            double bound = cells->shrink * needle_box(&depth, &search->frame, low, high) - ROUNDING;
-            if (bound <= bound_of(search, group)) {
-                search->clearance->open[count++] = (struct clearance_open){object, bound};
-            }
-        }
-    }
-    return count;
-}
-
-/* Drops what is found, or cannot be nearer than what is. Returns how many are left, and in `box` all voxels of those
- * that may be within the radius of the search. */
-static size_t drop_settled(struct census_box *box, const struct search *search, size_t count)
-{
-    const struct clearance_question *question = search->question;
-    struct clearance_open *open = search->clearance->open;
-    size_t left = 0;
-    *box = EMPTY;
-    for (size_t i = 0; i < count; i++) {
-        double found = search->clearance->found[question->groups[open[i].object]].distance;
-        if (found > search->settled && found >= open[i].bound) {
-            open[left++] = open[i];
-            if (open[i].bound <= search->radius) {
-                include(box, &question->index->boxes[open[i].object]);
-            }
-        }
-    }
-    return left;
-}
-
-static void search_volume(const struct search *all, const struct volume *volume)
-{
+    const struct volume *volume = &atlas->volumes[number];
     struct cells cells = {.search = *all};
-    struct search *search = &cells.search;
-    struct census_box box;
-    double limit = search->question->limit;
     cells_init(&cells, volume);
-    needle_frame_init(&search->frame, search->needle, volume->voxel_from_world);
-    search->settled = -1;
-    search->radius = fmin(WIDER * cells.reach, limit);
-    size_t open = list_open(&cells, volume);
-    while ((open = drop_settled(&box, search, open)) > 0) {
-        struct region region = region_round(search->needle, (search->radius + cells.reach) * (1 + ROUNDING) + ROUNDING);
-        census_walk_box(&region, volume, &box, search_row, &cells);
-        if (search->radius >= limit) {
-            break;
+    needle_frame_init(&cells.search.frame, all->needle, volume->voxel_from_world);
+    for (uint32_t object = 1; object <= atlas->object_count; object++) {
+        const struct object_place *place = &atlas->places[object - 1];
+        uint32_t group = question->groups[object];
+        if (group && !place->is_mesh && !place->is_bundle && place->index == number) {
+            struct bvh_search near;
+            uint32_t brick;
+            bvh_search_round(&near, &question->index->trees[object], &cells.search.frame);
+            while (bvh_search_next(&brick, &near, (bound_of(all, group) + ROUNDING) / cells.shrink)) {
+                search_brick(&cells, volume, group, &question->index->bricks[brick]);
+            }
         }
-        search->settled = search->radius;
-        search->radius = fmin(WIDER * search->radius, limit);
     }
 }
 
@@ -620,7 +640,7 @@ void clearance_take(struct clearance *clearance, const struct clearance_question
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
         if (volume->info.role != CONUS_ROLE_CONTEXT && volume_can_be_hit(volume)) {
-            search_volume(&search, volume);
+            search_volume(&search, i);
         }
         search.source++;
     }

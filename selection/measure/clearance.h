@@ -6,7 +6,6 @@
 #include "atlas/atlas.h"
 #include "atlas/surface/bvh.h"
 #include "base/geometry/needle.h"
-#include "selection/measure/census.h"
 #include "selection/measure/tract_census.h"
 
 /** Distances of objects, or of groups of them; kept between needles. A zeroed one is ready for clearance_prepare(). */
@@ -20,10 +19,6 @@ struct clearance {
     } * found;           /**< [object_count + 1]                                                                  */
     uint32_t *touched;   /**< Those that are found, in no order.                                                  */
     size_t touched_count;
-    struct clearance_open {
-        uint32_t object;
-        double bound; /**< mm: no part of it is nearer. */
-    } * open;         /**< [object_count + 1] Scratch: what is not found yet in a volume. */
     size_t object_count;
 };
 
@@ -31,10 +26,19 @@ struct clearance {
 conus_status clearance_prepare(struct clearance *clearance, const conus_atlas *atlas);
 void clearance_finish(struct clearance *clearance);
 
+/** The voxels of one object in a cube of CLEARANCE_BRICK^3 voxels: the first and last along each axis. */
+struct clearance_brick {
+    uint32_t object;
+    uint32_t first[3], last[3];
+};
+enum { CLEARANCE_BRICK = 4 };
+
 /** Where the objects of an atlas are. It follows from the atlas and does not change: all threads share it. */
 struct clearance_index {
-    struct census_box *boxes; /**< [object_count + 1] Round its voxels, in its volume's indices.                   */
-    struct bvh *trees;        /**< [object_count + 1] Of its triangles; empty where it is no mesh, or hidden.      */
+    struct clearance_brick *bricks; /**< [brick_count] By object. */
+    size_t brick_count;
+    struct bvh *trees; /**< [object_count + 1] Of its triangles in the world, or of its bricks in indices; empty of a
+                            bundle, and of what has no shape or is hidden. */
     size_t object_count;
     double low[3], high[3]; /**< Round all that can be near, world mm; low above high where that is nothing. */
 };
