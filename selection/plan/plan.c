@@ -183,7 +183,7 @@ conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const
     status = status ? status : init_options(plan);
     if (!status) {
         plan->left = memory_zeroed(plan->count + 1, sizeof *plan->left);
-        plan->misses = memory_zeroed(plan->count, sizeof *plan->misses);
+        plan->misses = memory_zeroed(plan->count, sizeof(struct entry *));
         plan->workers = memory_zeroed(plan->options.threads, sizeof *plan->workers);
         plan->blocks = memory_zeroed(ring_slots(plan->options.threads), sizeof *plan->blocks);
         status = plan->left && plan->misses && plan->workers && plan->blocks ? init_bar(&plan->bar, plan)
@@ -350,8 +350,11 @@ static conus_status may_enter(bool *out, struct trial *trial, struct worker *wor
     double least = worker->bar.keys[0] * (first->step > 0 ? first->step : 1); /* less what nine digits may hide */
     least -= 1e-8 * fabs(least) + 1e-9;
     bool has_least = !first->smaller && least > 0 && quantity <= PLAN_CLEARANCE;
-    for (size_t i = 0; i < plan->count && has_least && *out && !status; i++) {
-        status = plan_judge_least(out, &worker->judge, i, quantity, least);
+    for (size_t i = 0; i < 2 * plan->count && has_least && *out && !status;
+         i++) { /* clearances, which are cheaper, first */
+        if (plan_is_clearance(&plan->constraints[i % plan->count]) == (i < plan->count)) {
+            status = plan_judge_least(out, &worker->judge, i % plan->count, quantity, least);
+        }
     }
     if (*out && !status) {
         status = measure(trial, &worker->judge, plan, plan->order.needs_leeway ? PLAN_ALL : PLAN_SLACKS);

@@ -12,6 +12,7 @@
 #include "base/memory.h"
 #include "selection/measure/census.h"
 #include "selection/measure/near.h"
+#include "selection/study/study.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -447,8 +448,32 @@ static conus_status is_enough(bool *out, struct plan_leeway *leeway, double delt
     return status;
 }
 
+/* mm that are delta or more from both ends of each stretch in the structure, which are at its border but where the
+ * needle ends. No more is left. */
+static double most_left(const struct plan_leeway *leeway, double delta)
+{
+    double sum = 0;
+    for (size_t i = 0; i < leeway->side_count; i++) {
+        size_t end = leeway->sides[i].inside_end;
+        for (size_t k = leeway->sides[i].first_inside; k < end;) {
+            struct plan_span span = leeway->inside.items[k++];
+            for (; k < end && leeway->inside.items[k].entry <= span.exit + AXIS_TOUCH; k++) {
+                span.exit = fmax(span.exit, leeway->inside.items[k].exit);
+            }
+            double from = span.entry > leeway->needle.near ? span.entry + delta : span.entry;
+            double to = span.exit < leeway->needle.far ? span.exit - delta : span.exit;
+            sum += fmax(to - from, 0);
+        }
+    }
+    return sum;
+}
+
 conus_status plan_leeway_is(bool *out, struct plan_leeway *leeway, double delta)
 {
+    if (!leeway->is_tip && most_left(leeway, delta) < leeway->length) {
+        *out = false;
+        return CONUS_OK;
+    }
     conus_status status = gather(leeway, delta);
     return status ? status : is_enough(out, leeway, delta);
 }
@@ -465,7 +490,8 @@ conus_status plan_leeway_find(double *out, struct plan_leeway *leeway)
     bool is_left = true;
     conus_status status = CONUS_OK;
     for (int i = 0; i < STEP_LIMIT && is_left && !status; i++) { /* nothing is endless: once, nothing is left */
-        status = plan_leeway_is(&is_left, leeway, high);
+        status = gather(leeway, high);
+        status = status ? status : is_enough(&is_left, leeway, high);
         low = is_left ? high : low;
         high = is_left ? 2 * high : high;
     }

@@ -388,7 +388,7 @@ static void same_with_any_threads_and_pruning(void **state)
     const char *path = write_random("random.tsv");
     for (size_t margin = 0; margin < 2; margin++) { /* the second has no answer, but misses */
         wants[1].limit = margin ? 100 : 1;
-        for (size_t w = 0; w < sizeof ways / sizeof *ways; w++) {
+        for (size_t w = 0; w < test_trials(sizeof ways / sizeof *ways); w++) {
             struct buffer first = {0};
             for (int way = 0; way < 4; way++) {
                 struct asked asked = {.atlas = atlas, .selector = {.radius = 0.3}, .constraints = wants, .count = 3};
