@@ -123,10 +123,10 @@ static json_t *json_from_queries(const conus_report *report)
     for (size_t i = 0; i < report->query_count; i++) {
         const struct report_query *query = &report->queries[i];
         json_t *entry = json_from_shape(query);
-        bool has_range = !query->error && memcmp(query->cone.range, report->selector.range, 2 * sizeof(double)) != 0;
-        whole = (!has_range ||
-                 put_value(entry, "range_mm", json_pack("[f, f]", query->cone.range[0], query->cone.range[1]))) &&
-                whole;
+        const double *range = query->cone.range;
+        bool has_range =
+            !query->error && (range[0] != report->selector.range[0] || range[1] != report->selector.range[1]);
+        whole = (!has_range || put_value(entry, "range_mm", json_pack("[f, f]", range[0], range[1]))) && whole;
         bool has_radius = !query->error && report->options.rows == CONUS_ROWS_CONNECTIONS;
         whole = (!has_radius || put_value(entry, "endpoint_radius_mm", json_real(query->end_radius))) && whole;
         whole = json_array_append_new(queries, entry) == 0 && whole;
