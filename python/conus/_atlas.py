@@ -582,7 +582,9 @@ class Selector:
             up, pose = self.space.directions_to_world("up", up), self.space.matrices_to_world("pose", pose)
         return pose_of(origin, toward, direction, up, pose)
 
-    def _poses(self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any) -> PoseArray:
+    def _poses(
+        self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any, near: Any = None, far: Any = None,
+    ) -> PoseArray:
         """The same of many. Those of a file are of the world already."""
         if isinstance(poses, Poses):
             poses.match(self.atlas)
@@ -590,7 +592,7 @@ class Selector:
             origins = self.space.to_world("origins", origins)
             directions = self.space.directions_to_world("directions", directions)
             up, poses = self.space.directions_to_world("up", up), self.space.matrices_to_world("poses", poses)
-        return PoseArray(origins, directions, poses, up, angle)
+        return PoseArray(origins, directions, poses, up, angle, near, far)
 
     def _place(self, answer: Any) -> Any:
         """Says to an answer in which space its positions are shown."""
@@ -667,13 +669,14 @@ class Selector:
         return segments
 
     def segments_many(
-        self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
+        self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None, near: Any = None,
+        far: Any = None,
     ) -> Segments:
         """Lists what the axes of many devices pass: ``conus batch --segments``.
 
         Parameters
         ----------
-        origins, directions, poses, up
+        origins, directions, poses, up, near, far
             As for :meth:`select_many`.
 
         Returns
@@ -682,8 +685,9 @@ class Selector:
             Those of all poses. A pose that has no axis is in ``errors``.
         """
 
-        array = self._poses(origins, directions, poses, up, None)
-        segments: Segments = self._place(Segments.ask_many(self.atlas, array, self._call, self._p))
+        array = self._poses(origins, directions, poses, up, None, near, far)
+        with self._lock:  # the range is that of one pose after the other
+            segments: Segments = self._place(Segments.ask_many(self.atlas, array, self._call, self._p))
         return segments
 
     def clearance(
@@ -712,13 +716,14 @@ class Selector:
         return clearances
 
     def clearance_many(
-        self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None, within: float = 10,
+        self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None, near: Any = None,
+        far: Any = None, within: float = 10,
     ) -> Clearances:
         """How far many needles stay from each object: ``conus batch --clearance``.
 
         Parameters
         ----------
-        origins, directions, poses, up
+        origins, directions, poses, up, near, far
             As for :meth:`select_many`.
         within
             As of :meth:`clearance`.
@@ -728,8 +733,10 @@ class Selector:
         Clearances
             Those of all poses. A pose that has no axis is in ``errors``.
         """
-        array, within = self._poses(origins, directions, poses, up, None), _distance("within", within)
-        clearances: Clearances = self._place(Clearances.ask_many(self.atlas, array, self._call, self._p, within))
+        array = self._poses(origins, directions, poses, up, None, near, far)
+        within = _distance("within", within)
+        with self._lock:
+            clearances: Clearances = self._place(Clearances.ask_many(self.atlas, array, self._call, self._p, within))
         return clearances
 
     def sweep(
@@ -851,6 +858,8 @@ class Selector:
         poses: Any = None,
         up: Any = None,
         angle: Any = None,
+        near: Any = None,
+        far: Any = None,
         threads: Optional[int] = None,
         progress: Progress = None,
     ) -> Answers:
@@ -865,6 +874,8 @@ class Selector:
             points along its -z.
         angle
             Degrees, one number or (n,); 10 if not given. One number is of poses whose file has none of their own.
+        near, far
+            (n,) mm: each pose's own range, in place of that of a file; NaN and None = that of the selector.
         threads
             None = as many as processors.
         progress
@@ -880,7 +891,7 @@ class Selector:
         ArgumentError
             For arrays that do not fit together, and for one angle out of its range.
         """
-        array = self._poses(origins, directions, poses, up, angle)
+        array = self._poses(origins, directions, poses, up, angle, near, far)
         options, astray = ffi.new("conus_many_options *"), ffi.new("conus_astray *")
         options.threads = 0 if threads is None else whole("threads", threads)
         options.angle = self._angle(None if np.ndim(angle) else angle)
@@ -974,9 +985,10 @@ class Selector:
             return array.reasons[index]
         pose, out = ffi.new("conus_pose *"), ffi.new("conus_selection **")
         with self._lock:
-            status = array.fill(pose, index)
+            status = array.fill(pose, index) or lib.conus_selector_set_range(self._p, array.range(index))
             status = status or lib.conus_select(out, self._p, pose, array.angle(index, angle))
             reason = message() if status else ""
+            lib.conus_selector_set_range(self._p, ffi.NULL)
         if not status:
             lib.conus_selection_destroy(out[0])
         return reason
@@ -1178,11 +1190,11 @@ class Atlas:
         return self._selector(options).near(point, radius)
 
     def select_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
-                    angle: Any = None, threads: Optional[int] = None, progress: Progress = None,
-                    **options: Any) -> Answers:
+                    angle: Any = None, near: Any = None, far: Any = None, threads: Optional[int] = None,
+                    progress: Progress = None, **options: Any) -> Answers:
         """Answers what is in each of many cones: see :meth:`Selector.select_many`."""
         return self._selector(options).select_many(
-            origins, directions, poses=poses, up=up, angle=angle, threads=threads, progress=progress
+            origins, directions, poses=poses, up=up, angle=angle, near=near, far=far, threads=threads, progress=progress
         )
 
     def track(self, times_s: Any, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
@@ -1204,9 +1216,9 @@ class Atlas:
         return self._selector(options).segments(origin, toward=toward, direction=direction, up=up, pose=pose)
 
     def segments_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
-                      **options: Any) -> Segments:
+                      near: Any = None, far: Any = None, **options: Any) -> Segments:
         """Lists what the axes of many devices pass: see :meth:`Selector.segments_many`."""
-        return self._selector(options).segments_many(origins, directions, poses=poses, up=up)
+        return self._selector(options).segments_many(origins, directions, poses=poses, up=up, near=near, far=far)
 
     def clearance(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None,
                   pose: Any = None, within: float = 10, **options: Any) -> Clearances:
@@ -1216,9 +1228,11 @@ class Atlas:
         )
 
     def clearance_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
-                       within: float = 10, **options: Any) -> Clearances:
+                       near: Any = None, far: Any = None, within: float = 10, **options: Any) -> Clearances:
         """How far many needles stay from each object: see :meth:`Selector.clearance_many`."""
-        return self._selector(options).clearance_many(origins, directions, poses=poses, up=up, within=within)
+        return self._selector(options).clearance_many(
+            origins, directions, poses=poses, up=up, near=near, far=far, within=within
+        )
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
               angle: float = 60, **options: Any) -> Sweep:

@@ -48,14 +48,17 @@ class AxisRows:
         """The rows of each pose of an array."""
         pose, found, errors = ffi.new("conus_pose *"), [np.empty(0, cls._record)], {}
         starts = np.zeros(len(array) + 1, np.int64)
-        for i in range(len(array)):
-            starts[i + 1] = starts[i]
-            try:
-                check(array.fill(pose, i))
-                found.append(cls.ask(call, selector, pose, *more))
-                starts[i + 1] += len(found[-1])
-            except ArgumentError as error:
-                errors[i] = array.reasons.get(i, str(error))
+        try:
+            for i in range(len(array)):
+                starts[i + 1] = starts[i]
+                try:
+                    check(array.fill(pose, i) or lib.conus_selector_set_range(selector, array.range(i)))
+                    found.append(cls.ask(call, selector, pose, *more))
+                    starts[i + 1] += len(found[-1])
+                except ArgumentError as error:
+                    errors[i] = array.reasons.get(i, str(error))
+        finally:
+            lib.conus_selector_set_range(selector, ffi.NULL)
         return cls(atlas, np.concatenate(found), starts, errors, array.names)
 
     def __len__(self) -> int:

@@ -61,6 +61,7 @@ class Poses:
     triggers: Array  #: (n,) bool; False where the file has none
     errors_deg: Array  #: (n,) how far off the direction may be, degrees; NaN where the file has none
     errors_mm: Array  #: (n,) the same of the position
+    ranges: Array  #: (n, 2) near and far, mm; NaN where the file has none
     errors: dict[int, str]  #: why a row is no pose, by its index; a point has no direction
 
     def __init__(self, pointer: Any, path: Any, any_space: bool, alive: Any) -> None:
@@ -79,11 +80,12 @@ class Poses:
         self.origins = self.matrices[:, :3, 3].copy()
         self.matrices[list(self.errors)] = np.nan
         self.directions = -self.matrices[:, :3, 2]
-        numbers = np.array([(row.angle or math.nan, row.time_s, row.error_deg, row.error_mm) for row in rows])
-        numbers = numbers.reshape(count, 4)
+        numbers = np.array([(row.angle or math.nan, row.time_s, row.error_deg, row.error_mm, *row.range) for row in rows])
+        numbers = numbers.reshape(count, 6)
         numbers[np.isnan(self.origins[:, 0])] = np.nan
         self.angles = np.rad2deg(numbers[:, 0])
-        self.times_s, self.errors_deg, self.errors_mm = numbers[:, 1:].T.copy()
+        self.times_s, self.errors_deg, self.errors_mm = numbers[:, 1:4].T.copy()
+        self.ranges = numbers[:, 4:].copy()
         self.triggers = np.array([bool(row.trigger and not row.error) for row in rows], bool)
 
     def __len__(self) -> int:
@@ -138,7 +140,7 @@ class Poses:
         columns.update(zip(("x", "y", "z"), self.origins.T))
         columns.update(zip(("dx", "dy", "dz"), self.directions.T))
         others = (("angle", self.angles), ("time_s", self.times_s), ("error_deg", self.errors_deg),
-                  ("error_mm", self.errors_mm))
+                  ("error_mm", self.errors_mm), ("near", self.ranges[:, 0]), ("far", self.ranges[:, 1]))
         columns.update((name, values) for name, values in others if not np.isnan(values).all())
         columns["error"] = [self.errors.get(i) for i in range(len(self))]
         return pandas.DataFrame(columns)

@@ -45,7 +45,7 @@ def rows_of(name: str, values: Any, shape: tuple[int, ...]) -> Array:
 class PoseArray:
     """Many poses: ``struct`` is a conus_pose_array, which lives no longer than this."""
 
-    def __init__(self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any) -> None:
+    def __init__(self, origins: Any, directions: Any, poses: Any, up: Any, angle: Any, near: Any, far: Any) -> None:
         self.struct = ffi.new("conus_pose_array *")
         self._alive: list[Array] = []
         self.names: Optional[Array] = None  #: of each pose; None = numbers
@@ -54,6 +54,8 @@ class PoseArray:
             self.names, self.reasons = poses.ids, poses.errors
             if np.ndim(unmasked("angle", angle)) == 0 and not np.isnan(poses.angles).all():
                 angle = np.nan_to_num(poses.angles)  # 0 = the default
+            if near is None and far is None and not np.isnan(poses.ranges).all():
+                near, far = poses.ranges.T
             poses = poses.matrices
         if isinstance(poses, (str, bytes, os.PathLike)):
             raise ArgumentError(f"poses: a path, wanted are matrices or what conus.read_poses({shown(poses)}) gives")
@@ -71,6 +73,12 @@ class PoseArray:
                 self._add("up", rows_of("up", up, (3,)))
         if np.ndim(unmasked("angle", angle)):
             self._add("angle", np.deg2rad(rows_of("angle", angle, ())))
+        if near is not None or far is not None:
+            none = np.full(len(self._alive[0]), np.nan)
+            ends = [none if end is None else rows_of(name, end, ()) for name, end in (("near", near), ("far", far))]
+            self._alive += ends
+            if len(ends[0]) == len(ends[1]):
+                self._add("range", np.column_stack(ends))
         self.struct.count = len(self._alive[0])
         if any(len(rows) != len(self) for rows in self._alive):
             raise ArgumentError(f"poses: arrays of {', '.join(str(len(rows)) for rows in self._alive)} rows")
@@ -89,6 +97,10 @@ class PoseArray:
             return int(lib.conus_pose_from_matrix(pose, array.matrix + 16 * index))
         up = array.up + 3 * index if array.up else ffi.NULL
         return int(lib.conus_pose_along(pose, array.origin + 3 * index, array.direction + 3 * index, up))
+
+    def range(self, index: int) -> Any:
+        """For conus_selector_set_range()."""
+        return self.struct.range + 2 * index if self.struct.range else ffi.NULL
 
     def angle(self, index: int, default: float) -> float:
         """Full opening, radians; where it is 0, the default."""

@@ -148,12 +148,13 @@ class _Follower:
         pose, out, selector = ffi.new("conus_pose *"), ffi.new("conus_selection **"), self.tracker.selector
         angle = self.poses.angle(index, self.angle)
         with selector._lock:
-            status = self.poses.fill(pose, index)
+            status = self.poses.fill(pose, index) or lib.conus_selector_set_range(selector._p, self.poses.range(index))
             if not status:
                 self.aims.add(index, pose, angle)
                 held = bool(self.trigger[index] > 0)
                 status = lib.conus_tracker_step(out, self.tracker._p, self.times[index], pose, angle, held)
             reason = message() if status else ""
+            lib.conus_selector_set_range(selector._p, ffi.NULL)
         if status == lib.CONUS_ERROR_ARGUMENT:
             self.errors[index] = self.poses.reasons.get(index, reason)
             self.results.append(np.empty(0, RESULT))

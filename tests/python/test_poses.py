@@ -13,7 +13,7 @@ import pandas
 import pytest
 
 import conus
-from support import AFFINE, NAMES, assert_rows_of_the_program, call_conus, plates
+from support import AFFINE, NAMES, assert_rows_of_the_program, call_conus, plates, same
 
 CORPUS = pathlib.Path(__file__).parents[1] / "fuzz" / "corpus" / "poses"
 
@@ -97,6 +97,37 @@ def test_a_table_has_all_that_its_columns_say(tmp_path):
     assert list(frame.columns) == ["query", "x", "y", "z", "dx", "dy", "dz", "angle", "time_s", "error_deg", "error_mm", "error"]
     assert frame["error"][0] is None and frame["error"][1] == poses.errors[1]
     assert repr(poses) == f"<conus.Poses: 3 of {tmp_path / 'p.tsv'}, 2 errors>"
+
+
+def test_each_pose_may_have_its_range(tmp_path):
+    """Arrays and the columns of a file are the range of a selector, asked for one pose."""
+    (tmp_path / "p.tsv").write_text(
+        "x\ty\tz\tdx\tdy\tdz\tnear\tfar\n"
+        "9\t0\t0\t1\t0\t0\t1\t12\n9\t0\t0\t1\t0\t0\tn/a\t10\n9\t0\t0\t1\t0\t0\tn/a\tn/a\n"
+        "9\t0\t0\t1\t0\t0\t13\tn/a\n9\t0\t0\t1\t0\t0\t30\t20\n")
+    poses = conus.read_poses(tmp_path / "p.tsv")
+    assert list(poses.errors) == [4] and "range: 30 to 20 mm" in poses.errors[4]
+    np.testing.assert_array_equal(poses.ranges, [(1, 12), (np.nan, 10), (np.nan, np.nan), (13, np.nan), (np.nan, np.nan)])
+    wanted = [(1, 12), (2, 10), (2, 14), (13, 14)]
+    atlas = conus.load(plates(), AFFINE)
+    near, far = [1, np.nan, np.nan, 13, 5], [12, 10, np.nan, np.nan, 3]
+    given = {"origins": np.tile((9.0, 0, 0), (5, 1)), "directions": np.tile((1.0, 0, 0), (5, 1)), "near": near, "far": far}
+    for ways in ({"poses": poses}, given):
+        many = atlas.select_many(**ways, range=(2, 14))
+        segments = atlas.segments_many(**ways, range=(2, 14))
+        clearances = atlas.clearance_many(**ways, range=(2, 14), within=50)
+        for i, own in enumerate(wanted):
+            alone = {"origin": (9, 0, 0), "direction": (1, 0, 0), "range": own}
+            assert same(many[i], atlas.select(**alone).results)
+            for rows, one in ((segments, atlas.segments(**alone)), (clearances, atlas.clearance(**alone, within=50))):
+                assert same(rows.records[rows.starts[i]:rows.starts[i + 1]], one.records)
+        for rows in (many, segments, clearances):
+            assert list(rows.errors) == [4] and "range: " in rows.errors[4]
+    assert [len(many[i]) for i in range(4)] == [2, 1, 2, 2]  # the plate begins at 11 mm
+    track = atlas.track(range(5), poses=poses, range=(2, 14))
+    assert list(track.errors) == [4]
+    with pytest.raises(conus.ArgumentError, match="rows"):
+        atlas.select_many(**{**given, "far": far[1:]})
 
 
 def test_a_file_without_poses_has_none(tmp_path):
