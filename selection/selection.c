@@ -97,6 +97,56 @@ static conus_status list_layers(conus_selection *selection, struct engine *engin
     return status;
 }
 
+/* Drops first hits out of the range. Returns whether some rays, which are set in `before`, hit something before it. */
+static bool cut_first(struct evidence *first, bool *before, const struct cone *cone)
+{
+    bool any = false;
+    for (uint32_t p = 0; p < first->resolution * first->resolution; p++) {
+        double t = first->distance[p];
+        bool may_be_out = t < INFINITY && (t > cone->range[1] || cone->range[0] > 0); /* a depth is no longer than t */
+        if (may_be_out) {
+            double per_depth = cone_per_depth(cone, p % cone->resolution, p / cone->resolution);
+            before[p] = t < cone->range[0] * per_depth;
+            any = any || before[p];
+            if (before[p] || t > cone->range[1] * per_depth) {
+                evidence_clear_pixel(first, p);
+            }
+        }
+    }
+    return any;
+}
+
+/* Cuts the first hits of volumes at the range. Of rays that hit something before it, the layers tell what is first. */
+static conus_status find_in_range(conus_selection *selection, struct engine *engine)
+{
+    struct evidence *first = &selection->evidence;
+    struct layers *layers = &selection->layers;
+    struct cone cone = selection->cone;
+    size_t pixels = (size_t)cone.resolution * cone.resolution;
+    bool *before = memory_zeroed(pixels, sizeof *before);
+    conus_status status = before ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (before && cut_first(first, before, &cone)) {
+        cone.wanted = before;
+        cone.rays = NULL;
+        status = engine->functions->pierce(engine, layers, &cone);
+        status = status ? status : layers_sort(layers, pixels);
+        if (!status) {
+            layers_clip(layers, &cone);
+            move_entries(selection);
+        }
+        for (size_t i = 0; i < layers->count && !status; i++) {
+            const conus_interval *interval = &layers->intervals[i];
+            if (!first->object[interval->pixel]) { /* the first of its pixel */
+                first->object[interval->pixel] = interval->object;
+                first->distance[interval->pixel] = interval->entry;
+                first->voxel[interval->pixel] = interval->voxel;
+            }
+        }
+    }
+    memory_free(before);
+    return status;
+}
+
 size_t selections_at_once(const conus_selector *selector)
 {
     size_t fitting = PIXELS_AT_ONCE / ((size_t)selector->options.resolution * selector->options.resolution);
@@ -141,12 +191,16 @@ conus_status selections_trace(conus_selection *const *selections, size_t count, 
     conus_status status = together ? trace_together(selections, count, engine) : CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         conus_selection *selection = selections[i];
-        bool has_range = selection && cone_has_range(&selection->cone); /* what is first follows from all layers */
-        bool is_traced = selection && !has_range && (together || !selection->has_layers || !layers_show_first);
+        bool has_range = selection && cone_has_range(&selection->cone);
+        bool is_cut = has_range && !selection->has_layers && layers_show_first; /* else it follows from all layers */
+        bool needs_first = selection && !has_range && (together || !selection->has_layers || !layers_show_first);
+        bool is_traced = is_cut || needs_first;
         if (is_traced && !together) {
             status = engine->functions->trace(engine, &selection->evidence, &selection->cone);
         }
-        if (selection && !status && (selection->has_layers || has_range)) {
+        if (is_cut && !status) {
+            status = find_in_range(selection, engine);
+        } else if (selection && !status && (selection->has_layers || has_range)) {
             status = list_layers(selection, engine, is_traced);
         }
         if (selection && !status) {

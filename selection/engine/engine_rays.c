@@ -99,16 +99,15 @@ static void block_init(struct block *block, const struct cone *cone, uint32_t co
     double v[TRAVERSE_BUNDLE];
     double coordinate[2][BLOCK];
     size_t count = 0;
-    for (uint32_t k = 0; k < BLOCK; k++) {
+    uint32_t edge = block_edge(cone);
+    for (uint32_t k = 0; k < edge; k++) {
         coordinate[0][k] = cone_coordinate(column + k, cone->resolution);
         coordinate[1][k] = cone_coordinate(row + k, cone->resolution);
     }
-    for (uint32_t k = 0; k < BLOCK * BLOCK; k++) {
+    for (uint32_t k = 0; k < edge * edge; k++) {
         uint32_t i = aperture_column(k);
         uint32_t j = aperture_row(k);
-        bool is_mine = i < block_edge(cone) && j < block_edge(cone);
-        if (is_mine && column + i < cone->resolution && row + j < cone->resolution &&
-            is_wanted(cone, column + i, row + j)) {
+        if (column + i < cone->resolution && row + j < cone->resolution && is_wanted(cone, column + i, row + j)) {
             block->pixel[count] = (size_t)(row + j) * cone->resolution + column + i;
             u[count] = coordinate[0][i];
             v[count++] = coordinate[1][j];
@@ -273,7 +272,7 @@ static conus_status for_blocks(const struct rays_engine *engine, void *out, cons
     for (uint32_t row = 0; row < cone->resolution && !cone->rays && !status; row += edge) {
         for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
             block_init(&block, cone, column, row);
-            status = step(engine, out, cone, &block);
+            status = block.bundle.count ? step(engine, out, cone, &block) : CONUS_OK;
         }
     }
     return status;

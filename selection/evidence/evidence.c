@@ -39,6 +39,13 @@ void evidence_clear(struct evidence *evidence)
     }
 }
 
+void evidence_clear_pixel(struct evidence *evidence, size_t pixel)
+{
+    evidence->object[pixel] = 0;
+    evidence->distance[pixel] = INFINITY;
+    evidence->voxel[pixel] = EVIDENCE_NO_VOXEL;
+}
+
 void evidence_drop_blocked(struct evidence *evidence)
 {
     size_t pixels = (size_t)evidence->resolution * evidence->resolution;
@@ -48,9 +55,7 @@ void evidence_drop_blocked(struct evidence *evidence)
     }
     for (size_t i = 0; i < pixels && any; i++) {
         if (evidence->object[i] == VOLUME_BLOCKER) {
-            evidence->object[i] = 0;
-            evidence->distance[i] = INFINITY;
-            evidence->voxel[i] = EVIDENCE_NO_VOXEL;
+            evidence_clear_pixel(evidence, i);
         }
     }
 }

@@ -25,6 +25,9 @@ void evidence_finish(struct evidence *evidence);
 /** Sets every pixel to "nothing". */
 void evidence_clear(struct evidence *evidence);
 
+/** Sets one pixel to "nothing". */
+void evidence_clear_pixel(struct evidence *evidence, size_t pixel);
+
 /** Sets pixels that hold VOLUME_BLOCKER to "nothing". */
 void evidence_drop_blocked(struct evidence *evidence);
 

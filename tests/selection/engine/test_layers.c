@@ -132,6 +132,39 @@ static void the_first_interval_is_what_is_visible(void **state)
     assert_in_range(certain, 20, 60); /* else nothing is shown by layers alone */
 }
 
+/* Property: with a range it is the first one of those that the range has cut. The layers are the oracle, which follows
+ * all of them, also behind what blocks. */
+static void in_a_range_the_first_interval_is_visible(void **state)
+{
+    (void)state;
+    uint64_t random = 47;
+    size_t hits[2] = {0}; /* from the near end on, and behind it */
+    for (int k = 0; k < 80; k++) {
+        conus_atlas *atlas = scene_atlas(&random, 12, 1);
+        scene_add_blockers(atlas, &random, (size_t[]){9, 9, 9}, 0.05);
+        struct cone cone = scene_cone(&random, atlas);
+        double near = k % 3 ? test_random(&random, 0, 25) : 0;
+        conus_selector_options options = {.resolution = cone.resolution,
+                                          .radius = k % 4 == 1 ? test_random(&random, 0.1, 8) : 0,
+                                          .range = {near, near + test_random(&random, 0.1, 30)}};
+        cone.angle = options.radius > 0 ? 0 : cone.angle;
+        conus_selection *visible = mesh_scene_select(atlas, &options, &cone);
+        options.layers = CONUS_LAYERS_ALL;
+        conus_selection *selection = mesh_scene_select(atlas, &options, &cone);
+        assert_same_evidence(&selection->evidence, &visible->evidence);
+        for (size_t p = 0; p < (size_t)cone.resolution * cone.resolution; p++) {
+            double per_depth =
+                cone_per_depth(&visible->cone, (uint32_t)p % cone.resolution, (uint32_t)p / cone.resolution);
+            bool is_cut = visible->evidence.distance[p] == near * per_depth;
+            hits[!is_cut] += visible->evidence.object[p] != 0;
+        }
+        conus_selection_destroy(visible);
+        conus_selection_destroy(selection);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(hits[0] > 100 && hits[1] > 1000);
+}
+
 /* Property: two ranges that meet see what one over both sees. */
 static void ranges_that_meet_add_up(void **state)
 {
@@ -291,6 +324,7 @@ TEST_GROUP(layers)
         cmocka_unit_test(what_blocks_is_dropped),
         cmocka_unit_test(the_first_interval_is_what_is_visible),
         cmocka_unit_test(a_range_of_everything_changes_nothing),
+        cmocka_unit_test(in_a_range_the_first_interval_is_visible),
         cmocka_unit_test(ranges_that_meet_add_up),
         cmocka_unit_test(a_cylinder_has_parallel_rays),
         cmocka_unit_test(shapes_out_of_range_are_refused),
