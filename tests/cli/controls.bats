@@ -139,7 +139,7 @@ END
 
 @test "above the list it says which depths count, and at which level" {
     need_window
-    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    need_pixels
     nested
     view nested.nii.gz --labels tree.tsv <<'END'
 quiet-status

@@ -26,7 +26,7 @@ END
 
 @test "a figure is what conus render draws with the same camera and options" {
     need_window
-    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    need_pixels
     conus phantom nested -o . --size 32
     view nested.nii.gz <<'END'
 size 1280 500

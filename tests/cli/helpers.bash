@@ -202,6 +202,12 @@ need_aal() {
     [ -r "$aal" ] || skip "no mricron-data ($aal)"
 }
 
+# need_pixels: Python's OpenImageIO, or the test is skipped. To look for it takes a tenth of what it takes to load it.
+need_pixels() {
+    /usr/bin/python3 -c 'import importlib.util, sys; sys.exit(not importlib.util.find_spec("OpenImageIO"))' ||
+        skip "no python3-openimageio"
+}
+
 # need_long: only scripts/test --long runs the test.
 need_long() {
     [ -n "${CONUS_TEST_LONG-}" ] || skip "scripts/test --long runs it"

@@ -12,7 +12,7 @@ settle
 screenshot window.png
 END
     # the 3-D pane is light, the flat ones are black at their corners, the panels dark grey
-    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    need_pixels
     /usr/bin/python3 - <<'END'
 import OpenImageIO as oiio
 pixels = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)
@@ -400,7 +400,7 @@ END
     conus query nested.nii.gz --origin 300,900,60 --toward 0,200,0 --angle 6 --format tsv | diff middle.tsv -
     printf 'key f11\nwait 5\nsettle\nscreenshot back2.png\n' >script
     run -0 timeout $HANG "$CONUS" view nested.nii.gz --script script --quiet --size 1000x640 --full-screen
-    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    need_pixels
     /usr/bin/python3 - <<'END'
 import OpenImageIO as oiio
 full, back, again = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8) for name in ("full", "back", "back2"))
@@ -498,7 +498,7 @@ END
 
 @test "the chosen area is outlined in all panes, and through others in 3-D" {
     need_window
-    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    need_pixels
     conus phantom nested -o .
     # the innermost of three balls; hidden; again; then none is chosen, and the crosshair is in its middle still
     view nested.nii.gz <<'END'
@@ -582,7 +582,7 @@ END
 
 @test "an answer whose tracker is gone is pale, and said to be old" {
     need_window
-    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    need_pixels
     conus phantom sphere -o .
     view sphere.nii.gz <<'END'
 pointer wand
@@ -923,7 +923,7 @@ END
     [ "$(jq .zoom state/conus/window.json)" = 1 ]
     # scripts see the size that they ask for, and texts as large as the screen asks for
     printf 'wait 4\nscreenshot large.png\nkey ctrl++\nkey f1\nwait 4\nscreenshot help.png\nkey escape\nkey ctrl+0\nwait 4\nscreenshot again.png\n' >script
-    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    need_pixels
     run -0 timeout $HANG "$CONUS" view --script script --quiet --size 1400x900
     cmp large.png again.png
     run -1 cmp -s large.png help.png
@@ -1089,7 +1089,7 @@ END
     run -1 diff placed.json moved.json
     diff moved.json conus-2*.json
     [ "$(ls conus-2*.png | wc -l)" -eq 1 ]
-    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    need_pixels
     /usr/bin/python3 - conus-2*.png <<'END'
 import sys
 import OpenImageIO as oiio
@@ -1134,7 +1134,7 @@ status_at() {
 }
 
 @test "the status line names the place under the mouse and the area there" {
-    /usr/bin/python3 -c 'import OpenImageIO' 2>/dev/null || skip "no python3-openimageio"
+    need_pixels
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
     sphere
