@@ -31,8 +31,8 @@ typedef struct conus_clearance {
 /**
  * Finds how far the axis of a device stays from each object, occluded or not: from the near end of the selector's range
  * to its far end, or without one as far as objects reach. Of voxels the distance is that to their cells (Eq. 5), of a
- * mesh to its triangles, and 0 where the needle begins inside of it or enters it, of streamlines to their tubes (Eq.
- * 18). The selector's radius is the needle's; without one it is 0. Its level holds: a group is as near as the nearest
+ * mesh to its triangles, and 0 where the needle begins inside of a closed one, of streamlines to their tubes (Eq. 18).
+ * The selector's radius is the needle's; without one it is 0. Its level holds: a group is as near as the nearest
  * of it.
  * @param[out] out The clearances; end it with conus_clearances_destroy().
  * @param selector The selector. Its engine and resolution do not matter.

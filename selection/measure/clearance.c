@@ -287,18 +287,20 @@ static bool is_less(const struct clearance_found *a, const struct clearance_foun
     return a->source < b->source || (a->source == b->source && a->part < b->part);
 }
 
-/* Whether it is the group's least so far. */
+/* Whether it is the group's least so far. What is as near as rounding can make it is touched. */
 static bool note(const struct search *search, uint32_t group, const struct clearance_found *candidate)
 {
     struct clearance *clearance = search->clearance;
     struct clearance_found *found = &clearance->found[group];
-    if (candidate->distance > search->question->limit || !is_less(candidate, found)) {
+    struct clearance_found near = *candidate;
+    near.distance = near.distance <= ROUNDING ? 0 : near.distance;
+    if (near.distance > search->question->limit || !is_less(&near, found)) {
         return false;
     }
     if (found->distance == INFINITY) {
         clearance->touched[clearance->touched_count++] = group;
     }
-    *found = *candidate;
+    *found = near;
     return true;
 }
 
@@ -494,20 +496,20 @@ static void search_volume(const struct search *all, size_t number)
     }
 }
 
-/* Whether the surface winds around the point: of a closed one as a ray from there says. */
+/* Whether the point is inside a closed surface, as a ray from there says. Another one has no inside: what has one at
+ * one place and none beside it would let a leeway promise too much. */
 static bool is_inside(const struct bvh *tree, const struct mesh *mesh, const double point[3])
 {
     static const double away[3] = {0.48, 0.6, 0.64};
     struct bvh_search search;
     uint32_t triangle;
     int winding = 0;
+    bool may_be = mesh->shape.closed;
     for (int a = 0; a < 3; a++) {
-        if (point[a] < mesh->shape.low[a] || point[a] > mesh->shape.high[a]) {
-            return false;
-        }
+        may_be = may_be && point[a] >= mesh->shape.low[a] && point[a] <= mesh->shape.high[a];
     }
-    if (!mesh->shape.closed) {
-        return fabs(mesh_winding(mesh, point)) >= 0.5;
+    if (!may_be) {
+        return false;
     }
     bvh_search_init(&search, tree, point, away);
     while (bvh_search_next(&triangle, &search, INFINITY)) {

@@ -308,7 +308,7 @@ static void decide(conus_verdict *out, const struct plan_constraint *constraint,
         out->slack = out->value - 1;
         break;
     }
-    out->holds = out->slack > 0 || (may_be_equal && out->slack == 0);
+    out->holds = may_be_equal ? out->slack >= 0 : out->slack > AXIS_TOUCH;
 }
 
 /* Turns to the reach whose leeway is asked for. */

@@ -539,7 +539,7 @@ static void surfaces_are_as_far_as_their_nearest_triangle(void **state)
                 first = distance < least || (distance == least && depth < first) ? depth : first;
                 least = fmin(least, distance);
             }
-            bool is_inside = fabs(mesh_winding(mesh, start)) >= 0.5;
+            bool is_inside = mesh->shape.closed && fabs(mesh_winding(mesh, start)) >= 0.5;
             assert_near(found->distance, is_inside ? 0 : least, 0);
             assert_near(found->depth, is_inside ? 2 : first, 0);
         }
@@ -583,6 +583,42 @@ static void a_surface_is_entered_or_begun_in(void **state)
         for (size_t k = 0; k < 2; k++) {
             check_row(conus_clearances_clearance(clearances, k), &cases[i].wanted[k], 1e-12);
         }
+        conus_clearances_destroy(clearances);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* A box without its lid at x = 3: as far as its walls, from within and from outside. */
+static void a_surface_with_holes_has_no_inside(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh box = mesh_scene_box((const double[]){-3, -2, -1}, (const double[]){3, 2, 1});
+    box.triangle_count -= 2;
+    mesh_scene_add(atlas, &box);
+    const conus_selector_options options = {.range = {0, 1}};
+    const struct wanted within = {1, 0.75, 0, {-2, 0, 1}};
+    const struct wanted without = {1, sqrt(1 + 0.75 * 0.75), 0, {3, 0, 1}};
+    for (int i = 0; i < 2; i++) {
+        const conus_pose pose = along(i ? 4 : -2, 0, 0.25, 1, 0, 0);
+        conus_clearances *clearances = measure(atlas, &options, &pose, 100);
+        check_row(conus_clearances_clearance(clearances, 0), i ? &without : &within, 1e-12);
+        conus_clearances_destroy(clearances);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* Half a nanometre beside the face x = 11 of the cell is touching, two are not. */
+static void what_rounding_may_make_of_touching_is_touching(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = one_cell();
+    const double beside[2] = {0.5e-9, 2e-9};
+    for (int i = 0; i < 2; i++) {
+        const conus_pose pose = along(11 + beside[i], 0, 30, 0, 1, 0);
+        conus_clearances *clearances = measure(atlas, &(conus_selector_options){.range = {0, 50}}, &pose, 1);
+        double distance = conus_clearances_clearance(clearances, 0)->distance;
+        assert_near(distance, i ? beside[i] : 0, i ? 1e-14 : 0);
         conus_clearances_destroy(clearances);
     }
     conus_atlas_destroy(atlas);
@@ -855,6 +891,8 @@ TEST_GROUP(clearance)
         cmocka_unit_test(triangles_are_as_far_as_a_search_says),
         cmocka_unit_test(surfaces_are_as_far_as_their_nearest_triangle),
         cmocka_unit_test(a_surface_is_entered_or_begun_in),
+        cmocka_unit_test(a_surface_with_holes_has_no_inside),
+        cmocka_unit_test(what_rounding_may_make_of_touching_is_touching),
         cmocka_unit_test(balls_are_as_far_as_their_radius_says),
         cmocka_unit_test(tubes_are_as_far_as_their_lines_less_the_radius),
         cmocka_unit_test(bundles_are_as_far_as_their_nearest_tube),
