@@ -222,6 +222,37 @@ CONUS_API const conus_planned *conus_plan_miss(const conus_plan *plan, size_t in
 CONUS_API conus_plan_faults conus_plan_rejected(const conus_plan *plan);
 
 /**
+ * Counts the constraints.
+ * @param plan NULL counts 0.
+ * @return How many there are.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API size_t conus_plan_constraint_count(const conus_plan *plan);
+
+/**
+ * Gives constraint @p index.
+ * @param plan The plan.
+ * @param index From 0.
+ * @return NULL past the last. Its names are NULL, see conus_plan_name(), and a direction has length 1. Borrowed from
+ * the plan.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const conus_constraint *conus_plan_constraint(const conus_plan *plan, size_t index);
+
+/**
+ * Gives the names of the structure of a constraint.
+ * @param plan The plan.
+ * @param index Index of the constraint.
+ * @return The names that were asked for, as the atlas has them: "Thalamus_L, Putamen_L"; NULL without a structure.
+ * Borrowed from the plan. UTF-8.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const char *conus_plan_name(const conus_plan *plan, size_t index);
+
+/**
  * Tells whether a constraint has a leeway, of poses where it holds. Without one it does not count for the leeway of
  * poses: LENGTH, LEAN, FIRST, the measures of a cone, and a REACH by surfaces that are not closed.
  * @param plan The plan.

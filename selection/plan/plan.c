@@ -637,3 +637,18 @@ conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, siz
     *out = plan_judge_distance(&plan->workers[0].judge, constraint);
     return CONUS_OK;
 }
+
+size_t conus_plan_constraint_count(const conus_plan *plan)
+{
+    return plan ? plan->count : 0;
+}
+
+const conus_constraint *conus_plan_constraint(const conus_plan *plan, size_t index)
+{
+    return index < plan->count ? &plan->constraints[index].asked : NULL;
+}
+
+const char *conus_plan_name(const conus_plan *plan, size_t index)
+{
+    return index < plan->count ? plan->constraints[index].name : NULL;
+}

@@ -5,8 +5,10 @@
 #include "atlas/areas/area_find.h"
 #include "atlas/areas/area_list.h"
 #include "atlas/bundles.h"
+#include "base/buffer.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/text.h"
 
 #include <string.h>
 
@@ -31,19 +33,28 @@ enum { KIND_COUNT = sizeof KINDS / sizeof KINDS[0] };
 struct naming {
     const conus_atlas *atlas;
     bool *named;
+    struct buffer names; /* "Thalamus_L, Putamen_L" */
 };
+
+static void name_it(struct naming *naming, uint32_t object)
+{
+    buffer_text(&naming->names, naming->names.size ? ", " : "");
+    buffer_text(&naming->names, naming->atlas->objects[object - 1].name);
+    naming->named[object] = true;
+}
 
 static conus_status name_object(void *user, struct text name)
 {
     struct naming *naming = user;
     uint32_t found[2];
     if (area_find_halves(found, naming->atlas, name)) {
-        naming->named[found[0]] = naming->named[found[1]] = true;
+        name_it(naming, found[0]);
+        name_it(naming, found[1]);
         return CONUS_OK;
     }
     conus_status status = object_find(&found[0], naming->atlas, name);
     if (!status) {
-        naming->named[found[0]] = true;
+        name_it(naming, found[0]);
     }
     return status;
 }
@@ -75,7 +86,7 @@ static conus_status add_part(struct plan_constraint *constraint, const conus_atl
 
 static conus_status find_structure(struct plan_constraint *out, const conus_atlas *atlas, const char *names)
 {
-    struct naming naming = {atlas, memory_zeroed(atlas->object_count + 1, sizeof *naming.named)};
+    struct naming naming = {atlas, memory_zeroed(atlas->object_count + 1, sizeof *naming.named), {0}};
     out->has = memory_zeroed(atlas->object_count + 1, sizeof *out->has);
     conus_status status = naming.named && out->has ? CONUS_OK : CONUS_ERROR_MEMORY;
     status = status ? status : area_list_read(text_from(names), name_object, NULL, &naming);
@@ -91,6 +102,9 @@ static conus_status find_structure(struct plan_constraint *out, const conus_atla
             status = add_part(out, atlas, number);
         }
     }
+    out->name = status || buffer_status(&naming.names) ? NULL : text_to_utf8(text_from(naming.names.data));
+    status = status || out->name ? status : CONUS_ERROR_MEMORY;
+    buffer_finish(&naming.names);
     memory_free(naming.named);
     return status || out->part_count
                ? status
@@ -230,6 +244,7 @@ conus_status plan_constraint_init(struct plan_constraint *out, const conus_selec
 
 void plan_constraint_finish(struct plan_constraint *constraint)
 {
+    memory_free(constraint->name);
     memory_free(constraint->has);
     memory_free(constraint->reported);
     memory_free(constraint->parts);

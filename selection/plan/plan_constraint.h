@@ -16,6 +16,7 @@ struct plan_part {
 
 /** A constraint, checked. */
 struct plan_constraint {
+    char *name;             /**< The names that were asked for, as the atlas has them; NULL without a structure. */
     conus_constraint asked; /**< Without names; needles are owned, the direction has length 1. */
     uint32_t *has;  /**< [object_count + 1] Each object of the structure at its number, else 0; NULL without one. */
     bool *reported; /**< [object_count + 1] As what they are reported; NULL but for measures of a cone. */

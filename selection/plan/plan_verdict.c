@@ -118,7 +118,7 @@ static void measure_crossing(conus_verdict *out, const struct plan_judge *judge,
         }
         bool is_sooner = !(interval.entry >= out->depth);
         if (is_sooner || (interval.entry == out->depth && constraint->has[interval.object] && out->value == 0)) {
-            out->value = constraint->has[interval.object];
+            out->value = constraint->has[interval.object] != 0;
             out->depth = interval.entry;
             out->object = is_first ? interval.object : 0;
         }
