@@ -15,7 +15,7 @@ enum { CHUNK = 1 << 13, DIGITS = 9 };
 
 /* All that conus writes but descriptions of columns, rows, and what was added by others. */
 static const char *const sealed[] = {"Space", "GeneratedBy", "Atlas",   "Atlases", "Settings", "Queries",
-                                     "Batch", "Inputs",      "Outputs", "Sources", "Question"};
+                                     "Batch", "Inputs",      "Outputs", "Sources", "Question", "Plan"};
 
 void provenance_hash_finish(char out[SHA256_TEXT], struct sha256_ctx *context)
 {
@@ -203,9 +203,19 @@ json_t *question_json(const struct question *question)
     json_t *options = json_object();
     for (size_t i = 0; i < question->arguments->use_count; i++) {
         const struct option_use *use = &question->arguments->uses[i];
-        if (use->option->role == OPTION_PLAIN || use->option->role == OPTION_ASKS) {
-            json_object_set_new(options, use->option->name, use->value ? json_from_path(use->value) : json_true());
+        bool is_asked = use->option->role == OPTION_PLAIN || use->option->role == OPTION_ASKS;
+        json_t *value = use->value ? json_from_path(use->value) : json_true();
+        json_t *list = is_asked ? json_object_get(options, use->option->name) : NULL;
+        if (is_asked && use->option->type == OPTION_LIST && !list) {
+            list = json_array();
+            json_object_set_new(options, use->option->name, list);
         }
+        if (list) {
+            json_array_append(list, value);
+        } else if (is_asked) {
+            json_object_set(options, use->option->name, value);
+        }
+        json_decref(value);
     }
     return json_pack("{s: s, s: s, s: s, s: o}", "command", question->arguments->command->name, "rows", question->rows,
                      "region", question->region, "options", options);

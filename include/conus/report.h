@@ -11,6 +11,7 @@
 #include <conus/jitter.h>
 #include <conus/mask.h>
 #include <conus/overlap.h>
+#include <conus/plan.h>
 #include <conus/pose_file.h>
 #include <conus/segments.h>
 #include <conus/sweep.h>
@@ -52,7 +53,10 @@ typedef enum conus_rows {
     CONUS_ROWS_COVERAGES,   /**< From conus_report_add_overlap(). */
     CONUS_ROWS_SEGMENTS,    /**< From conus_report_add_segments(). */
     CONUS_ROWS_CONNECTIONS, /**< From conus_report_add_connections(). */
-    CONUS_ROWS_CLEARANCES   /**< From conus_report_add_clearances(). */
+    CONUS_ROWS_CLEARANCES,  /**< From conus_report_add_clearances(). */
+    CONUS_ROWS_PLAN,        /**< From conus_report_add_plan(), a row for each pose that is listed. */
+    CONUS_ROWS_CONSTRAINTS, /**< From the same, a row for each of them and each constraint. */
+    CONUS_ROWS_PROFILE      /**< From conus_report_add_profile(). */
 } conus_rows;
 
 /** The order of the answers to a query. */
@@ -207,6 +211,40 @@ CONUS_CHECKED conus_status conus_report_add_segments(conus_report *report, const
  */
 CONUS_CHECKED conus_status conus_report_add_clearances(conus_report *report, const char *query_id,
                                                        const conus_clearances *clearances);
+
+/**
+ * Adds the poses that a plan lists.
+ * @param report Of #CONUS_ROWS_PLAN, whose columns then are those of the plan's constraints, too, or of
+ * #CONUS_ROWS_CONSTRAINTS. Nothing else is added to it.
+ * @param plan Of the report's selector; must outlive the last text of @p report.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, and for a second plan.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add_plan(conus_report *report, conus_plan *plan);
+
+/**
+ * Words what a constraint of the report's plan asks: "more than 2 mm from Insula_L".
+ * @param report A report to which a plan was added.
+ * @param index Index of the constraint.
+ * @return NULL for another index. Borrowed from the report.
+ * @threads Any, while none changes the report.
+ * @since 0.1
+ */
+CONUS_API const char *conus_report_constraint(const conus_report *report, size_t index);
+
+/**
+ * Adds how far the axes that a plan lists are from what they are to avoid, from their near to their far ends: a row for
+ * each depth, the last one that of the far end, and each structure that is avoided by clearance.
+ * @param report Of #CONUS_ROWS_PROFILE. Nothing else is added to it.
+ * @param plan As for conus_report_add_plan().
+ * @param step mm from depth to depth, more than 0.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, for a second plan, and for a step that is out of
+ * range or gives a needle more than 100000 depths.
+ * @threads One at a time for each @p report and @p plan.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add_profile(conus_report *report, conus_plan *plan, double step);
 
 /**
  * Adds a query without an answer: one row of kind "error" with "line N: " and @p reason for a name, all else missing.

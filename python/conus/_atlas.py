@@ -38,6 +38,7 @@ from ._library import (
 from ._picture import GLOwner, Picture, Renderer
 from ._pose_file import Poses
 from ._poses import Aims, PoseArray, notes_of, pose_of, warn
+from ._plan import Plan, constraints_of, plan_of
 from ._progress import LoadProgress, Progress, telling
 from ._space import space_of
 from ._track import Tracker, follow
@@ -739,6 +740,70 @@ class Selector:
             clearances: Clearances = self._place(Clearances.ask_many(self.atlas, array, self._call, self._p, within))
         return clearances
 
+    def plan(
+        self,
+        reach: Any = (),
+        avoid: Any = (),
+        *,
+        poses: Any = None,
+        origins: Any = None,
+        directions: Any = None,
+        near: Any = None,
+        depth: Any = None,
+        length: Any = None,
+        lean: Any = (),
+        apart: Any = (),
+        first: Any = (),
+        top: Optional[int] = 20,
+        rank: Optional[str] = None,
+        score: Optional[str] = None,
+        pareto: Optional[str] = None,
+        infeasible: bool = False,
+        threads: Optional[int] = None,
+    ) -> Plan:
+        """Lists the poses of needles that reach some structures and stay clear of others: ``conus plan``.
+
+        The selector's radius is that of the needle. All constraints must hold. A plan is a list to be checked.
+
+        Parameters
+        ----------
+        reach
+            Names and mm: {"Hippocampus_L": 5}; names between commas, or a tuple of them, are one structure. None in
+            place of the number: any length at all; "tip" or "crossed"; or a mapping: {"length": 5, "part": (0, 2)}.
+            A list of names asks for any length.
+        avoid
+            Names and the margin, mm: {"Insula_L": 2}. A list has the margin 0.
+        poses, origins, directions
+            The candidates, as for :meth:`select_many`.
+        near, depth
+            Both ends of the needles, mm from the apex, one number or (n,); not given, those of the file, or of the
+            selector's range.
+        length
+            (MIN, MAX) mm from end to end.
+        lean
+            [(direction, degrees)]: the axis and the world's direction enclose at most so much.
+        apart
+            [(ends, mm)]: the axis is farther than that from other needles, whose ends are (n, 2, 3) RAS mm.
+        first
+            Names of structures that the axis passes first.
+        top
+            Poses to list; None = all.
+        rank, score, pareto
+            As of the program: "leeway,-depth" by default.
+        infeasible
+            Lists the others, too, behind those.
+        threads
+            None = as many as processors.
+
+        Raises
+        ------
+        ArgumentError
+            For names that are unknown, numbers out of their ranges, and no candidate at all.
+        """
+        constraints = constraints_of(reach, avoid, length, lean, apart, first)
+        array = self._poses(origins, directions, poses, None, None)
+        return plan_of(self, constraints, array, poses, near, depth, infeasible, top, threads, (rank, score, pareto))
+
     def sweep(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
         angle: float = 60,
@@ -1233,6 +1298,12 @@ class Atlas:
         return self._selector(options).clearance_many(
             origins, directions, poses=poses, up=up, near=near, far=far, within=within
         )
+
+    def plan(self, reach: Any = (), avoid: Any = (), *, radius: float = 0, range: Any = (0, 0), space: str = "ras",
+             bregma: Any = None, **options: Any) -> Plan:
+        """Lists the poses that reach some structures and stay clear of others: see :meth:`Selector.plan`."""
+        selector = self._selector({"radius": radius, "range": range, "space": space, "bregma": bregma})
+        return selector.plan(reach, avoid, **options)
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
               angle: float = 60, **options: Any) -> Sweep:

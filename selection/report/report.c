@@ -171,6 +171,9 @@ void conus_report_destroy(conus_report *report)
     memory_free(report->queries);
     memory_free(report->rows);
     memory_free(report->electrode_lines);
+    memory_free(report->plan.constraints);
+    memory_free(report->plan.columns);
+    buffer_finish(&report->plan.words);
     buffer_finish(&report->voxels);
     buffer_finish(&report->text);
     memory_free(report);

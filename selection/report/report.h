@@ -25,6 +25,45 @@ struct report_connection {
     conus_connection is;
 };
 
+/** A listed pose of a plan; in other rows one of its constraints, perhaps at a depth. */
+struct report_planned {
+    conus_kind kind; /**< With the object what all rows begin with; there is none. */
+    uint32_t object;
+    size_t constraint;         /**< Index in the plan. */
+    const conus_planned *pose; /**< The plan's. */
+    uint64_t order;            /**< Number of the depth, from 1. */
+    double depth, distance;    /**< mm from the apex; of the axis there from the structure. */
+    double at[3];              /**< The far end, or the point of the axis at the depth; world. */
+    double axis[3];            /**< Direction in the report's space. */
+};
+
+/** A constraint of a plan. */
+struct report_constraint {
+    const conus_constraint *asked;
+    const char *kind, *measure; /**< Words; the latter is NULL of constraints without one. */
+    const char *name;           /**< Of its structure, or NULL. */
+    size_t index;               /**< From 1 among those of its kind. */
+    uint64_t left;              /**< How many candidates hold it and those before it. */
+    const conus_planned *miss;  /**< The one that breaks it alone; NULL = none. */
+    const char *words;          /**< What it asks. */
+};
+
+/** A plan, with the columns of its constraints. */
+struct report_plan {
+    struct report_constraint *constraints; /**< [count] */
+    size_t count;
+    uint64_t candidates, rejected;
+    struct report_column *columns; /**< [column_count] */
+    size_t column_count;
+    struct buffer words; /**< All texts that are made for them. */
+};
+
+/** Whether a constraint is a distance to be kept. */
+static inline bool report_is_clearance(const struct report_constraint *constraint)
+{
+    return constraint->asked->kind == CONUS_CONSTRAINT_AVOID && constraint->asked->measure == CONUS_MEASURE_LENGTH;
+}
+
 /** One result of one query: which of them, options.rows says; kind and object begin all of them. */
 struct report_row {
     size_t query; /**< Index into conus_report.queries. */
@@ -36,6 +75,7 @@ struct report_row {
         conus_segment segment;
         conus_clearance clearance;
         struct report_connection connection;
+        struct report_planned planned;
     };
 };
 
@@ -72,6 +112,7 @@ struct conus_report {
     size_t query_count, query_capacity;
     struct report_row *rows;
     size_t row_count, row_capacity;
+    struct report_plan plan;
     struct text *electrode_lines; /**< For CONUS_FORMAT_BIDS: the header without the added columns, then the rows. */
     size_t electrode_line_count, electrode_line_capacity, electrode_field_count;
     size_t taken;         /**< Queries that were handed out before. */

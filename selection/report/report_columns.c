@@ -59,7 +59,7 @@ unsigned report_needs_met(const conus_report *report, const struct report_row *r
 
 /* Entries of the tables: where a value lies, after its name, units and description. */
 #define OF_ROW(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_row, member)
-#define OF_QUERY(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_query, member), .of_query = true
+#define OF_QUERY(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_query, member), .home = HOME_QUERY
 #define NAMED(getter) .type = COLUMN_NAME, .get = getter
 #define OF_BUNDLE(kind, member)                                                                                        \
     OF_ROW(kind, result.member), .needs = NEEDS_BUNDLE, .layers_only = true, .bundles_only = true
@@ -362,6 +362,204 @@ static const struct report_column connection_columns[] = {
     {"end_b_index", NULL, "the same of end_b", NAMED(get_end_b_index)},
 };
 
+/* Plans: one row per pose, constraint, or constraint and depth. */
+
+#define OF_POSE(kind, member) .type = COLUMN_##kind, .offset = offsetof(conus_planned, member), .home = HOME_POSE
+
+static const conus_verdict *verdict_of(const struct report_row *row)
+{
+    return &row->planned.pose->verdicts[row->planned.constraint];
+}
+
+static const struct report_constraint *constraint_of(const conus_report *report, const struct report_row *row)
+{
+    return &report->plan.constraints[row->planned.constraint];
+}
+
+static struct cell rank_cell(uint64_t rank)
+{
+    return rank ? integer_cell(rank) : no_cell();
+}
+
+static struct cell get_plan_rank(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return rank_cell(row->planned.pose->rank);
+}
+
+static struct cell get_front(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return rank_cell(row->planned.pose->front);
+}
+
+static struct cell get_feasible(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return integer_cell(row->planned.pose->feasible);
+}
+
+/* The constraint by the name of its structure, or by its kind. */
+static struct cell constraint_cell(const conus_report *report, size_t index)
+{
+    const struct report_constraint *constraint = &report->plan.constraints[index < SIZE_MAX ? index : 0];
+    return index < SIZE_MAX ? text_cell(constraint->name ? constraint->name : constraint->kind) : no_cell();
+}
+
+static struct cell get_broken(const conus_report *report, const struct report_row *row)
+{
+    return constraint_cell(report, row->planned.pose->broken);
+}
+
+static struct cell get_leeway_of(const conus_report *report, const struct report_row *row)
+{
+    return constraint_cell(report, row->planned.pose->leeway_of);
+}
+
+static struct cell get_clearance_of(const conus_report *report, const struct report_row *row)
+{
+    return constraint_cell(report, row->planned.pose->clearance_of);
+}
+
+static struct cell get_clearance_at(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    const conus_planned *pose = row->planned.pose;
+    return pose->clearance_of < SIZE_MAX ? number_cell(pose->verdicts[pose->clearance_of].depth) : no_cell();
+}
+
+static const struct report_column plan_columns[] = {
+    {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
+    {"rank", NULL, "1 is the best of those that break nothing", .get = get_plan_rank},
+    {"front", NULL, "1 where no pose is at least as good in all keys of --pareto and better in one; 2 when those are "
+                    "gone, and so on",
+     .get = get_front},
+    {"feasible", NULL, "1 if the pose breaks no constraint, else 0", .get = get_feasible},
+    {"broken", NULL, "the first constraint that it breaks, by the name of its structure, else by its kind",
+     NAMED(get_broken)},
+    {"x", "mm", "position of the device, the apex, x", OF_POSE(X, pose.world_from_device[12])},
+    {"y", "mm", "the same, y", OF_POSE(Y, pose.world_from_device[12])},
+    {"z", "mm", "the same, z", OF_POSE(Z, pose.world_from_device[12])},
+    {"dx", NULL, "direction of its axis, of length 1, x", OF_ROW(NUMBER, planned.axis[0])},
+    {"dy", NULL, "the same, y", OF_ROW(NUMBER, planned.axis[1])},
+    {"dz", NULL, "the same, z", OF_ROW(NUMBER, planned.axis[2])},
+    {"tip_x", "mm", "far end of the needle, x", OF_ROW(X, planned.at)},
+    {"tip_y", "mm", "the same, y", OF_ROW(Y, planned.at)},
+    {"tip_z", "mm", "the same, z", OF_ROW(Z, planned.at)},
+    {"far_mm", "mm", "how far that is from the apex", OF_POSE(NUMBER, far)},
+    {"leeway_mm", "mm", "no point of the axis may be off by so much that a constraint breaks, as far as is known",
+     OF_POSE(NUMBER, leeway)},
+    {"leeway_of", NULL, "the constraint that has the least leeway, named as broken", NAMED(get_leeway_of)},
+    {"slack_mm", "mm", "least clearance from what is avoided, its margin taken off", OF_POSE(NUMBER, slack)},
+    {"clearance_mm", "mm", "least clearance from what is avoided, the radius taken off", OF_POSE(NUMBER, clearance)},
+    {"clearance_of", NULL, "what that is", NAMED(get_clearance_of)},
+    {"clearance_at_mm", "mm", "where the axis is nearest to it, from the apex", .get = get_clearance_at},
+    {"score", NULL, "value of the formula of --score", OF_POSE(NUMBER, score)},
+};
+
+static struct cell get_number(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return integer_cell(row->planned.constraint + 1);
+}
+
+static struct cell get_constraint_kind(const conus_report *report, const struct report_row *row)
+{
+    return text_cell(constraint_of(report, row)->kind);
+}
+
+static struct cell get_constraint_index(const conus_report *report, const struct report_row *row)
+{
+    return integer_cell(constraint_of(report, row)->index);
+}
+
+static struct cell get_constraint_name(const conus_report *report, const struct report_row *row)
+{
+    return text_cell(constraint_of(report, row)->name);
+}
+
+/* A number of a constraint, of angles in degrees. */
+static struct cell measured_cell(const conus_report *report, const struct report_row *row, double number)
+{
+    bool is_angle = constraint_of(report, row)->asked->kind == CONUS_CONSTRAINT_LEAN;
+    return number_cell(is_angle ? degrees_from_radians(number) : number);
+}
+
+static struct cell get_value(const conus_report *report, const struct report_row *row)
+{
+    return measured_cell(report, row, verdict_of(row)->value);
+}
+
+static struct cell get_limit(const conus_report *report, const struct report_row *row)
+{
+    const conus_constraint *asked = constraint_of(report, row)->asked;
+    double value = verdict_of(row)->value;
+    bool is_upper = asked->kind == CONUS_CONSTRAINT_LENGTH && asked->most - value < value - asked->limit;
+    return measured_cell(report, row, is_upper ? asked->most : asked->limit);
+}
+
+static struct cell get_slack(const conus_report *report, const struct report_row *row)
+{
+    return measured_cell(report, row, verdict_of(row)->slack);
+}
+
+static struct cell get_leeway(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return number_cell(verdict_of(row)->leeway);
+}
+
+static struct cell get_holds(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return integer_cell(verdict_of(row)->holds);
+}
+
+#define CONSTRAINT_KIND                                                                                                \
+    {                                                                                                                  \
+        "kind", NULL, "reach, avoid, length, lean, apart or first", NAMED(get_constraint_kind)                         \
+    }
+#define CONSTRAINT_INDEX                                                                                               \
+    {                                                                                                                  \
+        "index", NULL, "its number among those of its kind, from 1", NAMED(get_constraint_index)                       \
+    }
+#define CONSTRAINT_NAME                                                                                                \
+    {                                                                                                                  \
+        "name", NULL, "names of the objects of its structure", NAMED(get_constraint_name)                              \
+    }
+
+static const struct report_column constraint_columns[] = {
+    {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
+    {"constraint", NULL, "number of the constraint on the command line, from 1", NAMED(get_number)},
+    CONSTRAINT_KIND,
+    CONSTRAINT_INDEX,
+    CONSTRAINT_NAME,
+    {"value", NULL, "what was measured, mm or degrees, or as the constraint says", .get = get_value},
+    {"limit", NULL, "what it is compared with; of a length the end that is nearer", .get = get_limit},
+    {"slack", NULL, "by how much the constraint holds; negative where it breaks", .get = get_slack},
+    {"holds", NULL, "1 if it holds, else 0", .get = get_holds},
+    {"leeway_mm", "mm", "no point of the axis may be off by so much that it breaks", .get = get_leeway},
+};
+
+static struct cell get_profile_clearance(const conus_report *report, const struct report_row *row)
+{
+    return number_cell(row->planned.distance - report->selector.radius);
+}
+
+static const struct report_column profile_columns[] = {
+    {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
+    {"order", NULL, "number of the depth, 1 is nearest to the apex", OF_ROW(LARGE_COUNT, planned.order)},
+    {"depth_mm", "mm", "depth of a point of the axis, from the apex", OF_ROW(NUMBER, planned.depth)},
+    {"x", "mm", "where that point is, x", OF_ROW(X, planned.at)},
+    {"y", "mm", "the same, y", OF_ROW(Y, planned.at)},
+    {"z", "mm", "the same, z", OF_ROW(Z, planned.at)},
+    CONSTRAINT_KIND,
+    CONSTRAINT_INDEX,
+    CONSTRAINT_NAME,
+    {"distance_mm", "mm", "how far that point is from the structure", OF_ROW(NUMBER, planned.distance)},
+    {"clearance_mm", "mm", "the same, the radius taken off", .get = get_profile_clearance},
+};
+
 /* Summaries: one row per answer, with the best, the next, and by how much it is behind. */
 
 static const char *const summary_common[] = {"query", "kind", "index", "name", "share", "score", "distance_mm"};
@@ -529,6 +727,16 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         list_named(out, study_common, COUNT_OF(study_common));
         list_table(out, report, chance_columns, COUNT_OF(chance_columns));
         break;
+    case CONUS_ROWS_PLAN:
+        list_table(out, report, plan_columns, COUNT_OF(plan_columns));
+        list_table(out, report, report->plan.columns, report->plan.column_count);
+        break;
+    case CONUS_ROWS_CONSTRAINTS:
+        list_table(out, report, constraint_columns, COUNT_OF(constraint_columns));
+        break;
+    case CONUS_ROWS_PROFILE:
+        list_table(out, report, profile_columns, COUNT_OF(profile_columns));
+        break;
     }
     if (report->name) {
         list_column(out, &atlas_column);
@@ -539,6 +747,18 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     }
 }
 
+/* Whether a column of this name holds a number of a constraint: "reach1_mm". */
+static bool is_of_constraint(const char *name)
+{
+    static const char *const kinds[] = {"reach", "avoid", "length", "lean", "apart", "first"};
+    bool is = false;
+    for (size_t i = 0; i < COUNT_OF(kinds); i++) {
+        size_t length = strlen(kinds[i]);
+        is = is || (strncmp(name, kinds[i], length) == 0 && name[length] >= '1' && name[length] <= '9');
+    }
+    return is;
+}
+
 bool conus_column_is_number(const char *name)
 {
     static const struct {
@@ -547,7 +767,8 @@ bool conus_column_is_number(const char *name)
     } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),     ALL_OF(share_columns),
                   ALL_OF(admission_columns), ALL_OF(chance_columns),    ALL_OF(coverage_columns),
                   ALL_OF(segment_columns),   ALL_OF(clearance_columns), ALL_OF(connection_columns),
-                  ALL_OF(summary_columns),   ALL_OF(electrode_columns), ALL_OF(voxel_columns)};
+                  ALL_OF(summary_columns),   ALL_OF(electrode_columns), ALL_OF(voxel_columns),
+                  ALL_OF(plan_columns),      ALL_OF(constraint_columns), ALL_OF(profile_columns)};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {
@@ -555,7 +776,7 @@ bool conus_column_is_number(const char *name)
             }
         }
     }
-    return false;
+    return is_of_constraint(name);
 }
 
 /* The value at `place`, which is of the column's type. */
@@ -605,7 +826,10 @@ struct cell report_cell(const conus_report *report, const struct report_column *
         if (column->get) {
             return column->get(report, row);
         }
-        const void *from = column->of_query ? (const void *)&report->queries[row->query] : row;
+        const void *from = column->home == HOME_ROW     ? (const void *)row
+                           : column->home == HOME_QUERY ? (const void *)query
+                           : column->home == HOME_POSE  ? (const void *)row->planned.pose
+                                                        : (const void *)row->planned.pose->verdicts;
         return stored_cell(report, column->type, (const char *)from + column->offset);
     }
     const char *reason = report->options.rows == CONUS_ROWS_SUMMARIES     ? "error"

@@ -31,6 +31,14 @@ enum column_type {
     COLUMN_OWN_Z
 };
 
+/** Where the value of a column lies. */
+enum column_home {
+    HOME_ROW = 0, /**< In struct report_row. */
+    HOME_QUERY,   /**< In struct report_query. */
+    HOME_POSE,    /**< In the conus_planned of the row, */
+    HOME_VERDICTS /**< or in the verdicts of its constraints. */
+};
+
 /** Without one of its needs a cell is n/a. */
 enum column_needs {
     NEEDS_RAYS = 1,   /**< The query is a cone: a ball has no pixels and no rays. */
@@ -45,8 +53,8 @@ struct report_column {
     const char *units; /**< NULL if it has none. */
     const char *description;
     enum column_type type;
-    size_t offset;     /**< Where the value lies in struct report_row, */
-    bool of_query;     /**< or in struct report_query.         */
+    size_t offset; /**< Where the value lies in its home. */
+    enum column_home home;
     unsigned needs;    /**< enum column_needs */
     bool layers_only;  /**< Only in reports of all layers. */
     bool moved_only;   /**< Only of an atlas that was moved. */
@@ -54,7 +62,7 @@ struct report_column {
     struct cell (*get)(const conus_report *report, const struct report_row *row);
 };
 
-enum { REPORT_COLUMN_LIMIT = 64 }; /* more than any kind of report has */
+enum { REPORT_COLUMN_LIMIT = 256 }; /* more than any kind of report has */
 
 /** The columns of a report, one after the other. */
 struct report_columns {

@@ -299,14 +299,15 @@ static bool add_range(json_t *settings, const conus_selector_options *options)
            put_value(settings, "range_mm", json_pack("[f, f]", options->range[0], options->range[1]));
 }
 
-/* The shape that streamlines are to come into, where it is not a query's own cone. */
+/* The shape that streamlines are to come into, where it is not a query's own cone; the needle of a plan. */
 static bool add_shape(json_t *settings, const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
-    return report->options.rows != CONUS_ROWS_CONNECTIONS ||
-           (put_value(settings, "aperture",
-                      json_string(options->aperture == CONUS_APERTURE_SQUARE ? "square" : "circle")) &&
-            (options->radius == 0 || put_value(settings, "radius_mm", json_real(options->radius))));
+    bool of_connections = report->options.rows == CONUS_ROWS_CONNECTIONS;
+    bool has_radius = options->radius > 0 && (of_connections || report->plan.count > 0);
+    return (!of_connections || put_value(settings, "aperture",
+                                         json_string(options->aperture == CONUS_APERTURE_SQUARE ? "square" : "circle"))) &&
+           (!has_radius || put_value(settings, "radius_mm", json_real(options->radius)));
 }
 
 /* Its radius, and how far it looks; null = as far as there are objects. */
@@ -321,7 +322,7 @@ static json_t *json_from_settings(const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
     conus_rows rows = report->options.rows;
-    bool has_axes = report_is_of_axes(rows) || rows == CONUS_ROWS_CONNECTIONS;
+    bool has_axes = report_is_of_axes(rows) || rows == CONUS_ROWS_CONNECTIONS || report->plan.count > 0;
     if (has_axes || rows == CONUS_ROWS_COVERAGES) { /* which have no rays of pixels */
         json_t *few = json_object();
         bool level_is_there = has_axes && report->name; /* in that of each atlas */
@@ -352,6 +353,48 @@ static json_t *json_from_settings(const conus_report *report)
     return whole_or_null(settings, whole && add_track(settings, report->options.tracker));
 }
 
+static json_t *json_from_constraint(const struct report_constraint *constraint)
+{
+    bool is_angle = constraint->asked->kind == CONUS_CONSTRAINT_LEAN;
+    double limit = constraint->asked->limit;
+    json_t *entry = json_pack("{s: s, s: I, s: f, s: o}", "kind", constraint->kind, "index",
+                              (json_int_t)constraint->index, "limit", is_angle ? degrees_from_radians(limit) : limit,
+                              "asked", json_from_text(constraint->words));
+    bool whole = (!constraint->name || put_value(entry, "name", json_from_text(constraint->name))) &&
+                 (!constraint->measure || put_value(entry, "measure", json_string(constraint->measure)));
+    return whole_or_null(entry, whole);
+}
+
+/* The pose that breaks only this constraint, null where there is none. */
+static json_t *json_from_miss(const struct report_constraint *constraint, size_t index)
+{
+    const conus_planned *pose = constraint->miss;
+    if (!pose) {
+        return json_null();
+    }
+    double unit = constraint->asked->kind == CONUS_CONSTRAINT_LEAN ? degrees_from_radians(1) : 1;
+    return json_pack("{s: o, s: f, s: f}", "query", json_from_text(pose->id), "value",
+                     pose->verdicts[index].value * unit, "slack", pose->verdicts[index].slack * unit);
+}
+
+static bool add_plan(json_t *root, const struct report_plan *plan)
+{
+    json_t *constraints = json_array();
+    json_t *funnel = json_array();
+    json_t *misses = json_array();
+    bool whole = true;
+    for (size_t i = 0; i < plan->count; i++) {
+        const struct report_constraint *constraint = &plan->constraints[i];
+        whole = json_array_append_new(constraints, json_from_constraint(constraint)) == 0 && whole;
+        whole = json_array_append_new(funnel, json_integer((json_int_t)constraint->left)) == 0 && whole;
+        whole = json_array_append_new(misses, json_from_miss(constraint, i)) == 0 && whole;
+    }
+    json_t *object = json_pack("{s: I, s: I, s: o, s: o, s: o}", "candidates", (json_int_t)plan->candidates,
+                               "no_candidates", (json_int_t)plan->rejected, "constraints", constraints, "funnel",
+                               funnel, "nearest_misses", misses);
+    return put_value(root, "Plan", whole_or_null(object, whole));
+}
+
 /* The sources; queries are always in RAS. */
 static bool add_sources(json_t *root, const conus_report *report)
 {
@@ -361,7 +404,7 @@ static bool add_sources(json_t *root, const conus_report *report)
     return put_value(root, "GeneratedBy", json_pack("[o]", program)) && whole &&
            (report->name ? put_value(root, "Atlases", json_from_atlases(report))
                          : put_value(root, "Atlas", json_from_atlas(report->atlas))) &&
-           put_value(root, "Settings", json_from_settings(report)) &&
+           put_value(root, "Settings", json_from_settings(report)) && (!report->plan.count || add_plan(root, &report->plan)) &&
            (report->is_begun || put_value(root, "Queries", json_from_queries(report))); /* else they are forgotten */
 }
 

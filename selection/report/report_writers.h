@@ -24,6 +24,7 @@ void report_write_overlap(struct buffer *out, const conus_report *report);     /
 void report_write_segments(struct buffer *out, const conus_report *report);    /**< Segments.        */
 void report_write_clearances(struct buffer *out, const conus_report *report);  /**< Clearances.        */
 void report_write_connections(struct buffer *out, const conus_report *report); /**< Connections.   */
+void report_write_plan(struct buffer *out, const conus_report *report);        /**< All rows of plans. */
 void report_write_sweep(struct buffer *out, const conus_report *report);       /**< All other rows.   */
 
 /* report_json.c */

@@ -115,7 +115,7 @@ LIBRARY = {
     "selection": "base base/geometry atlas atlas/areas selection/region selection/evidence selection/engine selection/measure",
     "selection/study": "base base/geometry atlas/surface atlas selection/measure selection",
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"
-    " selection/measure selection selection/study selection/batch",
+    " selection/measure selection selection/study selection/report selection/batch",
     "selection/ends": "base base/geometry atlas/surface atlas selection/cone selection/measure selection",
     "selection/picture": "base base/geometry render/image render/colour render/flat selection/measure selection",
     "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study",

@@ -381,7 +381,7 @@ hostile() {
 @test "a hostile sidecar writes nowhere and starts nothing" {
     study
     local aim="--origin 0,-100,0 --toward 0,0,0"
-    hostile 'conus mesh atlas/sphere.nii.gz -o meshes' 'only conus query, batch, sweep, track, overlap and connect'
+    hostile 'conus mesh atlas/sphere.nii.gz -o meshes' 'only conus query, batch, sweep, track, overlap, connect and plan'
     hostile 'conus phantom sphere -o .' 'begins with "conus phantom"'
     hostile 'conus view --script x' 'begins with "conus view"'
     hostile 'conus' 'begins with "conus "'

@@ -198,7 +198,8 @@ static int check_columns(struct results *results, const char *path)
     }
     for (size_t i = 0; i < RESULTS_KEYS; i++) {
         size_t column;
-        bool other = i == INDEX_KEY && results_column(results, "bundle_index", &column);
+        bool other = (i == INDEX_KEY && results_column(results, "bundle_index", &column)) ||
+                     (i > 0 && results_column(results, "feasible", &column)); /* of a plan */
         if (results_column(results, key_names[i], &column)) {
             results->keys[i] = &results->cells[column];
         } else if (i < NEEDED_KEYS && !other) {

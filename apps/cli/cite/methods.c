@@ -551,6 +551,33 @@ static void put_overlap(FILE *out, const struct citation *citation)
         out);
 }
 
+static void put_plan(FILE *out, const struct citation *citation)
+{
+    const json_t *plan = json_object_get(citation->sidecar, "Plan");
+    const json_t *funnel = json_object_get(plan, "funnel");
+    double radius = json_number_value(citation_setting(citation, "radius_mm"));
+    const char *rank = option_value(citation, "rank");
+    size_t index;
+    const json_t *constraint;
+    fprintf(out, "A needle%s was tried at %" JSON_INTEGER_FORMAT " candidate poses", radius > 0 ? "" : ", its axis,",
+            json_integer_value(json_object_get(plan, "candidates")));
+    put_program(out, citation);
+    if (radius > 0) {
+        fprintf(out, " Its radius was %.9g mm.", radius);
+    }
+    fputs(" Constraints were ", out);
+    json_array_foreach(json_object_get(plan, "constraints"), index, constraint)
+    {
+        const char *asked = json_string_value(json_object_get(constraint, "asked"));
+        fprintf(out, "%s%s", index ? "; " : "", asked ? asked : "another one");
+    }
+    fprintf(out,
+            ". %" JSON_INTEGER_FORMAT " poses hold all of them (Eq. 21 and 22 of conus's documentation), and were ranked "
+            "by %s. The leeway of a pose is a distance for which is proven that no pose whose axis is off by less breaks "
+            "a constraint.",
+            json_integer_value(json_array_get(funnel, json_array_size(funnel) - 1)), rank ? rank : "leeway,-depth");
+}
+
 /* The first row that fits a question writes its sentences. A row without a region fits any. */
 static const struct {
     const char *rows, *region;
@@ -568,6 +595,9 @@ static const struct {
     {"shares", NULL, put_cone, true},
     {"chances", NULL, put_cone, true},
     {"steps", NULL, put_cone, true},
+    {"plan", NULL, put_plan, false},
+    {"constraints", NULL, put_plan, false},
+    {"profile", NULL, put_plan, false},
 };
 
 /* The index of that row; the number of rows where none fits. */

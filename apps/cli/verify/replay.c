@@ -259,7 +259,7 @@ bool replay_parse(struct replay *out, const struct command *const *commands)
     if (!out->command || asks_for_help(line)) {
         return fail_replay(out,
                            "its command line begins with \"%.40s %.40s\": only conus query, batch, sweep, track, "
-                           "overlap and connect are asked again",
+                           "overlap, connect and plan are asked again",
                            line->words[0], line->count > 1 ? line->words[1] : "");
     }
     out->settings = calloc(1, out->command->settings_size);

@@ -1,0 +1,504 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus plan: which poses reach some structures and stay clear of others, and how far they may be off. */
+#include "cli/answers/ends.h"
+#include "cli/commands.h"
+#include "cli/constraints.h"
+#include "cli/request.h"
+#include "options/messages.h"
+#include "options/progress.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct plan_settings {
+    struct request_settings request; /* first */
+    struct constraint_settings constraints;
+    double far;
+    const char *top;
+    bool infeasible, no_pruning;
+    const char *rank, *score, *pareto;
+    const char *constraint_rows, *profile;
+    uint32_t threads;
+    size_t progress; /* enum progress_kind */
+};
+
+#define FIELD(member) offsetof(struct plan_settings, member)
+
+static const struct option candidate_options[] = {
+    {.name = "poses",
+     .type = OPTION_TEXT,
+     .offset = REQUEST_FIELD(aim.pose),
+     .value = "FILE",
+     .help = "the candidates: poses of needles (docs/formats.md); - is standard input",
+     .words = "input, trajectory, electrode, candidates",
+     .common = true,
+     .required = true,
+     .role = OPTION_READS_POSES},
+    {.name = "depth",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(far),
+     .value = "MM",
+     .help = "far end, the tip, of poses that have none in a column far, mm from the device's position",
+     .low = 0,
+     .high = 1e9,
+     .open = true,
+     .common = true,
+     .excludes = "range"},
+    {.name = "range",
+     .type = OPTION_RANGE,
+     .offset = REQUEST_FIELD(engine.range),
+     .value = "NEAR,FAR",
+     .help = "or both ends of the needle",
+     .low = 0,
+     .high = 1e9},
+    {.name = "radius",
+     .type = OPTION_NUMBER,
+     .offset = REQUEST_FIELD(engine.radius),
+     .value = "MM",
+     .help = "radius of the needle, mm (default: its axis alone)",
+     .low = 0,
+     .high = 1e9,
+     .open = true,
+     .words = "needle, diameter",
+     .common = true},
+    {0},
+};
+
+static const struct option list_options[] = {
+    {.name = "top",
+     .type = OPTION_TEXT,
+     .offset = FIELD(top),
+     .value = "N|all",
+     .help = "list the best N poses (default 20)",
+     .words = "best, limit",
+     .common = true,
+     .role = OPTION_ASKS},
+    {.name = "rank",
+     .type = OPTION_TEXT,
+     .offset = FIELD(rank),
+     .value = "KEY[/STEP],...",
+     .help = "order of the list: the larger key first, of -KEY the smaller; a later key decides between equal ones, "
+             "with /STEP between those in one step (default leeway,-depth)",
+     .words = "sort",
+     .role = OPTION_ASKS},
+    {.name = "score",
+     .type = OPTION_TEXT,
+     .offset = FIELD(score),
+     .value = "FORMULA",
+     .help = "formula of keys, numbers, + - * / and parentheses, which is the key score",
+     .role = OPTION_ASKS},
+    {.name = "pareto",
+     .type = OPTION_TEXT,
+     .offset = FIELD(pareto),
+     .value = "KEY,...",
+     .help = "column front: 1 where no pose is at least as good in all these keys and better in one",
+     .words = "trade-off",
+     .role = OPTION_ASKS},
+    {.name = "infeasible",
+     .type = OPTION_FLAG,
+     .offset = FIELD(infeasible),
+     .help = "list poses that break a constraint, too, behind the others, with what they break"},
+    {0},
+};
+
+static const struct option rows_options[] = {
+    {.name = "constraints",
+     .type = OPTION_TEXT,
+     .offset = FIELD(constraint_rows),
+     .value = "FILE",
+     .help = "write a row for each listed pose and constraint: what was measured, the limit, the slack",
+     .role = OPTION_WRITES_ROWS},
+    {.name = "profile",
+     .type = OPTION_TEXT,
+     .offset = FIELD(profile),
+     .value = "FILE[,step=MM]",
+     .help = "write how far each listed needle is from what it is to avoid, at every MM of depth (default 1)",
+     .words = "curve, distance",
+     .role = OPTION_WRITES_ROWS,
+     .key = "step"},
+    {0},
+};
+
+static const struct option run_options[] = {
+    {.name = "threads",
+     .type = OPTION_COUNT,
+     .offset = FIELD(threads),
+     .value = "N",
+     .help = "number of threads, 1 to 1024 (default: one per available processor); the answer does not depend on it",
+     .low = 1,
+     .high = 1024,
+     .words = "parallel, cores",
+     .role = OPTION_KEPT},
+    {.name = "no-pruning",
+     .type = OPTION_FLAG,
+     .offset = FIELD(no_pruning),
+     .help = "measure everything of every pose: slower, the same answer",
+     .role = OPTION_OF_RUN},
+    {.name = "progress",
+     .type = OPTION_CHOICE,
+     .offset = FIELD(progress),
+     .value = "KIND",
+     .help = "on standard error: a line on a terminal, JSON for programs, or nothing:",
+     .choices = progress_kinds,
+     .role = OPTION_OF_RUN},
+    {0},
+};
+
+static const struct option_group groups[] = {
+    {"Which poses are tried", candidate_options, 0},
+    {"", pose_file_options, REQUEST_FIELD(file)},
+    {"", space_options, REQUEST_FIELD(aim.space)},
+    {"What must hold, all of it", constraint_options, FIELD(constraints)},
+    {"What is listed", list_options, 0},
+    {"What is there", atlas_options, REQUEST_FIELD(atlas)},
+    {"", shown_options, REQUEST_FIELD(atlas)},
+    REQUEST_OUTPUT_GROUPS,
+    {"", rows_options, 0},
+    {"How it runs", run_options, 0},
+    {"", quiet_options, REQUEST_FIELD(common)},
+    {0},
+};
+
+enum { ROWS_FILES = 2 };
+static const struct rows_kind rows_kinds[ROWS_FILES] = {{"constraints", CONUS_ROWS_CONSTRAINTS, "constraints"},
+                                                        {"profile", CONUS_ROWS_PROFILE, "profile"}};
+
+/** A plan under way. */
+struct planning {
+    const struct plan_settings *settings;
+    struct request request;
+    struct constraints constraints;
+    struct rows_file files[ROWS_FILES]; /* --constraints, --profile */
+    uint64_t top;
+    double step; /* mm, of --profile */
+    conus_plan *plan;
+};
+
+static bool read_top(uint64_t *out, const char *text)
+{
+    *out = text && strcmp(text, "all") == 0 ? UINT64_MAX : 0;
+    bool is_fine = !text || *out || (count_parse(text, UINT64_MAX, out) && *out > 0);
+    return is_fine || (print_error_line("--top: \"%s\" is neither a whole number above 0 nor all", text), false);
+}
+
+static bool read_step(double *out, const char *text)
+{
+    *out = 1;
+    bool is_fine = !text || (number_parse(text, out) && *out > 0);
+    return is_fine || (print_error_line("--profile: step=%s is not a number above 0", text), false);
+}
+
+static bool has_avoided(const struct constraints *constraints)
+{
+    bool found = false;
+    for (size_t i = 0; i < constraints->count; i++) {
+        found = found || (constraints->items[i].kind == CONUS_CONSTRAINT_AVOID && !constraints->items[i].measure);
+    }
+    return found;
+}
+
+/* Rows on standard output take the place of the answer, unless -o names it another. */
+static bool is_replaced(const struct planning *planning)
+{
+    bool is_there = false;
+    for (size_t i = 0; i < ROWS_FILES; i++) {
+        const char *path = planning->files[i].path;
+        is_there = is_there || (path && output_is_stdout(path));
+    }
+    return is_there && !planning->settings->request.answer.output;
+}
+
+static int start_rows(struct planning *planning)
+{
+    const struct plan_settings *settings = planning->settings;
+    const char *const paths[ROWS_FILES] = {settings->constraint_rows, settings->profile};
+    struct request *request = &planning->request;
+    bool answer_has_format = !output_is_stdout(settings->request.answer.output);
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < ROWS_FILES && !code; i++) {
+        code = rows_file_init(&planning->files[i], &rows_kinds[i], paths[i],
+                              answer_has_format ? CONUS_FORMAT_TABLE : request->format);
+        outputs_add_sidecar(&request->outputs, rows_kinds[i].option, planning->files[i].sidecar);
+    }
+    if (!code && paths[0] && paths[1] && output_is_stdout(paths[0]) && output_is_stdout(paths[1])) {
+        code = print_usage_error("--constraints and --profile are both on standard output");
+    }
+    if (!code && paths[1] && !has_avoided(&planning->constraints)) {
+        code = print_usage_error("--profile has no effect without --avoid NAME,...");
+    }
+    if (!code && is_replaced(planning) && settings->request.answer.sidecar) {
+        code = print_usage_error("--sidecar has no effect without the answer");
+    }
+    return code || outputs_differ(&request->outputs) ? code : EXIT_USAGE;
+}
+
+static int open_poses(void *user)
+{
+    struct request *request = user;
+    const conus_pose_options options = request_pose_options(request);
+    const char *path = request->settings->aim.pose;
+    conus_status status = conus_pose_stream_open(&request->stream, path, &options);
+    return status ? settings_print_poses_error(status, path, "poses", request->arguments) : EXIT_DONE;
+}
+
+static bool show_tried(void *user, size_t done, size_t total)
+{
+    struct planning *planning = user;
+    (void)total;
+    progress_update(&planning->request.progress, done, 0);
+    return true;
+}
+
+static int try_poses(struct planning *planning)
+{
+    const struct plan_settings *settings = planning->settings;
+    struct request *request = &planning->request;
+    struct progress *progress = &request->progress;
+    const conus_plan_options options = {
+        .threads = settings->threads,
+        .top = planning->top,
+        .infeasible = settings->infeasible,
+        .no_pruning = settings->no_pruning,
+        .rank = settings->rank,
+        .score = settings->score,
+        .pareto = settings->pareto,
+        .far = settings->far,
+        .progress = show_tried,
+        .progress_user = planning,
+    };
+    conus_status status = conus_plan_create(&planning->plan, request->answerers[0].selector, planning->constraints.items,
+                                            planning->constraints.count, &options);
+    if (status) {
+        return print_status(status);
+    }
+    progress_start(progress, (enum progress_kind)settings->progress, settings->request.common.quiet, "poses", 0);
+    if (progress_is_shown(progress) && conus_pose_stream_count(&progress->total, request->stream)) {
+        progress->total = 0;
+    }
+    status = conus_plan_run(planning->plan, request->stream, UINT64_MAX);
+    progress_finish(progress, conus_plan_left(planning->plan, 0), conus_plan_rejected(planning->plan).count);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+/* "1,043,216" */
+static void put_count(FILE *out, uint64_t count)
+{
+    char digits[24];
+    int length = snprintf(digits, sizeof digits, "%llu", (unsigned long long)count);
+    for (int i = 0; i < length; i++) {
+        fprintf(out, "%s%c", i && (length - i) % 3 == 0 ? "," : "", digits[i]);
+    }
+}
+
+/* How many candidates each constraint leaves, up to the first that leaves none. */
+static void put_funnel(FILE *out, const conus_plan *plan, const conus_report *report)
+{
+    uint64_t left = conus_plan_left(plan, 0);
+    put_count(out, left);
+    fputs(left == 1 ? " candidate: " : " candidates: ", out);
+    for (size_t i = 0; i < conus_plan_constraint_count(plan) && left; i++) {
+        left = conus_plan_left(plan, i + 1);
+        fputs(i ? "; " : "", out);
+        if (left) {
+            put_count(out, left);
+        } else {
+            fputs("none", out);
+        }
+        fprintf(out, "%s%s %s", i ? " of these" : "", left > 1 ? " have" : " has", conus_report_constraint(report, i));
+    }
+}
+
+/* The poses that break one constraint alone, by the least, each on a line. */
+static void put_misses(FILE *out, const conus_plan *plan, const conus_report *report, double radius)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < conus_plan_constraint_count(plan); i++) {
+        const conus_planned *miss = conus_plan_miss(plan, i);
+        const conus_constraint *constraint = conus_plan_constraint(plan, i);
+        if (miss) {
+            bool is_clearance = constraint->kind == CONUS_CONSTRAINT_AVOID && !constraint->measure;
+            double unit = constraint->kind == CONUS_CONSTRAINT_LEAN ? radians(1) : 1;
+            double value = miss->verdicts[i].value / unit - (is_clearance ? radius : 0);
+            fprintf(out, "\n%s breaks only one of them, %s: it has %.4g", miss->id, conus_report_constraint(report, i),
+                    value);
+            count++;
+        }
+    }
+    fputs(count ? "" : "\nevery candidate breaks more than one of them", out);
+}
+
+/* Says the lines of a text, each as a message. */
+static void say_lines(FILE *stream, char **text)
+{
+    if (stream && !fclose(stream)) {
+        for (char *rest = *text, *line; (line = strsep(&rest, "\n"));) {
+            print_error_line("%s", line);
+        }
+    }
+    free(*text);
+}
+
+static void say_plan(const struct planning *planning)
+{
+    char *text = NULL;
+    size_t size = 0;
+    const conus_plan *plan = planning->plan;
+    const conus_report *report = planning->request.answerers[0].report;
+    FILE *out = open_memstream(&text, &size);
+    if (out) {
+        put_funnel(out, plan, report);
+        if (!conus_plan_left(plan, conus_plan_constraint_count(plan))) {
+            put_misses(out, plan, report, planning->settings->request.engine.radius);
+        }
+        fputs("\nnote: a plan is a list to be checked; conus is no medical device", out);
+    }
+    say_lines(out, &text);
+}
+
+/* Rows that are no candidates; without any candidate there is nothing to plan. */
+static int check_candidates(struct planning *planning)
+{
+    const conus_plan_faults faults = conus_plan_rejected(planning->plan);
+    struct request *request = &planning->request;
+    const char *path = settings_poses_name(request->settings->aim.pose);
+    uint64_t tried = conus_plan_left(planning->plan, 0);
+    if (!tried && !faults.count) {
+        return print_usage_error("%s: no candidate: no poses in it", path);
+    }
+    if (!tried) {
+        return print_usage_error("%s: no candidate: line %zu: %s", path, faults.line, faults.why);
+    }
+    if (faults.count) {
+        print_error_line("%s: %llu of %llu rows are no candidates, the first in line %zu: %s", path,
+                         (unsigned long long)faults.count, (unsigned long long)(tried + faults.count), faults.line,
+                         faults.why);
+        request->failed = true;
+    }
+    return EXIT_DONE;
+}
+
+static conus_status make_reports(struct planning *planning)
+{
+    struct request *request = &planning->request;
+    conus_report_options options = request_report_options(request);
+    options.rows = CONUS_ROWS_PLAN;
+    conus_status status = request_report(request, 0, &options);
+    status = status ? status : conus_report_add_plan(request->answerers[0].report, planning->plan);
+    for (size_t i = 0; i < ROWS_FILES && !status; i++) {
+        struct rows_file *file = &planning->files[i];
+        status = rows_file_report(file, request->answerers[0].selector, &options);
+        if (!status && file->path) {
+            status = i == 0 ? conus_report_add_plan(file->reports[0], planning->plan)
+                            : conus_report_add_profile(file->reports[0], planning->plan, planning->step);
+        }
+    }
+    return status;
+}
+
+static int write_all(struct planning *planning)
+{
+    struct request *request = &planning->request;
+    const struct plan_settings *settings = planning->settings;
+    struct provenance provenance = {0};
+    request_list_inputs(&provenance, request);
+    for (size_t i = 0; i < planning->constraints.count; i++) {
+        bool has_file = planning->constraints.items[i].kind == CONUS_CONSTRAINT_APART;
+        provenance_add_input(&provenance, has_file ? planning->constraints.texts[i] : NULL);
+    }
+    provenance.question.region = settings->request.engine.radius > 0 ? "cylinder" : "axis";
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < ROWS_FILES && !code; i++) {
+        code = rows_file_write(&planning->files[i], &provenance);
+    }
+    provenance.question.rows = "plan";
+    provenance_add_outputs(&provenance, request->arguments);
+    return code || is_replaced(planning) ? code
+                                         : answer_write(request->answerers[0].report, settings->request.answer.output,
+                                                        request->sidecar, &provenance);
+}
+
+static int answer_plan(struct planning *planning)
+{
+    struct request *request = &planning->request;
+    const struct plan_settings *settings = planning->settings;
+    conus_selector_options engine = settings_engine(&settings->request.engine, &settings->request.common);
+    engine.engine = CONUS_ENGINE_RAYS;
+    int code = request_load(request, open_poses, request);
+    code = code ? code : request_match(request);
+    code = code ? code : request_check_outputs(request, NULL);
+    code = code ? code
+                : constraints_place(&planning->constraints, &request->frame, &settings->request.file,
+                                    settings->far > 0 ? settings->far : settings->request.engine.range[1]);
+    if (code) {
+        return code;
+    }
+    conus_status status = request_start(request, &engine);
+    code = status ? print_status(status) : try_poses(planning);
+    code = code ? code : check_candidates(planning);
+    if (code) {
+        return code;
+    }
+    status = make_reports(planning);
+    if (status) {
+        return print_status(status);
+    }
+    request_say_notes(request);
+    if (!settings->request.common.quiet) {
+        say_plan(planning);
+    }
+    return request_code(request, write_all(planning));
+}
+
+static int run_plan(const void *given, const struct arguments *arguments)
+{
+    const struct plan_settings *settings = given;
+    struct planning planning = {.settings = settings};
+    int code = constraints_parse(&planning.constraints, arguments);
+    bool fits = !code && read_top(&planning.top, settings->top) && read_step(&planning.step, option_key(arguments, "profile")) &&
+                settings_check_space(arguments, &settings->request.aim.space);
+    code = code || fits ? code : EXIT_USAGE;
+    code = code ? code : request_init(&planning.request, &settings->request, arguments);
+    code = code ? code : start_rows(&planning);
+    code = code ? code : answer_plan(&planning);
+    for (size_t i = 0; i < ROWS_FILES; i++) {
+        rows_file_finish(&planning.files[i]);
+    }
+    conus_plan_destroy(planning.plan);
+    constraints_finish(&planning.constraints);
+    request_finish(&planning.request);
+    return code;
+}
+
+static void help_keys(FILE *out)
+{
+    fputs("Keys of --rank, --score and --pareto\n"
+          "  leeway                      mm by which no point of the axis may be off before a constraint breaks\n"
+          "  slack                       least clearance from what is avoided, less its margin, mm\n"
+          "  clearance                   the same with the margin, mm\n"
+          "  depth                       how deep the far end is, mm\n"
+          "  reach, reach2, ...          what --reach measures, of the first one, the second one, ...\n"
+          "  score                       the formula of --score\n",
+          out);
+}
+
+const struct command cmd_plan = {
+    .name = "plan",
+    .summary = "list the poses that reach some structures and stay clear of others, the safest first",
+    .operands = {"ATLAS"},
+    .form = "--poses FILE --reach NAME,... --avoid NAME,...,margin=MM",
+    .description =
+        "Tries each pose of a file, a needle from its near to its far end, against all constraints, and lists those\n"
+        "that break none: how deep they are, how near they come to what they are to avoid and where, and their\n"
+        "leeway, by which no point of the needle may be off before a constraint breaks. A plan is a list to be\n"
+        "checked.",
+    .examples = "  conus plan aal --poses needles.tsv --reach Hippocampus_L,length=5 --avoid Insula_L,margin=2\n"
+                "  conus plan aal --poses needles.tsv --depth 70 --reach Hippocampus_L --radius 0.65 -o plan.tsv\n",
+    .see_also = "  conus query --segments   what each needle passes\n"
+                "  conus sweep --jitter     how certain an answer is when the pose is not exactly known\n",
+    .answers = true,
+    .groups = groups,
+    .settings_size = sizeof(struct plan_settings),
+    .more_help = help_keys,
+    .run = run_plan,
+};

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Options that constrain a plan, in their order on the command line. */
+#ifndef CONUS_CLI_CONSTRAINTS_H
+#define CONUS_CLI_CONSTRAINTS_H
+
+#include "settings/pose_settings.h"
+
+struct constraints {
+    conus_constraint *items; /**< [count] */
+    char **texts;            /**< [count] Their options' values, cut at their commas. */
+    double **needles;        /**< [count] Of --apart; else NULL. */
+    size_t count;
+};
+
+extern const struct option constraint_options[]; /**< struct constraint_settings */
+
+/** Only so that the parser keeps what it reads: constraints_parse() takes the uses, in their order. */
+struct constraint_settings {
+    struct option_list reach, avoid, lean, apart, first;
+    double length[2];
+};
+
+/** Reads the options; @p out is the caller's to constraints_finish() in any case. Returns the exit code and prints an
+ * error unless it is 0. */
+int constraints_parse(struct constraints *out, const struct arguments *arguments);
+void constraints_finish(struct constraints *constraints);
+
+/** Turns directions into the world, and loads the needles of --apart, whose poses are in the space of @p frame, too.
+ * Poses without a far end of their own have @p far, mm; 0 = none. Likewise. */
+int constraints_place(struct constraints *constraints, const conus_frame *frame,
+                      const struct pose_file_settings *settings, double far);
+
+#endif

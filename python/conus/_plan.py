@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plans: which needles reach some structures and stay clear of others, and how far they may be off."""
+from __future__ import annotations
+
+import contextlib
+import io
+import math
+import os
+import tempfile
+from typing import TYPE_CHECKING, Any, Iterator, Mapping, Optional, Sequence
+
+import numpy as np
+
+from ._answers import Array
+from ._conus import ffi, lib
+from ._library import ArgumentError, check, flag, items, numbers, optional, owned, real, shown, text, utf8, vector, whole
+from ._pose_file import Poses
+from ._poses import PoseArray
+
+if TYPE_CHECKING:
+    import pandas
+    from ._atlas import Selector
+
+_FORMATS = {".tsv": "TSV", ".csv": "CSV", ".json": "JSON", ".ndjson": "NDJSON", ".jsonl": "NDJSON", ".txt": "TABLE"}
+
+
+def _structures(name: str, given: Any) -> list[tuple[str, Any]]:
+    """The names of each structure, between commas, and what is asked of it; None = nothing more."""
+    if isinstance(given, str):
+        given = [given]
+    pairs = given.items() if isinstance(given, Mapping) else [(names, None) for names in items(name, given)]
+    return [(names if isinstance(names, str) else ",".join(names), asked) for names, asked in pairs]
+
+
+class Constraints:
+    """The constraints of the library, in the order of the arguments, and what must live as long as they."""
+
+    def __init__(self) -> None:
+        self.rows: list[dict[str, Any]] = []
+
+    def add(self, kind: str, **members: Any) -> None:
+        self.rows.append({"kind": getattr(lib, f"CONUS_CONSTRAINT_{kind.upper()}"), **members})
+
+    def add_structures(self, kind: str, main: str, given: Any) -> None:
+        for names, asked in _structures(kind, given):
+            members: dict[str, Any] = {"names": utf8(kind, names)}
+            keys = asked if isinstance(asked, Mapping) else {asked: None} if isinstance(asked, str) else {main: asked}
+            for key, value in keys.items():
+                if key == "part" and kind == "reach":
+                    members["part"] = vector(f"{kind}: part", value, 2)
+                elif key in ("tip", "crossed") and kind == "reach" and "measure" not in members:
+                    members["measure"] = getattr(lib, f"CONUS_MEASURE_{key.upper()}")
+                elif key != main or isinstance(asked, str):
+                    raise ArgumentError(f"{kind}: {shown(asked)} of {names} is not what {kind} can ask")
+                elif value is not None:
+                    members["limit"] = real(f"{kind}: {key}", value)
+            self.add(kind, **members)
+
+    def array(self) -> Any:
+        array = ffi.new("conus_constraint[]", max(1, len(self.rows)))
+        for entry, row in zip(array, self.rows):
+            entry.struct_size = ffi.sizeof("conus_constraint")
+            for member, value in row.items():
+                setattr(entry, member, value)
+        return array
+
+
+def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, first: Any) -> Constraints:
+    """The constraints of these arguments of :meth:`Selector.plan`."""
+    found = Constraints()
+    found.add_structures("reach", "length", reach)
+    found.add_structures("avoid", "margin", avoid)
+    if length is not None:
+        low, high = vector("length", length, 2)
+        found.add("length", limit=low, most=high)
+    for direction, degrees in items("lean", lean):
+        found.add("lean", direction=vector("lean", direction), limit=math.radians(real("lean", degrees)))
+    for ends, distance in items("apart", apart):
+        needles = np.ascontiguousarray(numbers("apart", ends)).reshape(-1, 6)
+        pointer = ffi.from_buffer("double[]", needles)
+        found.add("apart", needles=pointer, needle_count=len(needles), limit=real("apart", distance))
+    for names, _ in _structures("first", first):
+        found.add("first", names=utf8("first", names))
+    return found
+
+
+@contextlib.contextmanager
+def _stream_of(array: PoseArray, poses: Any, near: Any, far: Any) -> Iterator[Any]:
+    """A conus_pose_stream of them: the library reads candidates from a file, here with all digits."""
+    pose = ffi.new("conus_pose *")
+    lines = ["\t".join(["query_id", *(f"m{r}{c}" for r in range(4) for c in range(4)), "near", "far"])]
+    ends = np.full((len(array), 2), np.nan)
+    if isinstance(poses, Poses):
+        ends[:] = [list(lib.conus_pose_list_row(poses._list, i).range) for i in range(len(array))]
+    for column, (name, given) in enumerate((("near", near), ("far", far))):
+        if given is not None:
+            ends[:, column] = numbers(name, given)
+    for i, (low, high) in enumerate(ends):
+        name = str(i + 1) if array.names is None else str(array.names[i])
+        matrix = np.full(16, np.nan)
+        if i not in array.reasons:
+            check(array.fill(pose, i))
+            matrix = np.array(list(pose.world_from_device)).reshape(4, 4).T.ravel()
+        cells = [*matrix, low, high]
+        name = name.replace('"', '""')
+        lines.append("\t".join([f'"{name}"', *("n/a" if math.isnan(cell) else repr(float(cell)) for cell in cells)]))
+    out = ffi.new("conus_pose_stream **")
+    with tempfile.NamedTemporaryFile("w", suffix=".tsv", encoding="utf-8") as file:
+        file.write("\n".join(lines) + "\n")
+        file.flush()
+        check(lib.conus_pose_stream_open(out, os.fsencode(file.name), ffi.NULL))
+        yield owned(out[0], lib.conus_pose_stream_destroy)
+
+
+class Plan:
+    """The poses that break no constraint, the best first: the rows of ``conus plan``.
+
+    ``poses`` are their (n, 4, 4) matrices from device to world, ``near`` and ``far`` the ends of the needles, mm from
+    the apex, ``ids`` their names, ``leeway_mm`` how far no point of the needle may be off. ``constraints`` words what
+    is asked, in order; ``funnel`` counts how many of the ``candidates`` hold the first, the first two, and so on;
+    ``misses`` has for each the pose that breaks it alone, by the least, where none is feasible, else None. A plan is a
+    list to be checked.
+    """
+
+    def __init__(self, selector: Selector, plan: Any, errors: Mapping[int, str]) -> None:
+        self._selector, self._p = selector, plan
+        rows = [lib.conus_plan_pose(plan, i) for i in range(lib.conus_plan_count(plan))]
+        count = lib.conus_plan_constraint_count(plan)
+        report = self._report("PLAN", "TSV", None)
+        self.ids: Array = np.array([text(row.id) for row in rows], object)
+        matrices = np.array([list(row.pose.world_from_device) for row in rows]).reshape(len(rows), 4, 4)
+        self.poses: Array = matrices.transpose(0, 2, 1).copy()
+        self.near, self.far, self.leeway_mm = (
+            np.array([getattr(row, name) for row in rows], float) for name in ("near", "far", "leeway"))
+        self.candidates = int(lib.conus_plan_left(plan, 0))
+        self.constraints = [text(lib.conus_report_constraint(report, i)) for i in range(count)]
+        self.funnel = [int(lib.conus_plan_left(plan, i + 1)) for i in range(count)]
+        missed = [lib.conus_plan_miss(plan, i) for i in range(count)]
+        self.misses: list[Optional[str]] = [text(pose.id) if pose else None for pose in missed]
+        self.errors = dict(errors)  #: why a pose of a file is none, by its index
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def __repr__(self) -> str:
+        return f"<conus.Plan: {len(self)} poses listed, {self.funnel[-1]} of {self.candidates} candidates are feasible>"
+
+    def _report(self, rows: str, form: str, step: Optional[float]) -> Any:
+        options, out = ffi.new("conus_report_options *"), ffi.new("conus_report **")
+        options.rows = getattr(lib, f"CONUS_ROWS_{rows}")
+        options.format = getattr(lib, f"CONUS_FORMAT_{form}")
+        space = self._selector.space
+        options.frame = space._frame if space else ffi.NULL
+        self._selector._call(lib.conus_report_create, out, self._selector._p, options)
+        report = owned(out[0], lib.conus_report_destroy, self._p)
+        if step is None:
+            self._selector._call(lib.conus_report_add_plan, report, self._p)
+        else:
+            self._selector._call(lib.conus_report_add_profile, report, self._p, step)
+        return report
+
+    def _text(self, rows: str, form: str, step: Optional[float] = None) -> str:
+        out, size = ffi.new("char **"), ffi.new("size_t *")
+        report = self._report(rows, form, step)
+        check(lib.conus_report_text(out, size, report))
+        return bytes(ffi.buffer(out[0], size[0])).decode()
+
+    def _table(self, rows: str, step: Optional[float] = None) -> pandas.DataFrame:
+        import pandas
+
+        names = {name: str for name in ("query", "name", "broken", "leeway_of", "clearance_of")}
+        table = io.StringIO(self._text(rows, "TSV", step))
+        return pandas.read_csv(table, sep="\t", na_values="n/a", keep_default_na=False, dtype=names, quoting=3)
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The rows of ``conus plan``, under the names of their columns."""
+        return self._table("PLAN")
+
+    def verdicts(self) -> pandas.DataFrame:
+        """A row for each pose and constraint: those of ``--constraints``."""
+        return self._table("CONSTRAINTS")
+
+    def profile(self, step: float = 1) -> pandas.DataFrame:
+        """How far each needle is from what it is to avoid, from ``step`` to ``step`` mm of depth: ``--profile``."""
+        return self._table("PROFILE", real("step", step))
+
+    def save(self, path: Any) -> None:
+        """Writes the rows; the ending says the format: .tsv, .csv, .json, .ndjson or, for people, .txt."""
+        ending = os.path.splitext(os.fspath(path))[1]
+        if ending not in _FORMATS:
+            raise ArgumentError(f"path: {shown(path)} ends in none of {', '.join(_FORMATS)}")
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            file.write(self._text("PLAN", _FORMATS[ending]))
+
+    def _repr_html_(self) -> str:
+        return str(self.to_dataframe()._repr_html_())
+
+
+def plan_of(
+    selector: Selector, constraints: Constraints, array: PoseArray, poses: Any, near: Any, far: Any,
+    infeasible: bool, top: Optional[int], threads: Optional[int], words: Sequence[Optional[str]],
+) -> Plan:
+    """What :meth:`Selector.plan` gives; ``words`` are rank, score and pareto."""
+    options, out = ffi.new("conus_plan_options *"), ffi.new("conus_plan **")
+    options.threads = 0 if threads is None else whole("threads", threads)
+    options.top = 2**64 - 1 if top is None else whole("top", top, 1, 2**64 - 1)
+    options.infeasible = flag("infeasible", infeasible)
+    texts = [optional(utf8, name, word) for name, word in zip(("rank", "score", "pareto"), words)]
+    options.rank, options.score, options.pareto = texts
+    rows = constraints.array()
+    selector._call(lib.conus_plan_create, out, selector._p, rows, len(constraints.rows), options)
+    plan = owned(out[0], lib.conus_plan_destroy, selector._p)
+    with _stream_of(array, poses, near, far) as stream:
+        selector._call(lib.conus_plan_run, plan, stream, 2**64 - 1)
+    faults = lib.conus_plan_rejected(plan)
+    if not lib.conus_plan_left(plan, 0):
+        raise ArgumentError(f"poses: no candidate{f': {text(faults.why)}' if faults.count else ''}")
+    return Plan(selector, plan, array.reasons)

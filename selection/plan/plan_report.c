@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Adds plans to reports: their poses, and the names and columns of their constraints. */
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "selection/report/report_columns.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { DEPTH_LIMIT = 100000, CONSTRAINT_LIMIT = 100 };
+
+/* In the order of conus_constraint_kind; behind the number in a column's name comes the ending. */
+static const struct {
+    const char *word, *ending, *units;
+} kinds[] = {{.word = "reach"},           {.word = "avoid"},        {"length", "_mm", "mm"},
+             {"lean", "_deg", "degree"}, {"apart", "_mm", "mm"}, {"first", "", NULL}};
+
+/* In the order of conus_measure, the last one of what is avoided by clearance. The limit stands before `of`, and the
+ * name of the structure behind it; where any will do, it is `any` of the structure. */
+static const struct {
+    const char *word, *ending, *units, *of, *any;
+} measures[] = {
+    {"length", "_mm", "mm", " mm of the axis in ", "some of the axis in "},
+    {"tip", "_tip", NULL, "", "the far end in "},
+    {"crossed", "_crossed", NULL, "", "the axis through "},
+    {"share", "_share", NULL, " of the cone on ", "some of the cone on "},
+    {"pierced", "_pierced", NULL, " of the pixels through ", "some pixel through "},
+    {"volume", "_mm3", "mm^3", " mm^3 in the cone of ", "some volume in the cone of "},
+    {"fraction", "_fraction", NULL, " of the volume of ", "some of the volume of "},
+    {"streamlines", "_streamlines", NULL, " streamlines of ", "some streamline of "},
+    {"clearance", "_mm", "mm", " mm of clearance from ", NULL},
+};
+
+/* Index into measures. */
+static size_t measure_of(const conus_constraint *asked)
+{
+    bool is_clearance = asked->kind == CONUS_CONSTRAINT_AVOID && asked->measure == CONUS_MEASURE_LENGTH;
+    return is_clearance ? sizeof measures / sizeof measures[0] - 1 : (size_t)asked->measure;
+}
+
+/* Appends what a constraint asks: "at least 5 mm of the axis in Hippocampus_L". */
+static void say_constraint(struct buffer *out, const struct report_constraint *constraint)
+{
+    const conus_constraint *asked = constraint->asked;
+    const size_t measure = measure_of(asked);
+    const double *direction = asked->direction;
+    switch (asked->kind) {
+    case CONUS_CONSTRAINT_REACH:
+    case CONUS_CONSTRAINT_AVOID:
+        if (asked->kind == CONUS_CONSTRAINT_REACH && asked->limit == 0) {
+            buffer_text(out, measures[measure].any);
+        } else {
+            buffer_format(out, "%s %.9g%s",
+                          asked->kind == CONUS_CONSTRAINT_REACH ? "at least"
+                          : report_is_clearance(constraint)     ? "more than"
+                                                                : "at most",
+                          asked->limit, measures[measure].of);
+        }
+        buffer_text(out, constraint->name);
+        if (asked->part[1] > 0) {
+            buffer_format(out, ", %.9g to %.9g mm before the far end", asked->part[0], asked->part[1]);
+        }
+        break;
+    case CONUS_CONSTRAINT_LENGTH:
+        buffer_format(out, "a length of %.9g to %.9g mm", asked->limit, asked->most);
+        break;
+    case CONUS_CONSTRAINT_LEAN:
+        buffer_format(out, "at most %.9g degrees between axis and direction (%.4g, %.4g, %.4g)",
+                      degrees_from_radians(asked->limit), direction[0], direction[1], direction[2]);
+        break;
+    case CONUS_CONSTRAINT_APART:
+        buffer_format(out, "more than %.9g mm from each of %zu other needles", asked->limit, asked->needle_count);
+        break;
+    case CONUS_CONSTRAINT_FIRST:
+        buffer_format(out, "%s as the first object on the axis", constraint->name);
+        break;
+    }
+}
+
+static const char ASKED[] = "asked is ";
+
+/* A column of constraint `index`; its name and description are appended to the words, one after the other. */
+static void add_column(struct report_plan *out, size_t index, const char *ending, const char *units, const char *what,
+                       size_t member)
+{
+    const struct report_constraint *constraint = &out->constraints[index];
+    buffer_format(&out->words, "%s%zu%s", constraint->kind, constraint->index, ending);
+    buffer_append(&out->words, "", 1);
+    buffer_format(&out->words, "%s; %s", what, ASKED);
+    say_constraint(&out->words, constraint);
+    buffer_append(&out->words, "", 1);
+    out->columns[out->column_count++] = (struct report_column){
+        .units = units,
+        .type = constraint->asked->kind == CONUS_CONSTRAINT_LEAN ? COLUMN_ANGLE : COLUMN_NUMBER,
+        .offset = index * sizeof(conus_verdict) + member,
+        .home = HOME_VERDICTS};
+}
+
+static void add_columns(struct report_plan *out, size_t index)
+{
+    const struct report_constraint *constraint = &out->constraints[index];
+    const size_t measure = measure_of(constraint->asked);
+    const conus_constraint_kind kind = constraint->asked->kind;
+    bool is_clearance = report_is_clearance(constraint);
+    add_column(out, index, constraint->measure ? measures[measure].ending : kinds[kind].ending,
+               constraint->measure ? measures[measure].units : kinds[kind].units,
+               is_clearance ? "distance of the axis, the radius not taken off" : "what was measured",
+               offsetof(conus_verdict, value));
+    if (is_clearance) {
+        add_column(out, index, "_at_mm", "mm", "where the axis is nearest, from the apex",
+                   offsetof(conus_verdict, depth));
+    }
+}
+
+/* The words stay where they are once all are there. */
+static void point_to_words(struct report_plan *out)
+{
+    const char *word = out->words.data;
+    for (size_t i = 0; i < out->column_count; i++) {
+        struct report_column *column = &out->columns[i];
+        column->name = word;
+        column->description = word + strlen(word) + 1;
+        word = column->description + strlen(column->description) + 1;
+        out->constraints[column->offset / sizeof(conus_verdict)].words =
+            strstr(column->description, ASKED) + strlen(ASKED);
+    }
+}
+
+static conus_status fill(struct report_plan *out, const conus_plan *plan)
+{
+    out->count = conus_plan_constraint_count(plan);
+    if (out->count > CONSTRAINT_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: %zu constraints, allowed are %d", out->count, CONSTRAINT_LIMIT);
+    }
+    size_t counts[sizeof kinds / sizeof kinds[0]] = {0};
+    out->candidates = conus_plan_left(plan, 0);
+    out->rejected = conus_plan_rejected(plan).count;
+    out->constraints = memory_zeroed(out->count, sizeof *out->constraints);
+    out->columns = memory_zeroed(2 * out->count, sizeof *out->columns);
+    for (size_t i = 0; i < out->count && out->constraints && out->columns; i++) {
+        const conus_constraint *asked = conus_plan_constraint(plan, i);
+        out->constraints[i] = (struct report_constraint){
+            .asked = asked,
+            .kind = kinds[asked->kind].word,
+            .measure = asked->kind <= CONUS_CONSTRAINT_AVOID ? measures[measure_of(asked)].word : NULL,
+            .name = conus_plan_name(plan, i),
+            .index = ++counts[asked->kind],
+            .left = conus_plan_left(plan, i + 1),
+            .miss = conus_plan_miss(plan, i)};
+        add_columns(out, i);
+    }
+    conus_status status = out->constraints && out->columns ? buffer_status(&out->words) : CONUS_ERROR_MEMORY;
+    if (!status) {
+        point_to_words(out);
+    }
+    return status;
+}
+
+static conus_status begin_plan(conus_report *report, const conus_plan *plan, bool fits)
+{
+    if (!fits || report->plan.count) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: a plan, but %s",
+                    fits ? "there is one already" : "its rows are of something else");
+    }
+    struct report_plan added = {0};
+    conus_status status = fill(&added, plan);
+    if (status) {
+        memory_free(added.constraints);
+        memory_free(added.columns);
+        buffer_finish(&added.words);
+        return status;
+    }
+    report->plan = added;
+    return CONUS_OK;
+}
+
+/* Adds a query with `count` rows of the pose. */
+static conus_status add_pose(struct report_row **rows, conus_report *report, const conus_planned *pose, size_t count)
+{
+    const struct report_query query = {
+        .cone = {.pose = pose->pose, .angle = pose->angle, .range = {pose->near, pose->far}}, .is_axis = true};
+    conus_status status = report_append(rows, report, pose->id, &query, count);
+    const double *m = pose->pose.world_from_device;
+    const double axis[3] = {-m[8], -m[9], -m[10]};
+    for (size_t i = 0; i < count && !status; i++) {
+        struct report_planned *planned = &(*rows)[i].planned;
+        *planned = (struct report_planned){.pose = pose, .depth = pose->far};
+        conus_frame_direction_from_world(planned->axis, &report->frame, axis);
+        for (int a = 0; a < 3; a++) {
+            planned->at[a] = m[12 + a] + axis[a] * pose->far;
+        }
+    }
+    return status;
+}
+
+conus_status conus_report_add_plan(conus_report *report, conus_plan *plan)
+{
+    bool of_constraints = report->options.rows == CONUS_ROWS_CONSTRAINTS;
+    conus_status status = begin_plan(report, plan, of_constraints || report->options.rows == CONUS_ROWS_PLAN);
+    size_t count = of_constraints ? report->plan.count : 1;
+    for (size_t i = 0; i < conus_plan_count(plan) && !status; i++) {
+        struct report_row *rows;
+        status = add_pose(&rows, report, conus_plan_pose(plan, i), count);
+        for (size_t k = 0; k < count && !status; k++) {
+            rows[k].planned.constraint = k;
+        }
+    }
+    return status;
+}
+
+/* Adds the rows of one pose. `depths` steps lead from its near end to its far end, the last one perhaps shorter. */
+static conus_status add_profile(conus_report *report, conus_plan *plan, size_t index, double step, size_t depths)
+{
+    const conus_planned *pose = conus_plan_pose(plan, index);
+    const double *m = pose->pose.world_from_device;
+    struct report_row *row;
+    size_t avoided = 0;
+    for (size_t k = 0; k < report->plan.count; k++) {
+        avoided += report_is_clearance(&report->plan.constraints[k]);
+    }
+    conus_status status = add_pose(&row, report, pose, avoided * (depths + 1));
+    for (size_t i = 0; i <= depths && !status; i++) {
+        for (size_t k = 0; k < report->plan.count && !status; k++) {
+            if (report_is_clearance(&report->plan.constraints[k])) {
+                struct report_planned *planned = &row++->planned;
+                planned->constraint = k;
+                planned->order = i + 1;
+                planned->depth = i < depths ? pose->near + (double)i * step : pose->far;
+                for (int a = 0; a < 3; a++) {
+                    planned->at[a] = m[12 + a] - m[8 + a] * planned->depth;
+                }
+                status = conus_plan_distance(&planned->distance, plan, index, k, planned->depth);
+            }
+        }
+    }
+    return status;
+}
+
+conus_status conus_report_add_profile(conus_report *report, conus_plan *plan, double step)
+{
+    conus_status status = begin_plan(report, plan, report->options.rows == CONUS_ROWS_PROFILE);
+    for (size_t i = 0; i < conus_plan_count(plan) && !status; i++) {
+        const conus_planned *pose = conus_plan_pose(plan, i);
+        double depths = ceil((pose->far - pose->near) / step - 1e-9); /* a sum of steps may be rounded */
+        status = depths >= 0 && depths < DEPTH_LIMIT
+                     ? add_profile(report, plan, i, step, (size_t)depths)
+                     : fail(CONUS_ERROR_ARGUMENT, "step: %g mm on a needle of %g mm, allowed are up to %d depths", step,
+                            pose->far - pose->near, DEPTH_LIMIT);
+    }
+    return status;
+}

@@ -1,0 +1,212 @@
+#!/usr/bin/env bats
+# conus plan: poses against constraints.
+#
+# The U of u-shape: an axis from x = 40 along -x at z = 5 passes its one arm at the depths 18 to 28 and the ball at 35 to
+# 45, in voxels of 1 mm whose faces are at whole numbers (segments.bats). So of needles of radius 1 mm, by their far ends:
+#   far  in U  ball is away   tip
+#    30    10   5 at 30       in none
+#    26     8   9 at 26       in U
+#    36    10   0 from 35 on  in the ball
+#    20     2  15 at 20       in U
+
+load helpers
+
+needles() {
+    conus phantom u-shape -o .
+    printf '%s\t40\t0\t5\t-1\t0\t0\t%s\n' query_id far a 30 b 26 c 36 d 20 |
+        sed '1s/.*/query_id\tx\ty\tz\tdx\tdy\tdz\tfar/' >needles.tsv
+    U='plan u-shape.nii.gz --poses needles.tsv --radius 1'
+}
+
+# columns NAME...: these cells of the TSV in $output, numbers with 4 digits behind the point.
+columns() {
+    awk -F '\t' -v names="$*" '
+        NR == 1 { n = split(names, name, " "); for (i = 1; i <= NF; i++) at[$i] = i; next }
+        { for (i = 1; i <= n; i++) {
+              cell = $at[name[i]]
+              printf "%s%s", cell ~ /^-?[0-9.]+$/ ? sprintf("%.4f", cell) + 0 : cell, i < n ? " " : ";" } }' <<<"$output"
+}
+
+# With a margin of 3 mm a has 5 - 1 - 3 = 1 mm to spare, and b 5 mm. The reach of 5 mm has the leeway d with 10 - 2 d = 5,
+# where both ends of the arm count, which is 2.5 mm for a and b.
+@test "what reaches and keeps clear is listed, the largest leeway first" {
+    needles
+    answers $U --reach U,length=5 --avoid Ball,margin=3 --format tsv -q
+    [ "$(head -1 <<<"$output" | tr '\t' ' ')" = "query rank front feasible broken x y z dx dy dz tip_x tip_y tip_z far_mm leeway_mm leeway_of slack_mm clearance_mm clearance_of clearance_at_mm score reach1_mm avoid1_mm avoid1_at_mm" ]
+    [ "$(columns query rank feasible broken tip_x far_mm leeway_mm leeway_of)" = "b 1 1 n/a 14 26 2.5 U;a 2 1 n/a 10 30 1 Ball;" ]
+    [ "$(columns slack_mm clearance_mm clearance_of clearance_at_mm)" = "5 8 Ball 26;1 4 Ball 30;" ]
+    [ "$(columns reach1_mm avoid1_mm avoid1_at_mm)" = "8 9 26;10 5 30;" ]
+}
+
+@test "for people: the funnel, and that it is a list to be checked" {
+    needles
+    run -0 --separate-stderr conus $U --reach U,length=5 --avoid Ball,margin=3
+    [[ "$stderr" == *"conus: 4 candidates: 3 have at least 5 mm of the axis in U; 2 of these have more than 3 mm of clearance from Ball"* ]]
+    [[ "$stderr" == *"a plan is a list to be checked"* ]]
+    [[ "${lines[0]}" == "rank  candidate "*"depth  leeway  clearance  from  at depth  reach1" ]]
+    [[ "${lines[2]}" == "   1  b  "*" 26.00    2.50       8.00  Ball     26.00    8.00" ]]
+    [[ "$output" != *score* && "$output" != *front* && "$output" != *breaks* ]]
+}
+
+@test "poses that break something come behind, by candidate" {
+    needles
+    answers $U --reach U,length=5 --avoid Ball,margin=3 --infeasible --format tsv -q
+    [ "$(columns query rank feasible broken leeway_mm clearance_mm)" = "b 1 1 n/a 2.5 8;a 2 1 n/a 1 4;c n/a 0 Ball 0 -1;d n/a 0 U 0 14;" ]
+    answers $U --reach U,length=5 --avoid Ball,margin=3 --infeasible --top 3 --format tsv -q
+    [ "$(columns query)" = "b;a;c;" ]
+}
+
+@test "none is feasible: the funnel, and what is missed by the least" {
+    needles
+    run -0 --separate-stderr conus $U --reach U,length=5 --avoid Ball,margin=9 -o plan.tsv
+    [ "$(wc -l <plan.tsv)" -eq 1 ]
+    [ -z "$output" ]
+    [[ "$stderr" == *"; none of these has more than 9 mm of clearance from Ball"* ]]
+    [[ "$stderr" == *"d breaks only one of them, at least 5 mm of the axis in U: it has 2"* ]]
+    [[ "$stderr" == *"b breaks only one of them, more than 9 mm of clearance from Ball: it has 8"* ]]
+    [ "$(jq -c '.Plan | [.candidates, .funnel, .nearest_misses]' plan.json)" = \
+        '[4,[3,0],[{"query":"d","value":2,"slack":-3},{"query":"b","value":9,"slack":-1}]]' ]
+    run -0 --separate-stderr conus $U --reach U,length=50 --avoid Ball,margin=20
+    [ "${lines[0]}" = "(no pose holds all constraints)" ]
+    [[ "$stderr" == *"every candidate breaks more than one of them"* ]]
+}
+
+# The needle of other.tsv is 6 mm beside those here. The axes enclose 45 degrees with (-1, 0, 1).
+@test "all kinds of constraints, in the order of the command line" {
+    needles
+    printf 'x\ty\tz\tdx\tdy\tdz\tfar\n40\t6\t5\t-1\t0\t0\t30\n' >other.tsv
+    answers $U --lean=-1,0,1,46 --length 22,40 --apart other.tsv,5 --first U --reach U,length=1,part=0:3 --format tsv -q
+    [ "$(head -1 <<<"$output" | tr '\t' ' ' | sed 's/.* score //')" = "lean1_deg length1_mm apart1_mm first1 reach1_mm" ]
+    [ "$(columns query lean1_deg length1_mm apart1_mm first1 reach1_mm leeway_of)" = "b 45 26 6 1 3 apart;a 45 30 6 1 1 U;" ]
+    answers $U --reach U,tip --format tsv -q --rank depth
+    [ "$(columns query reach1_tip)" = "b 1;d 1;" ]
+    answers $U --reach Ball,crossed --format tsv -q
+    [ "$(columns query reach1_crossed)" = "c 1;" ]
+    for none in --lean=-1,0,1,44 '--apart other.tsv,6' '--first Ball' '--length 37,40' '--reach Ball,tip,part=0:1'; do
+        run --separate-stderr conus $U $none --format tsv -q
+        [ "${#lines[@]}" -le 1 ] || { echo "$none: $output"; false; }
+    done
+}
+
+@test "the rank, fronts and scores" {
+    needles
+    answers $U --avoid Ball --reach U --rank reach/3,-depth --format tsv -q # steps 3, 2, 0
+    [ "$(columns query)" = "a;b;d;" ]
+    answers $U --avoid Ball --reach U --rank clearance --format tsv -q
+    [ "$(columns query)" = "d;b;a;" ]
+    answers $U --avoid Ball --reach U --score 'reach*10-clearance' --rank score --pareto reach,clearance --format tsv -q
+    [ "$(columns query score front)" = "a 96 1;b 72 1;d 6 1;" ]
+    answers $U --avoid Ball --reach U --pareto clearance,-depth --format tsv -q # d is the best in both, then b
+    [ "$(columns query front | tr ';' '\n' | sort | tr '\n' ';')" = "a 3;b 2;d 1;" ]
+}
+
+@test "a row for each constraint, and how far the needle is depth by depth" {
+    needles
+    answers $U --reach U,length=5 --avoid Ball,margin=3 -q -o plan.tsv --constraints rows.tsv --profile profile.tsv,step=20
+    output=$(<rows.tsv)
+    [ "$(head -1 rows.tsv | tr '\t' ' ')" = "query constraint kind index name value limit slack holds leeway_mm" ]
+    [ "$(columns query constraint kind index name value limit slack holds leeway_mm)" = \
+        "b 1 reach 1 U 8 5 3 1 2.5;b 2 avoid 1 Ball 9 3 5 1 5;a 1 reach 1 U 10 5 5 1 2.5;a 2 avoid 1 Ball 5 3 1 1 1;" ]
+    output=$(<profile.tsv)
+    [ "$(columns query order depth_mm x name distance_mm clearance_mm)" = \
+        "b 1 0 40 Ball 35 34;b 2 20 20 Ball 15 14;b 3 26 14 Ball 9 8;a 1 0 40 Ball 35 34;a 2 20 20 Ball 15 14;a 3 30 10 Ball 5 4;" ]
+    answers $U --reach U,length=5 --avoid Ball,margin=3 -q --constraints - --format tsv
+    [ "$output" = "$(<rows.tsv)" ]
+    for file in plan rows profile; do
+        answers verify $file.tsv
+        has identical
+        answers diff $file.tsv $file.tsv
+    done
+    answers cite rows.tsv
+    output=$(tr '\n' ' ' <<<"$output")
+    has 'A needle was tried at 4 candidate poses with conus'
+    has 'Its radius was 1 mm. Constraints were at least 5 mm of the axis in U; more than 3 mm of clearance from Ball. 2 poses hold all of them'
+}
+
+@test "every format, and the sidecar" {
+    needles
+    for ending in csv txt ndjson tsv; do
+        answers $U --reach U,length=5 --avoid Ball,margin=3 -q -o plan.$ending --force
+    done
+    answers $U --reach U,length=5 --avoid Ball,margin=3 -q -o whole.json
+    [ "$(jq -c '[.Rows[] | [.query, .rank, .avoid1_mm]]' whole.json)" = '[["b",1,9],["a",2,5]]' ]
+    [ "$(jq -c '[.query, .clearance_of]' plan.ndjson | tr '\n' ' ')" = '["b","Ball"] ["a","Ball"] ' ]
+    [ "$(tr ',' '\t' <plan.csv | tr -d '\r')" = "$(<plan.tsv)" ]
+    [ "$(jq -r '.Plan.constraints[1] | [.kind, .index, .measure, .limit, .name, .asked] | join("|")' plan.json)" = \
+        'avoid|1|clearance|3|Ball|more than 3 mm of clearance from Ball' ]
+    [ "$(jq -c '.Question.options | [.reach, .avoid, .radius]' plan.json)" = '[["U,length=5"],["Ball,margin=3"],"1"]' ]
+}
+
+@test "what is no candidate is counted; without any there is no plan" {
+    needles
+    printf 'e\t40\t0\t5\t0\t0\t0\t20\n' >>needles.tsv
+    run -1 --separate-stderr conus $U --reach U --format tsv -q -o plan.tsv
+    check_message "needles.tsv: 1 of 5 rows are no candidates, the first in line 6: "
+    [ "$(wc -l <plan.tsv)" -eq 5 ]
+    [ "$(jq -c '.Plan | [.candidates, .no_candidates]' plan.json)" = '[4,1]' ]
+    sed 1q needles.tsv >none.tsv
+    fails 2 "none.tsv: no candidate" plan u-shape.nii.gz --poses none.tsv --reach U
+    cut -f 1-7 needles.tsv | sed 6d >ends.tsv
+    fails 2 "ends.tsv: no candidate: line 2: " plan u-shape.nii.gz --poses ends.tsv --reach U
+    answers plan u-shape.nii.gz --poses - --reach U --depth 30 --format tsv -q <ends.tsv
+    [ "$(columns query far_mm | tr ';' '\n' | wc -l)" -eq 4 ]
+}
+
+@test "what cannot be is refused with a line" {
+    needles
+    fails 2 'did you mean "Ball"' $U --reach Bal1
+    fails 2 'did you mean length' $U --reach U,lenght=5
+    fails 2 'length=x is not a number' $U --reach U,length=x
+    fails 2 'has a comma in it' $U --reach U,length=0,5
+    fails 2 '"tip=3" has a number behind it' $U --reach U,tip=3
+    fails 2 'one measure too many' $U --reach U,tip,length=3
+    fails 2 'no name of a structure' $U --reach ,length=3
+    fails 2 'part=3:1 is not A:B' $U --reach U,part=3:1
+    fails 2 'margin=101 is not a number from 0 to 100' $U --avoid U,margin=101
+    fails 2 'margin=nan is not a number' $U --avoid U,margin=nan
+    fails 2 'no key "length"' $U --avoid U,length=3
+    fails 2 'is not four numbers' $U --lean 0,0,1
+    fails 2 'has no length' $U --lean 0,0,0,30
+    fails 2 'allowed are 0 to 180' $U --lean 0,0,1,190
+    fails 2 'lower one first' $U --length 90,3
+    fails 2 'is not FILE,MM' $U --apart needles.tsv
+    fails 3 'nobody.tsv' $U --apart nobody.tsv,3
+    fails 2 'avoids all that constraint' $U --reach U --avoid U
+    fails 2 'no constraint given' $U
+    fails 2 '--poses FILE is missing' plan u-shape.nii.gz --reach U
+    fails 2 'neither a whole number above 0 nor all' $U --reach U --top 0
+    fails 2 'exclude each other' $U --reach U --depth 3 --range 0,3
+    fails 2 'no effect without --avoid' $U --reach U --profile -
+    fails 2 'both on standard output' $U --avoid U --profile - --constraints -
+    fails 2 'leewy' $U --reach U --rank leewy
+    nothing_left needles.tsv u-shape.nii.gz u-shape.tsv u-shape.json
+}
+
+# Rows of other commands about the same needles have the same numbers, byte for byte. A reach of several segments is
+# their sum, and is left out here.
+@test "poses of the list, asked by batch, have the same answers" {
+    [ -e "$TEMPLATES/aal.nii.gz" ] || skip "mricron-data is not installed"
+    python3 - >needles.tsv <<END
+import math
+print("query_id", *"x y z tx ty tz far".split(), sep="\t")
+for i in range(60):
+    a, b = 0.2 + 0.045 * i, 2.4 * i
+    print(f"n{i}", -28 - 60 * math.sin(a) * math.cos(b) ** 2, -20 + 60 * math.sin(a) * math.sin(b), -12 + 60 * math.cos(a), -28, -20, -12, 64, sep="\t")
+END
+    local ask="$TEMPLATES/aal.nii.gz --poses needles.tsv --radius 0.65"
+    answers plan $ask --reach Hippocampus_L,length=5 --avoid Insula_L,margin=2 --top all --infeasible -q -o plan.tsv
+    answers plan $ask --reach Hippocampus_L,length=5 --avoid Insula_L,margin=2 --top all --infeasible -q -o again.tsv --threads 3 --no-pruning
+    cmp plan.tsv again.tsv
+    [ "$(awk -F '\t' '$4 == 1' plan.tsv | wc -l)" -gt 3 ]
+    answers batch $ask -q --segments segments.tsv
+    awk -F '\t' '$5 == "Hippocampus_L" { n[$1]++; mm[$1] = $9 } END { for (q in n) if (n[q] == 1) print q, mm[q] }' segments.tsv |
+        sort >wanted
+    awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next } { print $1, $at["reach1_mm"] }' plan.tsv | sort >found
+    [ "$(wc -l <wanted)" -gt 20 ]
+    [ "$(comm -23 wanted found)" = "" ]
+    answers batch $ask -q --clearance near.tsv,within=100
+    awk -F '\t' '$4 == "Insula_L" { print $1, $5, $7 }' near.tsv | sort >wanted
+    awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next } { print $1, $at["avoid1_mm"], $at["avoid1_at_mm"] }' plan.tsv |
+        sort >found
+    cmp wanted found
+}

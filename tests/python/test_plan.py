@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Plans of needles through plates, in closed form."""
+import math
+
+import numpy as np
+import pytest
+
+import conus
+from support import AFFINE, NAMES, plates
+
+# From x = 0 along x at y = z = 0, so that the right plate, x = 20 to 40, is entered at the depth 20; and along -x.
+ORIGINS = np.zeros((4, 3))
+DIRECTIONS = np.array([[1, 0, 0], [1, 0, 0], [1, 0, 0], [-1, 0, 0]], float)
+DEPTHS = np.array([25, 30, 15, 18], float)
+
+
+@pytest.fixture
+def atlas():
+    return conus.load(plates(), AFFINE, labels=NAMES)
+
+
+def test_rows_and_arrays(atlas):
+    plan = atlas.plan({"right": 4}, {"left": 3}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS, radius=1)
+    # 5 and 10 mm in the right plate; the left one is 20 mm from the apex
+    assert list(plan.ids) == ["2", "1"] and plan.funnel == [2, 2] and plan.candidates == 4
+    table = plan.to_dataframe()
+    assert table["reach1_mm"].tolist() == [10, 5] and table["avoid1_mm"].tolist() == [20, 20]
+    assert table["clearance_mm"].tolist() == [19, 19] and table["clearance_of"].tolist() == ["left", "left"]
+    assert np.allclose(plan.poses[:, :3, 2], [-1, 0, 0]) and plan.far.tolist() == [30, 25] and len(plan) == 2
+    assert plan.leeway_mm.tolist() == pytest.approx([6, 1], abs=1e-6)  # 10 - d = 4 and 5 - d = 4, less than 20 - 1 - 3
+    assert plan.constraints == ["at least 4 mm of the axis in right", "more than 3 mm of clearance from left"]
+    verdicts = plan.verdicts()[["query", "kind", "value", "holds"]].values.tolist()
+    assert verdicts[:2] == [["2", "reach", 10, 1], ["2", "avoid", 20, 1]]
+    profile = plan.profile(20)[["query", "depth_mm", "distance_mm"]].values.tolist()
+    assert profile[:3] == [["2", 0, 20], ["2", 20, 40], ["2", 30, 50]]
+
+
+def test_what_is_missed(atlas, tmp_path):
+    plan = atlas.plan({"right": 4}, {"left": 50}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS)
+    assert len(plan) == 0 and plan.funnel == [2, 0] and plan.misses == [None, "1"]
+    assert atlas.plan({"right": "tip"}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS).funnel == [2]
+    of_part = atlas.plan({"right": {"length": 3, "part": (0, 4)}}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS)
+    assert of_part.to_dataframe()["reach1_mm"].tolist() == [4, 4]
+    kinds = atlas.plan(length=(0, 28), lean=[((1, 0, 0), 10)], apart=[([[(0, 5, 0), (9, 5, 0)]], 4)], first=["right"],
+                       origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS, top=None)
+    assert list(kinds.ids) == ["1"] and kinds.funnel == [3, 2, 2, 1]
+    kinds.save(tmp_path / "plan.tsv")
+    assert len((tmp_path / "plan.tsv").read_text().splitlines()) == 2
+
+
+def test_a_file_of_poses_has_ends_of_its_own(atlas, tmp_path):
+    path = tmp_path / "needles.tsv"
+    path.write_text('id\tx\ty\tz\tdx\tdy\tdz\tfar\n"a ""b"\t0\t0\t0\t1\t0\t0\t26.5\n'
+                    "none\t0\t0\t0\t0\t0\t0\t9\nc\t0\t0\t0\t1\t0\t0\t\n")
+    poses = conus.read_poses(path)
+    plan = atlas.plan(["right"], poses=poses)
+    assert list(plan.ids) == ['a "b'] and plan.far.tolist() == [26.5] and list(plan.errors) == [1]
+    assert atlas.plan(["right"], poses=poses, depth=33).far.tolist() == [33, 33]
+
+
+@pytest.mark.parametrize("given, message", [
+    (dict(reach={"nobody": 1}), "no area has the name"),
+    (dict(reach={"right": "length"}), "not what reach can ask|is no"),
+    (dict(avoid={"right": {"share": 1}}), "not what avoid can ask"),
+    (dict(avoid={"right": 101}), "margin: 101 mm"),
+    (dict(reach={"right": math.nan}), "nan"),
+    (dict(reach={"right": 1}, avoid={"right": 1}), "avoids all"),
+    (dict(reach="right", rank="leewy"), "leewy"),
+    (dict(reach="right", top=0), "top"),
+    (dict(), "constraint"),
+])
+def test_what_cannot_be(atlas, given, message):
+    with pytest.raises(conus.ArgumentError, match=message):
+        atlas.plan(**{"origins": ORIGINS, "directions": DIRECTIONS, "depth": DEPTHS, **given})
+
+
+def test_no_candidate(atlas):
+    with pytest.raises(conus.ArgumentError, match="no candidate: "):
+        atlas.plan(["right"], origins=ORIGINS, directions=DIRECTIONS)
