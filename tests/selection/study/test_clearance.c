@@ -476,7 +476,7 @@ static void triangles_are_as_far_as_a_search_says(void **state)
     (void)state;
     uint64_t seed = 55;
     size_t crossed = 0;
-    for (int round = 0; round < 300; round++) {
+    for (int round = 0; round < 150; round++) {
         struct mesh mesh = mesh_scene_soup(&seed, 1, 6, 4);
         struct needle needle = {.near = test_random(&seed, -3, 3)};
         double corner[3][3];
@@ -504,7 +504,7 @@ static void triangles_are_as_far_as_a_search_says(void **state)
         crossed += distance == 0;
         mesh_finish(&mesh);
     }
-    assert_true(crossed > 20 && crossed < 200);
+    assert_true(crossed > 10 && crossed < 100);
 }
 
 /* The tree finds the same as all triangles, one by one. */
@@ -690,6 +690,20 @@ static void tubes_are_as_far_as_their_lines_less_the_radius(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* No point of the segment from line[0] to line[1] is nearer: its middle's distance, less half of its length. */
+static double distance_of_middle(double line[3][3], const struct needle *needle)
+{
+    double half[3];
+    double foot[3];
+    vec3_sub(half, line[1], line[0]);
+    vec3_scale(half, half, 0.5);
+    vec3_add_scaled(foot, line[0], 1, half);
+    vec3_sub(foot, foot, needle->origin);
+    double t = fmin(fmax(vec3_dot(foot, needle->direction), needle->near), needle->far);
+    vec3_add_scaled(foot, foot, -t, needle->direction);
+    return vec3_length(foot) - vec3_length(half);
+}
+
 /* Streamlines at random, some of one point, in groups: against every segment, by a search along the needle. */
 static void bundles_are_as_far_as_their_nearest_tube(void **state)
 {
@@ -743,7 +757,9 @@ static void bundles_are_as_far_as_their_nearest_tube(void **state)
                     memcpy(line[0], points[k][p], sizeof line[0]);
                     memcpy(line[1], points[k][p + (k % 7 > 0)], sizeof line[1]);
                     memcpy(line[2], line[0], sizeof line[2]);
-                    least = least <= 0 ? least : fmin(least, least_of_triangle(line, &needle) - radius);
+                    if (least > 0 && distance_of_middle(line, &needle) - radius < least) {
+                        least = fmin(least, least_of_triangle(line, &needle) - radius);
+                    }
                 }
             }
             const conus_clearance *row = NULL;
