@@ -37,7 +37,8 @@ static void measure_cells(void *data)
         for (size_t v = 0; v < volume->voxel_count; v++) {
             uint32_t object = volume_object(volume, v);
             if (object) {
-                double low[3] = {(double)(v % dim[0]), (double)(v / dim[0] % dim[1]), (double)(v / dim[0] / dim[1])};
+                const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
+                double low[3] = {(double)at[0], (double)at[1], (double)at[2]};
                 double high[3];
                 double foot[3];
                 double depth;

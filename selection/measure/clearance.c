@@ -442,16 +442,10 @@ static void search_run(struct cells *cells, const struct volume *volume, uint32_
     middle = middle < voxel[0] ? voxel[0] : middle > last ? last : middle;
     voxel[0] = middle;
     search_cell(cells, volume, group, voxel);
-    for (double i = middle - 1; i >= (double)at[0]; i--) {
-        voxel[0] = i;
-        if (!search_cell(cells, volume, group, voxel)) {
-            break;
-        }
-    }
-    for (double i = middle + 1; i <= last; i++) {
-        voxel[0] = i;
-        if (!search_cell(cells, volume, group, voxel)) {
-            break;
+    for (int side = -1; side <= 1; side += 2) {
+        voxel[0] = middle + side;
+        while (voxel[0] >= (double)at[0] && voxel[0] <= last && search_cell(cells, volume, group, voxel)) {
+            voxel[0] += side;
         }
     }
 }
@@ -625,8 +619,10 @@ static void search_tractogram(const struct search *all, const struct tractogram 
     struct search *search = &tubes.search;
     double limit = search->question->limit;
     double wider = WIDER * tractogram->radius;
-    for (search->radius = -1; search->radius < limit && !is_settled(search, tractogram); wider *= WIDER) {
+    search->radius = -1;
+    while (search->radius < limit && !is_settled(search, tractogram)) {
         search->radius = fmin(wider, limit);
+        wider *= WIDER;
         tract_tree_walk(tractogram, test_box, visit_run, &tubes);
     }
 }
