@@ -431,7 +431,7 @@ static struct cell get_clearance_at(const conus_report *report, const struct rep
 static const struct report_column plan_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
     {"rank", NULL, "1 is the best of those that break nothing", .get = get_plan_rank},
-    {"front", NULL, "1 where no pose is at least as good in all keys of --pareto and better in one; 2 when those are "
+    {"front", NULL, "1 where no pose is at least as good in all of the keys and better in one; 2 when those are "
                     "gone, and so on",
      .get = get_front},
     {"feasible", NULL, "1 if the pose breaks no constraint, else 0", .get = get_feasible},
@@ -454,7 +454,7 @@ static const struct report_column plan_columns[] = {
     {"clearance_mm", "mm", "least clearance from what is avoided, the radius taken off", OF_POSE(NUMBER, clearance)},
     {"clearance_of", NULL, "what that is", NAMED(get_clearance_of)},
     {"clearance_at_mm", "mm", "where the axis is nearest to it, from the apex", .get = get_clearance_at},
-    {"score", NULL, "value of the formula of --score", OF_POSE(NUMBER, score)},
+    {"score", NULL, "value of the formula that was given", OF_POSE(NUMBER, score)},
 };
 
 static struct cell get_number(const conus_report *report, const struct report_row *row)
