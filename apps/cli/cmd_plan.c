@@ -267,8 +267,8 @@ static int try_poses(struct planning *planning)
         .progress = show_tried,
         .progress_user = planning,
     };
-    conus_status status = conus_plan_create(&planning->plan, request->answerers[0].selector, planning->constraints.items,
-                                            planning->constraints.count, &options);
+    conus_status status = conus_plan_create(&planning->plan, request->answerers[0].selector,
+                                            planning->constraints.items, planning->constraints.count, &options);
     if (status) {
         return print_status(status);
     }
@@ -455,7 +455,8 @@ static int run_plan(const void *given, const struct arguments *arguments)
     const struct plan_settings *settings = given;
     struct planning planning = {.settings = settings};
     int code = constraints_parse(&planning.constraints, arguments);
-    bool fits = !code && read_top(&planning.top, settings->top) && read_step(&planning.step, option_key(arguments, "profile")) &&
+    bool fits = !code && read_top(&planning.top, settings->top) &&
+                read_step(&planning.step, option_key(arguments, "profile")) &&
                 settings_check_space(arguments, &settings->request.aim.space);
     code = code || fits ? code : EXIT_USAGE;
     code = code ? code : request_init(&planning.request, &settings->request, arguments);

@@ -139,8 +139,8 @@ static bool read_key(conus_constraint *out, bool *has_measure, const char *optio
     }
     bool has_number = key->high > 0;
     if (*has_measure || has_number != (equals != NULL)) {
-        print_error_line(*has_measure ? "--%s: \"%s\" is one measure too many, an option has one" :
-                         has_number   ? "--%s: \"%s\" has no number behind it"
+        print_error_line(*has_measure ? "--%s: \"%s\" is one measure too many, an option has one"
+                         : has_number ? "--%s: \"%s\" has no number behind it"
                                       : "--%s: \"%s\" has a number behind it",
                          option, text);
         return false;

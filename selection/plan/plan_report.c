@@ -12,7 +12,7 @@ enum { DEPTH_LIMIT = 100000, CONSTRAINT_LIMIT = 100 };
 /* In the order of conus_constraint_kind; behind the number in a column's name comes the ending. */
 static const struct {
     const char *word, *ending, *units;
-} kinds[] = {{.word = "reach"},           {.word = "avoid"},        {"length", "_mm", "mm"},
+} kinds[] = {{.word = "reach"},          {.word = "avoid"},      {"length", "_mm", "mm"},
              {"lean", "_deg", "degree"}, {"apart", "_mm", "mm"}, {"first", "", NULL}};
 
 /* In the order of conus_measure, the last one of what is avoided by clearance. The limit stands before `of`, and the
@@ -89,11 +89,11 @@ static void add_column(struct report_plan *out, size_t index, const char *ending
     buffer_format(&out->words, "%s; %s", what, ASKED);
     say_constraint(&out->words, constraint);
     buffer_append(&out->words, "", 1);
-    out->columns[out->column_count++] = (struct report_column){
-        .units = units,
-        .type = constraint->asked->kind == CONUS_CONSTRAINT_LEAN ? COLUMN_ANGLE : COLUMN_NUMBER,
-        .offset = index * sizeof(conus_verdict) + member,
-        .home = HOME_VERDICTS};
+    out->columns[out->column_count++] =
+        (struct report_column){.units = units,
+                               .type = constraint->asked->kind == CONUS_CONSTRAINT_LEAN ? COLUMN_ANGLE : COLUMN_NUMBER,
+                               .offset = index * sizeof(conus_verdict) + member,
+                               .home = HOME_VERDICTS};
 }
 
 static void add_columns(struct report_plan *out, size_t index)

@@ -59,7 +59,8 @@ unsigned report_needs_met(const conus_report *report, const struct report_row *r
 
 /* Entries of the tables: where a value lies, after its name, units and description. */
 #define OF_ROW(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_row, member)
-#define OF_QUERY(kind, member) .type = COLUMN_##kind, .offset = offsetof(struct report_query, member), .home = HOME_QUERY
+#define OF_QUERY(kind, member)                                                                                         \
+    .type = COLUMN_##kind, .offset = offsetof(struct report_query, member), .home = HOME_QUERY
 #define NAMED(getter) .type = COLUMN_NAME, .get = getter
 #define OF_BUNDLE(kind, member)                                                                                        \
     OF_ROW(kind, result.member), .needs = NEEDS_BUNDLE, .layers_only = true, .bundles_only = true
@@ -431,8 +432,9 @@ static struct cell get_clearance_at(const conus_report *report, const struct rep
 static const struct report_column plan_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
     {"rank", NULL, "1 is the best of those that break nothing", .get = get_plan_rank},
-    {"front", NULL, "1 where no pose is at least as good in all of the keys and better in one; 2 when those are "
-                    "gone, and so on",
+    {"front", NULL,
+     "1 where no pose is at least as good in all of the keys and better in one; 2 when those are "
+     "gone, and so on",
      .get = get_front},
     {"feasible", NULL, "1 if the pose breaks no constraint, else 0", .get = get_feasible},
     {"broken", NULL, "the first constraint that it breaks, by the name of its structure, else by its kind",
@@ -764,10 +766,10 @@ bool conus_column_is_number(const char *name)
     static const struct {
         const struct report_column *columns;
         size_t count;
-    } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),     ALL_OF(share_columns),
-                  ALL_OF(admission_columns), ALL_OF(chance_columns),    ALL_OF(coverage_columns),
-                  ALL_OF(segment_columns),   ALL_OF(clearance_columns), ALL_OF(connection_columns),
-                  ALL_OF(summary_columns),   ALL_OF(electrode_columns), ALL_OF(voxel_columns),
+    } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),      ALL_OF(share_columns),
+                  ALL_OF(admission_columns), ALL_OF(chance_columns),     ALL_OF(coverage_columns),
+                  ALL_OF(segment_columns),   ALL_OF(clearance_columns),  ALL_OF(connection_columns),
+                  ALL_OF(summary_columns),   ALL_OF(electrode_columns),  ALL_OF(voxel_columns),
                   ALL_OF(plan_columns),      ALL_OF(constraint_columns), ALL_OF(profile_columns)};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {

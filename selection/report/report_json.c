@@ -305,8 +305,9 @@ static bool add_shape(json_t *settings, const conus_report *report)
     const conus_selector_options *options = &report->selector;
     bool of_connections = report->options.rows == CONUS_ROWS_CONNECTIONS;
     bool has_radius = options->radius > 0 && (of_connections || report->plan.count > 0);
-    return (!of_connections || put_value(settings, "aperture",
-                                         json_string(options->aperture == CONUS_APERTURE_SQUARE ? "square" : "circle"))) &&
+    return (!of_connections ||
+            put_value(settings, "aperture",
+                      json_string(options->aperture == CONUS_APERTURE_SQUARE ? "square" : "circle"))) &&
            (!has_radius || put_value(settings, "radius_mm", json_real(options->radius)));
 }
 
@@ -357,9 +358,9 @@ static json_t *json_from_constraint(const struct report_constraint *constraint)
 {
     bool is_angle = constraint->asked->kind == CONUS_CONSTRAINT_LEAN;
     double limit = constraint->asked->limit;
-    json_t *entry = json_pack("{s: s, s: I, s: f, s: o}", "kind", constraint->kind, "index",
-                              (json_int_t)constraint->index, "limit", is_angle ? degrees_from_radians(limit) : limit,
-                              "asked", json_from_text(constraint->words));
+    json_t *entry =
+        json_pack("{s: s, s: I, s: f, s: o}", "kind", constraint->kind, "index", (json_int_t)constraint->index, "limit",
+                  is_angle ? degrees_from_radians(limit) : limit, "asked", json_from_text(constraint->words));
     bool whole = (!constraint->name || put_value(entry, "name", json_from_text(constraint->name))) &&
                  (!constraint->measure || put_value(entry, "measure", json_string(constraint->measure)));
     return whole_or_null(entry, whole);
@@ -389,9 +390,9 @@ static bool add_plan(json_t *root, const struct report_plan *plan)
         whole = json_array_append_new(funnel, json_integer((json_int_t)constraint->left)) == 0 && whole;
         whole = json_array_append_new(misses, json_from_miss(constraint, i)) == 0 && whole;
     }
-    json_t *object = json_pack("{s: I, s: I, s: o, s: o, s: o}", "candidates", (json_int_t)plan->candidates,
-                               "no_candidates", (json_int_t)plan->rejected, "constraints", constraints, "funnel",
-                               funnel, "nearest_misses", misses);
+    json_t *object =
+        json_pack("{s: I, s: I, s: o, s: o, s: o}", "candidates", (json_int_t)plan->candidates, "no_candidates",
+                  (json_int_t)plan->rejected, "constraints", constraints, "funnel", funnel, "nearest_misses", misses);
     return put_value(root, "Plan", whole_or_null(object, whole));
 }
 
@@ -404,7 +405,8 @@ static bool add_sources(json_t *root, const conus_report *report)
     return put_value(root, "GeneratedBy", json_pack("[o]", program)) && whole &&
            (report->name ? put_value(root, "Atlases", json_from_atlases(report))
                          : put_value(root, "Atlas", json_from_atlas(report->atlas))) &&
-           put_value(root, "Settings", json_from_settings(report)) && (!report->plan.count || add_plan(root, &report->plan)) &&
+           put_value(root, "Settings", json_from_settings(report)) &&
+           (!report->plan.count || add_plan(root, &report->plan)) &&
            (report->is_begun || put_value(root, "Queries", json_from_queries(report))); /* else they are forgotten */
 }
 

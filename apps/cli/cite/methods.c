@@ -571,11 +571,12 @@ static void put_plan(FILE *out, const struct citation *citation)
         const char *asked = json_string_value(json_object_get(constraint, "asked"));
         fprintf(out, "%s%s", index ? "; " : "", asked ? asked : "another one");
     }
-    fprintf(out,
-            ". %" JSON_INTEGER_FORMAT " poses hold all of them (Eq. 21 and 22 of conus's documentation), and were ranked "
-            "by %s. The leeway of a pose is a distance for which is proven that no pose whose axis is off by less breaks "
-            "a constraint.",
-            json_integer_value(json_array_get(funnel, json_array_size(funnel) - 1)), rank ? rank : "leeway,-depth");
+    fprintf(
+        out,
+        ". %" JSON_INTEGER_FORMAT " poses hold all of them (Eq. 21 and 22 of conus's documentation), and were ranked "
+        "by %s. The leeway of a pose is a distance for which is proven that no pose whose axis is off by less breaks "
+        "a constraint.",
+        json_integer_value(json_array_get(funnel, json_array_size(funnel) - 1)), rank ? rank : "leeway,-depth");
 }
 
 /* The first row that fits a question writes its sentences. A row without a region fits any. */

@@ -20,8 +20,8 @@ static const conus_constraint CONSTRAINTS[] = {
     {.kind = CONUS_CONSTRAINT_LEAN, .direction = {0, 0, 2}, .limit = 2},
 };
 
-/* Axes along x from 0 through the box from 10 to 40, to the depths 16, 13 and 27; another box is from 30 on, beside which
- * that of the first is all around. */
+/* Axes along x from 0 through the box from 10 to 40, to the depths 16, 13 and 27; another box is from 30 on, beside
+ * which that of the first is all around. */
 static struct made make(void)
 {
     static const char needles[] = "query_id\tx\ty\tz\tdx\tdy\tdz\tfar\n"
