@@ -363,6 +363,7 @@ static int check_candidates(struct planning *planning)
     struct request *request = &planning->request;
     const char *path = settings_poses_name(request->settings->aim.pose);
     uint64_t tried = conus_plan_left(planning->plan, 0);
+    uint64_t rows = tried + faults.count;
     if (!tried && !faults.count) {
         return print_usage_error("%s: no candidate: no poses in it", path);
     }
@@ -371,8 +372,7 @@ static int check_candidates(struct planning *planning)
     }
     if (faults.count) {
         print_error_line("%s: %llu of %llu rows are no candidates, the first in line %zu: %s", path,
-                         (unsigned long long)faults.count, (unsigned long long)(tried + faults.count), faults.line,
-                         faults.why);
+                         (unsigned long long)faults.count, (unsigned long long)rows, faults.line, faults.why);
         request->failed = true;
     }
     return EXIT_DONE;

@@ -296,7 +296,7 @@ static int load_needles(double **out, conus_constraint *constraint, const char *
     size_t count = conus_pose_list_count(poses);
     double(*ends)[6] = calloc(count + 1, sizeof *ends);
     int code = ends ? EXIT_DONE : print_no_memory();
-    for (size_t i = 0; i < count && !code; i++) {
+    for (size_t i = 0; ends && i < count && !code; i++) {
         const conus_pose_row *row = conus_pose_list_row(poses, i);
         const char *why = settings_row_error(row);
         double range[2] = {isfinite(row->range[0]) ? row->range[0] : 0, isfinite(row->range[1]) ? row->range[1] : far};
