@@ -174,6 +174,19 @@ CONUS_API void conus_plan_destroy(conus_plan *plan);
 CONUS_CHECKED conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t limit);
 
 /**
+ * Tries one pose, at once and all by itself: before a run, after it, or without one. The list does not change.
+ * @param[out] out All that the list would say of it, also where it breaks constraints; candidate, rank and front are 0.
+ * Borrowed from the plan until the next call.
+ * @param plan The plan.
+ * @param row The pose, with the id, range and opening that a row of a stream would have; NaN and 0 as there.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a row that would be no candidate, and a pose that is not rigid; the
+ * errors of conus_select().
+ * @threads One at a time for each @p plan, and for the selector; not during conus_plan_run().
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const conus_pose_row *row);
+
+/**
  * Counts the poses of the list: feasible ones by rank, then perhaps others.
  * @param plan NULL counts 0.
  * @return How many there are; 0 before conus_plan_run().

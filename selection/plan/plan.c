@@ -85,7 +85,7 @@ struct conus_plan {
     struct bar bar;
     pthread_mutex_t lock; /* of the bar, during a run */
     struct worker *workers;
-    struct block *blocks;
+    struct block *blocks;     /* [ring_slots + 1] The last one is conus_plan_try()'s. */
     conus_pose_stream *poses; /* of the run */
     uint64_t rows;            /* still to be read */
 };
@@ -185,7 +185,7 @@ conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const
         plan->left = memory_zeroed(plan->count + 1, sizeof *plan->left);
         plan->misses = memory_zeroed(plan->count, sizeof(struct entry *));
         plan->workers = memory_zeroed(plan->options.threads, sizeof *plan->workers);
-        plan->blocks = memory_zeroed(ring_slots(plan->options.threads), sizeof *plan->blocks);
+        plan->blocks = memory_zeroed(ring_slots(plan->options.threads) + 1, sizeof *plan->blocks);
         status = plan->left && plan->misses && plan->workers && plan->blocks ? init_bar(&plan->bar, plan)
                                                                              : CONUS_ERROR_MEMORY;
     }
@@ -193,7 +193,7 @@ conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const
         status = plan_judge_init(&plan->workers[i].judge, selector, plan->constraints);
         status = status ? status : init_bar(&plan->workers[i].bar, plan);
     }
-    for (size_t i = 0; !status && i < ring_slots(plan->options.threads); i++) {
+    for (size_t i = 0; !status && i <= ring_slots(plan->options.threads); i++) {
         status = init_block(&plan->blocks[i], plan);
     }
     if (status) {
@@ -213,7 +213,7 @@ void conus_plan_destroy(conus_plan *plan)
         plan_judge_finish(&plan->workers[i].judge);
         finish_bar(&plan->workers[i].bar);
     }
-    for (size_t i = 0; plan->blocks && i < ring_slots(plan->options.threads); i++) {
+    for (size_t i = 0; plan->blocks && i <= ring_slots(plan->options.threads); i++) {
         memory_free(plan->blocks[i].trials);
         memory_free(plan->blocks[i].verdicts);
         memory_free(plan->blocks[i].keys);
@@ -622,6 +622,35 @@ conus_plan_faults conus_plan_rejected(const conus_plan *plan)
 bool conus_plan_has_leeway(const conus_plan *plan, size_t index)
 {
     return index < plan->count && plan->constraints[index].has_leeway;
+}
+
+conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const conus_pose_row *row)
+{
+    struct block *block = &plan->blocks[ring_slots(plan->options.threads)];
+    struct trial *trial = block->trials;
+    struct plan_judge *judge = &plan->workers[0].judge;
+    conus_pose_row asked = *row;
+    conus_status status = row->error ? CONUS_OK : conus_pose_from_matrix(&asked.pose, row->pose.world_from_device);
+    const char *why = status ? NULL : take_needle(&trial->planned, &asked, plan);
+    if (status || why) {
+        return status || why == conus_message() ? CONUS_ERROR_ARGUMENT : fail(CONUS_ERROR_ARGUMENT, "%s", why);
+    }
+    buffer_clear(&block->strings);
+    buffer_text(&block->strings, row->id ? row->id : "");
+    status = buffer_status(&block->strings);
+    trial->planned.id = block->strings.data;
+    trial->planned.verdicts = trial->verdicts;
+    trial->planned.broken = SIZE_MAX;
+    plan_judge_turn(judge, &trial->planned);
+    status = status ? status : measure(trial, judge, plan, PLAN_ALL);
+    for (size_t i = plan->count; i-- > 0;) {
+        trial->planned.broken = trial->verdicts[i].holds ? trial->planned.broken : i;
+    }
+    trial->planned.feasible = trial->planned.broken == SIZE_MAX;
+    if (!status) {
+        *out = &trial->planned;
+    }
+    return status;
 }
 
 conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, size_t constraint, double depth)

@@ -327,6 +327,56 @@ static void rows_without_a_needle(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* All that a list of one says, the leeways of 2.5 and 3 mm of lengths_and_their_leeways() among it; before and after.
+ */
+static void a_pose_tried_by_itself(void **state)
+{
+    (void)state;
+    const struct needle_row needle = {{0, 13, 13}, {1, 0, 0}, NAN, 18};
+    const conus_constraint wants[2] = {reach("1", 5), avoid("2", 1)};
+    conus_pose_row row = {.id = "mine", .range = {NAN, 18}};
+    conus_atlas *atlas = boxes();
+    const conus_planned *tried = NULL;
+    struct answer answer = {0};
+    assert_ok(conus_pose_along(&row.pose, needle.at, needle.along, NULL));
+    assert_ok(conus_selector_create(&answer.selector, atlas, &(conus_selector_options){.radius = 0.5}));
+    assert_ok(conus_plan_create(&answer.plan, answer.selector, wants, 2, NULL));
+    for (int time = 0; time < 2; time++) {
+        assert_ok(conus_plan_try(&tried, answer.plan, &row));
+        assert_string_equal(tried->id, "mine");
+        assert_true(tried->feasible && tried->broken == SIZE_MAX && tried->rank == 0 && tried->candidate == 0);
+        check(tried->verdicts[0], true, 8, 3, 2.5);
+        check(tried->verdicts[1], true, hypot(6, 3), hypot(6, 3) - 1.5, hypot(6, 3) - 1.5);
+        assert_near(tried->leeway, 2.5, 1e-6);
+        assert_near(tried->slack, hypot(6, 3) - 1.5, 1e-9);
+        if (time == 0) {
+            conus_pose_stream *stream = NULL;
+            assert_ok(conus_pose_stream_open(&stream, write_needles("tried.tsv", &needle, 1), NULL));
+            assert_ok(conus_plan_run(answer.plan, stream, UINT64_MAX));
+            conus_pose_stream_destroy(stream);
+        }
+    }
+    row.range[1] = 26;
+    row.range[0] = 16;
+    assert_ok(conus_plan_try(&tried, answer.plan, &row));
+    assert_false(tried->feasible);
+    assert_int_equal(tried->broken, 0);
+    check(tried->verdicts[0], false, 4, -1, 0);
+    check(tried->verdicts[1], true, 3, 1.5, 1.5);
+    assert_near(conus_plan_pose(answer.plan, 0)->far, 18, 0);
+    row.range[1] = NAN;
+    assert_fails(conus_plan_try(&tried, answer.plan, &row), CONUS_ERROR_ARGUMENT);
+    row.error = "no pose";
+    assert_fails(conus_plan_try(&tried, answer.plan, &row), CONUS_ERROR_ARGUMENT);
+    assert_string_equal(conus_message(), "no pose");
+    row.error = NULL;
+    row.range[1] = 26;
+    row.pose.world_from_device[0] = 2;
+    assert_fails(conus_plan_try(&tried, answer.plan, &row), CONUS_ERROR_ARGUMENT);
+    end(&answer);
+    conus_atlas_destroy(atlas);
+}
+
 enum { NEEDLES = 400 };
 
 /* Needles from round the boxes towards them. */
@@ -621,6 +671,10 @@ static conus_status attempt(void *data)
 {
     struct answer answer = {0};
     conus_status status = try_ask(&answer, data);
+    const conus_planned *tried;
+    conus_pose_row row = {.id = "a name", .range = {NAN, 18}};
+    status = status ? status : conus_pose_along(&row.pose, (double[]){0, 13, 13}, (double[]){1, 0, 0}, NULL);
+    status = status ? status : conus_plan_try(&tried, answer.plan, &row);
     end(&answer);
     return status;
 }
@@ -680,6 +734,7 @@ TEST_GROUP(plan)
         cmocka_unit_test(shape_of_the_needle),
         cmocka_unit_test(measures_of_a_cylinder),
         cmocka_unit_test(rows_without_a_needle),
+        cmocka_unit_test(a_pose_tried_by_itself),
         cmocka_unit_test(same_with_any_threads_and_pruning),
         cmocka_unit_test(stricter_is_fewer),
         cmocka_unit_test(ranks_by_what_is_printed),
