@@ -73,28 +73,6 @@ struct sweep {
     bool jitter_of_rows; /* the errors are those of the file's columns */
 };
 
-/* The numbers in `text`, separated by `separator`; -1 where there is something else or more than `limit`. */
-static int read_numbers(double *out, int limit, const char *text, char separator)
-{
-    int count = 0;
-    for (;;) {
-        char word[64];
-        size_t length = strcspn(text, (const char[]){separator, '\0'});
-        if (length >= sizeof word || count == limit) {
-            return -1;
-        }
-        memcpy(word, text, length);
-        word[length] = '\0';
-        if (!number_parse(word, &out[count++])) {
-            return -1;
-        }
-        if (!text[length]) {
-            return count;
-        }
-        text += length + 1;
-    }
-}
-
 static bool refuse_angles(const struct sweep *sweep, const char *why)
 {
     print_error_line("--angles: \"%s\" %s", sweep->settings->angles, why);
@@ -111,7 +89,7 @@ static bool read_angles(struct sweep *sweep)
         return false;
     }
     if (strchr(text, ':')) {
-        if (read_numbers(range, 3, text, ':') != 3) {
+        if (numbers_parse(range, 3, text, ':') != 3) {
             return refuse_angles(sweep, "is not three numbers LOW:HIGH:STEP");
         }
         /* LOW, LOW + STEP and so on up to HIGH, which is taken even if rounding puts it a little beyond. */
@@ -126,11 +104,10 @@ static bool read_angles(struct sweep *sweep)
             sweep->angles[sweep->angle_count++] = angles_at(range, i);
         }
     } else {
-        int count = read_numbers(sweep->angles, ANGLE_LIMIT, text, ',');
-        if (count < 0) {
+        sweep->angle_count = numbers_parse(sweep->angles, ANGLE_LIMIT, text, ',');
+        if (!sweep->angle_count) {
             return refuse_angles(sweep, "is neither up to 1000 numbers A,B,... nor LOW:HIGH:STEP");
         }
-        sweep->angle_count = (size_t)count;
     }
     for (size_t i = 0; i < sweep->angle_count; i++) {
         if (!(sweep->angles[i] > 0 && sweep->angles[i] < 180)) {
@@ -152,7 +129,7 @@ static bool read_jitter(struct sweep *sweep)
         return sweep->settings->request.aim.pose ||
                (print_error_line("--jitter columns: without --pose FILE there are none"), false);
     }
-    if (read_numbers(errors, 2, sweep->settings->jitter, ',') != 2) {
+    if (numbers_parse(errors, 2, sweep->settings->jitter, ',') != 2) {
         print_error_line("--jitter: \"%s\" is not two numbers DEGREES,MM without spaces", sweep->settings->jitter);
         return false;
     }

@@ -6,12 +6,12 @@
 #include "options/output.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define FIELD(member) offsetof(struct constraint_settings, member)
 
+/* In the order of conus_constraint_kind, */
 const struct option constraint_options[] = {
     {.name = "reach",
      .type = OPTION_LIST,
@@ -66,188 +66,136 @@ const struct option constraint_options[] = {
     {0},
 };
 
-/* A key behind the names of an option, in place of the length or margin. */
+/* A key behind the names of an option; of a REACH and an AVOID a measure in place of the length or margin. */
 static const struct key {
-    const char *option, *name;
+    conus_constraint_kind kind;
+    const char *name;
     conus_measure measure;
     double high; /* of its number, from 0; 0 = it has none */
+    bool is_part;
 } keys[] = {
-    {"reach", "length", CONUS_MEASURE_LENGTH, 1e9},
-    {"reach", "tip", CONUS_MEASURE_TIP, 0},
-    {"reach", "crossed", CONUS_MEASURE_CROSSED, 0},
-    {"avoid", "margin", CONUS_MEASURE_LENGTH, 100},
+    {CONUS_CONSTRAINT_REACH, "length", CONUS_MEASURE_LENGTH, 1e9, false},
+    {CONUS_CONSTRAINT_REACH, "tip", CONUS_MEASURE_TIP, 0, false},
+    {CONUS_CONSTRAINT_REACH, "crossed", CONUS_MEASURE_CROSSED, 0, false},
+    {CONUS_CONSTRAINT_REACH, "part", CONUS_MEASURE_LENGTH, 1e9, true},
+    {CONUS_CONSTRAINT_AVOID, "margin", CONUS_MEASURE_LENGTH, 100, false},
 };
 
 enum { KEYS = sizeof keys / sizeof keys[0] };
 
-/* Keys of an option, for closest_name(); "part" comes last. */
-static const char *key_name(const void *option, size_t index)
+static const char *key_name(const void *kind, size_t index)
 {
-    size_t seen = 0;
     for (size_t i = 0; i < KEYS; i++) {
-        if (strcmp(keys[i].option, option) == 0 && seen++ == index) {
+        if (keys[i].kind == *(const conus_constraint_kind *)kind && index-- == 0) {
             return keys[i].name;
         }
     }
-    return seen == index && strcmp(option, "reach") == 0 ? "part" : NULL;
+    return NULL;
 }
 
-static bool refuse_key(const char *option, char *key)
+/* The key that a text begins with, up to its end or "="; NULL if there is none. */
+static const struct key *find_key(conus_constraint_kind kind, const char *text)
 {
-    key[strcspn(key, "=")] = '\0';
-    const char *near = closest_name(key, key_name, option);
-    print_error_line("--%s: there is no key \"%s\"%s%s%s", option, key, near ? "; did you mean " : "", near ? near : "",
-                     near ? "?" : "");
-    return false;
-}
-
-/* "A:B", the second the larger. */
-static bool read_part(conus_constraint *out, const char *value)
-{
-    char first[64];
-    const char *colon = strchr(value, ':');
-    size_t length = colon ? (size_t)(colon - value) : sizeof first;
-    double part[2] = {NAN, NAN};
-    if (length < sizeof first) {
-        memcpy(first, value, length);
-        first[length] = '\0';
+    size_t length = strcspn(text, "=");
+    for (const struct key *key = keys; key < keys + KEYS; key++) {
+        if (key->kind == kind && strlen(key->name) == length && strncmp(key->name, text, length) == 0) {
+            return key;
+        }
     }
-    if (length >= sizeof first || !number_parse(first, &part[0]) || !number_parse(colon + 1, &part[1]) ||
-        !(part[0] >= 0 && part[0] < part[1])) {
-        print_error_line("--reach: part=%s is not A:B with numbers from 0, the lower one first", value);
-        return false;
-    }
-    memcpy(out->part, part, sizeof part);
-    return true;
+    return NULL;
 }
 
 /* Reads "key=value" or "key", the text after a comma. */
-static bool read_key(conus_constraint *out, bool *has_measure, const char *option, char *text)
+static bool read_key(conus_constraint *out, bool *has_measure, char *text)
 {
-    const char *equals = strchr(text, '=');
-    size_t length = strcspn(text, "=");
-    if (strcmp(option, "reach") == 0 && length == 4 && strncmp(text, "part", 4) == 0 && equals && out->part[1] == 0) {
-        return read_part(out, equals + 1);
-    }
-    const struct key *key = keys;
-    while (key < keys + KEYS && !(strcmp(key->option, option) == 0 && strlen(key->name) == length &&
-                                  strncmp(key->name, text, length) == 0)) {
-        key++;
-    }
-    if (key == keys + KEYS) {
-        return refuse_key(option, text);
-    }
-    bool has_number = key->high > 0;
-    if (*has_measure || has_number != (equals != NULL)) {
-        print_error_line(*has_measure ? "--%s: \"%s\" is one measure too many, an option has one"
-                         : has_number ? "--%s: \"%s\" has no number behind it"
-                                      : "--%s: \"%s\" has a number behind it",
-                         option, text);
-        return false;
-    }
-    *has_measure = true;
-    out->measure = key->measure;
-    if (has_number && !(number_parse(equals + 1, &out->limit) && out->limit >= 0 && out->limit <= key->high)) {
+    const char *option = constraint_options[out->kind].name;
+    const struct key *key = find_key(out->kind, text);
+    const char *value = strchr(text, '=') ? strchr(text, '=') + 1 : NULL;
+    double part[2];
+    if (!key) {
+        text[strcspn(text, "=")] = '\0';
+        const char *near = closest_name(text, key_name, &out->kind);
+        print_error_line("--%s: there is no key \"%s\"%s%s%s", option, text, near ? "; did you mean " : "",
+                         near ? near : "", near ? "?" : "");
+    } else if ((key->high > 0) != (value != NULL)) {
+        print_error_line("--%s: \"%s\" has %s number behind it", option, text, value ? "a" : "no");
+    } else if (key->is_part ? out->part[1] > 0 : *has_measure) {
+        print_error_line("--%s: \"%s\" is one measure too many, an option has one", option, text);
+    } else if (key->is_part) {
+        if (numbers_parse(part, 2, value, ':') == 2 && part[0] >= 0 && part[0] < part[1]) {
+            memcpy(out->part, part, sizeof part);
+            return true;
+        }
+        print_error_line("--%s: %s is not A:B with numbers from 0, the lower one first", option, text);
+    } else if (value && !(number_parse(value, &out->limit) && out->limit >= 0 && out->limit <= key->high)) {
         print_error_line("--%s: %s is not a number from 0 to %g", option, text, key->high);
-        return false;
+    } else {
+        *has_measure = true;
+        out->measure = key->measure;
+        return true;
     }
-    return true;
-}
-
-/* Whether the last piece of `text`, from its comma on, is a key and no name. */
-static bool is_key(const char *comma, const char *option)
-{
-    return strchr(comma, '=') ||
-           (strcmp(option, "reach") == 0 && (strcmp(comma, ",tip") == 0 || strcmp(comma, ",crossed") == 0));
+    return false;
 }
 
 /* NAMES with keys behind them, which are cut off from the end. */
-static bool read_structure(conus_constraint *out, char *text, const char *option)
+static bool read_structure(conus_constraint *out, char *text)
 {
-    static const char *const names[] = {",length=", ",part=", ",margin=", NULL};
+    static const char *const numbers[] = {",length=", ",part=", ",margin=", NULL};
+    const char *option = constraint_options[out->kind].name;
     bool has_measure = false;
-    for (char *comma; (comma = strrchr(text, ',')) && is_key(comma, option);) {
+    out->names = text;
+    for (char *comma; (comma = strrchr(text, ',')) && (strchr(comma, '=') || find_key(out->kind, comma + 1));) {
         *comma = '\0';
-        if (!read_key(out, &has_measure, option, comma + 1)) {
+        if (!read_key(out, &has_measure, comma + 1)) {
             return false;
         }
     }
-    char shown[16];
-    snprintf(shown, sizeof shown, "--%s", option);
-    if (!*text || strchr(text, '=') == text) {
-        print_error_line("--%s: there is no name of a structure", option);
-        return false;
-    }
-    out->names = text;
-    return !key_left_in_file(shown, text, names);
+    return *text ? !key_left_in_file(option, text, numbers)
+                 : (print_error_line("--%s: there is no name of a structure", option), false);
 }
 
-/* Cuts the number behind the last comma off. */
-static bool cut_number(double *out, char *text)
+static bool read_length(conus_constraint *out, char *text)
 {
-    char *comma = strrchr(text, ',');
-    if (!comma || !number_parse(comma + 1, out)) {
-        return false;
-    }
-    *comma = '\0';
+    double range[2] = {0};
+    numbers_parse(range, 2, text, ','); /* which the parser has checked */
+    out->limit = range[0];
+    out->most = range[1];
     return true;
 }
 
 static bool read_lean(conus_constraint *out, char *text)
 {
-    double degrees = 0;
-    char given[128];
-    snprintf(given, sizeof given, "%s", text);
-    bool is_vector = cut_number(&degrees, text) && cut_number(&out->direction[2], text) &&
-                     cut_number(&out->direction[1], text) && number_parse(text, &out->direction[0]);
-    out->limit = radians(degrees);
-    if (!is_vector) {
-        print_error_line("--lean: \"%s\" is not four numbers X,Y,Z,MAX without spaces", given);
-    } else if (!(degrees >= 0 && degrees <= 180)) {
-        print_error_line("--lean: %g degrees, allowed are 0 to 180", degrees);
-    } else if (out->direction[0] == 0 && out->direction[1] == 0 && out->direction[2] == 0) {
+    double numbers[4];
+    if (numbers_parse(numbers, 4, text, ',') != 4) {
+        print_error_line("--lean: \"%s\" is not four numbers X,Y,Z,MAX without spaces", text);
+    } else if (!(numbers[3] >= 0 && numbers[3] <= 180)) {
+        print_error_line("--lean: %g degrees, allowed are 0 to 180", numbers[3]);
+    } else if (numbers[0] == 0 && numbers[1] == 0 && numbers[2] == 0) {
         print_error_line("--lean: the direction 0,0,0 has no length");
-        is_vector = false;
+    } else {
+        memcpy(out->direction, numbers, sizeof out->direction);
+        out->limit = radians(numbers[3]);
+        return true;
     }
-    return is_vector && degrees >= 0 && degrees <= 180;
+    return false;
 }
 
 static bool read_apart(conus_constraint *out, char *text)
 {
-    if (!cut_number(&out->limit, text) || !*text) {
+    char *comma = strrchr(text, ',');
+    if (!comma || comma == text || !number_parse(comma + 1, &out->limit)) {
         print_error_line("--apart: \"%s\" is not FILE,MM", text);
         return false;
     }
+    *comma = '\0';
     return (out->limit >= 0 && out->limit <= 100) ||
            (print_error_line("--apart: %g mm, allowed are 0 to 100", out->limit), false);
 }
 
-static bool read_constraint(conus_constraint *out, const char *option, char *text)
-{
-    *out = (conus_constraint){.struct_size = sizeof *out};
-    if (strcmp(option, "reach") == 0 || strcmp(option, "avoid") == 0 || strcmp(option, "first") == 0) {
-        out->kind = option[0] == 'r'   ? CONUS_CONSTRAINT_REACH
-                    : option[0] == 'a' ? CONUS_CONSTRAINT_AVOID
-                                       : CONUS_CONSTRAINT_FIRST;
-        return read_structure(out, text, option);
-    }
-    if (strcmp(option, "length") == 0) { /* which the parser has checked */
-        out->kind = CONUS_CONSTRAINT_LENGTH;
-        return cut_number(&out->most, text) && number_parse(text, &out->limit);
-    }
-    out->kind = strcmp(option, "lean") == 0 ? CONUS_CONSTRAINT_LEAN : CONUS_CONSTRAINT_APART;
-    return out->kind == CONUS_CONSTRAINT_LEAN ? read_lean(out, text) : read_apart(out, text);
-}
-
-static bool is_constraint(const struct option *option)
-{
-    for (const struct option *at = constraint_options; at->name; at++) {
-        if (at == option) {
-            return true;
-        }
-    }
-    return false;
-}
+/* In the order of the options, which is that of conus_constraint_kind. */
+static bool (*const readers[])(conus_constraint *out, char *text) = {
+    read_structure, read_structure, read_length, read_lean, read_apart, read_structure,
+};
 
 int constraints_parse(struct constraints *out, const struct arguments *arguments)
 {
@@ -259,12 +207,18 @@ int constraints_parse(struct constraints *out, const struct arguments *arguments
     }
     for (size_t i = 0; i < arguments->use_count; i++) {
         const struct option_use *use = &arguments->uses[i];
-        if (is_constraint(use->option)) {
+        size_t kind = 0;
+        while (constraint_options[kind].name && &constraint_options[kind] != use->option) {
+            kind++;
+        }
+        if (constraint_options[kind].name) {
             char *text = out->texts[out->count] = strdup(use->value);
+            conus_constraint *item = &out->items[out->count++];
+            *item = (conus_constraint){.struct_size = sizeof *item, .kind = (conus_constraint_kind)kind};
             if (!text) {
                 return print_no_memory();
             }
-            if (!read_constraint(&out->items[out->count++], use->option->name, text)) {
+            if (!readers[kind](item, text)) {
                 return EXIT_USAGE;
             }
         }

@@ -102,57 +102,54 @@ static bool read_count(const struct option *option, uint32_t *field, const char 
 
 enum { NUMBERS_SIZE = 256 };
 
-/* Copies the text and cuts the copy at `separator`; false unless that gives exactly `count` parts. */
-static bool split_numbers(char copy[NUMBERS_SIZE], const char *text, char separator, const char **parts, size_t count)
+size_t numbers_parse(double *out, size_t limit, const char *text, char separator)
 {
-    if (snprintf(copy, NUMBERS_SIZE, "%s", text) >= NUMBERS_SIZE) {
-        return false;
-    }
-    for (size_t i = 0; i < count; i++) {
-        parts[i] = copy;
-        copy = strchr(copy, separator);
-        if (!copy) {
-            return i + 1 == count;
+    for (size_t count = 0; count < limit; text++) {
+        char word[NUMBERS_SIZE];
+        size_t length = strcspn(text, (const char[]){separator, '\0'});
+        if (length >= sizeof word) {
+            return 0;
         }
-        *copy++ = '\0';
+        memcpy(word, text, length);
+        word[length] = '\0';
+        if (!number_parse(word, &out[count++])) {
+            return 0;
+        }
+        text += length;
+        if (!*text) {
+            return count;
+        }
     }
-    return false;
+    return 0;
 }
 
 static bool read_numbers(const struct option *option, double *field, size_t count, const char *text, const char *wanted)
 {
-    char copy[NUMBERS_SIZE];
-    const char *parts[4];
-    if (!split_numbers(copy, text, ',', parts, count)) {
+    double numbers[4];
+    if (numbers_parse(numbers, count, text, ',') != count) {
         return refuse_value(option, text, wanted);
     }
     for (size_t i = 0; i < count; i++) {
-        if (!number_parse(parts[i], &field[i])) {
-            return refuse_value(option, text, wanted);
-        }
-        if (outside(option, field[i])) {
+        if (outside(option, numbers[i])) {
             return refuse_range(option, text);
         }
     }
+    memcpy(field, numbers, count * sizeof *field);
     return true;
 }
 
 static bool read_size(const struct option *option, uint32_t field[2], const char *text)
 {
-    char copy[NUMBERS_SIZE];
-    const char *parts[2];
-    if (!split_numbers(copy, text, 'x', parts, 2)) {
-        return refuse_value(option, text, "a size WxH");
-    }
+    double numbers[2];
+    bool is_size = !text[strspn(text, "0123456789x")] && numbers_parse(numbers, 2, text, 'x') == 2;
     for (size_t i = 0; i < 2; i++) {
-        uint64_t number;
-        if (!count_parse(parts[i], UINT32_MAX, &number)) {
+        if (!is_size || numbers[i] > UINT32_MAX) {
             return refuse_value(option, text, "a size WxH");
         }
-        if (outside(option, (double)number)) {
+        if (outside(option, numbers[i])) {
             return refuse_range(option, text);
         }
-        field[i] = (uint32_t)number;
+        field[i] = (uint32_t)numbers[i];
     }
     return true;
 }
@@ -272,7 +269,7 @@ bool key_left_in_file(const char *option, const char *file, const char *const *k
         key = strstr(file, *keys);
     }
     if (key) {
-        print_error_line("%s: \"%s\" has a comma in it; a number has a decimal point, and a name no comma", option,
+        print_error_line("--%s: \"%s\" has a comma in it; a number has a decimal point, and a name no comma", option,
                          key + 1);
     }
     return key;

@@ -170,6 +170,9 @@ bool option_read(const struct option *option, void *field, const char *text);
 
 /** The whole of @p text as a finite decimal number, whatever the locale; no hexadecimal, no spaces. */
 bool number_parse(const char *text, double *out);
+/** The whole of @p text as up to @p limit such numbers with @p separator between them: how many; 0 if it is anything
+ * else. */
+size_t numbers_parse(double *out, size_t limit, const char *text, char separator);
 /** The whole of @p text as a decimal whole number up to @p limit. */
 bool count_parse(const char *text, uint64_t limit, uint64_t *out);
 

@@ -120,7 +120,7 @@ static bool pathway_option_parse(struct pathway_option *out, const char *text)
         print_error_line("--pathway: \"%s\" names no file", text);
         return false;
     }
-    if (key_left_in_file("--pathway", keys, names)) {
+    if (key_left_in_file("pathway", keys, names)) {
         return false;
     }
     out->path = out->text + size;
@@ -186,7 +186,7 @@ static bool streamlines_option_parse(struct streamlines_option *out, const char 
     if (!*out->path) {
         print_error_line("--streamlines: \"%s\" names no file", text);
     }
-    return *out->path && !key_left_in_file("--streamlines", out->path, keys);
+    return *out->path && !key_left_in_file("streamlines", out->path, keys);
 }
 
 /* The parts of "FILE[,from=IMAGE,to=IMAGE][,inverse][,relative|absolute][,grid=IMAGE]", which is cut at its commas. */

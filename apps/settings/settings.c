@@ -562,19 +562,12 @@ int settings_within(double *out, const struct arguments *arguments)
     const char *path = option_text(arguments, "clearance");
     const char *text = option_key(arguments, "clearance");
     *out = 10;
-    if (path && key_left_in_file("--clearance", path, keys)) {
+    if (path && key_left_in_file("clearance", path, keys)) {
         return EXIT_USAGE;
     }
     return !text || (number_parse(text, out) && *out >= 0 && *out <= 1000)
                ? EXIT_DONE
                : print_usage_error("--clearance: within=%s is no number of mm from 0 to 1000", text);
-}
-
-/* Cuts the next of the numbers off; false where there is none. */
-static bool take_number(double *out, char **rest)
-{
-    const char *word = strsep(rest, ",");
-    return word && number_parse(word, out);
 }
 
 int settings_contacts(conus_contacts *out, const struct axis_settings *settings)
@@ -583,20 +576,14 @@ int settings_contacts(conus_contacts *out, const struct axis_settings *settings)
     if (!settings->contacts) {
         return EXIT_DONE;
     }
-    char *text = strdup(settings->contacts);
-    if (!text) {
-        return print_no_memory();
+    double numbers[4];
+    bool whole = numbers_parse(numbers, 4, settings->contacts, ',') == 4 && numbers[0] >= 1 &&
+                 numbers[0] <= UINT32_MAX && numbers[1] >= 1 && numbers[1] <= UINT32_MAX;
+    if (whole) {
+        *out = (conus_contacts){
+            .count = (uint32_t)numbers[0], .columns = (uint32_t)numbers[1], .pitch = numbers[2], .tip = numbers[3]};
+        whole = out->count == numbers[0] && out->columns == numbers[1];
     }
-    double count = 0;
-    double columns = 0;
-    char *rest = text;
-    bool whole = take_number(&count, &rest) && take_number(&columns, &rest) && take_number(&out->pitch, &rest) &&
-                 take_number(&out->tip, &rest) && !rest;
-    free(text);
-    whole = whole && count >= 1 && count <= UINT32_MAX && columns >= 1 && columns <= UINT32_MAX;
-    out->count = whole ? (uint32_t)count : 0;
-    out->columns = whole ? (uint32_t)columns : 0;
-    whole = whole && out->count == count && out->columns == columns;
     return whole
                ? EXIT_DONE
                : print_usage_error("--contacts: \"%s\" is not COUNT,COLUMNS,PITCH,TIP: two whole numbers from 1 on and "
