@@ -2,10 +2,10 @@
 /* conus plan: which poses reach some structures and stay clear of others, and how far they may be off. */
 #include "cli/answers/ends.h"
 #include "cli/commands.h"
-#include "cli/constraints.h"
 #include "cli/request.h"
 #include "options/messages.h"
 #include "options/progress.h"
+#include "settings/constraints.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -455,6 +455,9 @@ static int run_plan(const void *given, const struct arguments *arguments)
     const struct plan_settings *settings = given;
     struct planning planning = {.settings = settings};
     int code = constraints_parse(&planning.constraints, arguments);
+    if (!code && !planning.constraints.count) {
+        code = print_usage_error("no constraint given: --reach NAME,... or --avoid NAME,...");
+    }
     bool fits = !code && read_top(&planning.top, settings->top) &&
                 read_step(&planning.step, option_key(arguments, "profile")) &&
                 settings_check_space(arguments, &settings->request.aim.space);

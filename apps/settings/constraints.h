@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file Options that constrain a plan, in their order on the command line. */
-#ifndef CONUS_CLI_CONSTRAINTS_H
-#define CONUS_CLI_CONSTRAINTS_H
+#ifndef CONUS_SETTINGS_CONSTRAINTS_H
+#define CONUS_SETTINGS_CONSTRAINTS_H
 
 #include "settings/pose_settings.h"
 
@@ -20,8 +20,8 @@ struct constraint_settings {
     double length[2];
 };
 
-/** Reads the options; @p out is the caller's to constraints_finish() in any case. Returns the exit code and prints an
- * error unless it is 0. */
+/** Reads the options, of which there may be none; @p out is the caller's to constraints_finish() in any case. Returns
+ * the exit code and prints an error unless it is 0. */
 int constraints_parse(struct constraints *out, const struct arguments *arguments);
 void constraints_finish(struct constraints *constraints);
 
