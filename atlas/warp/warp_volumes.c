@@ -243,7 +243,7 @@ void warped_volumes_finish(struct warped_volumes *volumes, size_t count)
 static void sample_places(struct warped_volumes *volumes, const struct volume_source *source,
                           const struct warp_way *way, const struct warp_plan *plan)
 {
-    struct ways_back back;
+    struct ways_back back = {0};
     size_t total = source->dim[0] * source->dim[1] * source->dim[2];
     size_t labelled = 0;
     for (size_t v = 0; v < total; v++) {

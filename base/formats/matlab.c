@@ -78,7 +78,7 @@ static conus_status take_element(struct element *out, struct text *rest, bool sw
 /* Some programs write dimensions as UINT32, and names as UTF8; the bytes are the same. */
 static conus_status take_typed(struct text *out, struct text *rest, bool swapped, uint32_t type, const char *what)
 {
-    struct element element;
+    struct element element = {0};
     conus_status status = take_element(&element, rest, swapped);
     if (status) {
         return status;

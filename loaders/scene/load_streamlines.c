@@ -90,7 +90,7 @@ conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path, c
     options = options_of(conus_streamlines_options, options);
     const struct note_sink sink = {options->log, options->log_user, path};
     struct notes notes = {.sink = &sink};
-    double radius;
+    double radius = 0;
     conus_status status = streamlines_radius(&radius, options->radius, path);
     status = status ? status : tract_file_read(&tractogram, path, options->max_memory, &notes);
     if (!status) {

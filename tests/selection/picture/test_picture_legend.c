@@ -164,7 +164,7 @@ static void check_rows(const struct scene *scene, const struct legend_row *rows,
 static void check(struct scene *scene, size_t shown, const double width[2], const double height[2])
 {
     char texts[SLABS + 1][2][TEXT];
-    char more[TEXT];
+    char more[40];
     struct legend_row rows[SLABS + 2];
     size_t results = conus_selection_count(scene->selection);
     size_t count = 0;
