@@ -7,6 +7,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "poses/pose_candidates.h"
 #include "poses/pose_formats.h"
 #include "poses/pose_table.h"
 #include "poses/programs/pose_programs.h"
@@ -61,10 +62,11 @@ struct conus_pose_stream {
     struct pose_lines lines;
     struct pose_table table;
     struct pose_strings strings; /* of the rows of the last block */
-    conus_pose_list whole;       /* rows of a format that is read whole, and all notes */
-    uint64_t taken;              /* rows read or passed over */
-    struct extent extent;        /* of the rows read, */
-    bool is_partial;             /* some of which were passed over */
+    struct pose_candidates candidates;
+    conus_pose_list whole; /* rows of a format that is read whole, and all notes */
+    uint64_t taken;        /* rows read or passed over */
+    struct extent extent;  /* of the rows read, */
+    bool is_partial;       /* some of which were passed over */
 };
 
 static conus_status fail_of(const conus_pose_stream *stream, conus_status status)
@@ -345,6 +347,17 @@ conus_status pose_stream_parse(conus_pose_stream **out, struct text text, const 
     return hand_over_stream(out, stream, status);
 }
 
+conus_status conus_candidates_open(conus_pose_stream **out, const conus_candidates *candidates)
+{
+    conus_pose_stream *stream = NULL;
+    conus_status status = create_stream(&stream, NULL);
+    if (!status) {
+        stream->format = CONUS_POSE_FORMAT_TABLE;
+        status = pose_candidates_init(&stream->candidates, candidates);
+    }
+    return hand_over_stream(out, stream, status);
+}
+
 void conus_pose_stream_destroy(conus_pose_stream *stream)
 {
     if (!stream) {
@@ -358,9 +371,29 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     }
     pose_lines_finish(&stream->lines);
     pose_strings_finish(&stream->strings);
+    pose_candidates_finish(&stream->candidates);
     pose_list_finish(&stream->whole);
     memory_free(stream->name);
     memory_free(stream);
+}
+
+/* The strings live until the next block. */
+static conus_status name_row(conus_pose_row *row, conus_pose_stream *stream, struct text id, const char *error)
+{
+    row->id = pose_strings_add(&stream->strings, id);
+    row->error = error ? pose_strings_add(&stream->strings, text_from(error)) : NULL;
+    return row->id && (!error || row->error) ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status make_row(conus_pose_row *out, conus_pose_stream *stream, bool *found)
+{
+    *found = stream->taken < stream->candidates.count;
+    if (!*found) {
+        return CONUS_OK;
+    }
+    char id[POSE_CANDIDATE_ID];
+    conus_status bad = pose_candidates_row(out, id, &stream->candidates, stream->taken);
+    return name_row(out, stream, text_from(id), bad ? conus_message() : NULL);
 }
 
 static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, bool *found)
@@ -379,10 +412,7 @@ static conus_status read_row(conus_pose_row *out, conus_pose_stream *stream, boo
                            : pose_table_row(&row, &name, &stream->table, line.text, &stream->options);
     char ordinal[POSE_ORDINAL_SIZE];
     const char *bad_id = pose_check_id(&name.text, ordinal, stream->taken + 1);
-    const char *error = bad ? conus_message() : bad_id;
-    row.id = pose_strings_add(&stream->strings, name.text); /* lives until the next block */
-    row.error = error ? pose_strings_add(&stream->strings, text_from(error)) : NULL;
-    status = row.id && (!error || row.error) ? CONUS_OK : CONUS_ERROR_MEMORY;
+    status = name_row(&row, stream, name.text, bad ? conus_message() : bad_id);
     if (row.is_point) { /* for cones conus_aims_found() tells more */
         extent_add(&stream->extent, &row);
     }
@@ -403,7 +433,7 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
                 rows[got] = stream->whole.rows[stream->taken];
             }
         } else {
-            status = read_row(&rows[got], stream, &found);
+            status = (stream->candidates.count ? make_row : read_row)(&rows[got], stream, &found);
         }
         got += found;
         stream->taken += found;
@@ -420,8 +450,8 @@ conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows)
     conus_status status = CONUS_OK;
     stream->is_partial = stream->is_partial || rows;
     pose_strings_clear(&stream->strings);
-    if (is_whole(stream)) {
-        uint64_t left = stream->whole.count - stream->taken;
+    if (is_whole(stream) || stream->candidates.count) {
+        uint64_t left = (is_whole(stream) ? stream->whole.count : stream->candidates.count) - stream->taken;
         stream->taken += rows < left ? rows : left;
         return CONUS_OK;
     }
@@ -457,8 +487,8 @@ static conus_status count_again(uint64_t *count, const conus_pose_stream *stream
 
 conus_status conus_pose_stream_count(uint64_t *count, conus_pose_stream *stream)
 {
-    if (is_whole(stream)) {
-        *count = stream->whole.count;
+    if (is_whole(stream) || stream->candidates.count) {
+        *count = is_whole(stream) ? stream->whole.count : stream->candidates.count;
         return CONUS_OK;
     }
     uint64_t lines = 0;
@@ -519,7 +549,8 @@ bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 
 bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
 {
-    return stream->format == CONUS_POSE_FORMAT_TABLE && pose_table_has_ranges(&stream->table);
+    return stream->candidates.asked.to_target ||
+           (stream->format == CONUS_POSE_FORMAT_TABLE && pose_table_has_ranges(&stream->table));
 }
 
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)

@@ -318,7 +318,9 @@ static void put_misses(FILE *out, const conus_plan *plan, const conus_report *re
         const conus_constraint *constraint = conus_plan_constraint(plan, i);
         if (miss) {
             bool is_clearance = constraint->kind == CONUS_CONSTRAINT_AVOID && !constraint->measure;
-            double unit = constraint->kind == CONUS_CONSTRAINT_LEAN ? radians(1) : 1;
+            double unit = constraint->kind == CONUS_CONSTRAINT_LEAN || constraint->kind == CONUS_CONSTRAINT_ENTRY_ANGLE
+                              ? radians(1)
+                              : 1;
             double value = miss->verdicts[i].value / unit - (is_clearance ? radius : 0);
             fprintf(out, "\n%s breaks only one of them, %s: it has %.4g", miss->id, conus_report_constraint(report, i),
                     value);
@@ -481,6 +483,7 @@ static void help_keys(FILE *out)
           "  slack                       least clearance from what is avoided, less its margin, mm\n"
           "  clearance                   the same with the margin, mm\n"
           "  depth                       how deep the far end is, mm\n"
+          "  entry_angle                 between the axis and the inward normal at the entry, degrees\n"
           "  reach, reach2, ...          what --reach measures, of the first one, the second one, ...\n"
           "  score                       the formula of --score\n",
           out);

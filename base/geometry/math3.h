@@ -70,6 +70,14 @@ static inline bool vec3_normalise(double out[3], const double a[3])
     return true;
 }
 
+/** Between two directions, radians, 0 to pi. */
+static inline double vec3_angle(const double a[3], const double b[3])
+{
+    double cross[3];
+    vec3_cross(cross, a, b);
+    return atan2(vec3_length(cross), vec3_dot(a, b));
+}
+
 static inline bool vec3_is_finite(const double a[3])
 {
     return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]);

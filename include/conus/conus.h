@@ -39,6 +39,7 @@
 #include <conus/atlas_info.h>
 #include <conus/batch.h>
 #include <conus/cache.h>
+#include <conus/candidates.h>
 #include <conus/catalogue.h>
 #include <conus/clearance.h>
 #include <conus/connectivity.h>

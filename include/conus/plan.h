@@ -21,13 +21,14 @@ typedef struct conus_plan conus_plan; /**< Constraints, and the poses that were 
 
 /** What a constraint asks of a pose. */
 typedef enum conus_constraint_kind {
-    CONUS_CONSTRAINT_REACH = 0, /**< The measure of the structure is at least the limit. */
-    CONUS_CONSTRAINT_AVOID,     /**< The clearance of the structure (Eq. 21) is more than the limit, mm; by
-                                   #CONUS_MEASURE_SHARE or #CONUS_MEASURE_PIERCED the measure is at most the limit. */
-    CONUS_CONSTRAINT_LENGTH,    /**< far - near is between the limit and most, mm. */
-    CONUS_CONSTRAINT_LEAN,      /**< The axis and direction enclose at most the limit, radians. */
-    CONUS_CONSTRAINT_APART,     /**< The axis is farther than the limit from those of other needles, mm. */
-    CONUS_CONSTRAINT_FIRST      /**< The first object that the axis passes is of the structure. */
+    CONUS_CONSTRAINT_REACH = 0,  /**< The measure of the structure is at least the limit. */
+    CONUS_CONSTRAINT_AVOID,      /**< The clearance of the structure (Eq. 21) is more than the limit, mm; by
+                                    #CONUS_MEASURE_SHARE or #CONUS_MEASURE_PIERCED the measure is at most the limit. */
+    CONUS_CONSTRAINT_LENGTH,     /**< far - near is between the limit and most, mm. */
+    CONUS_CONSTRAINT_LEAN,       /**< The axis and direction enclose at most the limit, radians. */
+    CONUS_CONSTRAINT_APART,      /**< The axis is farther than the limit from those of other needles, mm. */
+    CONUS_CONSTRAINT_FIRST,      /**< The first object that the axis passes is of the structure. */
+    CONUS_CONSTRAINT_ENTRY_ANGLE /**< The axis and the inward normal at its entry enclose at most the limit, radians. */
 } conus_constraint_kind;
 
 /** What is measured of a structure. Measures from #CONUS_MEASURE_SHARE on are of the cone or cylinder. */
@@ -63,8 +64,9 @@ typedef struct conus_constraint {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_CONSTRAINT_INIT CONUS_INIT_(conus_constraint)
 
-/** How poses are tried and which are listed. Keys of a rank are leeway, slack, clearance, depth, score, reach (value of
- * the first REACH; reach2 that of the second, and so on) and share, volume (of the first REACH by them). */
+/** How poses are tried and which are listed. Keys of a rank are leeway, slack, clearance, depth, entry_angle (degrees),
+ * score, reach (value of the first REACH; reach2 that of the second, and so on) and share, volume (of the first REACH
+ * by them). */
 typedef struct conus_plan_options {
     size_t struct_size; /**< Its size, as #CONUS_PLAN_OPTIONS_INIT sets it; 0 = that of this version. */
     uint32_t threads;   /**< Up to 1024; 0 = as many as processors that the process may use. */
@@ -95,7 +97,7 @@ typedef struct conus_plan_options {
 typedef struct conus_verdict {
     bool holds;      /**< Whether it holds. */
     double value;    /**< What was measured: of a clearance the axis's distance (radius not taken off), of LENGTH far -
-                        near, of LEAN the angle, radians, of APART the distance, of FIRST 1 or 0. */
+                        near, of LEAN and ENTRY_ANGLE the angle, radians, of APART the distance, of FIRST 1 or 0. */
     double slack;    /**< By how much it holds, at least 0, or more than 0 of a clearance or APART; below, it breaks by
                         so much. Of a clearance value - radius - limit. */
     double leeway;   /**< mm by which no point of the axis may move so that it breaks (Eq. 22), 0 where it does; NaN
@@ -125,6 +127,9 @@ typedef struct conus_planned {
     size_t clearance_of; /**< Index of the constraint that has it; SIZE_MAX where there is none. */
     double score;        /**< By the formula; NaN without one. */
     const conus_verdict *verdicts; /**< [constraints] Of each constraint. */
+    uint64_t entry;                /**< As of conus_pose_row, 0 = none. */
+    uint64_t target;               /**< Likewise. */
+    double entry_angle;            /**< Between the axis and the inward normal at the entry, radians; NaN without it. */
 } conus_planned;
 
 /** Rows that were no candidates. */

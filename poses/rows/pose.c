@@ -7,6 +7,9 @@
 /* Below this, two directions count as parallel, and a length as zero beside the numbers that made it. */
 static const double NEARLY_ZERO = 1e-9;
 
+/* So little is the square of a length off 1 that was divided by itself. */
+static const double UNIT = 2e-15;
+
 /* Numbers have three decimals at worst: products of columns are off by up to 0.0005 (|x| + |y| + |z|) each, that is
  * 0.0005 * 2 * sqrt(3) = 0.00173. */
 static const double ROUNDED = 2e-3;
@@ -59,7 +62,9 @@ conus_status conus_pose_along(conus_pose *out, const double origin[3], const dou
     if (status) {
         return status;
     }
-    if (!vec3_normalise(d, direction)) {
+    bool is_unit = fabs(vec3_dot(direction, direction) - 1) < UNIT; /* as an axis is that was written and read back */
+    memcpy(d, direction, sizeof d);
+    if (!is_unit && !vec3_normalise(d, direction)) {
         return fail(CONUS_ERROR_ARGUMENT, "direction: too long or too short a vector");
     }
     bool along_z = fabs(d[2]) > 0.999; /* Eq. 2 */

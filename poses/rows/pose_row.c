@@ -15,7 +15,8 @@ uint64_t pose_memory(const conus_pose_options *options)
 
 conus_pose_row pose_row_at(size_t line)
 {
-    return (conus_pose_row){.line = line, .time_s = NAN, .error_deg = NAN, .error_mm = NAN, .range = {NAN, NAN}};
+    return (conus_pose_row){
+        .line = line, .time_s = NAN, .error_deg = NAN, .error_mm = NAN, .range = {NAN, NAN}, .normal = {NAN, NAN, NAN}};
 }
 
 const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint64_t number)

@@ -3,6 +3,7 @@
 #include "selection/plan/plan.h"
 
 #include "base/buffer.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "poses/pose_stream.h"
@@ -244,14 +245,26 @@ static const char *take_needle(conus_planned *out, const conus_pose_row *row, co
         return row->error ? row->error : "a point, without the direction that a needle needs";
     }
     bool has_angle = row->angle != 0 && plan->selector->options.radius == 0;
+    bool has_normal = vec3_dot(row->normal, row->normal) > 0;
+    const double inward[3] = {-row->normal[0], -row->normal[1], -row->normal[2]};
+    const double *m = row->pose.world_from_device;
+    const double axis[3] = {-m[8], -m[9], -m[10]};
     *out = (conus_planned){.pose = row->pose,
                            .near = isnan(row->range[0]) ? range[0] : row->range[0],
                            .far = !isnan(row->range[1])   ? row->range[1]
                                   : plan->options.far > 0 ? plan->options.far
                                                           : range[1],
-                           .angle = has_angle ? row->angle : plan->options.angle};
+                           .angle = has_angle ? row->angle : plan->options.angle,
+                           .entry = row->entry,
+                           .target = row->target,
+                           .entry_angle = has_normal ? vec3_angle(axis, inward) : NAN};
     if (has_angle && pose_check_angle(row->angle)) {
         return conus_message();
+    }
+    for (size_t i = 0; i < plan->count && !has_normal; i++) {
+        if (plan->constraints[i].asked.kind == CONUS_CONSTRAINT_ENTRY_ANGLE) {
+            return "no normal at its entry, which the entry angle needs";
+        }
     }
     return out->far == 0 ? "no far end: nothing says how deep it goes"
            : !(out->near >= 0 && out->far > out->near && isfinite(out->far)) ? "its far end is not beyond its near end"

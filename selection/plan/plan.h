@@ -24,6 +24,7 @@ struct plan_name {
         PLAN_SLACK,
         PLAN_CLEARANCE,
         PLAN_DEPTH,
+        PLAN_ENTRY_ANGLE,
         PLAN_VALUE, /**< Of a constraint. */
         PLAN_SCORE
     } quantity;

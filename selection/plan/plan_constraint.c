@@ -27,6 +27,7 @@ static const struct {
     [CONUS_CONSTRAINT_LEAN] = {"lean", false, 1},
     [CONUS_CONSTRAINT_APART] = {"apart", false, 1},
     [CONUS_CONSTRAINT_FIRST] = {"first", true, 1},
+    [CONUS_CONSTRAINT_ENTRY_ANGLE] = {"entry-angle", false, 1},
 };
 enum { KIND_COUNT = sizeof KINDS / sizeof KINDS[0] };
 
@@ -191,6 +192,8 @@ static conus_status check_numbers(const conus_constraint *asked)
                    ? CONUS_OK
                    : fail(CONUS_ERROR_ARGUMENT, "allowed are a direction of any length but 0, and 0 to 180 degrees");
     }
+    case CONUS_CONSTRAINT_ENTRY_ANGLE:
+        return asked->limit <= MATH3_PI ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "allowed are 0 to 180 degrees");
     case CONUS_CONSTRAINT_APART:
         return asked->needle_count && asked->needles && is_finite(asked->needles, 6 * asked->needle_count)
                    ? CONUS_OK
@@ -266,7 +269,7 @@ static bool is_same(const struct plan_constraint *a, const struct plan_constrain
 {
     bool is_alike = a->asked.kind == b->asked.kind && a->asked.measure == b->asked.measure &&
                     a->asked.part[0] == b->asked.part[0] && a->asked.part[1] == b->asked.part[1];
-    return is_alike && (a->asked.kind == CONUS_CONSTRAINT_LENGTH ||
+    return is_alike && (a->asked.kind == CONUS_CONSTRAINT_LENGTH || a->asked.kind == CONUS_CONSTRAINT_ENTRY_ANGLE ||
                         (a->has && is_within(a->has, b->has, atlas) && is_within(b->has, a->has, atlas)));
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The order of poses: keys as they are printed, a score by a formula of them, and Pareto fronts. */
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "base/text_number.h"
@@ -22,7 +23,7 @@ static void add_name(struct plan_order *order, const char *text, enum plan_quant
 /* The names that these constraints have something for. */
 static conus_status find_names(struct plan_order *order, const struct plan_constraint *constraints, size_t count)
 {
-    order->names = memory_zeroed(2 * count + 5, sizeof *order->names);
+    order->names = memory_zeroed(2 * count + 6, sizeof *order->names);
     if (!order->names) {
         return CONUS_ERROR_MEMORY;
     }
@@ -30,6 +31,7 @@ static conus_status find_names(struct plan_order *order, const struct plan_const
     add_name(order, "slack", PLAN_SLACK, 0);
     add_name(order, "clearance", PLAN_CLEARANCE, 0);
     add_name(order, "depth", PLAN_DEPTH, 0);
+    add_name(order, "entry_angle", PLAN_ENTRY_ANGLE, 0);
     size_t reaches = 0;
     bool has[CONUS_MEASURE_STREAMLINES + 1] = {false};
     for (size_t i = 0; i < count; i++) {
@@ -173,6 +175,8 @@ static double value_of(const struct plan_name *name, const conus_planned *pose)
         return pose->clearance;
     case PLAN_DEPTH:
         return pose->far;
+    case PLAN_ENTRY_ANGLE:
+        return degrees_from_radians(pose->entry_angle);
     case PLAN_VALUE:
         return pose->verdicts[name->constraint].value;
     default:

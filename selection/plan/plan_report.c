@@ -12,8 +12,8 @@ enum { DEPTH_LIMIT = 100000, CONSTRAINT_LIMIT = 100 };
 /* In the order of conus_constraint_kind; behind the number in a column's name comes the ending. */
 static const struct {
     const char *word, *ending, *units;
-} kinds[] = {{.word = "reach"},          {.word = "avoid"},      {"length", "_mm", "mm"},
-             {"lean", "_deg", "degree"}, {"apart", "_mm", "mm"}, {"first", "", NULL}};
+} kinds[] = {{.word = "reach"},      {.word = "avoid"},   {"length", "_mm", "mm"},    {"lean", "_deg", "degree"},
+             {"apart", "_mm", "mm"}, {"first", "", NULL}, {"angle", "_deg", "degree"}};
 
 /* In the order of conus_measure, the last one of what is avoided by clearance. The limit stands before `of`, and the
  * name of the structure behind it; where any will do, it is `any` of the structure. */
@@ -74,6 +74,9 @@ static void say_constraint(struct buffer *out, const struct report_constraint *c
     case CONUS_CONSTRAINT_FIRST:
         buffer_format(out, "%s as the first object on the axis", constraint->name);
         break;
+    case CONUS_CONSTRAINT_ENTRY_ANGLE:
+        buffer_format(out, "at most %.9g degrees between axis and inward normal", degrees_from_radians(asked->limit));
+        break;
     }
 }
 
@@ -91,7 +94,7 @@ static void add_column(struct report_plan *out, size_t index, const char *ending
     buffer_append(&out->words, "", 1);
     out->columns[out->column_count++] =
         (struct report_column){.units = units,
-                               .type = constraint->asked->kind == CONUS_CONSTRAINT_LEAN ? COLUMN_ANGLE : COLUMN_NUMBER,
+                               .type = report_is_angle(constraint) ? COLUMN_ANGLE : COLUMN_NUMBER,
                                .offset = index * sizeof(conus_verdict) + member,
                                .home = HOME_VERDICTS};
 }

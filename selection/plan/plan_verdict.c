@@ -231,13 +231,6 @@ static conus_status measure_cone(conus_verdict *out, struct plan_judge *judge, c
     return CONUS_OK;
 }
 
-static double angle_between(const double a[3], const double b[3])
-{
-    double cross[3];
-    vec3_cross(cross, a, b);
-    return atan2(vec3_length(cross), vec3_dot(a, b));
-}
-
 /* Value, depth and object; of a clearance that is more than `limit` the value is infinite. */
 static conus_status measure(conus_verdict *out, struct plan_judge *judge, const struct plan_constraint *constraint,
                             double limit)
@@ -268,13 +261,16 @@ static conus_status measure(conus_verdict *out, struct plan_judge *judge, const 
         out->value = judge->pose->far - judge->pose->near;
         break;
     case CONUS_CONSTRAINT_LEAN:
-        out->value = angle_between(judge->needle.direction, asked->direction);
+        out->value = vec3_angle(judge->needle.direction, asked->direction);
         break;
     case CONUS_CONSTRAINT_APART:
         measure_apart(out, judge, constraint);
         break;
     case CONUS_CONSTRAINT_FIRST:
         measure_crossing(out, judge, constraint);
+        break;
+    case CONUS_CONSTRAINT_ENTRY_ANGLE:
+        out->value = judge->pose->entry_angle;
         break;
     }
     return CONUS_OK;
@@ -298,6 +294,7 @@ static void decide(conus_verdict *out, const struct plan_constraint *constraint,
         out->slack = fmin(out->value - asked->limit, asked->most - out->value);
         break;
     case CONUS_CONSTRAINT_LEAN:
+    case CONUS_CONSTRAINT_ENTRY_ANGLE:
         out->slack = asked->limit - out->value;
         break;
     case CONUS_CONSTRAINT_APART:

@@ -64,6 +64,12 @@ static inline bool report_is_clearance(const struct report_constraint *constrain
     return constraint->asked->kind == CONUS_CONSTRAINT_AVOID && constraint->asked->measure == CONUS_MEASURE_LENGTH;
 }
 
+/** Whether it measures an angle, which reports give in degrees. */
+static inline bool report_is_angle(const struct report_constraint *constraint)
+{
+    return constraint->asked->kind == CONUS_CONSTRAINT_LEAN || constraint->asked->kind == CONUS_CONSTRAINT_ENTRY_ANGLE;
+}
+
 /** One result of one query: which of them, options.rows says; kind and object begin all of them. */
 struct report_row {
     size_t query; /**< Index into conus_report.queries. */

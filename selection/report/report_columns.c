@@ -429,6 +429,18 @@ static struct cell get_clearance_at(const conus_report *report, const struct rep
     return pose->clearance_of < SIZE_MAX ? number_cell(pose->verdicts[pose->clearance_of].depth) : no_cell();
 }
 
+static struct cell get_entry(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return rank_cell(row->planned.pose->entry);
+}
+
+static struct cell get_target(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return rank_cell(row->planned.pose->target);
+}
+
 static const struct report_column plan_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
     {"rank", NULL, "1 is the best of those that break nothing", .get = get_plan_rank},
@@ -439,6 +451,8 @@ static const struct report_column plan_columns[] = {
     {"feasible", NULL, "1 if the pose breaks no constraint, else 0", .get = get_feasible},
     {"broken", NULL, "the first constraint that it breaks, by the name of its structure, else by its kind",
      NAMED(get_broken)},
+    {"entry", NULL, "number of the entry of a candidate, from 1", .get = get_entry},
+    {"target", NULL, "number of its target, from 1", .get = get_target},
     {"x", "mm", "position of the device, the apex, x", OF_POSE(X, pose.world_from_device[12])},
     {"y", "mm", "the same, y", OF_POSE(Y, pose.world_from_device[12])},
     {"z", "mm", "the same, z", OF_POSE(Z, pose.world_from_device[12])},
@@ -449,6 +463,7 @@ static const struct report_column plan_columns[] = {
     {"tip_y", "mm", "the same, y", OF_ROW(Y, planned.at)},
     {"tip_z", "mm", "the same, z", OF_ROW(Z, planned.at)},
     {"far_mm", "mm", "how far that is from the apex", OF_POSE(NUMBER, far)},
+    {"entry_angle_deg", "degree", "between the axis and the inward normal at the entry", OF_POSE(ANGLE, entry_angle)},
     {"leeway_mm", "mm", "no point of the axis may be off by so much that a constraint breaks, as far as is known",
      OF_POSE(NUMBER, leeway)},
     {"leeway_of", NULL, "the constraint that has the least leeway, named as broken", NAMED(get_leeway_of)},
@@ -483,7 +498,7 @@ static struct cell get_constraint_name(const conus_report *report, const struct 
 /* A number of a constraint, of angles in degrees. */
 static struct cell measured_cell(const conus_report *report, const struct report_row *row, double number)
 {
-    bool is_angle = constraint_of(report, row)->asked->kind == CONUS_CONSTRAINT_LEAN;
+    bool is_angle = report_is_angle(constraint_of(report, row));
     return number_cell(is_angle ? degrees_from_radians(number) : number);
 }
 
@@ -752,7 +767,7 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
 /* Whether a column of this name holds a number of a constraint: "reach1_mm". */
 static bool is_of_constraint(const char *name)
 {
-    static const char *const kinds[] = {"reach", "avoid", "length", "lean", "apart", "first"};
+    static const char *const kinds[] = {"reach", "avoid", "length", "lean", "apart", "first", "angle"};
     bool is = false;
     for (size_t i = 0; i < COUNT_OF(kinds); i++) {
         size_t length = strlen(kinds[i]);

@@ -356,7 +356,7 @@ static json_t *json_from_settings(const conus_report *report)
 
 static json_t *json_from_constraint(const struct report_constraint *constraint)
 {
-    bool is_angle = constraint->asked->kind == CONUS_CONSTRAINT_LEAN;
+    bool is_angle = report_is_angle(constraint);
     double limit = constraint->asked->limit;
     json_t *entry =
         json_pack("{s: s, s: I, s: f, s: o}", "kind", constraint->kind, "index", (json_int_t)constraint->index, "limit",
@@ -373,7 +373,7 @@ static json_t *json_from_miss(const struct report_constraint *constraint, size_t
     if (!pose) {
         return json_null();
     }
-    double unit = constraint->asked->kind == CONUS_CONSTRAINT_LEAN ? degrees_from_radians(1) : 1;
+    double unit = report_is_angle(constraint) ? degrees_from_radians(1) : 1;
     return json_pack("{s: o, s: f, s: f}", "query", json_from_text(pose->id), "value",
                      pose->verdicts[index].value * unit, "slack", pose->verdicts[index].slack * unit);
 }

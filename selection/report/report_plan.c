@@ -14,14 +14,15 @@ const char *conus_report_constraint(const conus_report *report, size_t index)
 /* How tables for people call columns; others are called as they are, up to their units. */
 static const struct {
     const char *name, *title;
-} titles[] = {{"query", "candidate"},          {"far_mm", "depth"},  {"leeway_of", "of"},  {"clearance_of", "from"},
-              {"clearance_at_mm", "at depth"}, {"broken", "breaks"}, {"depth_mm", "depth"}};
+} titles[] = {{"query", "candidate"}, {"far_mm", "depth"},      {"entry_angle_deg", "angle"},
+              {"leeway_of", "of"},    {"clearance_of", "from"}, {"clearance_at_mm", "at depth"},
+              {"broken", "breaks"},   {"depth_mm", "depth"}};
 
 /* Columns that the table of poses leaves out: -o FILE has them. */
 static bool is_left_out(const conus_report *report, const struct report_column *column)
 {
-    static const char *const names[] = {"feasible", "dx",    "dy",        "dz",       "tip_x",
-                                        "tip_y",    "tip_z", "leeway_of", "slack_mm", NULL};
+    static const char *const names[] = {"feasible", "entry", "target", "dx",        "dy",       "dz",
+                                        "tip_x",    "tip_y", "tip_z",  "leeway_of", "slack_mm", NULL};
     bool is = column->home == HOME_VERDICTS &&
               report_is_clearance(&report->plan.constraints[column->offset / sizeof(conus_verdict)]);
     for (size_t i = 0; names[i] && !is; i++) {

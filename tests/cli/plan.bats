@@ -32,7 +32,7 @@ columns() {
 @test "what reaches and keeps clear is listed, the largest leeway first" {
     needles
     answers $U --reach U,length=5 --avoid Ball,margin=3 --format tsv -q
-    [ "$(head -1 <<<"$output" | tr '\t' ' ')" = "query rank front feasible broken x y z dx dy dz tip_x tip_y tip_z far_mm leeway_mm leeway_of slack_mm clearance_mm clearance_of clearance_at_mm score reach1_mm avoid1_mm avoid1_at_mm" ]
+    [ "$(head -1 <<<"$output" | tr '\t' ' ')" = "query rank front feasible broken entry target x y z dx dy dz tip_x tip_y tip_z far_mm entry_angle_deg leeway_mm leeway_of slack_mm clearance_mm clearance_of clearance_at_mm score reach1_mm avoid1_mm avoid1_at_mm" ]
     [ "$(columns query rank feasible broken tip_x far_mm leeway_mm leeway_of)" = "b 1 1 n/a 14 26 2.5 U;a 2 1 n/a 10 30 1 Ball;" ]
     [ "$(columns slack_mm clearance_mm clearance_of clearance_at_mm)" = "5 8 Ball 26;1 4 Ball 30;" ]
     [ "$(columns reach1_mm avoid1_mm avoid1_at_mm)" = "8 9 26;10 5 30;" ]

@@ -43,7 +43,7 @@ SIZE(conus_band, 24);
 SIZE(conus_object, 128);
 SIZE(conus_volume_info, 488);
 SIZE(conus_pose, 128);
-SIZE(conus_pose_row, 208);
+SIZE(conus_pose_row, 248);
 SIZE(conus_oddity, 160);
 SIZE(conus_astray, 656);
 SIZE(conus_result, 264);
@@ -74,9 +74,10 @@ SIZE(conus_tract_scalar, 32);
 SIZE(conus_streamline_list_view, 32);
 SIZE(conus_tractogram_info, 144);
 SIZE(conus_constraint, 96);
+SIZE(conus_candidates, 80);
 SIZE(conus_plan_options, 88);
 SIZE(conus_verdict, 48);
-SIZE(conus_planned, 256);
+SIZE(conus_planned, 280);
 SIZE(conus_plan_faults, 24);
 #endif
 

@@ -109,8 +109,8 @@ static void rows_follow_from_the_boxes(void **state)
               "c 1 0 0 0 0 avoid 1 area 30 29.5\nc 2 10 10 0 0 avoid 1 area 20 19.5\n"
               "c 3 20 20 0 0 avoid 1 area 10 9.5\nc 4 27 27 0 0 avoid 1 area 3 2.5\n");
     has_lines(&made, CONUS_ROWS_PLAN, 2,
-              "b n/a n/a 0 area 0 0 0 1 0 0 13 0 0 13 0 area 13.5 16.5 area 13 n/a 3 17 13 90\n"
-              "c n/a n/a 0 area 0 0 0 1 0 0 27 0 0 27 0 area -0.5 2.5 area 27 n/a 17 3 27 90\n");
+              "b n/a n/a 0 area n/a n/a 0 0 0 1 0 0 13 0 0 13 n/a 0 area 13.5 16.5 area 13 n/a 3 17 13 90\n"
+              "c n/a n/a 0 area n/a n/a 0 0 0 1 0 0 27 0 0 27 n/a 0 area -0.5 2.5 area 27 n/a 17 3 27 90\n");
     destroy(&made);
 }
 
