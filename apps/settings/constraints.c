@@ -197,6 +197,25 @@ static bool (*const readers[])(conus_constraint *out, char *text) = {
     read_structure, read_structure, read_length, read_lean, read_apart, read_structure,
 };
 
+/* The number of its kind; that of the row that ends the table where it is no constraint. */
+static size_t kind_of(const struct option *option)
+{
+    size_t kind = 0;
+    while (constraint_options[kind].name && &constraint_options[kind] != option) {
+        kind++;
+    }
+    return kind;
+}
+
+bool constraints_are_given(const struct arguments *arguments)
+{
+    bool any = false;
+    for (size_t i = 0; arguments && i < arguments->use_count; i++) {
+        any = any || constraint_options[kind_of(arguments->uses[i].option)].name;
+    }
+    return any;
+}
+
 int constraints_parse(struct constraints *out, const struct arguments *arguments)
 {
     *out = (struct constraints){.items = calloc(arguments->use_count + 1, sizeof *out->items),
@@ -207,10 +226,7 @@ int constraints_parse(struct constraints *out, const struct arguments *arguments
     }
     for (size_t i = 0; i < arguments->use_count; i++) {
         const struct option_use *use = &arguments->uses[i];
-        size_t kind = 0;
-        while (constraint_options[kind].name && &constraint_options[kind] != use->option) {
-            kind++;
-        }
+        size_t kind = kind_of(use->option);
         if (constraint_options[kind].name) {
             char *text = out->texts[out->count] = strdup(use->value);
             conus_constraint *item = &out->items[out->count++];

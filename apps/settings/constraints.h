@@ -23,6 +23,8 @@ struct constraint_settings {
 /** Reads the options, of which there may be none; @p out is the caller's to constraints_finish() in any case. Returns
  * the exit code and prints an error unless it is 0. */
 int constraints_parse(struct constraints *out, const struct arguments *arguments);
+/** Whether there are any; @p arguments may be NULL. */
+bool constraints_are_given(const struct arguments *arguments);
 void constraints_finish(struct constraints *constraints);
 
 /** Turns directions into the world, and loads the needles of --apart, whose poses are in the space of @p frame, too.

@@ -5,6 +5,7 @@
 #include "link/send_selection.h"
 #include "options/messages.h"
 #include "viewer/commands/keys.h"
+#include "viewer/model/plans.h"
 #include "viewer/model/studies.h"
 #include "viewer/panes/panels.h"
 #include "viewer/panes/panes.h"
@@ -238,6 +239,7 @@ static bool go_round(struct window *window, struct script *script, int *code)
         watch_files(window);
         replay_step(&window->inputs.replay, window->viewer, glfwGetTime());
         studies_step(window->viewer);
+        plans_step(window->viewer);
     }
     if (!window_wants_frame(window) && !acts && !ui_wants_keys()) {
         return true;

@@ -10,6 +10,7 @@
 #include "viewer/opening/waiting.h"
 
 #include <GLFW/glfw3.h>
+#include <string.h>
 
 enum { DEFAULT_WIDTH = 1500, DEFAULT_HEIGHT = 940 };
 
@@ -38,11 +39,6 @@ static const struct option own_options[] = {
      .offset = offsetof(struct view_settings, script),
      .value = "FILE",
      .help = "do what the file says (docs/viewer.md), then close"},
-    {.name = "poses",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct view_settings, poses),
-     .value = "FILE",
-     .help = "poses to replay, on a time line"},
     {.name = "safe-colours",
      .type = OPTION_FLAG,
      .offset = offsetof(struct view_settings, safe_colours),
@@ -67,6 +63,9 @@ static const struct option_group groups[] = {
     {"", shown_options, offsetof(struct view_settings, atlas)},
     {"", more_atlas_options, offsetof(struct view_settings, atlas)},
     {"", space_options, offsetof(struct view_settings, space)},
+    {"A plan: what must hold, all of it, wherever the first tool is", constraint_options,
+     offsetof(struct view_settings, constraints)},
+    {"", needle_options, 0},
     {"A tracker that points", station_options_table, offsetof(struct view_settings, station)},
     {"A second tool", second_options_table, offsetof(struct view_settings, station)},
     {"A tracked head", screen_options_table, offsetof(struct view_settings, station)},
@@ -114,12 +113,30 @@ static int start_sources(struct window *window, const struct view_settings *sett
         station_on_pose(window->inputs.second_station, loop_wake);
     }
     window->inputs.has_second_tool = settings->station.second_tool;
-    if (code || !settings->poses || settings_space_needs_atlas(&settings->space)) {
+    if (code || !settings->poses || constraints_are_given(settings->arguments) ||
+        settings_space_needs_atlas(&settings->space)) {
         return code; /* open.c loads the poses, once it knows the atlas */
     }
     conus_frame frame;
     code = settings_frame(&frame, &(struct atlases){0}, &settings->space, true);
     return code ? code : open_poses(window, settings, &frame);
+}
+
+/* Refuses constraints and candidates before there is a window. */
+static int check_plan(const char *poses, const struct arguments *arguments)
+{
+    struct constraints constraints;
+    conus_pose_stream *stream = NULL;
+    conus_status status = CONUS_OK;
+    int code = constraints_parse(&constraints, arguments);
+    if (!code && constraints.count && poses && strcmp(poses, "-") == 0) {
+        code = print_usage_error("--poses -: the window reads candidates more than once, so they have to be a file");
+    } else if (!code && constraints.count && poses) {
+        status = conus_pose_stream_open(&stream, poses, NULL);
+        conus_pose_stream_destroy(stream);
+    }
+    constraints_finish(&constraints);
+    return status ? settings_print_poses_error(status, poses, "poses", arguments) : code;
 }
 
 /* Scripts see the same window everywhere. */
@@ -164,7 +181,8 @@ static int run_view(const void *given, const struct arguments *arguments)
         !settings_check_screen(&settings->station, arguments)) {
         return EXIT_USAGE;
     }
-    int code = settings->script ? script_load(&script, settings->script) : EXIT_DONE;
+    int code = check_plan(settings->poses, arguments);
+    code = code || !settings->script ? code : script_load(&script, settings->script);
     if (code) {
         return code;
     }
@@ -206,6 +224,7 @@ static const struct command cmd_view = {
         "tractogram\n"
         "or an image on an atlas that is open: bundles and a context are added to it.",
     .examples =
+        "  conus view aal --context ch2bet.nii.gz --depth 70 --reach Hippocampus_L --avoid Insula_L,margin=2\n"
         "  conus view /usr/share/mricron/templates/aal.nii.gz --context /usr/share/mricron/templates/ch2bet.nii.gz\n"
         "  conus view aal --atlas /usr/share/mricron/templates/brodmann.nii.gz\n",
     .groups = groups,

@@ -3,6 +3,7 @@
 #include "viewer/commands/keys.h"
 
 #include "viewer/model/hemispheres.h"
+#include "viewer/model/plans.h"
 #include "viewer/model/question.h"
 #include "viewer/session/save_file.h"
 #include "viewer/session/undo.h"
@@ -338,6 +339,16 @@ static void steer(struct window *window, const int by[3])
     inputs_steer(window->viewer, tool_moved_by(window->viewer, POINT_BY_WAND), steps, steps + 3);
 }
 
+/* From the row where the tool is; from elsewhere to the first, or the last. */
+static void go_in_plan(struct window *window, const int by[3])
+{
+    const char *why;
+    const struct plan_list *list = plans_list(window->viewer, &why);
+    size_t count = list && list->count ? list->count : 1;
+    size_t at = plans_at(window->viewer);
+    plans_go(window->viewer, at == SIZE_MAX ? (by[0] > 0 ? 0 : count - 1) : (at + count + (size_t)by[0]) % count);
+}
+
 /* In the order of the page that lists them. A key of the wand comes before one of the views. */
 static const struct key keys[] = {
     {"?", "this list; F1, too", .act = toggle_help, .is_anywhere = true},
@@ -372,6 +383,8 @@ static const struct key keys[] = {
     {"j", "a study of the cone: sweep over its angle, jitter of its pose, or none", .sets = PROPERTY_STUDY},
     {"ctrl+j", "save the study's table: conus-DATE-TIME.tsv, in the folder where conus was started", .move = press_save,
      .by = {SAVE_STUDY}},
+    {";", "the next pose of the plan; : the one before", .move = go_in_plan, .by = {1}},
+    {":", NULL, .move = go_in_plan, .by = {-1}},
     {"h", "hide or show the chosen area", .act = hide_chosen},
     {"i", "show the chosen area only", .act = isolate_chosen},
     {"ctrl+z", "take back the last change; U, too", .move = undo, .by = {-1}},

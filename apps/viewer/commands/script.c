@@ -7,6 +7,7 @@
 #include "viewer/commands/script_words.h"
 #include "viewer/model/columns.h"
 #include "viewer/model/hemispheres.h"
+#include "viewer/model/plans.h"
 #include "viewer/model/question.h"
 #include "viewer/model/search.h"
 #include "viewer/model/studies.h"
@@ -298,6 +299,24 @@ static bool do_study(struct call *call)
     }
     bool is_written = !conus_write_file(call->arguments[0], text, strlen(text));
     return is_fine(is_written, conus_message());
+}
+
+static bool do_planned(struct call *call)
+{
+    double row;
+    return numbers(&row, call, 0, 1) && is_fine(row >= 1 && row == floor(row), "rows are counted from 1") &&
+           is_fine(plans_go(call->viewer, (size_t)row - 1), call->viewer->message);
+}
+
+/* Writes the table that conus plan would write. */
+static bool do_plan(struct call *call)
+{
+    const char *why;
+    const struct plan_list *list = plans_list(call->viewer, &why);
+    if (!list || plans_is_behind(call->viewer)) {
+        return is_fine(false, why[0] ? why : "there is no list of a plan");
+    }
+    return is_fine(!conus_write_file(call->arguments[0], list->text, strlen(list->text)), conus_message());
 }
 
 static bool do_search(struct call *call)
@@ -675,6 +694,8 @@ static const struct script_command {
     {"sweep", 1, 3, "LOW HIGH STEP, degrees, or off", .act = do_sweep},
     {"jitter", 1, 3, "DEGREES MM [SAMPLES], or off", .act = do_jitter},
     {"study", 1, 1, "FILE.tsv", .act = do_study},
+    {"planned", 1, 1, "ROW of the plan, from 1", .act = do_planned},
+    {"plan", 1, 1, "FILE.tsv", .act = do_plan},
     {"pointer", 1, 1, "mouse|wand|replay|tracker|spacemouse|gamepad", .act = do_pointer},
     {"speed", 1, 1, "MM a second, 1 to 400", .sets = PROPERTY_SPEED},
     {"second", 1, 7,

@@ -7,12 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The painter reads the atlas, and so do selectors and studies: they rest while it changes. */
+/* The painter reads the atlas, and so do selectors, studies and plans: they rest while it changes. */
 static void stop_readers(struct viewer *viewer)
 {
     painter_destroy(viewer->painter);
     viewer->painter = NULL;
     studier_hold(viewer->study.studier);
+    plan_state_rest(&viewer->plan);
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         view_atlas_rest(&viewer->atlases[i]);
         view_atlas_forget(&viewer->atlases[i], FIRST_TOOL);
@@ -45,6 +46,7 @@ static void start_painter(struct viewer *viewer)
 static void start_readers(struct viewer *viewer)
 {
     studier_resume(viewer->study.studier);
+    plan_state_resume(&viewer->plan);
     start_painter(viewer);
     tool_reselect(viewer);
 }
@@ -81,6 +83,7 @@ void viewer_exchange(struct viewer *viewer, struct view_atlas *fresh)
     stop_readers(viewer);
     studier_destroy(viewer->study.studier);
     study_answer_destroy(viewer->study.answer);
+    plan_state_forget(&viewer->plan);
     viewer->study.studier = NULL;
     viewer->study.answer = NULL;
     for (size_t i = 0; i < viewer->atlas_count; i++) {
@@ -310,6 +313,7 @@ static void hide_in_atlas(struct viewer *viewer, struct view_atlas *view)
         painter_hold(viewer->painter);
     }
     studier_hold(viewer->study.studier);
+    plan_state_rest(&viewer->plan);
     view_atlas_rest(view);
     viewer->atlas_number++;
     if (conus_atlas_set_hidden(view->atlas, view->shown.hidden)) {
@@ -322,6 +326,7 @@ static void hide_in_atlas(struct viewer *viewer, struct view_atlas *view)
         painter_resume(viewer->painter);
     }
     studier_resume(viewer->study.studier);
+    plan_state_resume(&viewer->plan);
     viewer->scene_number++;
     tool_reselect(viewer);
 }

@@ -7,6 +7,14 @@
 
 struct studier;
 
+/** The state of model/studies.h. */
+struct study_state {
+    struct study_settings settings;
+    struct studier *studier;     /**< Made when needed. */
+    struct study_question asked; /**< The newest one, if there is a studier. */
+    struct study_answer *answer; /**< The newest one; NULL = none. */
+};
+
 /** The atlases [count] and their names must outlive it; @p wake (NULL = nothing) is called on its thread when there is
  * an answer. False without memory or a thread. */
 bool studier_create(struct studier **out, const struct study_atlas *atlases, size_t count, void (*wake)(void));

@@ -27,7 +27,7 @@ bool studies_is_on(const struct viewer *viewer)
 
 static void find_question(struct study_question *out, const struct viewer *viewer)
 {
-    out->settings = viewer->study.settings;
+    *out = (struct study_question){.settings = viewer->study.settings};
     out->pose = viewer->tools[FIRST_TOOL].pose;
     out->frame = viewer->frame;
     out->atlas_number = viewer->atlas_number;
@@ -43,13 +43,10 @@ bool studies_is_old(const struct viewer *viewer)
     return !viewer->study.answer || !study_is_same(&now, &viewer->study.answer->question);
 }
 
-static void ask_studier(struct viewer *viewer)
+void studies_ask(struct viewer *viewer, struct study_state *study, const struct study_question *now)
 {
-    struct study_state *study = &viewer->study;
-    struct study_question now;
-    find_question(&now, viewer);
-    bool is_known = study->answer && study_is_same(&now, &study->answer->question);
-    bool is_asked = study->studier && study_is_same(&now, &study->asked);
+    bool is_known = study->answer && study_is_same(now, &study->answer->question);
+    bool is_asked = study->studier && study_is_same(now, &study->asked);
     if (is_known || is_asked) {
         return;
     }
@@ -66,20 +63,27 @@ static void ask_studier(struct viewer *viewer)
             return;
         }
     }
-    study->asked = now;
-    studier_ask(study->studier, &now);
+    study->asked = *now;
+    studier_ask(study->studier, now);
+}
+
+void studies_take(struct viewer *viewer, struct study_state *study)
+{
+    struct study_answer *answer = studier_take(study->studier);
+    if (answer) {
+        study_answer_destroy(study->answer);
+        study->answer = answer;
+        viewer->said++; /* a frame, but no cut anew */
+    }
 }
 
 void studies_step(struct viewer *viewer)
 {
-    struct study_answer *answer = studier_take(viewer->study.studier);
-    if (answer) {
-        study_answer_destroy(viewer->study.answer);
-        viewer->study.answer = answer;
-        viewer->said++; /* a frame, but no cut anew */
-    }
+    studies_take(viewer, &viewer->study);
     if (studies_is_on(viewer)) {
-        ask_studier(viewer);
+        struct study_question now;
+        find_question(&now, viewer);
+        studies_ask(viewer, &viewer->study, &now);
     }
 }
 

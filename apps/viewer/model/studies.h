@@ -11,6 +11,10 @@ bool studies_use(struct viewer *viewer, const struct study_settings *settings);
 /** Asks for the study of the cone as it is now, unless that is known or under way, and takes what is answered. To be
  * called whenever something may have changed. */
 void studies_step(struct viewer *viewer);
+/** Asks @p study, of the cone or of a plan, unless the answer is known or under way. */
+void studies_ask(struct viewer *viewer, struct study_state *study, const struct study_question *now);
+/** Takes its newest answer. */
+void studies_take(struct viewer *viewer, struct study_state *study);
 /** Whether there is a study, of a cone that is there. */
 bool studies_is_on(const struct viewer *viewer);
 /** Whether the answer (viewer->study.answer) is missing, or one of another cone, atlas or setting. */

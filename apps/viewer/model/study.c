@@ -64,7 +64,7 @@ bool study_is_same(const struct study_question *a, const struct study_question *
     for (int i = 0; i < 16; i++) {
         same_pose = same_pose && a->pose.world_from_device[i] == b->pose.world_from_device[i];
     }
-    return same_pose && x->kind == y->kind && study_has_same_selectors(a, b) &&
+    return (same_pose || x->kind == STUDY_PLAN) && x->kind == y->kind && study_has_same_selectors(a, b) &&
            (x->kind == STUDY_SWEEP ? same_angles : same_errors && a->angle == b->angle);
 }
 
@@ -208,6 +208,11 @@ static conus_status answer_all(struct work *work, const struct study_atlas *atla
     const char *text;
     size_t size;
     conus_status status = CONUS_OK;
+    const struct study_question *question = &work->answer->question;
+    if (question->settings.kind == STUDY_PLAN) {
+        return plan_list_fill(&work->answer->plan, question->plan, work->selectors[0], atlases->atlas, &question->frame,
+                              go_on, work);
+    }
     for (size_t i = 0; i < count && !status && !work->stopped; i++) {
         status = answer_atlas(work, atlases[i].name, i);
     }
@@ -268,6 +273,7 @@ void study_answer_destroy(struct study_answer *answer)
         free(table->chances);
     }
     if (answer) {
+        plan_list_finish(&answer->plan);
         free(answer->tables);
         free(answer->angles);
         free(answer->text);

@@ -1,13 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A study of the cone: its shares over its angle, or the chances under errors of its pose, in all atlases.
+/** @file A study of the cone: its shares over its angle, or the chances under errors of its pose, in all atlases. Or
+ * of candidates against constraints: a plan.
  * Angles in degrees in settings, radians elsewhere; mm. */
 #ifndef CONUS_VIEWER_MODEL_STUDY_H
 #define CONUS_VIEWER_MODEL_STUDY_H
 
+#include "viewer/model/plan_list.h"
+
 #include <conus/conus.h>
 
 enum { LEVEL_LIMIT = 1024, STUDY_ERROR = 256 };
-enum study_kind { STUDY_NONE = 0, STUDY_SWEEP, STUDY_JITTER, STUDY_COUNT };
+enum study_kind {
+    STUDY_NONE = 0,
+    STUDY_SWEEP,
+    STUDY_JITTER,
+    STUDY_COUNT,
+    STUDY_PLAN = STUDY_COUNT /**< Not of the cone. */
+};
 
 /** Whether both make the same selector. Scores are compared by their address: they are names of conus_score(). */
 bool selector_options_are_same(const conus_selector_options *a, const conus_selector_options *b);
@@ -33,7 +42,8 @@ struct study_question {
     conus_pose pose;
     double angle; /**< For jitter: full opening; 0 = a cylinder. */
     conus_frame frame;
-    unsigned atlas_number; /**< Grows when an atlas changes. */
+    unsigned atlas_number;        /**< Grows when an atlas changes. */
+    const struct plan_task *plan; /**< Of a plan, which must outlive the question; else NULL. */
 };
 
 /** Whether both have the same answer. */
@@ -62,6 +72,7 @@ struct study_answer {
     size_t angle_count;
     struct study_table *tables; /**< [atlas_count] */
     size_t atlas_count;
+    struct plan_list plan;   /**< Of a plan, in the first atlas. */
     char *text;              /**< As conus sweep --format tsv prints it; NULL where it failed: */
     char error[STUDY_ERROR]; /**< why. */
 };

@@ -89,6 +89,7 @@ void viewer_finish(struct viewer *viewer)
     painter_destroy(viewer->painter);
     studier_destroy(viewer->study.studier);
     study_answer_destroy(viewer->study.answer);
+    plan_state_finish(&viewer->plan);
     finish_atlases(viewer, true);
     free(viewer->transfer);
     *viewer = (struct viewer){0};

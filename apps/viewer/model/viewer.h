@@ -7,7 +7,7 @@
 #define CONUS_VIEWER_MODEL_VIEWER_H
 
 #include "viewer/model/atlas_edits.h"
-#include "viewer/model/studier.h"
+#include "viewer/model/plan_state.h"
 #include "viewer/model/tool.h"
 #include "viewer/model/view_atlas.h"
 #include "viewer/pictures/camera.h"
@@ -53,14 +53,6 @@ struct result_list {
     size_t format;    /**< The format of exported files (model/columns.h). */
 };
 
-/** The state of model/studies.h. */
-struct study_state {
-    struct study_settings settings;
-    struct studier *studier;     /**< Made when needed. */
-    struct study_question asked; /**< The newest one, if there is a studier. */
-    struct study_answer *answer; /**< The newest one; NULL = none. */
-};
-
 struct viewer {
     struct view_atlas *atlases; /**< [atlas_count] As they were given. */
     size_t atlas_count;
@@ -77,6 +69,7 @@ struct viewer {
     struct display display;
     struct result_list list;
     struct study_state study;
+    struct plan_state plan;
 
     /* where the panes look */
     struct orbit orbit;

@@ -10,6 +10,7 @@
 #include "settings/notes.h"
 #include "viewer/model/additions.h"
 #include "viewer/model/hemispheres.h"
+#include "viewer/model/plans.h"
 #include "viewer/model/session_file.h"
 #include "viewer/opening/reopen.h"
 #include "viewer/opening/waiting.h"
@@ -280,6 +281,7 @@ static void leave_options(struct view_settings *settings)
     settings->context = (struct context_choice){0};
     settings->transfer = settings->session = NULL;
     settings->poses = NULL;
+    settings->depth = settings->radius = 0;
     settings->arguments = NULL;
     settings->space = (struct space_settings){0};
 }
@@ -334,7 +336,8 @@ static bool open_path(struct window *window, const char *text, const struct atla
         }
         atlases_say_notes(&atlases, &settings.common);
         atlases_say_spaces(&atlases, &settings.common);
-        bool waits = settings.poses && !window->inputs.replay.poses; /* which need the frame */
+        bool waits = settings.poses && !window->inputs.replay.poses && /* which need the frame */
+                     !constraints_are_given(settings.arguments);
         int code = settings_frame(&frame, &atlases, &settings.space, settings.common.quiet);
         code = code || !waits ? code : open_poses(window, &settings, &frame);
         viewer = code ? NULL : create_viewer(&atlases, path, &settings, window->wake);
@@ -343,6 +346,11 @@ static bool open_path(struct window *window, const char *text, const struct atla
         viewer->frame = frame;
         for (size_t i = 0; i < atlases.count; i++) {
             atlases.items[i].atlas = NULL; /* they are the viewer's now */
+        }
+        if (plans_open(viewer, settings.arguments, settings.poses, settings.depth, settings.radius)) {
+            snprintf(why, LOADER_WHY, "%s", error_line());
+            destroy_viewer(viewer);
+            viewer = NULL;
         }
     } else if (atlases.count && !why[0]) {
         snprintf(why, LOADER_WHY, "%s", error_line());

@@ -20,12 +20,41 @@ const struct option scene_options[] = {
     {0},
 };
 
+const struct option needle_options[] = {
+    {.name = "poses",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct view_settings, poses),
+     .value = "FILE",
+     .help = "poses to replay, on a time line; with constraints the candidates of a plan, as for conus plan, of which "
+             "the best are listed"},
+    {.name = "depth",
+     .type = OPTION_NUMBER,
+     .offset = offsetof(struct view_settings, depth),
+     .value = "MM",
+     .help = "far end of the first tool, its tip, mm from the device's position (F4, F5), and that of candidates that "
+             "have none in a column far",
+     .low = 0,
+     .high = 1e6,
+     .open = true},
+    {.name = "radius",
+     .type = OPTION_NUMBER,
+     .offset = offsetof(struct view_settings, radius),
+     .value = "MM",
+     .help = "the first tool is a needle of this radius, mm, in place of a cone",
+     .low = 0,
+     .high = 1e6,
+     .open = true},
+    {0},
+};
+
 static const struct option_group groups[] = {
     {"What is opened", context_choice_options, offsetof(struct view_settings, context)},
     {"", scene_options, 0},
     {"", atlas_options, offsetof(struct view_settings, atlas)},
     {"", more_atlas_options, offsetof(struct view_settings, atlas)},
     {"", space_options, offsetof(struct view_settings, space)},
+    {"", constraint_options, offsetof(struct view_settings, constraints)},
+    {"", needle_options, 0},
     {"", plain_options, offsetof(struct view_settings, common)}, /* which options_parse() asks for */
     {0},
 };
@@ -33,9 +62,12 @@ static const struct option_group groups[] = {
 static const struct command cmd_words = {
     .program = "conus-view", .name = "session", .groups = groups, .settings_size = sizeof(struct view_settings)};
 
-/* Whether a session keeps the option. */
-static bool is_kept(const struct option *option)
+/* Whether a session keeps the option; poses to replay are no part of it. */
+static bool is_kept(const struct option *option, bool has_plan)
 {
+    if (option == needle_options) {
+        return has_plan;
+    }
     for (const struct option_group *group = groups; group->title; group++) {
         for (const struct option *one = group->options; one->name; one++) {
             if (one == option) {
@@ -80,7 +112,7 @@ static bool add_word(json_t *words, const struct option *option, const char *val
     if (!out) {
         return false;
     }
-    bool is_text = option->type == OPTION_TEXT || option->type == OPTION_LIST;
+    bool is_text = (option->type == OPTION_TEXT || option->type == OPTION_LIST) && option->role != OPTION_ASKS;
     bool is_transfer =
         strcmp(option->name, "transfer") == 0; /* whose names are no files, even where one is called so */
     fprintf(out, "--%s%s", option->name, value ? "=" : "");
@@ -97,10 +129,11 @@ static bool add_word(json_t *words, const struct option *option, const char *val
 json_t *view_words(const struct arguments *arguments, const char *labels)
 {
     json_t *words = json_array();
+    bool has_plan = constraints_are_given(arguments);
     bool fine = words;
     for (size_t i = 0; arguments && i < arguments->use_count && fine; i++) {
         const struct option_use *use = &arguments->uses[i];
-        fine = !is_kept(use->option) || add_word(words, use->option, use->value);
+        fine = !is_kept(use->option, has_plan) || add_word(words, use->option, use->value);
     }
     assert(strcmp(atlas_options[0].name, "labels") == 0);
     if (!fine || (labels && !add_word(words, &atlas_options[0], labels))) {
@@ -173,6 +206,9 @@ int worded_parse(struct worded *out, const json_t *words, const struct view_sett
     settings->context = out->read.context;
     settings->transfer = out->read.transfer;
     settings->space = out->read.space;
+    settings->poses = out->read.poses ? out->read.poses : given->poses;
+    settings->depth = out->read.depth;
+    settings->radius = out->read.radius;
     settings->arguments = &out->arguments;
     return code;
 }

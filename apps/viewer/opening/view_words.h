@@ -3,6 +3,7 @@
 #ifndef CONUS_VIEWER_VIEW_WORDS_H
 #define CONUS_VIEWER_VIEW_WORDS_H
 
+#include "settings/constraints.h"
 #include "settings/settings.h"
 #include "settings/station_settings.h"
 #include <jansson.h>
@@ -14,6 +15,8 @@ struct view_settings {
     struct station_settings station;
     const char *poses;
     struct context_choice context;
+    struct constraint_settings constraints;
+    double depth, radius; /* mm, of the first tool; 0 = not given */
     const char *transfer, *script, *session;
     uint32_t size[2];
     double scale;
@@ -23,10 +26,12 @@ struct view_settings {
 
 /** --transfer. */
 extern const struct option scene_options[];
+/** --poses, --depth, --radius. */
+extern const struct option needle_options[];
 
-/** Those of @p arguments (NULL = none) that are of the atlas, its context and its space, but for --max-memory, --only
- * and --hide: an array of "--name=value". Files that are there have their absolute paths. @p labels: of --labels, where
- * the catalogue chose them; or NULL. NULL without memory, or where a value is not UTF-8. */
+/** Those of @p arguments (NULL = none) that are of the atlas, its context, its space and a plan, but for --max-memory,
+ * --only and --hide: an array of "--name=value". Files that are there have their absolute paths. @p labels: of
+ * --labels, where the catalogue chose them; or NULL. NULL without memory, or where a value is not UTF-8. */
 json_t *view_words(const struct arguments *arguments, const char *labels);
 
 /** Settings that came out of words. */

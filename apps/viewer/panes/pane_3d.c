@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The 3-D pane: shows the painter's picture, and lets the mouse turn it or aim. */
 #include "viewer/model/picker.h"
+#include "viewer/panes/panels.h"
 #include "viewer/panes/panes.h"
 #include "viewer/tools/inputs.h"
 #include "viewer/tools/point.h"
@@ -233,6 +234,16 @@ static void draw_notices(const struct window *window)
     inputs_notice(&notice, &window->inputs, window->viewer, FIRST_TOOL);
     if (notice.text) {
         ui_draw_text(at, notice.is_trouble ? theme_texts[THEME_ORANGE] : light, notice.text);
+        at[1] -= 1.4F * ui_line();
+    }
+    if (plans_is_on(viewer) && !notice.is_old) {
+        const struct plan_verdict *verdict = plans_verdict(window->viewer);
+        char line[PLAN_TEXT + sizeof verdict->leeway];
+        snprintf(line, sizeof line, "%s%s", verdict->text, verdict->leeway);
+        if (ui_text_width(line) > box->width - 16) { /* the verdict first */
+            ui_shorten(line, sizeof line, verdict->text, box->width - 16);
+        }
+        ui_draw_text(at, panel_verdict_colour(verdict), line);
         at[1] -= 1.4F * ui_line();
     }
     inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);

@@ -126,10 +126,11 @@ void panel_results(struct window *window)
         ui_text_coloured(theme_texts[THEME_AMBER], "level: %s", viewer->cone.level);
     }
     ui_dim(notice.is_old ? theme_pale : 1);
+    panel_plan(window);
     if (viewer->atlas_count > 1) {
         draw_all_results(window);
     } else {
-        bool shares_room = viewer->tools[SECOND_TOOL].on || viewer->study.settings.kind;
+        bool shares_room = viewer->tools[SECOND_TOOL].on || viewer->study.settings.kind || plans_is_on(viewer);
         panel_list(window, viewer->drawn, view_atlas_selection(viewer->drawn, FIRST_TOOL), shares_room ? 8 : 14);
     }
     ui_dim_end();

@@ -4,6 +4,7 @@
 #define CONUS_VIEWER_PANES_PANELS_H
 
 #include "viewer/commands/keys.h"
+#include "viewer/model/plans.h"
 
 void panel_start(struct window *window);  /**< In place of all others. */
 void panel_dialog(struct window *window); /**< Likewise. */
@@ -14,6 +15,13 @@ void panel_second(struct window *window); /**< The second tool. */
 void panel_cone(struct window *window);
 /** Sweep or jitter of the cone; pale where @p is_old says that the cone is one from before. */
 void panel_study(struct window *window, bool is_old);
+static inline ui_colour panel_verdict_colour(const struct plan_verdict *verdict) /**< The words say it, too. */
+{
+    static const enum theme_text colours[] = {THEME_HINT, THEME_GREEN, THEME_ORANGE};
+    return theme_texts[colours[verdict->state]];
+}
+/** What the constraints of a plan say of the first tool, and the planned poses; nothing without a plan. */
+void panel_plan(struct window *window);
 void panel_results(struct window *window);
 /** The button that chooses the columns of the lists. */
 void panel_columns(struct window *window);

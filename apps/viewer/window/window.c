@@ -5,6 +5,7 @@
 
 #include "options/messages.h"
 #include "options/output.h"
+#include "viewer/model/plans.h"
 #include "viewer/model/studies.h"
 
 #include <epoxy/gl.h>
@@ -612,6 +613,7 @@ bool window_is_settled(const struct window *window)
     if (!has_page && studies_is_on(viewer)) {
         settled = settled && !studies_is_old(viewer);
     }
+    settled = settled && (has_page || !plans_is_behind(viewer));
     for (int p = 0; p < PLANE_COUNT && !has_page; p++) {
         settled =
             settled && (window->pictures.cuts[p].version == viewer->version || !screen_shows_pane(&window->screen, p));

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Lets go of what a plan reads of its atlas. */
+#include "viewer/model/plan_state.h"
+
+#include <stdlib.h>
+
+void plan_state_drop_live(struct plan_state *state)
+{
+    conus_plan_destroy(state->live);
+    conus_selector_destroy(state->selector);
+    state->live = NULL;
+    state->selector = NULL;
+    state->judged = false;
+}
+
+void plan_state_rest(struct plan_state *state)
+{
+    plan_state_drop_live(state);
+    studier_hold(state->list.studier);
+}
+
+void plan_state_resume(struct plan_state *state)
+{
+    studier_resume(state->list.studier);
+}
+
+void plan_state_forget(struct plan_state *state)
+{
+    studier_destroy(state->list.studier);
+    study_answer_destroy(state->list.answer);
+    state->list.studier = NULL;
+    state->list.answer = NULL;
+}
+
+void plan_state_finish(struct plan_state *state)
+{
+    plan_state_drop_live(state);
+    plan_state_forget(state);
+    constraints_finish(&state->task.constraints);
+    free(state->task.poses);
+}

@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Holds the first tool against the constraints of a plan, and words what they say of it. */
+#include "viewer/model/plans.h"
+
+#include "options/messages.h"
+#include "viewer/model/question.h"
+#include "viewer/model/studies.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+bool plans_is_on(const struct viewer *viewer)
+{
+    return viewer->plan.task.constraints.count;
+}
+
+/* The plan that tries the tool: of its radius now, and of the atlas as it is now. */
+static conus_status prepare_live(struct viewer *viewer)
+{
+    struct plan_state *state = &viewer->plan;
+    const conus_selector_options options = {.engine = CONUS_ENGINE_RAYS, .radius = viewer->cone.options.radius};
+    const conus_plan_options plan_options = {.threads = 1};
+    if (state->live && state->radius == options.radius) {
+        return CONUS_OK;
+    }
+    plan_state_drop_live(state);
+    state->radius = options.radius;
+    conus_status status = conus_selector_create(&state->selector, viewer->atlases->atlas, &options);
+    return status ? status
+                  : conus_plan_create(&state->live, state->selector, state->task.constraints.items,
+                                      state->task.constraints.count, &plan_options);
+}
+
+int plans_open(struct viewer *viewer, const struct arguments *arguments, const char *poses, double depth, double radius)
+{
+    struct plan_state *state = &viewer->plan;
+    int code = arguments ? constraints_parse(&state->task.constraints, arguments) : EXIT_DONE;
+    viewer->cone.options.radius = radius;
+    viewer->cone.options.range[1] = state->depth = depth;
+    if (code || !plans_is_on(viewer)) {
+        return code;
+    }
+    code = constraints_place(&state->task.constraints, &viewer->frame, &(struct pose_file_settings){0}, depth);
+    if (!code && poses) {
+        state->task.poses = strdup(poses);
+        state->list.settings.kind = STUDY_PLAN;
+        code = state->task.poses ? EXIT_DONE : print_no_memory();
+    }
+    conus_status status = code ? CONUS_OK : prepare_live(viewer);
+    return status ? print_status(status) : code;
+}
+
+/* A number that is shown never looks better than it is: it is rounded down, or up where less is better. */
+static void put_number(FILE *out, double value, bool up)
+{
+    double scale = fabs(value) < 1 ? 100 : 10;
+    double digits = value * scale;
+    double nearest = round(digits); /* leeways are known to 1e-6 mm, from below */
+    double shown = fabs(digits - nearest) < 1e-5 * scale ? nearest : up ? ceil(digits) : floor(digits);
+    fprintf(out, scale > 10 ? "%.2f" : "%.1f", shown / scale + 0.0);
+}
+
+/* "1.2 of 2 mm to ": the limit stands there where it is broken. */
+static void put_measure(FILE *out, const conus_verdict *verdict, double value, double limit, double unit, bool at_most,
+                        const char *what)
+{
+    put_number(out, value / unit, at_most);
+    if (!verdict->holds) {
+        fprintf(out, " of %s%.6g", at_most ? "at most " : "", limit / unit);
+    }
+    fputs(what, out);
+}
+
+/* Words what was measured for a constraint: "1.2 of 2 mm to Insula_L", "3.8 mm to Insula_L". */
+static void put_verdict(FILE *out, const struct viewer *viewer, const conus_planned *planned, size_t index)
+{
+    static const struct {
+        double unit;
+        const char *what;
+    } measures[] = {[CONUS_MEASURE_LENGTH] = {1, " mm in "},
+                    [CONUS_MEASURE_SHARE] = {0.01, " % of the cone on "},
+                    [CONUS_MEASURE_PIERCED] = {0.01, " % of the pixels through "},
+                    [CONUS_MEASURE_VOLUME] = {1, " mm\u00b3 of "},
+                    [CONUS_MEASURE_FRACTION] = {0.01, " % of "},
+                    [CONUS_MEASURE_STREAMLINES] = {1, " streamlines of "}};
+    const struct plan_state *state = &viewer->plan;
+    const conus_constraint *asked = conus_plan_constraint(state->live, index);
+    const conus_verdict *verdict = &planned->verdicts[index];
+    const char *name = conus_plan_name(state->live, index);
+    bool avoids = asked->kind == CONUS_CONSTRAINT_AVOID;
+    bool is_flag = asked->measure == CONUS_MEASURE_TIP || asked->measure == CONUS_MEASURE_CROSSED;
+    name = name ? name : "";
+    if (avoids && !asked->measure) {
+        double clearance = verdict->value - state->radius;
+        name = plan_nearest(state->live, viewer->atlases->atlas, planned, index);
+        if (clearance > 0) {
+            put_measure(out, verdict, clearance, asked->limit, 1, false, " mm to ");
+        }
+        fprintf(out, "%s%s", clearance > 0 ? "" : "touches ", name);
+    } else if (avoids || asked->kind == CONUS_CONSTRAINT_REACH) {
+        if (is_flag) {
+            const char *how = asked->measure == CONUS_MEASURE_TIP ? "the tip in " : "through ";
+            fprintf(out, "%s%s", verdict->holds ? "" : "not ", how);
+        } else if (!verdict->holds && asked->limit == 0 && !asked->measure) {
+            fputs("not in ", out);
+        } else if ((size_t)asked->measure < sizeof measures / sizeof measures[0]) {
+            put_measure(out, verdict, verdict->value, asked->limit, measures[asked->measure].unit, avoids,
+                        measures[asked->measure].what);
+        }
+        fputs(name, out);
+    } else if (asked->kind == CONUS_CONSTRAINT_LENGTH) {
+        fprintf(out, "%.1f mm long, %.6g to %.6g asked", verdict->value, asked->limit, asked->most);
+    } else if (asked->kind == CONUS_CONSTRAINT_LEAN) {
+        put_measure(out, verdict, verdict->value, asked->limit, M_PI / 180, true, "\u00b0 of lean");
+    } else if (asked->kind == CONUS_CONSTRAINT_APART) {
+        put_measure(out, verdict, verdict->value, asked->limit, 1, false, " mm to another needle");
+    } else if (asked->kind == CONUS_CONSTRAINT_FIRST) {
+        fprintf(out, "%s %s first", verdict->holds ? "passes" : "does not pass", name);
+    } else {
+        fprintf(out, "constraint %zu", index + 1);
+    }
+}
+
+/* "holds, 1.8 mm to Insula_L" and ", leeway 0.66 mm", or "breaks: 1.2 of 2 mm to Insula_L, and 1 more" */
+static void word(struct plan_verdict *out, const struct viewer *viewer, const conus_planned *planned)
+{
+    size_t count = conus_plan_constraint_count(viewer->plan.live);
+    size_t told = !planned->feasible ? planned->broken : planned->clearance_of < count ? planned->clearance_of : 0;
+    size_t broken = 0;
+    FILE *text = fmemopen(out->text, sizeof out->text, "w");
+    FILE *details = fmemopen(out->details, sizeof out->details, "w");
+    for (size_t i = 0; i < count && details; i++) {
+        broken += !planned->verdicts[i].holds;
+        fprintf(details, "%s%s: ", i ? "\n" : "", planned->verdicts[i].holds ? "holds" : "breaks");
+        put_verdict(details, viewer, planned, i);
+    }
+    if (text) {
+        fputs(planned->feasible ? "holds, " : "breaks: ", text);
+        put_verdict(text, viewer, planned, told);
+        if (broken > 1) {
+            fprintf(text, ", and %zu more", broken - 1);
+        } else if (!broken && !isnan(planned->leeway)) {
+            FILE *leeway = fmemopen(out->leeway, sizeof out->leeway, "w");
+            if (leeway) {
+                fputs(", leeway ", leeway);
+                put_number(leeway, planned->leeway, false);
+                fputs(" mm", leeway);
+                fclose(leeway);
+            }
+        }
+        fclose(text);
+    }
+    if (details) {
+        fclose(details);
+    }
+    out->state = planned->feasible ? PLAN_HOLDS : PLAN_BREAKS;
+}
+
+/* Judges the tool as it is now. */
+static void judge(struct plan_verdict *out, struct viewer *viewer)
+{
+    const struct tool *tool = &viewer->tools[FIRST_TOOL];
+    const double *range = viewer->cone.options.range;
+    const conus_planned *planned = NULL;
+    *out = (struct plan_verdict){.state = PLAN_UNKNOWN};
+    if (!tool->has_pose || !(range[1] > 0)) {
+        snprintf(out->text, sizeof out->text, "%s",
+                 !tool->has_pose ? "no tool to be judged yet" : "how deep does it go? F5, or --depth, says it");
+        return;
+    }
+    const conus_pose_row row = {.id = "",
+                                .pose = tool->pose,
+                                .angle = viewer->cone.options.radius > 0 ? 0 : tool->angle * (M_PI / 180),
+                                .range = {range[0], range[1]}};
+    conus_status status = prepare_live(viewer);
+    status = status ? status : conus_plan_try(&planned, viewer->plan.live, &row);
+    if (status) {
+        snprintf(out->text, sizeof out->text, "not judged: %s",
+                 status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
+    } else {
+        word(out, viewer, planned);
+    }
+}
+
+const struct plan_verdict *plans_verdict(struct viewer *viewer)
+{
+    struct plan_state *state = &viewer->plan;
+    unsigned now = viewer->tools[FIRST_TOOL].answer_number;
+    if (!state->judged || state->judged_after != now) {
+        judge(&state->verdict, viewer);
+        state->judged = true;
+        state->judged_after = now;
+    }
+    return &state->verdict;
+}
+
+static void find_question(struct study_question *out, const struct viewer *viewer)
+{
+    const struct plan_state *state = &viewer->plan;
+    *out = (struct study_question){
+        .settings = state->list.settings,
+        .options = {.engine = CONUS_ENGINE_RAYS, .radius = viewer->cone.options.radius, .range = {0, state->depth}},
+        .frame = viewer->frame,
+        .atlas_number = viewer->atlas_number,
+        .plan = &state->task};
+}
+
+void plans_step(struct viewer *viewer)
+{
+    struct study_state *list = &viewer->plan.list;
+    studies_take(viewer, list);
+    if (list->settings.kind == STUDY_PLAN) {
+        struct study_question now;
+        find_question(&now, viewer);
+        studies_ask(viewer, list, &now);
+    }
+}
+
+bool plans_is_behind(const struct viewer *viewer)
+{
+    const struct study_state *list = &viewer->plan.list;
+    struct study_question now;
+    find_question(&now, viewer);
+    return list->settings.kind == STUDY_PLAN && !(list->answer && study_is_same(&now, &list->answer->question));
+}
+
+const struct plan_list *plans_list(const struct viewer *viewer, const char **why)
+{
+    const struct study_state *list = &viewer->plan.list;
+    *why = list->settings.kind != STUDY_PLAN ? "" : !list->answer ? "trying the poses" : list->answer->error;
+    return list->answer && list->answer->plan.text ? &list->answer->plan : NULL;
+}
+
+size_t plans_at(const struct viewer *viewer)
+{
+    const char *why;
+    const struct plan_list *list = plans_list(viewer, &why);
+    const double *range = viewer->cone.options.range;
+    for (size_t i = 0; list && viewer->tools[FIRST_TOOL].has_pose && i < list->count; i++) {
+        const struct plan_row *row = &list->rows[i];
+        if (memcmp(&row->pose, &viewer->tools[FIRST_TOOL].pose, sizeof row->pose) == 0 && row->range[0] == range[0] &&
+            row->range[1] == range[1]) {
+            return i;
+        }
+    }
+    return SIZE_MAX;
+}
+
+bool plans_go(struct viewer *viewer, size_t index)
+{
+    const char *why;
+    const struct plan_list *list = plans_list(viewer, &why);
+    struct tool *tool = &viewer->tools[FIRST_TOOL];
+    if (!list || index >= list->count) {
+        viewer_say(viewer, "%s",
+                   list     ? "the plan has no such row"
+                   : why[0] ? why
+                            : "there is no list of a plan: start with --reach or --avoid, and --poses");
+        return false;
+    }
+    const struct plan_row *row = &list->rows[index];
+    const double *m = row->pose.world_from_device;
+    if (!question_set_range(viewer, row->range[0], row->range[1])) {
+        return false;
+    }
+    if (row->angle > 0 && viewer->cone.options.radius == 0) {
+        tool->angle = row->angle * (180 / M_PI);
+    }
+    tool->held = true;
+    tool_aim(viewer, FIRST_TOOL, &row->pose);
+    viewer_cross(viewer,
+                 (double[]){m[12] - row->range[1] * m[8], m[13] - row->range[1] * m[9], m[14] - row->range[1] * m[10]});
+    viewer_say(viewer, "%zu of the plan: %s, %.1f mm deep; the cuts go through its tip", index + 1, row->id,
+               row->range[1]);
+    return true;
+}

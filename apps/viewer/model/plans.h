@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The plan of the window: constraints that the first tool is held against wherever it is, and the candidates of
+ * a file, which are tried on a thread of their own. Its atlas is the first one. */
+#ifndef CONUS_VIEWER_MODEL_PLANS_H
+#define CONUS_VIEWER_MODEL_PLANS_H
+
+#include "viewer/model/viewer.h"
+
+/** Takes the constraints of @p arguments, of which there may be none; then the tool begins with this radius, and ends
+ * so deep, mm, 0 = not said. @p poses has the candidates; NULL = none. The viewer's frame is set. Returns the exit code
+ * and prints an error unless it is 0. */
+int plans_open(struct viewer *viewer, const struct arguments *arguments, const char *poses, double depth,
+               double radius);
+
+/** Whether there is a plan. */
+bool plans_is_on(const struct viewer *viewer);
+/** What the constraints say of the first tool as it is now. Costs nothing where it has not changed. */
+const struct plan_verdict *plans_verdict(struct viewer *viewer);
+
+/** Asks for the list, and takes it once it is there. To be called whenever something may have changed. */
+void plans_step(struct viewer *viewer);
+/** The list, or why there is none: NULL, and @p why says so, "" without a file of candidates. */
+const struct plan_list *plans_list(const struct viewer *viewer, const char **why);
+/** Whether the list is still to come, or to come anew. */
+bool plans_is_behind(const struct viewer *viewer);
+/** Index of the row where the first tool is; SIZE_MAX = none. */
+size_t plans_at(const struct viewer *viewer);
+/** Moves the first tool to a row and holds it there; the cuts go through its tip. False: it was said why not. */
+bool plans_go(struct viewer *viewer, size_t row);
+
+#endif

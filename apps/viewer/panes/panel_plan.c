@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the constraints of a plan say of the first tool, and the list of planned poses. */
+#include "viewer/panes/panels.h"
+
+#include "viewer/ui/ui_list.h"
+
+#include <math.h>
+#include <stdio.h>
+
+enum { COLUMNS = 4, LINES = 7 };
+
+static const struct {
+    const char *heading, *tip, *widest;
+} columns[COLUMNS] = {
+    {"pose", "the planned poses, the best first; click, or ; and :, move the first tool there and hold it", "123456"},
+    {"leeway", "mm by which no point of the needle may be off before a constraint breaks", "88.88"},
+    {"clear", "mm between the needle and what it is to avoid", "888.88"},
+    {"from", "what of that is nearest; of the nearest misses the constraint that they break", "Hippocampus_L"},
+};
+
+static void draw_row(struct viewer *viewer, const struct plan_row *row, size_t index, bool is_here)
+{
+    char place[VIEWER_PLACE_TEXT];
+    char title[PLAN_ID + 32];
+    char tip[PLAN_ID + VIEWER_PLACE_TEXT + 64];
+    const double *m = row->pose.world_from_device;
+    const double tip_at[3] = {m[12] - row->range[1] * m[8], m[13] - row->range[1] * m[9],
+                              m[14] - row->range[1] * m[10]};
+    snprintf(title, sizeof title, "%zu  %s", index + 1, row->id);
+    snprintf(tip, sizeof tip, "%.1f mm deep, its tip at %s\nclick: the first tool goes there and is held",
+             row->range[1], viewer_place_text(place, viewer, tip_at));
+    if (ui_row_cut(title, is_here, tip)) {
+        plans_go(viewer, index);
+    }
+    for (int i = 0; i < 2; i++) {
+        double value = i ? row->clearance : row->leeway;
+        char text[32];
+        snprintf(text, sizeof text, isnan(value) ? "-" : "%.2f", value);
+        ui_cell();
+        ui_text_right(text);
+    }
+    ui_cell();
+    ui_text_cut(row->nearest, ui_room());
+}
+
+static void draw_list(struct viewer *viewer, const struct plan_list *list)
+{
+    float widths[COLUMNS];
+    size_t here = plans_at(viewer);
+    for (size_t i = 0; i < COLUMNS; i++) {
+        widths[i] = fmaxf(ui_text_width(columns[i].widest), ui_text_width(columns[i].heading));
+    }
+    if (ui_list("plan", widths, COLUMNS, fminf(LINES, (float)list->count + 2) * ui_line())) {
+        ui_list_top();
+        for (size_t i = 0; i < COLUMNS; i++) {
+            ui_id((uint32_t)i);
+            ui_list_heading(columns[i].heading, i == 1 || i == 2);
+            ui_tip(columns[i].tip);
+            ui_id_end();
+        }
+        for (size_t i = 0; i < list->count; i++) {
+            if (ui_list_row()) {
+                ui_id((uint32_t)i);
+                draw_row(viewer, &list->rows[i], i, i == here);
+                ui_id_end();
+            }
+        }
+        ui_list_end();
+    }
+}
+
+void panel_plan(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    const char *why;
+    if (!plans_is_on(viewer)) {
+        return;
+    }
+    const struct plan_verdict *verdict = plans_verdict(viewer);
+    const struct plan_list *list = plans_list(viewer, &why);
+    bool is_behind = plans_is_behind(viewer);
+    ui_tint(panel_verdict_colour(verdict));
+    char line[PLAN_TEXT + sizeof verdict->leeway];
+    snprintf(line, sizeof line, "%s%s", verdict->text, verdict->leeway);
+    ui_text_wrapped(line);
+    ui_tint_end();
+    ui_tip(verdict->details[0] ? verdict->details : "what the constraints of the plan say of the first tool");
+    if (list || why[0]) {
+        ui_tint(theme_texts[is_behind ? THEME_ORANGE : THEME_HINT]);
+        ui_text_wrapped(is_behind && list ? "OLD: trying the poses anew" : list ? list->says : why);
+        ui_tint_end();
+    }
+    if (list && list->count) {
+        ui_dim(is_behind ? theme_pale : 1);
+        draw_list(viewer, list);
+        ui_dim_end();
+    }
+    ui_separator();
+}

@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The window's plan without a window: what it says of the tool, the list, rows that the tool goes to.
+ *
+ * The U of u-shape: an axis from x = 40 along -x at z = 5 passes its one arm at the depths 18 to 28 and the ball at 35
+ * to 45 (tests/cli/plan.bats). So a needle of radius 1 mm that ends at depth F is in the U by F - 18, at most 10 mm,
+ * and has 35 - F - 1 mm of clearance from the ball. */
+#include "viewer/model/plans.h"
+#include "viewer/opening/view_words.h"
+#include "viewer/session/undo.h"
+
+#include "test.h"
+#include "window_scene.h"
+
+#include <math.h>
+#include <sched.h>
+#include <string.h>
+
+static const double start[3] = {40, 0, 5};
+static const double along[3] = {-1, 0, 0};
+
+/* The plan of these options, as the command line or a session has them; [count]. */
+static int open_plan(struct viewer *viewer, const char *const *words, size_t count)
+{
+    const struct view_settings none = {.depth = 0};
+    struct worded worded;
+    json_t *array = json_array();
+    for (size_t i = 0; i < count; i++) {
+        json_array_append_new(array, json_string(words[i]));
+    }
+    int code = worded_parse(&worded, array, &none, false);
+    code = code ? code
+                : plans_open(viewer, worded.settings.arguments, worded.settings.poses, worded.settings.depth,
+                             worded.settings.radius);
+    worded_finish(&worded); /* the plan has its own copies */
+    json_decref(array);
+    return code;
+}
+
+static const char *const usual[] = {"--reach=U,length=5", "--avoid=Ball,margin=3", "--radius=1", "--depth=30"};
+
+static void open_usual(struct window *window, struct viewer *viewer)
+{
+    window_scene_open_phantom(window, viewer, "u-shape");
+    assert_int_equal(open_plan(viewer, usual, 4), 0);
+    tool_aim_along(viewer, FIRST_TOOL, start, along);
+}
+
+static void says(struct viewer *viewer, double depth, const char *text, const char *leeway)
+{
+    viewer->cone.options.range[1] = depth;
+    tool_reselect(viewer);
+    const struct plan_verdict *verdict = plans_verdict(viewer);
+    assert_string_equal(verdict->text, text);
+    assert_string_equal(verdict->leeway, leeway);
+    assert_int_equal(verdict->state, strncmp(text, "holds", 5) == 0    ? PLAN_HOLDS
+                                     : strncmp(text, "breaks", 6) == 0 ? PLAN_BREAKS
+                                                                       : PLAN_UNKNOWN);
+}
+
+/* Leeways as in tests/cli/plan.bats: the reach of 5 mm has that d with 10 - 2 d = 5, the ball its clearance less 3.
+ * What is asked at least is rounded down, so that nothing looks better than it is. */
+static void the_tool_is_judged_where_it_is(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_usual(&window, &viewer);
+    assert_true(plans_is_on(&viewer));
+    says(&viewer, 30, "holds, 4.0 mm to Ball", ", leeway 1.0 mm");
+    says(&viewer, 26, "holds, 8.0 mm to Ball", ", leeway 2.5 mm");
+    says(&viewer, 30.96, "holds, 3.0 mm to Ball", ", leeway 0.04 mm");
+    says(&viewer, 31.02, "breaks: 2.9 of 3 mm to Ball", "");
+    says(&viewer, 33.3, "breaks: 0.70 of 3 mm to Ball", "");
+    says(&viewer, 36, "breaks: touches Ball", "");
+    says(&viewer, 20, "breaks: 2.0 of 5 mm in U", "");
+    says(&viewer, 0, "how deep does it go? F5, or --depth, says it", "");
+    says(&viewer, 30, "holds, 4.0 mm to Ball", ", leeway 1.0 mm");
+    assert_string_equal(plans_verdict(&viewer)->details, "holds: 10.0 mm in U\nholds: 4.0 mm to Ball");
+    viewer.cone.options.radius = 2; /* a thicker needle, which another plan judges */
+    says(&viewer, 30, "breaks: 3.0 of 3 mm to Ball", "");
+    viewer_finish(&viewer);
+}
+
+static void what_is_not_there_is_not_judged(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    open_usual(&window, &viewer);
+    viewer_hide(&viewer, 2, true); /* the ball, which is no structure any more */
+    assert_int_equal(plans_verdict(&viewer)->state, PLAN_UNKNOWN);
+    assert_non_null(strstr(plans_verdict(&viewer)->text, "not judged: "));
+    viewer_hide(&viewer, 2, false);
+    assert_string_equal(plans_verdict(&viewer)->text, "holds, 4.0 mm to Ball");
+    tool_clear(&viewer);
+    assert_string_equal(plans_verdict(&viewer)->text, "no tool to be judged yet");
+    assert_false(plans_go(&viewer, 0)); /* there are no candidates */
+    viewer_finish(&viewer);
+}
+
+/* The needle leans by 45 degrees from (-1, 0, 1), is 30 mm long, and meets the U first. */
+static void all_kinds_of_constraints_are_worded(void **state)
+{
+    static const struct {
+        const char *words[2];
+        const char *text;
+    } cases[] = {
+        {{"--lean=-1,0,1,46"}, "holds, 45.0\u00b0 of lean"},
+        {{"--lean=-1,0,1,44"}, "breaks: 45.0 of at most 44\u00b0 of lean"},
+        {{"--length=10,29"}, "breaks: 30.0 mm long, 10 to 29 asked"},
+        {{"--first=U"}, "holds, passes U first"},
+        {{"--first=Ball"}, "breaks: does not pass Ball first"},
+        {{"--reach=U,tip"}, "breaks: not the tip in U"},
+        {{"--reach=U,crossed"}, "holds, through U"},
+        {{"--reach=Ball"}, "breaks: not in Ball"},
+        {{"--reach=U,length=11", "--avoid=Ball,margin=9"}, "breaks: 10.0 of 11 mm in U, and 1 more"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct viewer viewer;
+        struct window window;
+        const char *const words[4] = {"--radius=1", "--depth=30", cases[i].words[0], cases[i].words[1]};
+        window_scene_open_phantom(&window, &viewer, "u-shape");
+        assert_int_equal(open_plan(&viewer, words, cases[i].words[1] ? 4 : 3), 0);
+        tool_aim_along(&viewer, FIRST_TOOL, start, along);
+        assert_string_equal(plans_verdict(&viewer)->text, cases[i].text);
+        viewer_finish(&viewer);
+    }
+}
+
+static void unknown_names_are_refused(void **state)
+{
+    static const char *const words[] = {"--reach=Boll"};
+    struct viewer viewer;
+    struct window window;
+    (void)state;
+    window_scene_open_phantom(&window, &viewer, "u-shape");
+    assert_int_not_equal(open_plan(&viewer, words, 1), 0);
+    viewer_finish(&viewer);
+    window_scene_open_phantom(&window, &viewer, "u-shape");
+    assert_int_equal(open_plan(&viewer, words, 0), 0); /* no constraint is no plan */
+    assert_false(plans_is_on(&viewer));
+    viewer_finish(&viewer);
+}
+
+/* Until the list is there: the thread makes it without being asked again. */
+static const struct plan_list *await_list(struct viewer *viewer, const char **why)
+{
+    do {
+        plans_step(viewer);
+        sched_yield();
+    } while (plans_is_behind(viewer));
+    return plans_list(viewer, why);
+}
+
+static void open_list(struct window *window, struct viewer *viewer, const char *avoid)
+{
+    static const char needles[] =
+        "query_id\tx\ty\tz\tdx\tdy\tdz\tfar\na\t40\t0\t5\t-1\t0\t0\t30\nb\t40\t0\t5\t-1\t0\t0\t26\n"
+        "c\t40\t0\t5\t-1\t0\t0\t36\nd\t40\t0\t5\t-1\t0\t0\t\n";
+    char poses[600];
+    const char *const words[] = {"--reach=U,length=5", avoid, "--radius=1", "--depth=20", poses};
+    window_scene_open_phantom(window, viewer, "u-shape");
+    snprintf(poses, sizeof poses, "--poses=%s", test_scratch("needles.tsv"));
+    assert_ok(conus_write_file(poses + strlen("--poses="), needles, strlen(needles)));
+    assert_int_equal(open_plan(viewer, words, 5), 0);
+}
+
+/* b has 8 mm of clearance and a leeway of 2.5 mm, a has 4 and 1 mm; c touches the ball, and d is in the U by 2 mm. */
+static void rows_move_the_tool_and_are_taken_back(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    const char *why;
+    (void)state;
+    open_list(&window, &viewer, "--avoid=Ball,margin=3");
+    assert_false(plans_go(&viewer, 0)); /* it is not there yet */
+    const struct plan_list *list = await_list(&viewer, &why);
+    assert_non_null(list);
+    assert_int_equal(list->count, 2);
+    assert_string_equal(list->says, "2 of 4 poses hold all constraints");
+    assert_string_equal(list->rows[0].id, "b");
+    assert_near(list->rows[0].leeway, 2.5, 1e-5);
+    assert_near(list->rows[0].clearance, 8, 1e-9);
+    assert_string_equal(list->rows[0].nearest, "Ball");
+    assert_string_equal(list->rows[1].id, "a");
+    assert_int_equal(plans_at(&viewer), SIZE_MAX);
+    tool_aim_along(&viewer, FIRST_TOOL, (double[]){0, 0, 80}, (double[]){0, 0, -1});
+    viewer.tools[FIRST_TOOL].held = true;
+    undo_note(&window);
+    assert_true(plans_go(&viewer, 1));
+    undo_note(&window);
+    assert_int_equal(plans_at(&viewer), 1);
+    assert_near(viewer.tools[FIRST_TOOL].pose.world_from_device[12], 40, 1e-12);
+    assert_near(viewer.cone.options.range[1], 30, 1e-12);
+    assert_near(viewer.crosshair[0], 10, 1e-9); /* its tip */
+    assert_true(viewer.tools[FIRST_TOOL].held);
+    assert_string_equal(plans_verdict(&viewer)->text, "holds, 4.0 mm to Ball");
+    assert_false(plans_go(&viewer, 2));
+    assert_false(plans_is_behind(&viewer)); /* its depth is not that of other candidates */
+    undo_step(&window, -1);
+    assert_near(viewer.tools[FIRST_TOOL].pose.world_from_device[14], 80, 1e-12);
+    assert_near(viewer.cone.options.range[1], 20, 1e-12);
+    undo_step(&window, 1);
+    assert_int_equal(plans_at(&viewer), 1);
+    changes_finish(&window.history.changes);
+    viewer_finish(&viewer);
+}
+
+static void without_a_feasible_pose_the_nearest_misses_are_listed(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    const char *why;
+    (void)state;
+    open_list(&window, &viewer, "--avoid=Ball,margin=9");
+    const struct plan_list *list = await_list(&viewer, &why);
+    assert_non_null(list);
+    assert_string_equal(list->says,
+                        "0 of 4 poses hold all constraints; these break only one of them, and that by the least");
+    assert_int_equal(list->count, 2);
+    assert_string_equal(list->rows[0].nearest, "breaks U"); /* d, by 3 mm */
+    assert_string_equal(list->rows[1].id, "b");             /* by 1 mm */
+    assert_true(plans_go(&viewer, 1));
+    assert_string_equal(plans_verdict(&viewer)->text, "breaks: 8.0 of 9 mm to Ball");
+    viewer_finish(&viewer);
+}
+
+/* Changes of the atlas end a run; the list is made again of the atlas as it is then. */
+static void a_list_follows_the_atlas_and_the_radius(void **state)
+{
+    struct viewer viewer;
+    struct window window;
+    const char *why;
+    (void)state;
+    open_list(&window, &viewer, "--avoid=Ball,margin=3");
+    plans_step(&viewer);
+    viewer_hide(&viewer, 2, true);
+    assert_null(await_list(&viewer, &why));
+    assert_int_not_equal(why[0], '\0');
+    viewer_hide(&viewer, 2, false);
+    assert_int_equal(await_list(&viewer, &why)->count, 2);
+    viewer.cone.options.radius = 2.5; /* a has 2.5 mm of clearance, which is not more than 3 */
+    assert_true(plans_is_behind(&viewer));
+    assert_int_equal(await_list(&viewer, &why)->count, 1);
+    viewer_finish(&viewer);
+}
+
+TEST_GROUP(plans)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_tool_is_judged_where_it_is),
+        cmocka_unit_test(what_is_not_there_is_not_judged),
+        cmocka_unit_test(all_kinds_of_constraints_are_worded),
+        cmocka_unit_test(unknown_names_are_refused),
+        cmocka_unit_test(rows_move_the_tool_and_are_taken_back),
+        cmocka_unit_test(without_a_feasible_pose_the_nearest_misses_are_listed),
+        cmocka_unit_test(a_list_follows_the_atlas_and_the_radius),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,57 @@
+#!/usr/bin/env bats
+# Plans in the window: its list is that of conus plan, and what is left in a session comes back.
+load helpers
+load window
+
+# Needles of plan.bats: b is the best one, then a.
+needles() {
+    conus phantom u-shape -o .
+    printf '%s\t40\t0\t5\t-1\t0\t0\t%s\n' query_id far a 30 b 26 c 36 d 20 |
+        sed '1s/.*/query_id\tx\ty\tz\tdx\tdy\tdz\tfar/' >needles.tsv
+    plan=(--reach U,length=5 --avoid Ball,margin=3 --radius 1)
+}
+
+@test "constraints and candidates that cannot be are refused before there is a window" {
+    [ -x "${CONUS%/*}/conus-view" ] || skip "conus-view is not built"
+    needles
+    fails 2 'did you mean length?' view u-shape.nii.gz --reach U,lenght=5
+    fails 2 '--avoid: margin=200 is not a number from 0 to 100' view u-shape.nii.gz --avoid U,margin=200
+    fails 2 'they have to be a file' view u-shape.nii.gz "${plan[@]}" --poses -
+    fails 3 'absent.tsv' view u-shape.nii.gz "${plan[@]}" --poses absent.tsv
+}
+
+@test "the list is that of conus plan, its rows are gone to, and a session keeps it all" {
+    need_window
+    needles
+    touch Ball # a file of that name is not the structure
+    view u-shape.nii.gz "${plan[@]}" --poses needles.tsv <<'END'
+settle
+plan list.tsv
+planned 2
+save row.json
+key ;
+save first.json
+key ctrl+z
+save back.json
+END
+    conus plan u-shape.nii.gz "${plan[@]}" --poses needles.tsv --format tsv -q >wanted.tsv
+    diff wanted.tsv list.tsv
+    # a ends at 30 mm, b at 26; both are held at x = 40
+    [ "$(jq -c '[.range_mm, .frozen, .world_from_device[12], .crosshair[0]]' row.json)" = '[[0,30],1,40,10]' ]
+    [ "$(jq -c '[.range_mm, .frozen, .crosshair[0]]' first.json)" = '[[0,26],1,14]' ]
+    diff <(jq -c 'del(.crosshair)' row.json) <(jq -c 'del(.crosshair)' back.json)
+    mkdir elsewhere
+    cd elsewhere
+    printf '%s\n' settle 'plan again.tsv' 'save again.json' >script
+    run -0 --separate-stderr timeout $HANG "$CONUS" view ../row.json --script script --quiet --size 1000x640
+    [ -z "$stderr" ]
+    diff ../wanted.tsv again.tsv
+    diff <(jq -c "del(.atlas, .opened.folder)" ../row.json) <(jq -c "del(.atlas, .opened.folder)" again.json)
+}
+
+@test "a structure that the atlas has not is refused" {
+    need_window
+    needles
+    run -3 --separate-stderr timeout $HANG "$CONUS" view u-shape.nii.gz --reach Boll --script /dev/null --quiet
+    check_message 'did you mean'
+}
