@@ -129,6 +129,12 @@ static int check_plan(const char *poses, const struct arguments *arguments)
     conus_pose_stream *stream = NULL;
     conus_status status = CONUS_OK;
     int code = constraints_parse(&constraints, arguments);
+    for (size_t i = 0; i < constraints.count && !code; i++) {
+        if (constraints.items[i].kind == CONUS_CONSTRAINT_ENTRY_ANGLE) {
+            code =
+                print_usage_error("--entry-angle is for candidates of conus plan: a tool has no normal at its entry");
+        }
+    }
     if (!code && constraints.count && poses && strcmp(poses, "-") == 0) {
         code = print_usage_error("--poses -: the window reads candidates more than once, so they have to be a file");
     } else if (!code && constraints.count && poses) {

@@ -2,12 +2,14 @@
 /* Whether what the window says can be read: contrast of its colours, and texts that are cut, at usual sizes. */
 #include "viewer/commands/keys.h"
 #include "viewer/model/columns.h"
+#include "viewer/opening/view_words.h"
 #include "viewer/panes/panels.h"
 #include "viewer/ui/ui_audit.h"
 
 #include "test.h"
 
 #include <math.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -142,6 +144,29 @@ static conus_atlas *load_scene(void)
     return atlas;
 }
 
+/* A plan of the slabs, with candidates of long names that hold it. */
+static void open_plan(struct viewer *viewer)
+{
+    static const char needles[] = "query_id\tx\ty\tz\tdx\tdy\tdz\n"
+                                  "electrode contact-bearing shaft 1\t-123.4\t-123.4\t-123.4\t1\t1\t1\n"
+                                  "electrode contact-bearing shaft 2\t-123.4\t-123.4\t-123.4\t1\t1\t1.01\n";
+    static const struct view_settings none = {.depth = 0};
+    struct worded worded;
+    char poses[600];
+    snprintf(poses, sizeof poses, "--poses=%s", test_scratch("needles.tsv"));
+    assert_ok(conus_write_file(poses + strlen("--poses="), needles, strlen(needles)));
+    json_t *words =
+        json_pack("[s, s, s, s]", "--avoid=Slab anterior,margin=0.125", "--length=1,500", "--depth=100", poses);
+    assert_int_equal(worded_parse(&worded, words, &none, false), 0);
+    assert_int_equal(plans_open(viewer, worded.settings.arguments, worded.settings.poses, 100, 0), 0);
+    worded_finish(&worded);
+    json_decref(words);
+    do {
+        plans_step(viewer);
+        sched_yield();
+    } while (plans_is_behind(viewer));
+}
+
 static void draw(struct window *window)
 {
     ui_audit_begin();
@@ -178,7 +203,10 @@ static void nothing_is_cut(struct window *window, const char *where)
 static void look_at_all(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    nothing_is_cut(window, "first hits");
+    nothing_is_cut(window, "first hits, no depth of the planned needle");
+    assert_true(plans_go(viewer, 0));
+    nothing_is_cut(window, "a planned pose");
+    viewer->cone.options.range[1] = 0;
     viewer->cone.options.layers = CONUS_LAYERS_ALL;
     viewer->cone.options.radius = 12.5;
     viewer->cone.options.score = "unoccluded";
@@ -232,6 +260,7 @@ static void nothing_is_cut_at_usual_sizes(void **state)
     struct viewer viewer;
     (void)state;
     assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas, .path = "slabs"}, 1, NULL, NULL, NULL));
+    open_plan(&viewer);
     for (size_t i = 0; i < sizeof screens / sizeof screens[0]; i++) {
         struct window window = {.viewer = &viewer, .screen.enlarged = -1, .screen.scale = screens[i].scale};
         window.screen.width = screens[i].width;

@@ -73,7 +73,8 @@ static void the_tool_is_judged_where_it_is(void **state)
     says(&viewer, 33.3, "breaks: 0.70 of 3 mm to Ball", "");
     says(&viewer, 36, "breaks: touches Ball", "");
     says(&viewer, 20, "breaks: 2.0 of 5 mm in U", "");
-    says(&viewer, 0, "how deep does it go? F5, or --depth, says it", "");
+    says(&viewer, 17, "breaks: not in U", "");
+    says(&viewer, 0, "no depth yet: F5 sets the tip", "");
     says(&viewer, 30, "holds, 4.0 mm to Ball", ", leeway 1.0 mm");
     assert_string_equal(plans_verdict(&viewer)->details, "holds: 10.0 mm in U\nholds: 4.0 mm to Ball");
     viewer.cone.options.radius = 2; /* a thicker needle, which another plan judges */
@@ -216,11 +217,12 @@ static void without_a_feasible_pose_the_nearest_misses_are_listed(void **state)
     open_list(&window, &viewer, "--avoid=Ball,margin=9");
     const struct plan_list *list = await_list(&viewer, &why);
     assert_non_null(list);
-    assert_string_equal(list->says,
-                        "0 of 4 poses hold all constraints; these break only one of them, and that by the least");
+    assert_string_equal(list->says, "0 of 4 poses hold all constraints; the nearest misses:");
     assert_int_equal(list->count, 2);
     assert_string_equal(list->rows[0].nearest, "breaks U"); /* d, by 3 mm */
-    assert_string_equal(list->rows[1].id, "b");             /* by 1 mm */
+    assert_true(isnan(list->rows[0].clearance));
+    assert_string_equal(list->rows[1].id, "b"); /* by 1 mm */
+    assert_near(list->rows[1].clearance, 8, 1e-9);
     assert_true(plans_go(&viewer, 1));
     assert_string_equal(plans_verdict(&viewer)->text, "breaks: 8.0 of 9 mm to Ball");
     viewer_finish(&viewer);

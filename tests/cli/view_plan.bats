@@ -8,7 +8,7 @@ needles() {
     conus phantom u-shape -o .
     printf '%s\t40\t0\t5\t-1\t0\t0\t%s\n' query_id far a 30 b 26 c 36 d 20 |
         sed '1s/.*/query_id\tx\ty\tz\tdx\tdy\tdz\tfar/' >needles.tsv
-    plan=(--reach U,length=5 --avoid Ball,margin=3 --radius 1)
+    plan=(--reach 'U,length=5' --avoid 'Ball,margin=3' --radius 1)
 }
 
 @test "constraints and candidates that cannot be are refused before there is a window" {

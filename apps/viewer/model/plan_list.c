@@ -23,7 +23,10 @@ static void take_row(struct plan_row *out, const conus_plan *plan, const conus_a
                              .leeway = planned->leeway,
                              .clearance = planned->clearance};
     snprintf(out->id, sizeof out->id, "%s", planned->id);
-    if (!planned->feasible) {
+    if (!planned->feasible) { /* the clearance that is missed, if it is one */
+        const conus_constraint *asked = conus_plan_constraint(plan, planned->broken);
+        bool is_clearance = asked->kind == CONUS_CONSTRAINT_AVOID && !asked->measure;
+        out->clearance = is_clearance ? planned->verdicts[planned->broken].slack + asked->limit : NAN;
         snprintf(out->nearest, sizeof out->nearest, "breaks %s", plan_nearest(plan, atlas, planned, planned->broken));
     } else if (planned->clearance_of != SIZE_MAX) {
         snprintf(out->nearest, sizeof out->nearest, "%s", plan_nearest(plan, atlas, planned, planned->clearance_of));
@@ -37,7 +40,7 @@ static void say(char out[PLAN_SAYS], const conus_plan *plan, size_t misses)
     uint64_t holds = conus_plan_left(plan, conus_plan_constraint_count(plan));
     int used = snprintf(out, PLAN_SAYS, "%llu of %llu poses %s all constraints%s", (unsigned long long)holds,
                         (unsigned long long)conus_plan_left(plan, 0), holds == 1 ? "holds" : "hold",
-                        misses ? "; these break only one of them, and that by the least" : "");
+                        misses ? "; the nearest misses:" : "");
     if (holds > conus_plan_count(plan)) {
         used += snprintf(out + used, PLAN_SAYS - (size_t)used, "; the best %zu are listed", conus_plan_count(plan));
     }

@@ -77,9 +77,11 @@ static void put_measure(FILE *out, const conus_verdict *verdict, double value, d
 static void put_verdict(FILE *out, const struct viewer *viewer, const conus_planned *planned, size_t index)
 {
     static const struct {
-        double unit;
+        double unit; /* 0: it is or it is not */
         const char *what;
     } measures[] = {[CONUS_MEASURE_LENGTH] = {1, " mm in "},
+                    [CONUS_MEASURE_TIP] = {0, "the tip in "},
+                    [CONUS_MEASURE_CROSSED] = {0, "through "},
                     [CONUS_MEASURE_SHARE] = {0.01, " % of the cone on "},
                     [CONUS_MEASURE_PIERCED] = {0.01, " % of the pixels through "},
                     [CONUS_MEASURE_VOLUME] = {1, " mm\u00b3 of "},
@@ -89,37 +91,42 @@ static void put_verdict(FILE *out, const struct viewer *viewer, const conus_plan
     const conus_constraint *asked = conus_plan_constraint(state->live, index);
     const conus_verdict *verdict = &planned->verdicts[index];
     const char *name = conus_plan_name(state->live, index);
-    bool avoids = asked->kind == CONUS_CONSTRAINT_AVOID;
-    bool is_flag = asked->measure == CONUS_MEASURE_TIP || asked->measure == CONUS_MEASURE_CROSSED;
-    name = name ? name : "";
-    if (avoids && !asked->measure) {
-        double clearance = verdict->value - state->radius;
-        name = plan_nearest(state->live, viewer->atlases->atlas, planned, index);
-        if (clearance > 0) {
-            put_measure(out, verdict, clearance, asked->limit, 1, false, " mm to ");
-        }
-        fprintf(out, "%s%s", clearance > 0 ? "" : "touches ", name);
-    } else if (avoids || asked->kind == CONUS_CONSTRAINT_REACH) {
-        if (is_flag) {
-            const char *how = asked->measure == CONUS_MEASURE_TIP ? "the tip in " : "through ";
-            fprintf(out, "%s%s", verdict->holds ? "" : "not ", how);
-        } else if (!verdict->holds && asked->limit == 0 && !asked->measure) {
+    double clearance = verdict->value - state->radius;
+    switch (asked->kind) {
+    case CONUS_CONSTRAINT_REACH:
+    case CONUS_CONSTRAINT_AVOID:
+        if (asked->kind == CONUS_CONSTRAINT_AVOID && !asked->measure) {
+            name = plan_nearest(state->live, viewer->atlases->atlas, planned, index);
+            if (clearance > 0) {
+                put_measure(out, verdict, clearance, asked->limit, 1, false, " mm to ");
+            } else {
+                fputs("touches ", out);
+            }
+        } else if (!verdict->holds && !asked->measure && verdict->value == 0) {
             fputs("not in ", out);
         } else if ((size_t)asked->measure < sizeof measures / sizeof measures[0]) {
-            put_measure(out, verdict, verdict->value, asked->limit, measures[asked->measure].unit, avoids,
-                        measures[asked->measure].what);
+            const double unit = measures[asked->measure].unit;
+            const char *what = measures[asked->measure].what;
+            if (unit > 0) {
+                put_measure(out, verdict, verdict->value, asked->limit, unit, asked->kind == CONUS_CONSTRAINT_AVOID,
+                            what);
+            } else {
+                fprintf(out, "%s%s", verdict->holds ? "" : "not ", what);
+            }
         }
         fputs(name, out);
-    } else if (asked->kind == CONUS_CONSTRAINT_LENGTH) {
+        break;
+    case CONUS_CONSTRAINT_LENGTH:
         fprintf(out, "%.1f mm long, %.6g to %.6g asked", verdict->value, asked->limit, asked->most);
-    } else if (asked->kind == CONUS_CONSTRAINT_LEAN) {
-        put_measure(out, verdict, verdict->value, asked->limit, M_PI / 180, true, "\u00b0 of lean");
-    } else if (asked->kind == CONUS_CONSTRAINT_APART) {
+        break;
+    case CONUS_CONSTRAINT_APART:
         put_measure(out, verdict, verdict->value, asked->limit, 1, false, " mm to another needle");
-    } else if (asked->kind == CONUS_CONSTRAINT_FIRST) {
+        break;
+    case CONUS_CONSTRAINT_FIRST:
         fprintf(out, "%s %s first", verdict->holds ? "passes" : "does not pass", name);
-    } else {
-        fprintf(out, "constraint %zu", index + 1);
+        break;
+    default:
+        put_measure(out, verdict, verdict->value, asked->limit, M_PI / 180, true, "\u00b0 of lean");
     }
 }
 
@@ -167,7 +174,7 @@ static void judge(struct plan_verdict *out, struct viewer *viewer)
     *out = (struct plan_verdict){.state = PLAN_UNKNOWN};
     if (!tool->has_pose || !(range[1] > 0)) {
         snprintf(out->text, sizeof out->text, "%s",
-                 !tool->has_pose ? "no tool to be judged yet" : "how deep does it go? F5, or --depth, says it");
+                 !tool->has_pose ? "no tool to be judged yet" : "no depth yet: F5 sets the tip");
         return;
     }
     const conus_pose_row row = {.id = "",

@@ -85,14 +85,14 @@ void panel_plan(struct window *window)
     ui_text_wrapped(line);
     ui_tint_end();
     ui_tip(verdict->details[0] ? verdict->details : "what the constraints of the plan say of the first tool");
-    if (list || why[0]) {
+    if ((list || why[0]) && ui_section("Plan", true)) {
         ui_tint(theme_texts[is_behind ? THEME_ORANGE : THEME_HINT]);
         ui_text_wrapped(is_behind && list ? "OLD: trying the poses anew" : list ? list->says : why);
         ui_tint_end();
-    }
-    if (list && list->count) {
         ui_dim(is_behind ? theme_pale : 1);
-        draw_list(viewer, list);
+        if (list && list->count) {
+            draw_list(viewer, list);
+        }
         ui_dim_end();
     }
     ui_separator();
