@@ -43,7 +43,7 @@ queried() {
 # said [ARGUMENT...] <SCRIPT: as view, and $stderr is what the window says besides.
 said() {
     cat >script
-    run -0 --separate-stderr timeout $HANG "$CONUS" view "$@" --script script --quiet --size 1000x640
+    run -0 --separate-stderr timeout $HANG "$CONUS" view "$@" --script script --quiet --size 400x256
 }
 
 # says TEXT: one line of what the last run said has it.
@@ -280,7 +280,7 @@ END
     (cd made && cp ../slabs.* ../two.tck ../more.tck ../map.nii ../t1.nii . &&
         printf '%s\n' "$AIM" 'drop t1.nii' 'streamlines two.tck,radius=2' 'pathway map.nii,threshold=50' \
             'streamlines more.tck' 'threshold map 250' 'choose more' 'key h' 'results made.tsv' 'save made.json' >script &&
-        timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 1000x640)
+        timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 400x256)
     queried --pathway map.nii,threshold=250 --streamlines two.tck,radius=2 --streamlines more.tck --hide more |
         diff made/made.tsv -
     grep -q $'\tmap\t' made/made.tsv

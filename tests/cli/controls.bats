@@ -141,7 +141,7 @@ END
     need_window
     need_pixels
     nested
-    view nested.nii.gz --labels tree.tsv <<'END'
+    view nested.nii.gz --labels tree.tsv --size 1000x640 <<'END'
 quiet-status
 aim 60 3 2 0 0 0
 settle

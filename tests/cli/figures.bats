@@ -29,7 +29,7 @@ END
     need_pixels
     conus phantom nested -o . --size 32
     view nested.nii.gz <<'END'
-size 1280 500
+size 900 200
 key tab
 key tab
 key tab

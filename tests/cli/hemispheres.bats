@@ -203,7 +203,7 @@ END
     conus phantom nested -o . --size 16
     aim=$'angle 25\naim 3 90 2 3 0 2'
     printf '%s\n' "$aim" 'results one.tsv' 'hemispheres split' 'results two.tsv' 'side left' >script
-    run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --script script --quiet --size 1000x640
+    run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --script script --quiet --size 400x256
     [ "$(head -1 <<<"$stderr")" = 'conus: hemispheres: label 4000000001 is too large to number new areas, allowed are labels up to 999999999' ]
     [ "$(tail -1 <<<"$stderr")" = 'conus: script:6: side both|left|right, of an atlas that has sides is needed, or it could not be done' ]
     diff one.tsv two.tsv
@@ -219,7 +219,7 @@ END
         'until go2' 'hemispheres split' 'results 2.tsv' 'until go3' 'hemispheres split' 'results 3.tsv' \
         'until go4' 'hemispheres split' 'results 4.tsv' >script
     cp -p bands.tsv kept.tsv
-    background timeout $HANG "$CONUS" view bands.nii --script script --quiet --size 1000x640 2>said
+    background timeout $HANG "$CONUS" view bands.nii --script script --quiet --size 400x256 2>said
     wait_until "$child" test -e 0.tsv
     touch -d 2020-01-01 bands.nii # another file, perhaps
     touch go1

@@ -240,7 +240,7 @@ END
         printf 'results %s/again.tsv\npicture %s/again.png 64 64\n' "$PWD" "$PWD" >script
         # shellcheck disable=SC2086 # two words
         run -0 --separate-stderr env -C below timeout $HANG "$CONUS" view $how --script ../script --quiet \
-            --size 1000x640
+            --size 400x256
         [ -z "$stderr" ]
         diff left.tsv again.tsv
         conus diff left.png again.png

@@ -6,7 +6,7 @@ load window
 @test "it starts, shows four panes and panels, and ends" {
     need_window
     conus phantom u-shape -o .
-    view u-shape.nii.gz <<'END'
+    view u-shape.nii.gz --size 1000x640 <<'END'
 aim 60 0 6 0 0 6
 settle
 screenshot window.png
@@ -338,7 +338,7 @@ END
 @test "the mouse points through the eye of a tracked head" {
     need_window
     conus phantom nested -o .
-    view nested.nii.gz <<'END'
+    view nested.nii.gz --size 1000x640 <<'END'
 key x
 screen -280 200 -240 -280 0 -240 1280 800
 head 30 900 60
@@ -380,7 +380,7 @@ END
 @test "3-D alone fills the screen, and goes back" {
     need_window
     conus phantom nested -o .
-    view nested.nii.gz <<'END'
+    view nested.nii.gz --size 1000x640 <<'END'
 key x
 screen 0 200 0 0 0 0 1280 800
 head 300 900 60
@@ -501,7 +501,7 @@ END
     need_pixels
     conus phantom nested -o .
     # the innermost of three balls; hidden; again; then none is chosen, and the crosshair is in its middle still
-    view nested.nii.gz <<'END'
+    view nested.nii.gz --size 1000x640 <<'END'
 quiet-status
 settle
 screenshot none.png
@@ -584,7 +584,7 @@ END
     need_window
     need_pixels
     conus phantom sphere -o .
-    view sphere.nii.gz <<'END'
+    view sphere.nii.gz --size 1000x640 <<'END'
 pointer wand
 aim 0 90 0 0 0 0
 settle
@@ -1093,7 +1093,7 @@ END
     /usr/bin/python3 - conus-2*.png <<'END'
 import sys
 import OpenImageIO as oiio
-assert oiio.ImageBuf(sys.argv[1]).get_pixels(oiio.UINT8).shape[:2] == (640, 1000)
+assert oiio.ImageBuf(sys.argv[1]).get_pixels(oiio.UINT8).shape[:2] == (256, 400)
 END
 }
 
