@@ -18,6 +18,7 @@
 #include <string.h>
 
 enum { CONSTRAINT_LIMIT = 100, BLOCK = 32, DEFAULT_TOP = 20, SPARE = 16 };
+enum { MAPS_AFTER = 2048 }; /* poses, which take as long as making the maps does */
 
 /* A pose that is kept; its verdicts, keys and id stand behind it. */
 struct entry {
@@ -34,6 +35,7 @@ struct entries {
 
 /* What is known of the poses before, so that less need be asked of those behind. */
 struct bar {
+    bool has_maps; /* of all constraints */
     bool has_feasible;
     bool is_full;      /* keys are those of the last pose of a full list: whatever follows has to be better */
     size_t infeasible; /* so many are kept */
@@ -75,7 +77,7 @@ struct conus_plan {
     struct plan_constraint *constraints;
     size_t count;
     struct plan_order order;
-    bool was_run, is_done;
+    bool was_run, was_mapped, is_done;
     uint64_t *left; /* [count + 1] The funnel. */
     struct rejected rejected;
     struct entries list;       /* Feasible poses during a run, then all that is listed. */
@@ -88,6 +90,7 @@ struct conus_plan {
     struct worker *workers;
     struct block *blocks;     /* [ring_slots + 1] The last one is conus_plan_try()'s. */
     conus_pose_stream *poses; /* of the run */
+    uint64_t start;           /* its position at first */
     uint64_t rows;            /* still to be read */
 };
 
@@ -279,6 +282,19 @@ static void reject(struct rejected *rejected, size_t line, const char *why)
     }
 }
 
+static conus_status make_maps(conus_plan *plan)
+{
+    conus_status status = CONUS_OK;
+    plan->was_mapped = true;
+    for (size_t i = 0; i < plan->count && !status; i++) {
+        status = plan_constraint_map(&plan->constraints[i], plan->selector);
+    }
+    pthread_mutex_lock(&plan->lock);
+    plan->bar.has_maps = !status;
+    pthread_mutex_unlock(&plan->lock);
+    return status;
+}
+
 static conus_status read_block(void *user, size_t slot, bool *may_follow)
 {
     conus_plan *plan = user;
@@ -309,6 +325,10 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
         }
     }
     *may_follow = count && plan->rows;
+    if (!status && !plan->options.no_pruning && !plan->was_mapped &&
+        pose_stream_position(plan->poses) - plan->start >= MAPS_AFTER) {
+        status = make_maps(plan);
+    }
     return status ? status : buffer_status(&block->strings);
 }
 
@@ -410,6 +430,7 @@ static conus_status try_pose(struct trial *trial, struct worker *worker, const c
 
 static void copy_bar(struct bar *to, const struct bar *from, const conus_plan *plan)
 {
+    to->has_maps = from->has_maps;
     to->has_feasible = from->has_feasible;
     to->is_full = from->is_full;
     to->infeasible = from->infeasible;
@@ -425,6 +446,7 @@ static conus_status answer_block(void *user, size_t slot, size_t worker, const a
     pthread_mutex_lock(&plan->lock);
     copy_bar(&plan->workers[worker].bar, &plan->bar, plan);
     pthread_mutex_unlock(&plan->lock);
+    plan->workers[worker].judge.leeway.uses_maps = plan->workers[worker].bar.has_maps;
     for (size_t i = 0; i < block->count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {
         status = try_pose(&block->trials[i], &plan->workers[worker], plan);
     }
@@ -592,6 +614,7 @@ conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t
     plan->was_run = true;
     plan->poses = poses;
     plan->rows = limit;
+    plan->start = pose_stream_position(poses);
     pthread_mutex_init(&plan->lock, NULL);
     conus_status status = ring_run(&(const struct ring){.user = plan,
                                                         .workers = plan->options.threads,

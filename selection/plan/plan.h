@@ -73,7 +73,7 @@ struct plan_judge {
     bool is_followed;           /**< The layers are the pose's. */
     struct layers layers;       /**< What the axis passes, from the apex on, sorted. */
     conus_selection *selection; /**< NULL = not needed yet. */
-    struct plan_leeway leeway;
+    struct plan_leeway leeway;  /**< Its uses_maps is that of all questions. */
 };
 
 conus_status plan_judge_init(struct plan_judge *out, conus_selector *selector,

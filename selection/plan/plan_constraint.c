@@ -9,6 +9,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "selection/plan/plan_map.h"
 
 #include <string.h>
 
@@ -250,8 +251,24 @@ void plan_constraint_finish(struct plan_constraint *constraint)
     memory_free(constraint->name);
     memory_free(constraint->has);
     memory_free(constraint->reported);
+    for (size_t i = 0; i < constraint->part_count; i++) {
+        plan_map_destroy(constraint->parts[i].map);
+    }
     memory_free(constraint->parts);
     memory_free((void *)constraint->asked.needles);
+}
+
+conus_status plan_constraint_map(struct plan_constraint *constraint, const conus_selector *selector)
+{
+    bool outside = constraint->asked.kind == CONUS_CONSTRAINT_REACH;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; constraint->has_leeway && i < constraint->part_count && !status; i++) {
+        struct plan_part *part = &constraint->parts[i];
+        status = part->volume ? plan_map_create(&part->map, selector->clearance_index, selector->atlas, part->volume,
+                                                constraint->has, outside)
+                              : CONUS_OK;
+    }
+    return status;
 }
 
 /* Whether all objects of `inner` are in `outer`. */

@@ -12,6 +12,7 @@ struct plan_part {
     const struct tractogram *tractogram;
     const struct tract_group *group; /**< Of the tractogram; NULL = all of it. */
     uint32_t object;                 /**< The mesh's or the bundle's. */
+    struct plan_map *map;            /**< Of the volume, see plan_constraint_map(); NULL = none. */
 };
 
 /** A constraint, checked. */
@@ -29,6 +30,9 @@ struct plan_constraint {
 conus_status plan_constraint_init(struct plan_constraint *out, const conus_selector *selector,
                                   const conus_constraint *asked);
 void plan_constraint_finish(struct plan_constraint *constraint);
+
+/** Makes the maps of a constraint that keeps a distance, or that has a leeway. */
+conus_status plan_constraint_map(struct plan_constraint *constraint, const conus_selector *selector);
 
 /** Refuses constraints that repeat or exclude each other. */
 conus_status plan_constraints_check(const struct plan_constraint *constraints, size_t count, const conus_atlas *atlas);

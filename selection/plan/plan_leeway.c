@@ -12,6 +12,7 @@
 #include "base/memory.h"
 #include "selection/measure/census.h"
 #include "selection/measure/near.h"
+#include "selection/plan/plan_map.h"
 #include "selection/study/study.h"
 
 #include <math.h>
@@ -427,8 +428,8 @@ static conus_status leave_tubes(struct plan_leeway *leeway, const struct plan_si
     return status;
 }
 
-/* plan_leeway_is(), where bodies up to delta are gathered. */
-static conus_status is_enough(bool *out, struct plan_leeway *leeway, double delta)
+/* By how many mm more than the length is left, where bodies up to delta are gathered; of a tip 1 or -1. */
+static conus_status measure_rest(double *out, struct plan_leeway *leeway, double delta)
 {
     conus_status status = CONUS_OK;
     leeway->left.count = 0;
@@ -444,12 +445,12 @@ static conus_status is_enough(bool *out, struct plan_leeway *leeway, double delt
         sum += fmax(span->exit - fmax(span->entry, reached), 0);
         reached = fmax(reached, span->exit);
     }
-    *out = leeway->is_tip ? reached >= leeway->needle.far : sum >= leeway->length;
+    *out = !leeway->is_tip ? sum - leeway->length : reached >= leeway->needle.far ? 1 : -1;
     return status;
 }
 
 /* mm that are delta or more from both ends of each stretch in the structure, which are at its border but where the
- * needle ends. No more is left. */
+ * needle ends; as far as a map tells, also from the rest of the border. No more is left. */
 static double most_left(const struct plan_leeway *leeway, double delta)
 {
     double sum = 0;
@@ -462,7 +463,8 @@ static double most_left(const struct plan_leeway *leeway, double delta)
             }
             double from = span.entry > leeway->needle.near ? span.entry + delta : span.entry;
             double to = span.exit < leeway->needle.far ? span.exit - delta : span.exit;
-            sum += fmax(to - from, 0);
+            const struct plan_map *map = leeway->uses_maps ? leeway->sides[i].part->map : NULL;
+            sum += map ? plan_map_most(map, &leeway->needle, from, to, delta) : fmax(to - from, 0);
         }
     }
     return sum;
@@ -474,34 +476,63 @@ conus_status plan_leeway_is(bool *out, struct plan_leeway *leeway, double delta)
         *out = false;
         return CONUS_OK;
     }
+    double rest = 0;
     conus_status status = gather(leeway, delta);
-    return status ? status : is_enough(out, leeway, delta);
+    status = status ? status : measure_rest(&rest, leeway, delta);
+    if (!status) {
+        *out = rest >= 0;
+    }
+    return status;
+}
+
+/* Two deltas with the root between them. */
+struct bracket {
+    double low, high;
+    double more, less;     /* what is left there beyond the length */
+    double first, longest; /* widths: at first, and that it may have now */
+};
+
+/* Where to look next: a little nearer to the middle than the secant's root, so that it comes to lie on its other side,
+ * and so near that one step more than by halves is enough (Oliveira and Takahashi, ACM TOMS 47, 2021). */
+static double look_between(const struct bracket *at)
+{
+    double width = at->high - at->low;
+    double middle = (at->low + at->high) / 2;
+    double off = at->more > 0 ? middle - at->low - width * at->more / (at->more - at->less) : 0;
+    double nudge = 0.2 * width * width / at->first;
+    return middle - copysign(fmin(fmax(fabs(off) - nudge, 0), (at->longest - width) / 2), off);
 }
 
 conus_status plan_leeway_find(double *out, struct plan_leeway *leeway)
 {
-    double low = 0;
-    double high = 0;
+    struct bracket at = {.more = leeway->is_tip ? 1 : most_left(leeway, 0) - leeway->length};
     for (size_t i = 0; i < leeway->side_count; i++) {
         const struct plan_part *part = leeway->sides[i].part;
         double size = part->volume ? leeway->sides[i].cells.reach : part->mesh ? 1 : part->tractogram->radius;
-        high = high == 0 ? size : fmin(high, size);
+        at.high = at.high == 0 ? size : fmin(at.high, size);
     }
-    bool is_left = true;
     conus_status status = CONUS_OK;
-    for (int i = 0; i < STEP_LIMIT && is_left && !status; i++) { /* nothing is endless: once, nothing is left */
-        status = gather(leeway, high);
-        status = status ? status : is_enough(&is_left, leeway, high);
-        low = is_left ? high : low;
-        high = is_left ? 2 * high : high;
+    for (int i = 0; i < STEP_LIMIT && at.less >= 0 && !status; i++) { /* nothing is endless: once, nothing is left */
+        status = gather(leeway, at.high);
+        status = status ? status : measure_rest(&at.less, leeway, at.high);
+        if (at.less >= 0) {
+            at.more = at.less;
+            at.low = at.high;
+            at.high *= 2;
+        }
     }
-    while (high - low > RESOLUTION && !status) {
-        double middle = (low + high) / 2;
-        status = is_enough(&is_left, leeway, middle);
-        *(is_left ? &low : &high) = middle;
+    at.first = at.high - at.low;
+    at.longest = 2 * at.first;
+    while (at.high - at.low > RESOLUTION && !status) {
+        double rest = 0;
+        double delta = look_between(&at);
+        status = measure_rest(&rest, leeway, delta);
+        *(rest >= 0 ? &at.low : &at.high) = delta;
+        *(rest >= 0 ? &at.more : &at.less) = rest;
+        at.longest /= 2;
     }
     if (!status) {
-        *out = low;
+        *out = at.low;
     }
     return status;
 }

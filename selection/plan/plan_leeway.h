@@ -22,6 +22,7 @@ struct plan_leeway {
     struct needle needle; /**< The part of the axis that counts. */
     const uint32_t *has;  /**< The structure's objects. */
     bool is_tip;          /**< Its far end is to stay in the structure. */
+    bool uses_maps;       /**< The parts' maps, where they have some, may be looked at. */
     double length;        /**< Else so many mm of it are. */
     struct plan_side *sides;
     size_t side_count, side_capacity;

@@ -3,11 +3,13 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/plan/plan.h"
+#include "selection/plan/plan_map.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double FAR = 1e7; /* mm: as far as a clearance is measured */
+static const double LOOK = 1e-5; /* mm: closer to its limit, a measure is taken */
+static const double FAR = 1e7;   /* mm: as far as a clearance is measured */
 
 conus_status plan_judge_init(struct plan_judge *out, conus_selector *selector,
                              const struct plan_constraint *constraints)
@@ -123,6 +125,43 @@ static void measure_crossing(conus_verdict *out, const struct plan_judge *judge,
             out->object = is_first ? interval.object : 0;
         }
     }
+}
+
+/* Whether the axis is farther than `distance` from the structure: 1; or nearer: -1; 0 where no map tells. */
+static int look_farther(const struct plan_judge *judge, const struct plan_constraint *constraint, double distance)
+{
+    int farther = 1;
+    for (size_t i = 0; i < constraint->part_count && farther >= 0; i++) {
+        const struct plan_map *map = constraint->parts[i].map;
+        int is = map ? plan_map_is_farther(map, &judge->needle, distance) : 0;
+        farther = is < farther ? is : farther;
+    }
+    return farther;
+}
+
+/* Whether so much of the axis is surely in the structure: 1; or less: -1; 0 where no map tells. */
+static int look_longer(const struct plan_judge *judge, const struct plan_constraint *constraint)
+{
+    double range[2];
+    struct needle needle = judge->needle;
+    const struct plan_map *map = constraint->part_count == 1 ? constraint->parts[0].map : NULL;
+    find_window(range, judge, constraint);
+    needle.near = range[0];
+    needle.far = range[1];
+    double more = map ? plan_map_inside(map, &needle) - constraint->asked.limit : NAN;
+    return more > LOOK ? 1 : more < -LOOK ? -1 : 0;
+}
+
+/* Whether the constraint holds, as maps tell: 1 or -1; else 0. */
+static int look(const struct plan_judge *judge, const struct plan_constraint *constraint)
+{
+    const conus_constraint *asked = &constraint->asked;
+    bool is_length = asked->kind == CONUS_CONSTRAINT_REACH && asked->measure == CONUS_MEASURE_LENGTH;
+    return !judge->leeway.uses_maps ? 0
+           : is_length              ? look_longer(judge, constraint)
+           : plan_is_clearance(constraint)
+               ? look_farther(judge, constraint, judge->selector->options.radius + asked->limit)
+               : 0;
 }
 
 /* The axis's distance from the structure, up to `limit`; beyond it infinity, and no object. */
@@ -339,6 +378,11 @@ conus_status plan_judge(conus_verdict *out, struct plan_judge *judge, size_t ind
     double radius = judge->selector->options.radius;
     double settled = (radius + constraint->asked.limit) * (1 + 1e-9) + 1e-9; /* mm: farther, the margin is kept */
     *out = (conus_verdict){.slack = NAN, .leeway = NAN, .depth = NAN};
+    int seen = care == PLAN_HOLDS ? look(judge, constraint) : 0;
+    if (seen) {
+        out->holds = seen > 0;
+        return CONUS_OK;
+    }
     conus_status status = measure(out, judge, constraint, care == PLAN_HOLDS ? settled : FAR);
     if (status) {
         return status;
@@ -357,8 +401,12 @@ conus_status plan_judge_least(bool *out, struct plan_judge *judge, size_t index,
         double radius = judge->selector->options.radius;
         double wanted = radius + (quantity == PLAN_CLEARANCE ? 0 : constraint->asked.limit) + least;
         conus_verdict verdict;
-        measure_clearance(&verdict, judge, constraint, wanted);
-        *out = verdict.value >= wanted;
+        int farther = judge->leeway.uses_maps ? look_farther(judge, constraint, wanted) : 0;
+        *out = farther > 0;
+        if (!farther) {
+            measure_clearance(&verdict, judge, constraint, wanted);
+            *out = verdict.value >= wanted;
+        }
     } else if (quantity == PLAN_LEEWAY && constraint->has_leeway && constraint->asked.kind == CONUS_CONSTRAINT_REACH) {
         status = ask_leeway(judge, constraint);
         status = status ? status : plan_leeway_is(out, &judge->leeway, least);

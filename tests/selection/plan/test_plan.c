@@ -377,14 +377,14 @@ static void a_pose_tried_by_itself(void **state)
     conus_atlas_destroy(atlas);
 }
 
-enum { NEEDLES = 400 };
+enum { NEEDLES = 400, MANY = 2500 };
 
 /* Needles from round the boxes towards them. */
-static const char *write_random(const char *name)
+static const char *write_random(const char *name, size_t count)
 {
-    static struct needle_row rows[NEEDLES];
+    static struct needle_row rows[MANY];
     uint64_t seed = 5;
-    for (int i = 0; i < NEEDLES; i++) {
+    for (size_t i = 0; i < count; i++) {
         double target[3] = {test_random(&seed, 8, 24), test_random(&seed, 8, 18), test_random(&seed, 8, 18)};
         double length = 0;
         for (int a = 0; a < 3; a++) {
@@ -396,7 +396,7 @@ static const char *write_random(const char *name)
         rows[i].far = sqrt(length) + test_random(&seed, -2, 6);
         rows[i].far = rows[i].far < 1 ? 1 : rows[i].far;
     }
-    return write_needles(name, rows, NEEDLES);
+    return write_needles(name, rows, count);
 }
 
 /* All that a list says, as text. */
@@ -435,7 +435,7 @@ static void same_with_any_threads_and_pruning(void **state)
     };
     conus_constraint wants[3] = {reach("1", 4), avoid("2", 1), avoid("3", 0.25)};
     conus_atlas *atlas = boxes();
-    const char *path = write_random("random.tsv");
+    const char *path = write_random("random.tsv", NEEDLES);
     for (size_t margin = 0; margin < 2; margin++) { /* the second has no answer, but misses */
         wants[1].limit = margin ? 100 : 1;
         for (size_t w = 0; w < test_trials(sizeof ways / sizeof *ways); w++) {
@@ -463,6 +463,33 @@ static void same_with_any_threads_and_pruning(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* So many that maps tell of the later ones. */
+static void same_of_many(void **state)
+{
+    (void)state;
+    static const conus_plan_options ways[] = {
+        {.top = 5, .no_pruning = true, .threads = 2}, {.top = 5, .threads = 1}, {.top = 5, .threads = 3}};
+    const conus_constraint wants[3] = {reach("1", 4), avoid("2", 1), avoid("3", 0.25)};
+    conus_atlas *atlas = boxes();
+    struct asked asked = {.atlas = atlas,
+                          .selector = {.radius = 0.3},
+                          .constraints = wants,
+                          .count = 3,
+                          .path = write_random("many.tsv", MANY)};
+    struct buffer texts[3] = {0};
+    for (int way = 0; way < 3; way++) {
+        asked.options = ways[way];
+        struct answer answer = ask(&asked);
+        describe(&texts[way], &answer, 3);
+        end(&answer);
+        assert_string_equal(texts[way].data, texts[0].data);
+    }
+    for (int way = 0; way < 3; way++) {
+        buffer_finish(&texts[way]);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 /* A longer reach, a larger margin and a constraint more only take poses away. */
 static void stricter_is_fewer(void **state)
 {
@@ -472,7 +499,7 @@ static void stricter_is_fewer(void **state)
     struct asked asked = {.atlas = atlas,
                           .constraints = wants,
                           .options = {.top = UINT64_MAX, .threads = 1},
-                          .path = write_random("stricter.tsv")};
+                          .path = write_random("stricter.tsv", NEEDLES)};
     bool before[NEEDLES + 1];
     memset(before, true, sizeof before);
     uint64_t last = NEEDLES;
@@ -516,7 +543,7 @@ static void ranks_by_what_is_printed(void **state)
                                                            .rank = " -reach/2, score",
                                                            .score = "leeway * 2 - slack / 3",
                                                            .pareto = "leeway,-depth"},
-                                               .path = write_random("ranks.tsv")});
+                                               .path = write_random("ranks.tsv", NEEDLES)});
     size_t count = conus_plan_count(answer.plan);
     size_t fronts[NEEDLES] = {0};
     assert_true(count > 100);
@@ -716,7 +743,7 @@ static void progress_ends_a_run(void **state)
                           .constraints = &want,
                           .count = 1,
                           .options = {.threads = 2, .progress = stop_at_once, .progress_user = &done},
-                          .path = write_random("progress.tsv")};
+                          .path = write_random("progress.tsv", NEEDLES)};
     assert_fails(try_ask(&answer, &asked), CONUS_ERROR_CANCELLED);
     assert_true(done > 0 && done < NEEDLES);
     assert_int_equal(conus_plan_count(answer.plan), 0);
@@ -736,6 +763,7 @@ TEST_GROUP(plan)
         cmocka_unit_test(rows_without_a_needle),
         cmocka_unit_test(a_pose_tried_by_itself),
         cmocka_unit_test(same_with_any_threads_and_pruning),
+        cmocka_unit_test(same_of_many),
         cmocka_unit_test(stricter_is_fewer),
         cmocka_unit_test(ranks_by_what_is_printed),
         cmocka_unit_test(nearest_misses),
