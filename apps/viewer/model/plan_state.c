@@ -10,7 +10,6 @@ void plan_state_drop_live(struct plan_state *state)
     conus_selector_destroy(state->selector);
     state->live = NULL;
     state->selector = NULL;
-    state->judged = false;
 }
 
 void plan_state_rest(struct plan_state *state)

@@ -247,7 +247,7 @@ size_t plans_at(const struct viewer *viewer)
     const double *range = viewer->cone.options.range;
     for (size_t i = 0; list && viewer->tools[FIRST_TOOL].has_pose && i < list->count; i++) {
         const struct plan_row *row = &list->rows[i];
-        if (memcmp(&row->pose, &viewer->tools[FIRST_TOOL].pose, sizeof row->pose) == 0 && row->range[0] == range[0] &&
+        if (pose_is_same(&row->pose, &viewer->tools[FIRST_TOOL].pose) && row->range[0] == range[0] &&
             row->range[1] == range[1]) {
             return i;
         }

@@ -54,17 +54,22 @@ bool study_has_same_selectors(const struct study_question *a, const struct study
            selector_options_are_same(&a->options, &b->options);
 }
 
+bool pose_is_same(const conus_pose *a, const conus_pose *b)
+{
+    bool same = true;
+    for (int i = 0; i < 16; i++) {
+        same = same && a->world_from_device[i] == b->world_from_device[i];
+    }
+    return same;
+}
+
 bool study_is_same(const struct study_question *a, const struct study_question *b)
 {
     const struct study_settings *x = &a->settings;
     const struct study_settings *y = &b->settings;
     bool same_angles = x->angles[0] == y->angles[0] && x->angles[1] == y->angles[1] && x->angles[2] == y->angles[2];
     bool same_errors = x->tilt_deg == y->tilt_deg && x->shift_mm == y->shift_mm && x->samples == y->samples;
-    bool same_pose = true;
-    for (int i = 0; i < 16; i++) {
-        same_pose = same_pose && a->pose.world_from_device[i] == b->pose.world_from_device[i];
-    }
-    return (same_pose || x->kind == STUDY_PLAN) && x->kind == y->kind && study_has_same_selectors(a, b) &&
+    return pose_is_same(&a->pose, &b->pose) && x->kind == y->kind && study_has_same_selectors(a, b) &&
            (x->kind == STUDY_SWEEP ? same_angles : same_errors && a->angle == b->angle);
 }
 
