@@ -77,6 +77,13 @@ static void the_tool_is_judged_where_it_is(void **state)
     says(&viewer, 0, "no depth yet: F5 sets the tip", "");
     says(&viewer, 30, "holds, 4.0 mm to Ball", ", leeway 1.0 mm");
     assert_string_equal(plans_verdict(&viewer)->details, "holds: 10.0 mm in U\nholds: 4.0 mm to Ball");
+    char line[PLAN_LINE];
+    plans_line(line, &viewer, true);
+    assert_string_equal(line, "holds, 4.0 mm to Ball, leeway 1.0 mm");
+    viewer.tools[FIRST_TOOL].pointer = POINT_BY_TRACKER;
+    viewer.tools[FIRST_TOOL].held = true; /* so the tracked tool may be anywhere */
+    plans_line(line, &viewer, false);
+    assert_string_equal(line, "held, not tracked: holds, 4.0 mm to Ball");
     viewer.cone.options.radius = 2; /* a thicker needle, which another plan judges */
     says(&viewer, 30, "breaks: 3.0 of 3 mm to Ball", "");
     viewer_finish(&viewer);

@@ -5,7 +5,7 @@
 
 #include "viewer/model/studier.h"
 
-enum { PLAN_TEXT = 256, PLAN_DETAILS = 2048 };
+enum { PLAN_TEXT = 256, PLAN_LINE = 320, PLAN_DETAILS = 2048 };
 
 /** What the constraints of a plan say of the first tool. */
 struct plan_verdict {

@@ -203,6 +203,15 @@ const struct plan_verdict *plans_verdict(struct viewer *viewer)
     return &state->verdict;
 }
 
+void plans_line(char out[PLAN_LINE], struct viewer *viewer, bool with_leeway)
+{
+    const struct tool *tool = &viewer->tools[FIRST_TOOL];
+    const struct plan_verdict *verdict = plans_verdict(viewer);
+    bool is_elsewhere = tool->held && tool->pointer == POINT_BY_TRACKER;
+    snprintf(out, PLAN_LINE, "%s%s%s", is_elsewhere ? "held, not tracked: " : "", verdict->text,
+             with_leeway ? verdict->leeway : "");
+}
+
 static void find_question(struct study_question *out, const struct viewer *viewer)
 {
     const struct plan_state *state = &viewer->plan;

@@ -237,13 +237,14 @@ static void draw_notices(const struct window *window)
         at[1] -= 1.4F * ui_line();
     }
     if (plans_is_on(viewer) && !notice.is_old) {
-        const struct plan_verdict *verdict = plans_verdict(window->viewer);
-        char line[PLAN_TEXT + sizeof verdict->leeway];
-        snprintf(line, sizeof line, "%s%s", verdict->text, verdict->leeway);
+        char line[PLAN_LINE];
+        char shown[PLAN_LINE];
+        plans_line(line, window->viewer, true);
         if (ui_text_width(line) > box->width - 16) { /* the verdict first */
-            ui_shorten(line, sizeof line, verdict->text, box->width - 16);
+            plans_line(line, window->viewer, false);
         }
-        ui_draw_text(at, panel_verdict_colour(verdict), line);
+        ui_shorten(shown, sizeof shown, line, box->width - 16);
+        ui_draw_text(at, panel_verdict_colour(plans_verdict(window->viewer)), shown);
         at[1] -= 1.4F * ui_line();
     }
     inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);

@@ -184,7 +184,7 @@ static bool choose_shape(struct viewer *viewer)
     }
     ui_tip("in place of the cone a tube around its axis, such as a needle or a probe");
     if (cylinder) {
-        changed = ui_slider("radius", &viewer->cone.options.radius, 0.1, 50, "%.1f mm", true) || changed;
+        changed = ui_slider("radius", &viewer->cone.options.radius, 0.1, 50, "%.4g mm", true) || changed;
         ui_tip("radius of the cylinder, mm");
     }
     return changed;

@@ -73,6 +73,7 @@ void panel_plan(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     const char *why;
+    char line[PLAN_LINE];
     if (!plans_is_on(viewer)) {
         return;
     }
@@ -80,8 +81,7 @@ void panel_plan(struct window *window)
     const struct plan_list *list = plans_list(viewer, &why);
     bool is_behind = plans_is_behind(viewer);
     ui_tint(panel_verdict_colour(verdict));
-    char line[PLAN_TEXT + sizeof verdict->leeway];
-    snprintf(line, sizeof line, "%s%s", verdict->text, verdict->leeway);
+    plans_line(line, viewer, true);
     ui_text_wrapped(line);
     ui_tint_end();
     ui_tip(verdict->details[0] ? verdict->details : "what the constraints of the plan say of the first tool");
