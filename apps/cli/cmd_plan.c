@@ -150,6 +150,8 @@ static const struct option_group groups[] = {
     {"", pose_file_options, REQUEST_FIELD(file)},
     {"", space_options, REQUEST_FIELD(aim.space)},
     {"What must hold, all of it", constraint_options, FIELD(constraints)},
+    {"Measures of the cone", angle_options, REQUEST_FIELD(aim)},
+    {"", pixel_options, REQUEST_FIELD(engine)},
     {"What is listed", list_options, 0},
     {"What is there", atlas_options, REQUEST_FIELD(atlas)},
     {"", shown_options, REQUEST_FIELD(atlas)},
@@ -263,6 +265,7 @@ static int try_poses(struct planning *planning)
         .rank = settings->rank,
         .score = settings->score,
         .pareto = settings->pareto,
+        .angle = settings_angle(&settings->request.aim, &settings->request.engine),
         .far = settings->far,
         .progress = show_tried,
         .progress_user = planning,
@@ -408,7 +411,9 @@ static int write_all(struct planning *planning)
         bool has_file = planning->constraints.items[i].kind == CONUS_CONSTRAINT_APART;
         provenance_add_input(&provenance, has_file ? planning->constraints.texts[i] : NULL);
     }
-    provenance.question.region = settings->request.engine.radius > 0 ? "cylinder" : "axis";
+    provenance.question.region = settings->request.engine.radius > 0                                       ? "cylinder"
+                                 : constraints_last_measure(&planning->constraints) >= CONUS_MEASURE_SHARE ? "cone"
+                                                                                                           : "axis";
     int code = EXIT_DONE;
     for (size_t i = 0; i < ROWS_FILES && !code; i++) {
         code = rows_file_write(&planning->files[i], &provenance);
@@ -426,6 +431,8 @@ static int answer_plan(struct planning *planning)
     const struct plan_settings *settings = planning->settings;
     conus_selector_options engine = settings_engine(&settings->request.engine, &settings->request.common);
     engine.engine = CONUS_ENGINE_RAYS;
+    engine.layers = constraints_last_measure(&planning->constraints) > CONUS_MEASURE_SHARE ? CONUS_LAYERS_ALL
+                                                                                           : CONUS_LAYERS_VISIBLE;
     int code = request_load(request, open_poses, request);
     code = code ? code : request_match(request);
     code = code ? code : request_check_outputs(request, NULL);
@@ -460,8 +467,12 @@ static int run_plan(const void *given, const struct arguments *arguments)
     if (!code && !planning.constraints.count) {
         code = print_usage_error("no constraint given: --reach NAME,... or --avoid NAME,...");
     }
-    bool fits = !code && read_top(&planning.top, settings->top) &&
-                read_step(&planning.step, option_key(arguments, "profile")) &&
+    const struct option *of_cone = option_with(arguments, OPTION_OF_CONE | OPTION_OF_RAYS);
+    if (!code && of_cone && constraints_last_measure(&planning.constraints) < CONUS_MEASURE_SHARE) {
+        code = print_usage_error("--%s has no effect without a measure of the cone, such as share=P", of_cone->name);
+    }
+    bool fits = !code && settings_check_shape(&settings->request.aim, &settings->request.engine, arguments) &&
+                read_top(&planning.top, settings->top) && read_step(&planning.step, option_key(arguments, "profile")) &&
                 settings_check_space(arguments, &settings->request.aim.space);
     code = code || fits ? code : EXIT_USAGE;
     code = code ? code : request_init(&planning.request, &settings->request, arguments);
@@ -485,6 +496,7 @@ static void help_keys(FILE *out)
           "  depth                       how deep the far end is, mm\n"
           "  entry_angle                 between the axis and the inward normal at the entry, degrees\n"
           "  reach, reach2, ...          what --reach measures, of the first one, the second one, ...\n"
+          "  share, volume               what the first --reach with share or volume measures\n"
           "  score                       the formula of --score\n",
           out);
 }

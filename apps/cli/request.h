@@ -31,7 +31,7 @@ struct request_settings {
         "", shape_options, REQUEST_FIELD(engine)                                                                       \
     }
 #define REQUEST_ENGINE_GROUPS                                                                                          \
-    {"How rays are traced", engine_options, REQUEST_FIELD(engine)},                                                    \
+    {"How rays are traced", pixel_options, REQUEST_FIELD(engine)}, {"", engine_options, REQUEST_FIELD(engine)},        \
     {                                                                                                                  \
         "", slices_options, REQUEST_FIELD(engine)                                                                      \
     }

@@ -19,17 +19,17 @@ const struct option constraint_options[] = {
      .value = "NAME,...[,KEY=VALUE]...",
      .help = "the axis is in these areas, pathways or bundles, which are one structure; keys: length=MM (in all at "
              "least; default any at all), part=A:B (counting only what is A to B mm before the tip); or in place "
-             "of a length tip (the far end is in it) or crossed (also of a surface that is not closed); may be "
-             "repeated",
+             "of a length tip (the far end is in it) or crossed (also of a surface that is not closed), or of the "
+             "cone or cylinder share=P, pierced=P, volume=MM3, fraction=P, streamlines=N (at least); may be repeated",
      .words = "target, hit",
      .common = true,
      .role = OPTION_ASKS},
     {.name = "avoid",
      .type = OPTION_LIST,
      .offset = FIELD(avoid),
-     .value = "NAME,...[,margin=MM]",
-     .help = "the needle stays farther than MM from these, 0 to 100 (default 0: it does not touch them); may be "
-             "repeated",
+     .value = "NAME,...[,KEY=VALUE]",
+     .help = "the needle stays farther than margin=MM from these, 0 to 100 (default 0: it does not touch them); may be "
+             "repeated; share=P, pierced=P in place of the margin: at most so much of the cone or cylinder",
      .words = "risk, vessels, clearance, safety",
      .common = true,
      .role = OPTION_ASKS},
@@ -78,7 +78,14 @@ static const struct key {
     {CONUS_CONSTRAINT_REACH, "tip", CONUS_MEASURE_TIP, 0, false},
     {CONUS_CONSTRAINT_REACH, "crossed", CONUS_MEASURE_CROSSED, 0, false},
     {CONUS_CONSTRAINT_REACH, "part", CONUS_MEASURE_LENGTH, 1e9, true},
+    {CONUS_CONSTRAINT_REACH, "share", CONUS_MEASURE_SHARE, 1, false},
+    {CONUS_CONSTRAINT_REACH, "pierced", CONUS_MEASURE_PIERCED, 1, false},
+    {CONUS_CONSTRAINT_REACH, "volume", CONUS_MEASURE_VOLUME, 1e12, false},
+    {CONUS_CONSTRAINT_REACH, "fraction", CONUS_MEASURE_FRACTION, 1, false},
+    {CONUS_CONSTRAINT_REACH, "streamlines", CONUS_MEASURE_STREAMLINES, 1e12, false},
     {CONUS_CONSTRAINT_AVOID, "margin", CONUS_MEASURE_LENGTH, 100, false},
+    {CONUS_CONSTRAINT_AVOID, "share", CONUS_MEASURE_SHARE, 1, false},
+    {CONUS_CONSTRAINT_AVOID, "pierced", CONUS_MEASURE_PIERCED, 1, false},
 };
 
 enum { KEYS = sizeof keys / sizeof keys[0] };
@@ -140,7 +147,8 @@ static bool read_key(conus_constraint *out, bool *has_measure, char *text)
 /* NAMES with keys behind them, which are cut off from the end. */
 static bool read_structure(conus_constraint *out, char *text)
 {
-    static const char *const numbers[] = {",length=", ",part=", ",margin=", NULL};
+    static const char *const numbers[] = {
+        ",length=", ",part=", ",margin=", ",share=", ",pierced=", ",volume=", ",fraction=", ",streamlines=", NULL};
     const char *option = constraint_options[out->kind].name;
     bool has_measure = false;
     out->names = text;
@@ -240,6 +248,15 @@ int constraints_parse(struct constraints *out, const struct arguments *arguments
         }
     }
     return EXIT_DONE;
+}
+
+conus_measure constraints_last_measure(const struct constraints *constraints)
+{
+    conus_measure last = CONUS_MEASURE_LENGTH;
+    for (size_t i = 0; i < constraints->count; i++) {
+        last = constraints->items[i].measure > last ? constraints->items[i].measure : last;
+    }
+    return last;
 }
 
 void constraints_finish(struct constraints *constraints)

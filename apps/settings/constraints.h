@@ -25,6 +25,8 @@ struct constraint_settings {
 int constraints_parse(struct constraints *out, const struct arguments *arguments);
 /** Whether there are any; @p arguments may be NULL. */
 bool constraints_are_given(const struct arguments *arguments);
+/** The last measure of any of them, in the order of conus_measure: whether rays are needed, and all layers. */
+conus_measure constraints_last_measure(const struct constraints *constraints);
 void constraints_finish(struct constraints *constraints);
 
 /** Turns directions into the world, and loads the needles of --apart, whose poses are in the space of @p frame, too.

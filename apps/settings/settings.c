@@ -271,7 +271,7 @@ const struct option angle_options[] = {
     {0},
 };
 
-const struct option engine_options[] = {
+const struct option pixel_options[] = {
     {.name = "resolution",
      .type = OPTION_COUNT,
      .offset = FIELD(engine_settings, resolution),
@@ -288,6 +288,10 @@ const struct option engine_options[] = {
      .help = "pixels that count: those in the circle, or all:",
      .choices = apertures,
      .flags = OPTION_OF_RAYS},
+    {0},
+};
+
+const struct option engine_options[] = {
     {.name = "engine",
      .type = OPTION_CHOICE,
      .offset = FIELD(engine_settings, engine),

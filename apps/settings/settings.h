@@ -75,7 +75,8 @@ extern const struct option shown_options[];      /**< atlas_settings: --only, --
 extern const struct option more_atlas_options[]; /**< atlas_settings: --atlas; of commands that answer for several */
 extern const struct option aim_options[];        /**< aim_settings: where from and where to */
 extern const struct option angle_options[];      /**< aim_settings: --angle */
-extern const struct option engine_options[];     /**< engine_settings, without --slices */
+extern const struct option pixel_options[];      /**< engine_settings: --resolution, --aperture */
+extern const struct option engine_options[];     /**< engine_settings, without --slices and those */
 extern const struct option shape_options[];      /**< engine_settings: --layers, --range, --radius */
 extern const struct option slices_options[];     /**< engine_settings: --slices of the ID pass */
 

@@ -754,6 +754,7 @@ class Selector:
         lean: Any = (),
         apart: Any = (),
         first: Any = (),
+        angle: Optional[float] = None,
         top: Optional[int] = 20,
         rank: Optional[str] = None,
         score: Optional[str] = None,
@@ -770,9 +771,11 @@ class Selector:
         reach
             Names and mm: {"Hippocampus_L": 5}; names between commas, or a tuple of them, are one structure. None in
             place of the number: any length at all; "tip" or "crossed"; or a mapping: {"length": 5, "part": (0, 2)}.
-            A list of names asks for any length.
+            A list of names asks for any length. Of the cone or cylinder, at least: {"share": 0.3}, or, of a selector
+            with layers="all", "pierced", "volume" (mm^3), "fraction" or "streamlines".
         avoid
-            Names and the margin, mm: {"Insula_L": 2}. A list has the margin 0.
+            Names and the margin, mm: {"Insula_L": 2}. A list has the margin 0. {"share": 0.1} or {"pierced": 0.1} in
+            place of the margin: at most so much of the cone or cylinder.
         poses, origins, directions
             The candidates, as for :meth:`select_many`.
         near, depth
@@ -786,6 +789,8 @@ class Selector:
             [(ends, mm)]: the axis is farther than that from other needles, whose ends are (n, 2, 3) RAS mm.
         first
             Names of structures that the axis passes first.
+        angle
+            Opening of the cone, degrees, of poses that have none of their own; 10 unless there is a radius.
         top
             Poses to list; None = all.
         rank, score, pareto
@@ -802,7 +807,8 @@ class Selector:
         """
         constraints = constraints_of(reach, avoid, length, lean, apart, first)
         array = self._poses(origins, directions, poses, None, None)
-        return plan_of(self, constraints, array, poses, near, depth, infeasible, top, threads, (rank, score, pareto))
+        return plan_of(self, constraints, array, poses, near, depth, infeasible, top, threads, angle,
+                       (rank, score, pareto))
 
     def sweep(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
@@ -1300,9 +1306,10 @@ class Atlas:
         )
 
     def plan(self, reach: Any = (), avoid: Any = (), *, radius: float = 0, range: Any = (0, 0), space: str = "ras",
-             bregma: Any = None, **options: Any) -> Plan:
+             bregma: Any = None, layers: str = "visible", resolution: int = 16, **options: Any) -> Plan:
         """Lists the poses that reach some structures and stay clear of others: see :meth:`Selector.plan`."""
-        selector = self._selector({"radius": radius, "range": range, "space": space, "bregma": bregma})
+        selector = self._selector({"radius": radius, "range": range, "space": space, "bregma": bregma, "layers": layers,
+                                   "resolution": resolution})
         return selector.plan(reach, avoid, **options)
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 _FORMATS = {".tsv": "TSV", ".csv": "CSV", ".json": "JSON", ".ndjson": "NDJSON", ".jsonl": "NDJSON", ".txt": "TABLE"}
 
+_POINTS = ("tip", "crossed")  # of an axis, without a number
+_MEASURES = {"reach": (*_POINTS, "share", "pierced", "volume", "fraction", "streamlines"), "avoid": ("share", "pierced")}
+
 
 def _structures(name: str, given: Any) -> list[tuple[str, Any]]:
     """The names of each structure, between commas, and what is asked of it; None = nothing more."""
@@ -48,8 +51,9 @@ class Constraints:
             for key, value in keys.items():
                 if key == "part" and kind == "reach":
                     members["part"] = vector(f"{kind}: part", value, 2)
-                elif key in ("tip", "crossed") and kind == "reach" and "measure" not in members:
+                elif key in _MEASURES[kind] and "measure" not in members and (value is None) == (key in _POINTS):
                     members["measure"] = getattr(lib, f"CONUS_MEASURE_{key.upper()}")
+                    members["limit"] = real(f"{kind}: {key}", value) if value is not None else 0
                 elif key != main or isinstance(asked, str):
                     raise ArgumentError(f"{kind}: {shown(asked)} of {names} is not what {kind} can ask")
                 elif value is not None:
@@ -198,13 +202,14 @@ class Plan:
 
 def plan_of(
     selector: Selector, constraints: Constraints, array: PoseArray, poses: Any, near: Any, far: Any,
-    infeasible: bool, top: Optional[int], threads: Optional[int], words: Sequence[Optional[str]],
+    infeasible: bool, top: Optional[int], threads: Optional[int], angle: Any, words: Sequence[Optional[str]],
 ) -> Plan:
     """What :meth:`Selector.plan` gives; ``words`` are rank, score and pareto."""
     options, out = ffi.new("conus_plan_options *"), ffi.new("conus_plan **")
     options.threads = 0 if threads is None else whole("threads", threads)
     options.top = 2**64 - 1 if top is None else whole("top", top, 1, 2**64 - 1)
     options.infeasible = flag("infeasible", infeasible)
+    options.angle = 0 if angle is None else math.radians(real("angle", angle))
     texts = [optional(utf8, name, word) for name, word in zip(("rank", "score", "pareto"), words)]
     options.rank, options.score, options.pareto = texts
     rows = constraints.array()

@@ -210,3 +210,28 @@ END
         sort >found
     cmp wanted found
 }
+
+# Likewise of the cone's rows; pierced is the part of its 208 pixels. Needles from the side towards the ball at (0, 0, 5),
+# of which the fourth passes it.
+@test "what a pose has in its cone or cylinder, asked by batch, is the same" {
+    needles
+    printf 'e\t0\t40\t5\t0\t-1\t0\t45\nf\t0\t40\t6\t0\t-1\t0\t38\n' >>needles.tsv
+    for shape in '--radius 2' '--angle 20'; do
+        answers plan u-shape.nii.gz --poses needles.tsv $shape --reach Ball,share=0.01 --reach Ball,pierced=0.1 \
+            --reach Ball,volume=1 --reach Ball,fraction=0.001 --avoid U,share=0.5 --avoid U,pierced=0.5 --infeasible \
+            --top all -q --format tsv
+        echo "$output" >plan.tsv
+        answers batch u-shape.nii.gz --poses needles.tsv $shape --layers all -q -o all.tsv --force
+        awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+            $at["name"] == "Ball" && $at["pierced"] { printf "%s %s %.9g %s %s\n", $1, $at["share"], $at["pierced"] / 208, $at["volume_mm3"], $at["fraction"] }' all.tsv |
+            sort >wanted
+        awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+            $at["reach2_pierced"] > 0 { print $1, $at["reach1_share"], $at["reach2_pierced"], $at["reach3_mm3"], $at["reach4_fraction"] }' plan.tsv |
+            sort >found
+        [ -s wanted ]
+        cmp wanted found
+    done
+    fails 2 'no effect without a measure of the cone' $U --reach U --resolution 32
+    fails 2 'share=2 is not a number from 0 to 1' $U --reach U,share=2
+    fails 2 'no key "volume"' $U --avoid U,volume=2
+}

@@ -35,6 +35,20 @@ def test_rows_and_arrays(atlas):
     assert profile[:3] == [["2", 0, 20], ["2", 20, 40], ["2", 30, 50]]
 
 
+def test_measures_of_the_cone(atlas):
+    plan = atlas.plan({"right": {"share": 0.5}, "left": {"volume": 1}}, {"left": {"share": 0.1}}, origins=ORIGINS,
+                      directions=DIRECTIONS, depth=[30, 30, 15, 30], angle=20, layers="all", infeasible=True)
+    rows = plan.to_dataframe().set_index("query")
+    assert rows["reach1_share"].to_dict() == {"1": 1, "2": 1, "3": 0, "4": 0}  # plates are wider than the cone
+    assert rows["avoid1_share"].to_dict() == {"1": 0, "2": 0, "3": 0, "4": 1}
+    left = atlas.select([0, 0, 0], direction=[-1, 0, 0], angle=20, layers="all", range=(0, 30)).to_dataframe()
+    assert rows.loc["4", "reach2_mm3"] == left["volume_mm3"].dropna().iloc[0] > 0
+    with pytest.raises(conus.ArgumentError, match="layers"):
+        atlas.plan({"right": {"volume": 5}}, origins=ORIGINS, directions=DIRECTIONS, depth=30)
+    with pytest.raises(conus.ArgumentError, match="is not what avoid can ask"):
+        atlas.plan(avoid={"right": {"volume": 5}}, origins=ORIGINS, directions=DIRECTIONS, depth=30)
+
+
 def test_what_is_missed(atlas, tmp_path):
     plan = atlas.plan({"right": 4}, {"left": 50}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS)
     assert len(plan) == 0 and plan.funnel == [2, 0] and plan.misses == [None, "1"]
@@ -61,7 +75,7 @@ def test_a_file_of_poses_has_ends_of_its_own(atlas, tmp_path):
 @pytest.mark.parametrize("given, message", [
     (dict(reach={"nobody": 1}), "no area has the name"),
     (dict(reach={"right": "length"}), "not what reach can ask|is no"),
-    (dict(avoid={"right": {"share": 1}}), "not what avoid can ask"),
+    (dict(avoid={"right": {"volume": 1}}), "not what avoid can ask"),
     (dict(avoid={"right": 101}), "margin: 101 mm"),
     (dict(reach={"right": math.nan}), "nan"),
     (dict(reach={"right": 1}, avoid={"right": 1}), "avoids all"),

@@ -130,6 +130,7 @@ struct ask_settings {
 
 static const struct option_group groups[] = {
     {"", shape_options, offsetof(struct ask_settings, engine)},
+    {"", pixel_options, offsetof(struct ask_settings, engine)},
     {"", engine_options, offsetof(struct ask_settings, engine)},
     {"", slices_options, offsetof(struct ask_settings, engine)},
     {"", axis_options, offsetof(struct ask_settings, axis)},
