@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus plan: which poses reach some structures and stay clear of others, and how far they may be off. */
 #include "cli/answers/ends.h"
+#include "cli/candidates.h"
 #include "cli/commands.h"
 #include "cli/request.h"
 #include "options/messages.h"
@@ -14,7 +15,8 @@
 struct plan_settings {
     struct request_settings request; /* first */
     struct constraint_settings constraints;
-    double far;
+    struct candidate_settings candidates;
+    const char *poses_out;
     const char *top;
     bool infeasible, no_pruning;
     const char *rank, *score, *pareto;
@@ -25,7 +27,7 @@ struct plan_settings {
 
 #define FIELD(member) offsetof(struct plan_settings, member)
 
-static const struct option candidate_options[] = {
+static const struct option pose_options[] = {
     {.name = "poses",
      .type = OPTION_TEXT,
      .offset = REQUEST_FIELD(aim.pose),
@@ -33,18 +35,11 @@ static const struct option candidate_options[] = {
      .help = "the candidates: poses of needles (docs/formats.md); - is standard input",
      .words = "input, trajectory, electrode, candidates",
      .common = true,
-     .required = true,
      .role = OPTION_READS_POSES},
-    {.name = "depth",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(far),
-     .value = "MM",
-     .help = "far end, the tip, of poses that have none in a column far, mm from the device's position",
-     .low = 0,
-     .high = 1e9,
-     .open = true,
-     .common = true,
-     .excludes = "range"},
+    {0},
+};
+
+static const struct option needle_options[] = {
     {.name = "range",
      .type = OPTION_RANGE,
      .offset = REQUEST_FIELD(engine.range),
@@ -99,6 +94,15 @@ static const struct option list_options[] = {
      .type = OPTION_FLAG,
      .offset = FIELD(infeasible),
      .help = "list poses that break a constraint, too, behind the others, with what they break"},
+    {.name = "poses-out",
+     .type = OPTION_TEXT,
+     .offset = FIELD(poses_out),
+     .value = "FILE",
+     .help = "write the listed poses: a table (.tsv) that is read as the same poses again, lines for 3D Slicer "
+             "(.mrk.json), or the first one as a 4 x 4 matrix (.txt)",
+     .words = "export, slicer",
+     .role = OPTION_WRITES,
+     .endings = ".tsv .mrk.json .txt"},
     {0},
 };
 
@@ -146,10 +150,13 @@ static const struct option run_options[] = {
 };
 
 static const struct option_group groups[] = {
-    {"Which poses are tried", candidate_options, 0},
+    {"Which poses are tried", pose_options, 0},
+    {"", candidate_options, FIELD(candidates)},
+    {"", needle_options, 0},
     {"", pose_file_options, REQUEST_FIELD(file)},
     {"", space_options, REQUEST_FIELD(aim.space)},
     {"What must hold, all of it", constraint_options, FIELD(constraints)},
+    {"", entry_options, FIELD(constraints)},
     {"Measures of the cone", angle_options, REQUEST_FIELD(aim)},
     {"", pixel_options, REQUEST_FIELD(engine)},
     {"What is listed", list_options, 0},
@@ -171,6 +178,7 @@ struct planning {
     const struct plan_settings *settings;
     struct request request;
     struct constraints constraints;
+    struct candidates candidates;
     struct rows_file files[ROWS_FILES]; /* --constraints, --profile */
     uint64_t top;
     double step; /* mm, of --profile */
@@ -240,6 +248,9 @@ static int open_poses(void *user)
     struct request *request = user;
     const conus_pose_options options = request_pose_options(request);
     const char *path = request->settings->aim.pose;
+    if (!path) { /* candidates, which need the atlas */
+        return EXIT_DONE;
+    }
     conus_status status = conus_pose_stream_open(&request->stream, path, &options);
     return status ? settings_print_poses_error(status, path, "poses", request->arguments) : EXIT_DONE;
 }
@@ -266,7 +277,7 @@ static int try_poses(struct planning *planning)
         .score = settings->score,
         .pareto = settings->pareto,
         .angle = settings_angle(&settings->request.aim, &settings->request.engine),
-        .far = settings->far,
+        .far = planning->candidates.far,
         .progress = show_tried,
         .progress_user = planning,
     };
@@ -366,20 +377,23 @@ static int check_candidates(struct planning *planning)
 {
     const conus_plan_faults faults = conus_plan_rejected(planning->plan);
     struct request *request = &planning->request;
-    const char *path = settings_poses_name(request->settings->aim.pose);
+    const char *from = planning->candidates.from.path;
+    const char *path = from ? from : settings_poses_name(request->settings->aim.pose);
     uint64_t tried = conus_plan_left(planning->plan, 0);
     uint64_t rows = tried + faults.count;
     if (!tried && !faults.count) {
         return print_usage_error("%s: no candidate: no poses in it", path);
     }
     if (!tried) {
-        return print_usage_error("%s: no candidate: line %zu: %s", path, faults.line, faults.why);
+        return print_usage_error("%s: no candidate: %s %zu: %s", path, from ? "number" : "line", faults.line,
+                                 faults.why);
     }
-    if (faults.count) {
-        print_error_line("%s: %llu of %llu rows are no candidates, the first in line %zu: %s", path,
-                         (unsigned long long)faults.count, (unsigned long long)rows, faults.line, faults.why);
-        request->failed = true;
+    if (faults.count && !(from && request->settings->common.quiet)) {
+        print_error_line("%s%s: %llu of %llu %s are no candidates, the first %s %zu: %s", from ? "note: " : "", path,
+                         (unsigned long long)faults.count, (unsigned long long)rows, from ? "poses" : "rows",
+                         from ? "is number" : "in line", faults.line, faults.why);
     }
+    request->failed = request->failed || (faults.count && !from);
     return EXIT_DONE;
 }
 
@@ -411,12 +425,16 @@ static int write_all(struct planning *planning)
         bool has_file = planning->constraints.items[i].kind == CONUS_CONSTRAINT_APART;
         provenance_add_input(&provenance, has_file ? planning->constraints.texts[i] : NULL);
     }
+    candidates_list_inputs(&provenance, &planning->candidates);
     provenance.question.region = settings->request.engine.radius > 0                                       ? "cylinder"
                                  : constraints_last_measure(&planning->constraints) >= CONUS_MEASURE_SHARE ? "cone"
                                                                                                            : "axis";
     int code = EXIT_DONE;
     for (size_t i = 0; i < ROWS_FILES && !code; i++) {
         code = rows_file_write(&planning->files[i], &provenance);
+    }
+    if (!code && settings->poses_out) {
+        code = candidates_write(settings->poses_out, planning->plan, &request->frame);
     }
     provenance.question.rows = "plan";
     provenance_add_outputs(&provenance, request->arguments);
@@ -438,12 +456,17 @@ static int answer_plan(struct planning *planning)
     code = code ? code : request_check_outputs(request, NULL);
     code = code ? code
                 : constraints_place(&planning->constraints, &request->frame, &settings->request.file,
-                                    settings->far > 0 ? settings->far : settings->request.engine.range[1]);
+                                    planning->candidates.far > 0 ? planning->candidates.far
+                                                                 : settings->request.engine.range[1]);
     if (code) {
         return code;
     }
     conus_status status = request_start(request, &engine);
-    code = status ? print_status(status) : try_poses(planning);
+    code = status ? print_status(status) : EXIT_DONE;
+    if (!code && !request->stream) {
+        code = candidates_open(&planning->candidates, request, &planning->constraints);
+    }
+    code = code ? code : try_poses(planning);
     code = code ? code : check_candidates(planning);
     if (code) {
         return code;
@@ -464,6 +487,7 @@ static int run_plan(const void *given, const struct arguments *arguments)
     const struct plan_settings *settings = given;
     struct planning planning = {.settings = settings};
     int code = constraints_parse(&planning.constraints, arguments);
+    code = code ? code : candidates_parse(&planning.candidates, &settings->candidates, arguments);
     if (!code && !planning.constraints.count) {
         code = print_usage_error("no constraint given: --reach NAME,... or --avoid NAME,...");
     }
@@ -484,6 +508,7 @@ static int run_plan(const void *given, const struct arguments *arguments)
     conus_plan_destroy(planning.plan);
     constraints_finish(&planning.constraints);
     request_finish(&planning.request);
+    candidates_finish(&planning.candidates);
     return code;
 }
 
@@ -505,9 +530,9 @@ const struct command cmd_plan = {
     .name = "plan",
     .summary = "list the poses that reach some structures and stay clear of others, the safest first",
     .operands = {"ATLAS"},
-    .form = "--poses FILE --reach NAME,... --avoid NAME,...,margin=MM",
+    .form = "--poses FILE|--from FILE --toward WHAT --reach NAME,... --avoid NAME,...,margin=MM",
     .description =
-        "Tries each pose of a file, a needle from its near to its far end, against all constraints, and lists those\n"
+        "Tries poses of a file, or needles from every entry to every target, against all constraints, and lists those\n"
         "that break none: how deep they are, how near they come to what they are to avoid and where, and their\n"
         "leeway, by which no point of the needle may be off before a constraint breaks. A plan is a list to be\n"
         "checked.",

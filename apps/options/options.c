@@ -374,22 +374,22 @@ static bool check_excludes(const struct arguments *arguments, const struct optio
 static bool check_ending(const struct arguments *arguments, const struct option *option)
 {
     const char *path = option->endings ? option_text(arguments, option->name) : NULL;
-    char first[16];
-    if (!path) {
-        return true;
+    char list[64] = "";
+    size_t size = 0;
+    for (const char *at = path ? option->endings : ""; *at;) {
+        char ending[16];
+        size_t length = strcspn(at, " ");
+        snprintf(ending, sizeof ending, "%.*s", (int)length, at);
+        if (path_ends(path, ending)) {
+            return true;
+        }
+        at += length + (at[length] == ' ');
+        size += (size_t)snprintf(list + size, sizeof list - size, "%s%s", !size ? "" : *at ? ", " : " or ", ending);
     }
-    size_t size = strcspn(option->endings, " ");
-    const char *other = option->endings[size] ? option->endings + size + 1 : NULL;
-    snprintf(first, sizeof first, "%.*s", (int)size, option->endings);
-    if (path_ends(path, first) || (other && path_ends(path, other))) {
-        return true;
+    if (path) {
+        print_error_line("--%s: \"%s\" does not end in %s", option->name, path, list);
     }
-    if (other) {
-        print_error_line("--%s: \"%s\" ends neither in %s nor in %s", option->name, path, first, other);
-    } else {
-        print_error_line("--%s: \"%s\" does not end in %s", option->name, path, first);
-    }
-    return false;
+    return !path;
 }
 
 /* Checks the relations in the table, then the endings. */

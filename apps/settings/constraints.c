@@ -66,6 +66,21 @@ const struct option constraint_options[] = {
     {0},
 };
 
+/* and behind these. */
+const struct option entry_options[] = {
+    {.name = "entry-angle",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(entry_angle),
+     .value = "MAX",
+     .help = "the axis and the inward normal of the surface at its entry enclose at most MAX degrees",
+     .low = 0,
+     .high = 180,
+     .words = "perpendicular, drill",
+     .needs = "from",
+     .role = OPTION_PLAIN},
+    {0},
+};
+
 /* A key behind the names of an option; of a REACH and an AVOID a measure in place of the length or margin. */
 static const struct key {
     conus_constraint_kind kind;
@@ -200,9 +215,17 @@ static bool read_apart(conus_constraint *out, char *text)
            (print_error_line("--apart: %g mm, allowed are 0 to 100", out->limit), false);
 }
 
+static bool read_entry_angle(conus_constraint *out, char *text)
+{
+    double degrees = 0;
+    bool is_number = number_parse(text, &degrees); /* as the parser has checked */
+    out->limit = radians(degrees);
+    return is_number;
+}
+
 /* In the order of the options, which is that of conus_constraint_kind. */
 static bool (*const readers[])(conus_constraint *out, char *text) = {
-    read_structure, read_structure, read_length, read_lean, read_apart, read_structure,
+    read_structure, read_structure, read_length, read_lean, read_apart, read_structure, read_entry_angle,
 };
 
 /* The number of its kind; that of the row that ends the table where it is no constraint. */
@@ -235,7 +258,7 @@ int constraints_parse(struct constraints *out, const struct arguments *arguments
     for (size_t i = 0; i < arguments->use_count; i++) {
         const struct option_use *use = &arguments->uses[i];
         size_t kind = kind_of(use->option);
-        if (constraint_options[kind].name) {
+        if (constraint_options[kind].name || use->option == entry_options) {
             char *text = out->texts[out->count] = strdup(use->value);
             conus_constraint *item = &out->items[out->count++];
             *item = (conus_constraint){.struct_size = sizeof *item, .kind = (conus_constraint_kind)kind};

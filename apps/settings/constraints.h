@@ -13,11 +13,13 @@ struct constraints {
 };
 
 extern const struct option constraint_options[]; /**< struct constraint_settings */
+extern const struct option entry_options[];      /**< Likewise, of candidates that have an entry. */
 
 /** Only so that the parser keeps what it reads: constraints_parse() takes the uses, in their order. */
 struct constraint_settings {
     struct option_list reach, avoid, lean, apart, first;
     double length[2];
+    double entry_angle;
 };
 
 /** Reads the options, of which there may be none; @p out is the caller's to constraints_finish() in any case. Returns

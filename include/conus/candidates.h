@@ -6,7 +6,9 @@
 #ifndef CONUS_PUBLIC_CANDIDATES_H
 #define CONUS_PUBLIC_CANDIDATES_H
 
+#include <conus/overlap.h>
 #include <conus/pose_file.h>
+#include <conus/selection.h>
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -15,6 +17,172 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+typedef struct conus_sites conus_sites; /**< Points where needles may enter, or to which they may point. */
+
+/** @name Sites
+ * @{ */
+
+/**
+ * Makes sites of points.
+ * @param[out] out The sites; end them with conus_sites_destroy().
+ * @param points [count][3] World mm. Copied.
+ * @param count May be 0.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a point that is not finite.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_sites_create(conus_sites **out, const double *points, size_t count);
+
+/**
+ * Makes sites of the vertices of a surface, in the order of the file, with normals: the mean of the triangles around a
+ * vertex, weighted by their areas, those at its other numbers too. Of a closed surface they point outwards, by its
+ * signed volume; else as its triangles are wound, with a note. Vertices without a triangle, and those whose normals
+ * cancel out, are none.
+ * @param[out] out The sites; end them with conus_sites_destroy().
+ * @param path A surface in any format that conus_atlas_load() reads.
+ * @param flip Normals point to the other side.
+ * @return #CONUS_OK; the errors of conus_atlas_load() about surfaces.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_sites_load(conus_sites **out, const char *path, bool flip);
+
+/**
+ * Makes sites of the centres of the voxels of a region that have one of another kind, or the edge of the grid, at one
+ * of their six faces; in the order of the file.
+ * @param[out] out The sites; end them with conus_sites_destroy().
+ * @param roi The region.
+ * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_sites_of_roi(conus_sites **out, const conus_roi *roi);
+
+/** Which points of a structure are sites. */
+typedef enum conus_sites_kind {
+    CONUS_SITES_CENTROID = 0, /**< The mean position of its voxels and the insides of its closed surfaces, weighted by
+                                 volume. A note says where it is not in the structure. */
+    CONUS_SITES_DEEPEST,      /**< The centre of the voxel that is farthest from all voxels around the structure, by
+                                 their centres, also those beyond the grid; of equal ones the first. */
+    CONUS_SITES_VOXELS        /**< The centres of its voxels, in the order of the file. */
+} conus_sites_kind;
+
+/**
+ * Finds points of a structure.
+ * @param[out] out The sites; end them with conus_sites_destroy().
+ * @param selector Of the atlas; its options do not matter.
+ * @param names The structure, as conus_constraint.names.
+ * @param kind Which points.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a name that is unknown or means several, with the closest one in the
+ * message, and a structure without voxels, or for a centroid without these and a closed surface.
+ * @threads One at a time for each @p selector.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_sites_find(conus_sites **out, const conus_selector *selector, const char *names,
+                                            conus_sites_kind kind);
+
+/**
+ * Keeps the sites that are in a structure, or those that are not.
+ * @param sites The sites; unchanged on failure.
+ * @param selector As for conus_sites_find().
+ * @param names The structure: voxels and closed surfaces have an inside.
+ * @param inside Whether those in it are kept.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT as of conus_sites_find().
+ * @threads One at a time for each @p sites and @p selector.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_sites_keep_named(conus_sites *sites, const conus_selector *selector, const char *names,
+                                                  bool inside);
+
+/**
+ * Keeps the sites that are in the voxels of a region, or those that are not.
+ * @param sites The sites.
+ * @param roi The region, in their space.
+ * @param inside Whether those in it are kept.
+ * @threads One at a time for each @p sites.
+ * @since 0.1
+ */
+CONUS_API void conus_sites_keep_roi(conus_sites *sites, const conus_roi *roi, bool inside);
+
+/**
+ * Keeps the vertices that have a label, or those that have none.
+ * @param sites Of conus_sites_load(); unchanged on failure.
+ * @param path Labels of its vertices, as conus_load_options.labels of a surface; label 0 is none.
+ * @param labelled Whether those with a label are kept.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for sites of no surface; #CONUS_ERROR_DATA for labels of another number of
+ * vertices; the errors of conus_atlas_load() about labels.
+ * @threads One at a time for each @p sites.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_sites_keep_labelled(conus_sites *sites, const char *path, bool labelled);
+
+/**
+ * Thins sites out: in their order, one is kept unless a kept one is nearer than @p spacing.
+ * @param sites The sites; unchanged on failure.
+ * @param spacing mm, from 0.001 on.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a spacing out of its range.
+ * @threads One at a time for each @p sites.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_sites_space(conus_sites *sites, double spacing);
+
+/**
+ * Counts sites.
+ * @param sites NULL counts 0.
+ * @return How many there are.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API size_t conus_sites_count(const conus_sites *sites);
+
+/**
+ * Gives the points.
+ * @param sites The sites.
+ * @return [count][3] World mm. Borrowed from the sites, until they are thinned out.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const double *conus_sites_points(const conus_sites *sites);
+
+/**
+ * Gives the normals.
+ * @param sites The sites.
+ * @return [count][3] Of length 1; NULL but of a surface. Borrowed from the sites, until they are thinned out.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const double *conus_sites_normals(const conus_sites *sites);
+
+/**
+ * Gives the number that site @p index has where it comes from.
+ * @param sites The sites.
+ * @param index From 0.
+ * @return From 0: of a vertex in its file, of a voxel in its volume, x fastest, of a point in the array; 0 of a
+ * centroid; UINT64_MAX past the last.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API uint64_t conus_sites_source(const conus_sites *sites, size_t index);
+
+/**
+ * Gives note @p index that a careful user should know about these sites.
+ * @param sites The sites.
+ * @param index From 0.
+ * @return One line; NULL past the last. Borrowed from the sites.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const char *conus_sites_note(const conus_sites *sites, size_t index);
+
+/**
+ * Ends sites.
+ * @param sites NULL is allowed.
+ * @threads One at a time for each @p sites.
+ * @since 0.1
+ */
+CONUS_API void conus_sites_destroy(conus_sites *sites);
+/** @} */
 
 /** The most candidates that a stream has, 2^40. */
 #define CONUS_CANDIDATE_LIMIT (UINT64_C(1) << 40)

@@ -86,7 +86,7 @@ static conus_status add_part(struct plan_constraint *constraint, const conus_atl
     return CONUS_OK;
 }
 
-static conus_status find_structure(struct plan_constraint *out, const conus_atlas *atlas, const char *names)
+conus_status plan_structure_find(struct plan_constraint *out, const conus_atlas *atlas, const char *names)
 {
     struct naming naming = {atlas, memory_zeroed(atlas->object_count + 1, sizeof *naming.named), {0}};
     out->has = memory_zeroed(atlas->object_count + 1, sizeof *out->has);
@@ -212,7 +212,7 @@ static conus_status fill(struct plan_constraint *out, const conus_selector *sele
     conus_status status = check_numbers(asked);
     status = status ? status : check_measure(selector, asked);
     if (!status && KINDS[asked->kind].has_structure) {
-        status = asked->names ? find_structure(out, selector->atlas, asked->names)
+        status = asked->names ? plan_structure_find(out, selector->atlas, asked->names)
                               : fail(CONUS_ERROR_ARGUMENT, "names of its structure are missing");
     }
     if (!status && plan_is_of_cone(asked->measure)) {

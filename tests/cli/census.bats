@@ -138,7 +138,7 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
 
 @test "masks that cannot be are refused, and nothing is written" {
     nested
-    fails 2 '--mask: "a.png" ends neither in .nii.gz nor in .nii' query nested.nii.gz $AIM --mask a.png
+    fails 2 '--mask: "a.png" does not end in .nii.gz or .nii' query nested.nii.gz $AIM --mask a.png
     fails 2 '--mask-of has no effect without --mask' query nested.nii.gz $AIM --mask-of all
     fails 2 'did you mean "Core"?' query nested.nii.gz $AIM --mask a.nii --mask-object Corr
     fails 2 '--mask: map of values: there is no pathway' query nested.nii.gz $AIM --mask a.nii --mask-of values

@@ -173,7 +173,7 @@ columns() {
     fails 3 'nobody.tsv' $U --apart nobody.tsv,3
     fails 2 'avoids all that constraint' $U --reach U --avoid U
     fails 2 'no constraint given' $U
-    fails 2 '--poses FILE is missing' plan u-shape.nii.gz --reach U
+    fails 2 'no candidates given: --poses FILE' plan u-shape.nii.gz --reach U
     fails 2 'neither a whole number above 0 nor all' $U --reach U --top 0
     fails 2 'exclude each other' $U --reach U --depth 3 --range 0,3
     fails 2 'no effect without --avoid' $U --reach U --profile -

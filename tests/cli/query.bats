@@ -331,7 +331,7 @@ END
 @test "--image writes what the device saw" {
     sphere --size 32
     local aim='--origin 0,0,100 --toward 0,0,0'
-    fails 2 '--image: "seen.jpg" ends neither in .exr nor in .png' query sphere.nii.gz $aim --image seen.jpg
+    fails 2 '--image: "seen.jpg" does not end in .exr or .png' query sphere.nii.gz $aim --image seen.jpg
     answers query sphere.nii.gz $aim --image seen.exr -o a.tsv
     [ "$(head -c 4 seen.exr | od -An -tx1 | tr -d ' ')" = 762f3101 ]
     answers query sphere.nii.gz $aim --image seen.png --resolution 64

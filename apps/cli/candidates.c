@@ -1,0 +1,472 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Makes the candidates of a plan from entries and targets, and writes the poses that it lists. */
+#include "cli/candidates.h"
+
+#include "options/messages.h"
+#include "options/output.h"
+#include "settings/notes.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FIELD(member) offsetof(struct candidate_settings, member)
+
+const struct option candidate_options[] = {
+    {.name = "from",
+     .type = OPTION_TEXT,
+     .offset = FIELD(from),
+     .value = "FILE[,KEY=VALUE]...",
+     .help = "or candidates from entries: vertices of a surface, voxels at the border of a mask, or points; keys: "
+             "spacing=MM (of those nearer to each other the first), within=WHAT, without=WHAT (labels of vertices, a "
+             "mask, or a structure of the atlas), flip (normals of the surface point to the other side)",
+     .words = "entry, scalp, skull, craniotomy, grid",
+     .common = true,
+     .excludes = "poses",
+     .needs = "toward",
+     .role = OPTION_READS},
+    {.name = "toward",
+     .type = OPTION_TEXT,
+     .offset = FIELD(toward),
+     .value = "WHAT[,KEY=VALUE]...",
+     .help = "to targets: centroid, deepest (the voxel farthest from the border) or voxels of the first --reach; a "
+             "FILE of points; or normal, against that of the surface; keys: of=NAME,... (another structure), "
+             "spacing=MM",
+     .words = "target",
+     .common = true,
+     .needs = "from",
+     .role = OPTION_READS},
+    {.name = "tilt",
+     .type = OPTION_TEXT,
+     .offset = FIELD(tilt),
+     .value = "MAX,STEP",
+     .help = "and rings of directions around each, up to MAX degrees, STEP degrees apart",
+     .needs = "from",
+     .role = OPTION_ASKS},
+    {.name = "depth",
+     .type = OPTION_TEXT,
+     .offset = FIELD(depth),
+     .value = "MM|target[+MM]",
+     .help = "far end, the tip, of poses that have none in a column far, mm from the device's position; or the "
+             "target, and MM behind it",
+     .common = true,
+     .excludes = "range",
+     .role = OPTION_ASKS},
+    {0},
+};
+
+/* Keys behind --from and --toward. */
+static const struct key {
+    const char *name;
+    size_t offset; /* in struct place */
+    bool of_from, of_toward, is_flag;
+} keys[] = {
+    {"spacing", offsetof(struct place, spacing), true, true, false},
+    {"within", offsetof(struct place, within), true, false, false},
+    {"without", offsetof(struct place, without), true, false, false},
+    {"flip", offsetof(struct place, flip), true, false, true},
+    {"of", offsetof(struct place, of), false, true, false},
+};
+
+enum { KEYS = sizeof keys / sizeof keys[0] };
+
+static const char *key_name(const void *is_from, size_t index)
+{
+    for (size_t i = 0; i < KEYS; i++) {
+        bool fits = *(const bool *)is_from ? keys[i].of_from : keys[i].of_toward;
+        if (fits && index-- == 0) {
+            return keys[i].name;
+        }
+    }
+    return NULL;
+}
+
+/* Cuts keys and their values off a text. A value goes on to the next key, since names have commas between them. */
+static bool read_place(struct place *out, const char *value, bool is_from)
+{
+    const char *option = is_from ? "from" : "toward";
+    out->path = strdup(value);
+    if (!out->path) {
+        print_no_memory();
+        return false;
+    }
+    for (char *comma = strchr(out->path, ','); comma; comma = strchr(comma + 1, ',')) {
+        char *word = comma + 1;
+        size_t length = strcspn(word, ",=");
+        const struct key *key = keys;
+        while (key < keys + KEYS && !((is_from ? key->of_from : key->of_toward) && strlen(key->name) == length &&
+                                      strncmp(key->name, word, length) == 0 && (word[length] == '=') != key->is_flag)) {
+            key++;
+        }
+        if (key < keys + KEYS) {
+            *comma = '\0';
+            if (key->is_flag) {
+                out->flip = true;
+            } else {
+                *(char **)((char *)out + key->offset) = word + length + 1;
+            }
+        } else if (word[length] == '=') {
+            word[length] = '\0';
+            const char *near = closest_name(word, key_name, &is_from);
+            print_error_line("--%s: there is no key \"%s\"%s%s%s", option, word, near ? "; did you mean " : "",
+                             near ? near : "", near ? "?" : "");
+            return false;
+        }
+    }
+    if (out->spacing && !(number_parse(out->spacing, &out->apart) && out->apart >= 1e-3 && out->apart <= 1e6)) {
+        print_error_line("--%s: spacing=%s is not a number from 0.001 to 1000000", option, out->spacing);
+        return false;
+    }
+    return *out->path || (print_error_line("--%s: there is no file", option), false);
+}
+
+/* "70", "target", "target+3", "target-1" */
+static bool read_depth(struct candidates *out, const char *text)
+{
+    static const char word[] = "target";
+    out->to_target = strncmp(text, word, sizeof word - 1) == 0;
+    const char *rest = out->to_target ? text + sizeof word - 1 : text;
+    double *number = out->to_target ? &out->beyond : &out->far;
+    bool has_sign = *rest == '+' || *rest == '-';
+    bool is_fine = out->to_target && !*rest;
+    if (!is_fine && has_sign == out->to_target) {
+        is_fine =
+            number_parse(rest + (*rest == '+'), number) && (out->to_target || *number > 0) && fabs(*number) <= 1e9;
+    }
+    return is_fine || (print_error_line("--depth: \"%s\" is neither a number above 0 nor target[+MM]", text), false);
+}
+
+int candidates_parse(struct candidates *out, const struct candidate_settings *settings,
+                     const struct arguments *arguments)
+{
+    *out = (struct candidates){0};
+    bool is_file = option_given(arguments, "poses");
+    if (!is_file && !settings->from) {
+        return print_usage_error("no candidates given: --poses FILE, or --from FILE --toward WHAT");
+    }
+    if (settings->depth && !read_depth(out, settings->depth)) {
+        return EXIT_USAGE;
+    }
+    if (is_file && out->to_target) {
+        return print_usage_error("--depth target has no effect without --toward");
+    }
+    if (is_file) {
+        return EXIT_DONE;
+    }
+    if (settings->tilt && numbers_parse(out->tilt, 2, settings->tilt, ',') != 2) {
+        return print_usage_error("--tilt: \"%s\" is not two numbers MAX,STEP", settings->tilt);
+    }
+    return read_place(&out->from, settings->from, true) && read_place(&out->toward, settings->toward, false)
+               ? EXIT_DONE
+               : EXIT_USAGE;
+}
+
+void candidates_finish(struct candidates *candidates)
+{
+    free(candidates->from.path);
+    free(candidates->toward.path);
+    conus_sites_destroy(candidates->from.sites);
+    conus_sites_destroy(candidates->toward.sites);
+    *candidates = (struct candidates){0};
+}
+
+/* The positions in a file of points or poses. */
+static int take_points(struct place *place, const conus_pose_list *list)
+{
+    size_t count = conus_pose_list_count(list);
+    double(*points)[3] = calloc(count + 1, sizeof *points);
+    int code = points ? EXIT_DONE : print_no_memory();
+    for (size_t i = 0; i < count && !code; i++) {
+        const conus_pose_row *row = conus_pose_list_row(list, i);
+        if (row->error) {
+            code = print_usage_error("%s:%zu: %s", settings_poses_name(place->path), row->line, row->error);
+        } else {
+            memcpy(points[i], row->pose.world_from_device + 12, sizeof points[i]);
+        }
+    }
+    conus_status status = code ? CONUS_OK : conus_sites_create(&place->sites, points ? points[0] : NULL, count);
+    free(points);
+    return status ? print_status(status) : code;
+}
+
+static conus_status load_mask(conus_roi **out, const char *path, const struct request *request)
+{
+    const conus_roi_options options = {.max_memory = request->settings->atlas.max_memory};
+    return conus_roi_load(out, path, &options);
+}
+
+/* Points of a file or, of entries, voxels of a mask. */
+static int load_points(struct place *place, const struct request *request, bool may_be_mask)
+{
+    const conus_pose_options options = request_pose_options(request);
+    conus_pose_list *list = NULL;
+    conus_roi *mask = NULL;
+    char why[1024];
+    conus_status status = conus_pose_list_load(&list, place->path, &options);
+    if (!status) {
+        int code = take_points(place, list);
+        conus_pose_list_destroy(list);
+        return code;
+    }
+    snprintf(why, sizeof why, "%s", conus_message());
+    conus_status of_mask = may_be_mask ? load_mask(&mask, place->path, request) : status;
+    if (!of_mask) {
+        of_mask = conus_sites_of_roi(&place->sites, mask);
+        conus_roi_destroy(mask);
+        return of_mask ? print_status(of_mask) : EXIT_DONE;
+    }
+    if (of_mask == CONUS_ERROR_ARGUMENT) { /* a volume, but no mask */
+        return print_status(of_mask);
+    }
+    print_error_line("%s", why);
+    return exit_code_of(status);
+}
+
+/* Labels of vertices, a mask, or a structure of the atlas. */
+static int keep(conus_sites *sites, const char *what, bool inside, const struct request *request)
+{
+    static const char *const endings[] = {".gii", ".annot", ".label", ".dlabel.nii"};
+    conus_roi *mask = NULL;
+    conus_status status = CONUS_OK;
+    bool is_labels = false;
+    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
+        is_labels = is_labels || path_ends(what, endings[i]) || (strchr(what, ',') && strstr(what, endings[i]));
+    }
+    if (is_labels) {
+        status = conus_sites_keep_labelled(sites, what, inside);
+    } else if (conus_atlas_is_path(what)) {
+        status = load_mask(&mask, what, request);
+        if (!status) {
+            conus_sites_keep_roi(sites, mask, inside);
+        }
+        conus_roi_destroy(mask);
+    } else {
+        status = conus_sites_keep_named(sites, request->answerers[0].selector, what, inside);
+    }
+    if (!status && !conus_sites_count(sites)) {
+        return print_usage_error("--from: no candidate: %s=%s leaves no entry", inside ? "within" : "without", what);
+    }
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+static int thin_out(struct place *place, const char *option, const struct request *request)
+{
+    if (!conus_sites_count(place->sites)) {
+        return print_usage_error("--%s: no candidate: %s has no points", option, place->path);
+    }
+    conus_status status = place->apart > 0 ? conus_sites_space(place->sites, place->apart) : CONUS_OK;
+    for (size_t i = 0; !request->settings->common.quiet && conus_sites_note(place->sites, i); i++) {
+        print_error_line("note: %s", conus_sites_note(place->sites, i));
+    }
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+static int load_entries(struct place *place, const struct request *request)
+{
+    int code = EXIT_DONE;
+    if (conus_context_is_surface(place->path)) {
+        conus_status status = conus_sites_load(&place->sites, place->path, place->flip);
+        code = status ? print_status(status) : EXIT_DONE;
+    } else if (place->flip) {
+        code = print_usage_error("--from: flip is of surfaces, which alone have normals");
+    } else {
+        code = load_points(place, request, true);
+    }
+    code = code || !place->within ? code : keep(place->sites, place->within, true, request);
+    code = code || !place->without ? code : keep(place->sites, place->without, false, request);
+    return code ? code : thin_out(place, "from", request);
+}
+
+/* Targets of a file lie where the atlas is, at least some of them. */
+static int check_targets(const struct place *place, const struct request *request)
+{
+    double low[3];
+    double high[3];
+    size_t count = conus_sites_count(place->sites);
+    size_t outside = 0;
+    conus_status status = conus_atlas_bounds(low, high, request->atlases.items[0].atlas);
+    for (size_t i = 0; i < count && !status; i++) {
+        const double *p = conus_sites_points(place->sites) + 3 * i;
+        outside += !(p[0] >= low[0] && p[1] >= low[1] && p[2] >= low[2] && p[0] <= high[0] && p[1] <= high[1] &&
+                     p[2] <= high[2]);
+    }
+    if (status || (outside && outside == count)) {
+        return status ? print_status(status)
+                      : print_usage_error("--toward: %s: all targets lie outside of the atlas, which is from %.4g,%.4g,"
+                                          "%.4g to %.4g,%.4g,%.4g",
+                                          place->path, low[0], low[1], low[2], high[0], high[1], high[2]);
+    }
+    if (outside && !request->settings->common.quiet) {
+        print_error_line("note: %s: %zu of %zu targets lie outside of the atlas", place->path, outside, count);
+    }
+    return EXIT_DONE;
+}
+
+static int load_targets(struct place *place, const struct request *request, const struct constraints *constraints)
+{
+    static const char *const kinds[] = {"centroid", "deepest", "voxels"}; /* in the order of conus_sites_kind */
+    size_t kind = 0;
+    const char *names = place->of;
+    while (kind < 3 && strcmp(kinds[kind], place->path) != 0) {
+        kind++;
+    }
+    if (kind == 3) {
+        int code = place->of ? print_usage_error("--toward: of=%s is of centroid, deepest and voxels", place->of)
+                             : load_points(place, request, false);
+        code = code ? code : thin_out(place, "toward", request);
+        return code ? code : check_targets(place, request);
+    }
+    for (size_t i = 0; i < constraints->count && !names; i++) {
+        bool is_reach = constraints->items[i].kind == CONUS_CONSTRAINT_REACH;
+        names = is_reach ? constraints->items[i].names : NULL;
+    }
+    if (!names) {
+        return print_usage_error("--toward %s: of which structure? --reach NAME,... or of=NAME,...", place->path);
+    }
+    conus_status status =
+        conus_sites_find(&place->sites, request->answerers[0].selector, names, (conus_sites_kind)kind);
+    return status ? print_status(status) : thin_out(place, "toward", request);
+}
+
+int candidates_open(struct candidates *candidates, struct request *request, const struct constraints *constraints)
+{
+    bool is_normal = strcmp(candidates->toward.path, "normal") == 0;
+    conus_candidates asked = {.tilt_most = radians(candidates->tilt[0]),
+                              .tilt_step = radians(candidates->tilt[1]),
+                              .to_target = candidates->to_target,
+                              .beyond = candidates->beyond};
+    int code = load_entries(&candidates->from, request);
+    code = code || is_normal ? code : load_targets(&candidates->toward, request, constraints);
+    if (code) {
+        return code;
+    }
+    asked.entries = conus_sites_points(candidates->from.sites);
+    asked.normals = conus_sites_normals(candidates->from.sites);
+    asked.entry_count = conus_sites_count(candidates->from.sites);
+    if (is_normal && !asked.normals) {
+        return print_usage_error("--toward normal: %s has no normals, which surfaces alone have",
+                                 candidates->from.path);
+    }
+    asked.targets = is_normal ? NULL : conus_sites_points(candidates->toward.sites);
+    asked.target_count = conus_sites_count(candidates->toward.sites);
+    conus_status status = conus_candidates_open(&request->stream, &asked);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+void candidates_list_inputs(struct provenance *out, const struct candidates *candidates)
+{
+    const char *const files[] = {candidates->from.path, candidates->from.within, candidates->from.without,
+                                 candidates->toward.path};
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        provenance_add_input(out, files[i] && conus_atlas_is_path(files[i]) ? files[i] : NULL);
+    }
+}
+
+/* 17 digits are those of one double. */
+static void put_vector(FILE *out, const double v[3], const char *between)
+{
+    fprintf(out, "%.17g%s%.17g%s%.17g", v[0], between, v[1], between, v[2]);
+}
+
+/* Between quotation marks, those in it with `mark` in front. */
+static void put_id(FILE *out, const char *id, char mark)
+{
+    fputc('"', out);
+    for (; *id; id++) {
+        if (*id == '"' || (*id == '\\' && mark == '\\')) {
+            fputc(mark, out);
+        }
+        fputc((unsigned char)*id < ' ' ? ' ' : *id, out);
+    }
+    fputc('"', out);
+}
+
+/* Whether all poses are turned as one that has only an axis (Eq. 2). */
+static bool have_usual_turns(const conus_plan *plan)
+{
+    bool all = true;
+    for (size_t i = 0; i < conus_plan_count(plan) && all; i++) {
+        const conus_pose *pose = &conus_plan_pose(plan, i)->pose;
+        const double *m = pose->world_from_device;
+        conus_pose usual;
+        all = !conus_pose_along(&usual, m + 12, (const double[]){-m[8], -m[9], -m[10]}, NULL) &&
+              memcmp(&usual, pose, sizeof usual) == 0;
+    }
+    return all;
+}
+
+static void put_table(FILE *out, const conus_plan *plan, const conus_frame *frame)
+{
+    bool has_up = !have_usual_turns(plan);
+    fprintf(out, "query_id\tx\ty\tz\tdx\tdy\tdz%s\tnear\tfar\n", has_up ? "\tux\tuy\tuz" : "");
+    for (size_t i = 0; i < conus_plan_count(plan); i++) {
+        const conus_planned *pose = conus_plan_pose(plan, i);
+        const double *m = pose->pose.world_from_device;
+        const double axis[3] = {-m[8], -m[9], -m[10]};
+        double v[3];
+        put_id(out, pose->id, '"');
+        fputc('\t', out);
+        conus_frame_from_world(v, frame, m + 12);
+        put_vector(out, v, "\t");
+        fputc('\t', out);
+        conus_frame_direction_from_world(v, frame, axis);
+        put_vector(out, v, "\t");
+        if (has_up) {
+            fputc('\t', out);
+            conus_frame_direction_from_world(v, frame, m + 4);
+            put_vector(out, v, "\t");
+        }
+        fprintf(out, "\t%.17g\t%.17g\n", pose->near, pose->far);
+    }
+}
+
+static void put_lines(FILE *out, const conus_plan *plan)
+{
+    fputs("{\"@schema\": \"https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/"
+          "Schema/markups-schema-v1.0.3.json#\",\n \"markups\": [",
+          out);
+    for (size_t i = 0; i < conus_plan_count(plan); i++) {
+        const conus_planned *pose = conus_plan_pose(plan, i);
+        const double *m = pose->pose.world_from_device;
+        fprintf(out, "%s\n  {\"type\": \"Line\", \"coordinateSystem\": \"LPS\", \"controlPoints\": [", i ? "," : "");
+        for (int end = 0; end < 2; end++) {
+            const double depth = end ? pose->far : 0;
+            const double point[3] = {depth * m[8] - m[12], depth * m[9] - m[13], m[14] - depth * m[10]};
+            fprintf(out, "%s{\"label\": ", end ? ", " : "");
+            put_id(out, pose->id, '\\');
+            fputs(", \"position\": [", out);
+            put_vector(out, point, ", ");
+            fputs("]}", out);
+        }
+        fputs("]}", out);
+    }
+    fputs("\n ]}\n", out);
+}
+
+static void put_matrix(FILE *out, const conus_plan *plan)
+{
+    const double *m = conus_plan_pose(plan, 0)->pose.world_from_device;
+    for (int row = 0; row < 4; row++) {
+        fprintf(out, "%.17g %.17g %.17g %.17g\n", m[row], m[4 + row], m[8 + row], m[12 + row]);
+    }
+}
+
+int candidates_write(const char *path, const conus_plan *plan, const conus_frame *frame)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) {
+        return print_no_memory();
+    }
+    if (path_ends(path, ".tsv")) {
+        put_table(out, plan, frame);
+    } else if (path_ends(path, ".json")) {
+        put_lines(out, plan);
+    } else if (conus_plan_count(plan)) {
+        put_matrix(out, plan);
+    }
+    int code = fclose(out) ? print_no_memory() : output_write(path, text, size);
+    free(text);
+    return code;
+}

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Where the needles of a plan enter and where they lead: --from, --toward, --tilt, --depth; and files of the
+ * poses that are listed. */
+#ifndef CONUS_CLI_CANDIDATES_H
+#define CONUS_CLI_CANDIDATES_H
+
+#include "cli/request.h"
+#include "settings/constraints.h"
+
+struct candidate_settings {
+    const char *from, *toward, *tilt, *depth;
+};
+
+/** --from, --toward, --tilt and --depth. */
+extern const struct option candidate_options[];
+
+/** Points, with what is asked of them behind commas. */
+struct place {
+    char *path; /**< A file, or a word; owned, with the others behind it. */
+    char *spacing, *within, *without, *of;
+    bool flip;
+    double apart; /**< mm, of `spacing`; 0 = none. */
+    conus_sites *sites;
+};
+
+/** The candidates of --from and --toward. */
+struct candidates {
+    struct place from, toward; /**< Of from a path of NULL: poses come from a file. */
+    double tilt[2];            /**< Degrees. */
+    double far;                /**< mm, of --depth MM; else 0. */
+    bool to_target;            /**< --depth target, */
+    double beyond;             /**< and so many mm. */
+};
+
+/** Reads the options; @p out is the caller's to candidates_finish() in any case. Returns the exit code and prints an
+ * error unless it is 0. */
+int candidates_parse(struct candidates *out, const struct candidate_settings *settings,
+                     const struct arguments *arguments);
+void candidates_finish(struct candidates *candidates);
+
+/** Opens the stream request->stream, once there is a selector; targets are of the first reach, if they name no other
+ * structure. Likewise. */
+int candidates_open(struct candidates *candidates, struct request *request, const struct constraints *constraints);
+
+/** The files that the candidates come from, as inputs of the answer. */
+void candidates_list_inputs(struct provenance *out, const struct candidates *candidates);
+
+/** Writes the poses of a plan, in the order of its list: a table (.tsv), lines for 3D Slicer (.mrk.json), or the first
+ * one as a 4 x 4 matrix (.txt). Likewise. */
+int candidates_write(const char *path, const conus_plan *plan, const conus_frame *frame);
+
+#endif

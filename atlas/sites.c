@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Sites: points that are thinned out, and those of regions. */
+#include "atlas/sites.h"
+
+#include "atlas/roi.h"
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double LEAST_SPACING = 1e-3; /* mm */
+
+void conus_sites_destroy(conus_sites *sites)
+{
+    if (sites) {
+        memory_free(sites->points);
+        memory_free(sites->normals);
+        memory_free(sites->sources);
+        memory_free(sites->path);
+        notes_finish(&sites->notes);
+        memory_free(sites);
+    }
+}
+
+conus_status sites_create(conus_sites **out, size_t capacity, bool has_normals)
+{
+    conus_sites *sites = memory_zeroed(1, sizeof *sites);
+    if (!sites) {
+        return CONUS_ERROR_MEMORY;
+    }
+    sites->capacity = capacity;
+    sites->points = memory_raw(capacity, sizeof *sites->points);
+    sites->sources = memory_raw(capacity, sizeof *sites->sources);
+    sites->normals = has_normals ? memory_raw(capacity, sizeof *sites->normals) : NULL;
+    if (!sites->points || !sites->sources || (has_normals && !sites->normals)) {
+        conus_sites_destroy(sites);
+        return CONUS_ERROR_MEMORY;
+    }
+    *out = sites;
+    return CONUS_OK;
+}
+
+conus_status sites_add(conus_sites *sites, const double point[3], const double *normal, uint64_t source)
+{
+    size_t capacity = sites->capacity;
+    size_t points = capacity;
+    size_t sources = capacity;
+    if (!memory_reserve(&sites->points, &points, sites->count + 1, sizeof *sites->points) ||
+        !memory_reserve(&sites->sources, &sources, sites->count + 1, sizeof *sites->sources) ||
+        (normal && !memory_reserve(&sites->normals, &capacity, sites->count + 1, sizeof *sites->normals))) {
+        return CONUS_ERROR_MEMORY;
+    }
+    sites->capacity = points;
+    memcpy(sites->points[sites->count], point, sizeof *sites->points);
+    if (normal) {
+        memcpy(sites->normals[sites->count], normal, sizeof *sites->normals);
+    }
+    sites->sources[sites->count++] = source;
+    return CONUS_OK;
+}
+
+void sites_filter(conus_sites *sites, bool (*is_kept)(const conus_sites *sites, size_t index, void *user), void *user)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < sites->count; i++) {
+        if (is_kept(sites, i, user)) {
+            memmove(sites->points[kept], sites->points[i], sizeof *sites->points);
+            if (sites->normals) {
+                memmove(sites->normals[kept], sites->normals[i], sizeof *sites->normals);
+            }
+            sites->sources[kept++] = sites->sources[i];
+        }
+    }
+    sites->count = kept;
+}
+
+conus_status conus_sites_create(conus_sites **out, const double *points, size_t count)
+{
+    conus_sites *sites = NULL;
+    conus_status status = sites_create(&sites, count, false);
+    for (size_t i = 0; i < count && !status; i++) {
+        const double *p = points + 3 * i;
+        status = vec3_is_finite(p) ? sites_add(sites, p, NULL, i)
+                                   : fail(CONUS_ERROR_ARGUMENT, "point %zu: %g,%g,%g, allowed are finite numbers",
+                                          i + 1, p[0], p[1], p[2]);
+    }
+    if (status) {
+        conus_sites_destroy(sites);
+        return status;
+    }
+    *out = sites;
+    return CONUS_OK;
+}
+
+/* Whether a voxel of the region has one that is not of it at a face. */
+static bool is_at_border(const conus_roi *roi, const size_t at[3], size_t voxel)
+{
+    const size_t *dim = roi->volume.info.dim;
+    const size_t steps[3] = {1, dim[0], dim[0] * dim[1]};
+    for (int a = 0; a < 3; a++) {
+        if (at[a] == 0 || at[a] + 1 == dim[a] || !roi_has(roi, voxel - steps[a]) || !roi_has(roi, voxel + steps[a])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+conus_status conus_sites_of_roi(conus_sites **out, const conus_roi *roi)
+{
+    const size_t *dim = roi->volume.info.dim;
+    conus_sites *sites = NULL;
+    conus_status status = sites_create(&sites, 0, false);
+    for (size_t voxel = 0; voxel < roi->volume.voxel_count && !status; voxel++) {
+        const size_t at[3] = {voxel % dim[0], voxel / dim[0] % dim[1], voxel / dim[0] / dim[1]};
+        if (roi_has(roi, voxel) && is_at_border(roi, at, voxel)) {
+            const double index[3] = {(double)at[0], (double)at[1], (double)at[2]};
+            double point[3];
+            mat4_point(point, roi->volume.info.world_from_voxel, index);
+            status = sites_add(sites, point, NULL, voxel);
+        }
+    }
+    if (status) {
+        conus_sites_destroy(sites);
+        return status;
+    }
+    *out = sites;
+    return CONUS_OK;
+}
+
+struct inside_roi {
+    const conus_roi *roi;
+    bool inside;
+};
+
+static bool is_in_roi(const conus_sites *sites, size_t index, void *user)
+{
+    const struct inside_roi *asked = user;
+    size_t voxel = 0;
+    bool inside = volume_find_voxel(&voxel, &asked->roi->volume, sites->points[index]) && roi_has(asked->roi, voxel);
+    return inside == asked->inside;
+}
+
+void conus_sites_keep_roi(conus_sites *sites, const conus_roi *roi, bool inside)
+{
+    sites_filter(sites, is_in_roi, &(struct inside_roi){roi, inside});
+}
+
+/* Kept sites by the cube, of edges as long as the spacing, in which they are: those in a bucket are linked. */
+struct cubes {
+    double spacing;
+    size_t *first; /* [mask + 1] Number of a kept site from 1, 0 = none. */
+    size_t *next;  /* [count] Likewise, of each. */
+    size_t mask;
+    size_t kept;
+};
+
+static size_t bucket_of(const struct cubes *cubes, const double cube[3])
+{
+    uint64_t hash = 0;
+    for (int a = 0; a < 3; a++) {
+        hash = (hash ^ (uint64_t)(int64_t)cube[a]) * UINT64_C(0x9e3779b97f4a7c15);
+        hash ^= hash >> 29;
+    }
+    return (size_t)hash & cubes->mask;
+}
+
+static bool is_spaced(const conus_sites *sites, size_t index, void *user)
+{
+    struct cubes *cubes = user;
+    const double *point = sites->points[index];
+    double cube[3];
+    for (int a = 0; a < 3; a++) {
+        cube[a] = floor(point[a] / cubes->spacing);
+    }
+    for (int near = 0; near < 27; near++) {
+        const double other[3] = {cube[0] + near % 3 - 1, cube[1] + near / 3 % 3 - 1, cube[2] + near / 9 - 1};
+        for (size_t i = cubes->first[bucket_of(cubes, other)]; i; i = cubes->next[i - 1]) {
+            double way[3];
+            vec3_sub(way, point, sites->points[i - 1]);
+            if (vec3_length(way) < cubes->spacing) {
+                return false;
+            }
+        }
+    }
+    size_t *first = &cubes->first[bucket_of(cubes, cube)];
+    cubes->next[cubes->kept++] = *first;
+    *first = cubes->kept;
+    return true;
+}
+
+conus_status conus_sites_space(conus_sites *sites, double spacing)
+{
+    if (!(spacing >= LEAST_SPACING && isfinite(spacing))) {
+        return fail(CONUS_ERROR_ARGUMENT, "spacing: %g mm, allowed is %g or more", spacing, LEAST_SPACING);
+    }
+    struct cubes cubes = {.spacing = spacing, .mask = 1};
+    while (cubes.mask < sites->count) {
+        cubes.mask = 2 * cubes.mask + 1;
+    }
+    cubes.first = memory_zeroed(cubes.mask + 1, sizeof *cubes.first);
+    cubes.next = memory_raw(sites->count, sizeof *cubes.next);
+    conus_status status = cubes.first && cubes.next ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        sites_filter(sites, is_spaced, &cubes);
+    }
+    memory_free(cubes.first);
+    memory_free(cubes.next);
+    return status;
+}
+
+size_t conus_sites_count(const conus_sites *sites)
+{
+    return sites ? sites->count : 0;
+}
+
+const double *conus_sites_points(const conus_sites *sites)
+{
+    return sites->points[0];
+}
+
+const double *conus_sites_normals(const conus_sites *sites)
+{
+    return sites->normals ? sites->normals[0] : NULL;
+}
+
+uint64_t conus_sites_source(const conus_sites *sites, size_t index)
+{
+    return index < sites->count ? sites->sources[index] : UINT64_MAX;
+}
+
+const char *conus_sites_note(const conus_sites *sites, size_t index)
+{
+    return index < sites->notes.count ? sites->notes.lines[index] : NULL;
+}

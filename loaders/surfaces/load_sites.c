@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* conus_sites_load(): vertices of a surface with their normals, and which of them have labels. */
+#include "atlas/sites.h"
+#include "atlas/surface/mesh_closed.h"
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "loaders/surfaces/mesh_file.h"
+
+#include <string.h>
+
+/* Adds the area of each triangle, as a vector, to its corners, and gives the signed volume, times 6. */
+static double add_areas(double (*areas)[3], const uint32_t *first, const struct mesh *mesh)
+{
+    double volume = 0;
+    double from[3]; /* so that it is measured from near by */
+    for (int a = 0; a < 3; a++) {
+        from[a] = (double)mesh->positions[a];
+    }
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        double corners[3][3];
+        double sides[2][3];
+        double area[3];
+        mesh_corners(corners, mesh, t);
+        vec3_sub(sides[0], corners[1], corners[0]);
+        vec3_sub(sides[1], corners[2], corners[0]);
+        vec3_cross(area, sides[0], sides[1]);
+        for (size_t k = 0; k < 9; k++) {
+            areas[first[mesh->triangles[3 * t + k / 3]]][k % 3] += area[k % 3];
+        }
+        vec3_sub(corners[0], corners[0], from);
+        volume += vec3_dot(corners[0], area);
+    }
+    return volume;
+}
+
+static conus_status add_vertices(conus_sites *sites, const struct mesh *mesh, double (*areas)[3], uint32_t *first,
+                                 bool flip)
+{
+    conus_status status = mesh_find_first(first, mesh);
+    if (status) {
+        return status;
+    }
+    bool is_inward = add_areas(areas, first, mesh) < 0 && mesh->shape.closed;
+    for (size_t i = 0; i < mesh->vertex_count && !status; i++) {
+        double normal[3];
+        const double point[3] = {(double)mesh->positions[3 * i], (double)mesh->positions[3 * i + 1],
+                                 (double)mesh->positions[3 * i + 2]};
+        if (vec3_normalise(normal, areas[first[i]])) {
+            vec3_scale(normal, normal, is_inward != flip ? -1 : 1);
+            status = sites_add(sites, point, normal, i);
+        }
+    }
+    return status || mesh->shape.closed
+               ? status
+               : notes_add(&sites->notes, "%s: the surface is not closed: its normals are as its triangles are wound",
+                           mesh->path);
+}
+
+conus_status conus_sites_load(conus_sites **out, const char *path, bool flip)
+{
+    struct mesh mesh = {0};
+    struct notes notes = {0};
+    conus_sites *sites = NULL;
+    double(*areas)[3] = NULL;
+    uint32_t *first = NULL;
+    conus_status status =
+        mesh_file_read(&mesh, NULL, path, &(const struct mesh_file_options){.external = true}, &notes);
+    notes_finish(&notes); /* about the shape, of which normals are all that counts here */
+    status = status ? status : sites_create(&sites, mesh.vertex_count, true);
+    if (!status) {
+        areas = memory_zeroed(mesh.vertex_count, sizeof *areas);
+        first = memory_raw(mesh.vertex_count, sizeof *first);
+        sites->path = memory_text(path, strlen(path));
+        sites->vertex_count = mesh.vertex_count;
+        status = areas && first && sites->path ? add_vertices(sites, &mesh, areas, first, flip) : CONUS_ERROR_MEMORY;
+    }
+    memory_free(areas);
+    memory_free(first);
+    mesh_finish(&mesh);
+    if (status) {
+        conus_sites_destroy(sites);
+        return status;
+    }
+    *out = sites;
+    return CONUS_OK;
+}
+
+struct labelling {
+    const uint32_t *labels;
+    bool labelled;
+};
+
+static bool has_label(const conus_sites *sites, size_t index, void *user)
+{
+    const struct labelling *asked = user;
+    return (asked->labels[sites->sources[index]] != 0) == asked->labelled;
+}
+
+conus_status conus_sites_keep_labelled(conus_sites *sites, const char *path, bool labelled)
+{
+    struct vertex_labels labels = {0};
+    struct notes notes = {0};
+    if (!sites->vertex_count) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: labels of vertices, but the points are of no surface", path);
+    }
+    const struct mesh_file_options options = {.external = true, .surface = sites->path};
+    conus_status status = vertex_labels_read(&labels, path, &options, &notes);
+    notes_finish(&notes);
+    if (!status && labels.is_list && labels.count <= sites->vertex_count) {
+        status = vertex_labels_extend(&labels, sites->vertex_count);
+    }
+    if (!status && labels.count != sites->vertex_count) {
+        status = fail(CONUS_ERROR_DATA, "%s: labels of %zu vertices, %s has %zu: they must be as many", path,
+                      labels.count, sites->path, sites->vertex_count);
+    }
+    if (!status) {
+        sites_filter(sites, has_label, &(struct labelling){labels.labels, labelled});
+    }
+    vertex_labels_finish(&labels);
+    return status;
+}

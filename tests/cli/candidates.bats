@@ -1,0 +1,192 @@
+#!/usr/bin/env bats
+# conus plan --from --toward: candidates from entries and targets.
+#
+# A box of 8 x 6 x 4 mm round the origin is a surface; its 8 corners are its vertices, and the normal of a corner points
+# along its three faces, weighted by their areas in the triangles there.
+
+load helpers
+
+# box NAME [REVERSED]: a closed box as PLY, its triangles counter-clockwise from outside, or from inside.
+box() {
+    local order='{print 3, $1, $2, $3}'
+    [ -z "${2-}" ] || order='{print 3, $1, $3, $2}'
+    {
+        printf 'ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n'
+        printf 'element face 12\nproperty list uchar int vertex_indices\nend_header\n'
+        printf '%s\n' '-40 -30 -20' '40 -30 -20' '40 30 -20' '-40 30 -20' '-40 -30 20' '40 -30 20' '40 30 20' '-40 30 20'
+        printf '%s\n' '0 2 1' '0 3 2' '4 5 6' '4 6 7' '0 1 5' '0 5 4' '3 6 2' '3 7 6' '0 4 7' '0 7 3' '1 2 6' '1 6 5' | awk "$order"
+    } >"$1"
+}
+
+needles() {
+    conus phantom u-shape -o .
+    printf '%s\n' '40 0 5' '40 10 5' '40 0 15' >entries.txt
+    printf '%s\n' '18 0 5' '-18 0 5' >targets.txt
+    box box.ply
+    U='plan u-shape.nii.gz --reach U'
+    P="$U --from entries.txt --toward targets.txt"
+}
+
+cells() {
+    awk -F '\t' -v names="$*" '
+        NR == 1 { n = split(names, name, " "); for (i = 1; i <= NF; i++) at[$i] = i; next }
+        { for (i = 1; i <= n; i++) {
+              cell = $at[name[i]]
+              printf "%s%s", cell ~ /^-?[0-9.]+$/ ? sprintf("%.4f", cell) + 0 : cell, i < n ? " " : ";" } }' <<<"$output"
+}
+
+# From (40, 0, 5) to (18, 0, 5) and 4 mm on are 26 mm.
+@test "every entry goes to every target" {
+    needles
+    answers $P --depth target+4 --format tsv -q --rank=-depth --top all
+    [ "$(cells query | tr ';' '\n' | sort | tr '\n' ';')" = "e1-t1;e1-t2;e2-t1;e2-t2;e3-t1;e3-t2;" ]
+    [ "$(cells query entry target far_mm entry_angle_deg | cut -d ';' -f 1)" = "e1-t1 1 1 26 n/a" ]
+    run -0 --separate-stderr conus $P --depth target-4
+    [[ "$stderr" == *"conus: 6 candidates: "* ]]
+}
+
+# Asked again, the listed poses have the same text, but for their numbers of entry and target; the lengths are those of
+# the segments, and the distances those of the clearances.
+@test "a pose that is written is the same pose again" {
+    needles
+    conus $P --avoid Ball --depth target+4 --tilt 6,3 --radius 1 --top 40 -q -o plan.tsv --poses-out poses.tsv
+    conus $U --avoid Ball --poses poses.tsv --radius 1 --top 40 -q -o again.tsv
+    cut -f 1,2,4,5,8- plan.tsv >a
+    cut -f 1,2,4,5,8- again.tsv >b
+    [ "$(wc -l <a)" -eq 41 ]
+    cmp a b
+    conus batch u-shape.nii.gz --poses poses.tsv --clearance near.tsv,within=99 --segments segments.tsv --radius 1 -q -o all.tsv
+    awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next } { print $at["query"], $at["avoid1_mm"], $at["avoid1_at_mm"] }' plan.tsv | sort >a
+    awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next } $at["name"] == "Ball" { print $at["query"], $at["distance_mm"], $at["depth_mm"] }' near.tsv | sort >b
+    cmp a b
+    awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next } { print $at["query"], $at["reach1_mm"] }' plan.tsv | sort >a
+    awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next } $at["name"] == "U" { n[$at["query"]]++; mm[$at["query"]] = $at["length_mm"] }
+        END { for (id in n) if (n[id] == 1) print id, mm[id] }' segments.tsv | sort >b
+    [ -s b ]
+    [ "$(join a b | awk '$2 != $3' | wc -l)" -eq 0 ]
+}
+
+@test "poses for 3D Slicer, and the first as a matrix" {
+    needles
+    conus $P --depth target+4 -q -o plan.tsv --poses-out lines.mrk.json
+    conus $U --poses lines.mrk.json --depth 30 --infeasible -q --format tsv -o again.tsv
+    output=$(sort plan.tsv) && a=$(cut -f 8-10 plan.tsv | sort)
+    [ "$(cut -f 8-10 again.tsv | sort)" = "$a" ]
+    [ "$(jq '.markups | length' lines.mrk.json)" -eq 6 ]
+    conus $P --depth target+4 -q -o best.tsv --force --poses-out best.txt
+    conus $U --poses best.txt --depth 30 --infeasible -q --format tsv >again.tsv
+    [ "$(sed -n 2p best.tsv | cut -f 8-13)" = "$(sed -n 2p again.tsv | cut -f 8-13)" ]
+    fails 2 'does not end in .tsv, .mrk.json or .txt' $P --depth 30 --poses-out best.csv
+}
+
+# The normal of a corner of the box has the signs of the corner: inward it leads towards the middle.
+@test "a surface: its normals lead in, also where its triangles are wound the other way" {
+    needles
+    box inside.ply reversed
+    for file in box.ply inside.ply; do
+        answers plan u-shape.nii.gz --length 1,99 --from $file --toward normal --depth 9 --format tsv -q --top all
+        [ "$(cells query entry_angle_deg | tr ';' '\n' | sort | tr '\n' ';')" = "e1 0;e2 0;e3 0;e4 0;e5 0;e6 0;e7 0;e8 0;" ]
+        awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+            $at["x"] * $at["dx"] >= 0 || $at["y"] * $at["dy"] >= 0 || $at["z"] * $at["dz"] >= 0 { exit 1 }' <<<"$output"
+        answers plan u-shape.nii.gz --length 1,99 --from $file,flip --toward normal --depth 9 --format tsv -q
+        [ "$(awk -F '\t' 'NR > 1 && $8 * $11 > 0' <<<"$output" | wc -l)" -eq 8 ]
+    done
+    sed -e '/^3 1 /d' -e 's/face 12/face 10/' box.ply >open.ply
+    run -0 --separate-stderr conus plan u-shape.nii.gz --length 1,99 --from open.ply --toward normal --depth 9
+    [[ "$stderr" == *"open.ply: the surface is not closed: its normals are as its triangles are wound"* ]]
+    fails 2 '--toward normal: entries.txt has no normals' $U --from entries.txt --toward normal --depth 9
+    fails 2 'flip is of surfaces' $U --from entries.txt,flip --toward targets.txt --depth 9
+}
+
+@test "the angle at the entry is a constraint, a key and a column" {
+    needles
+    answers $U --from box.ply --toward targets.txt --depth target+9 --entry-angle 20 --infeasible --top all --format tsv -q
+    [ "$(awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+        $at["entry_angle_deg"] != $at["angle1_deg"] || ($at["angle1_deg"] > 20) != ($at["broken"] == "angle" || $at["broken"] == "U") && $at["angle1_deg"] > 20' <<<"$output" | wc -l)" -eq 0 ]
+    answers $U --from box.ply --toward targets.txt --depth target+9 --rank entry_angle --top 2 --format tsv -q
+    [ "$(cells entry_angle_deg | tr ';' '\n' | sort -rnc && echo falls)" = falls ]
+    fails 2 '--entry-angle has no effect without --from' $U --poses targets.txt --depth 9 --entry-angle 3
+}
+
+# Voxels at the border of the ball, and its centre; those of the ball's right half are not within the U.
+@test "targets of a structure, and entries of a mask" {
+    needles
+    run -0 --separate-stderr conus plan u-shape.nii.gz --reach Ball --from entries.txt --toward centroid --depth target --top all
+    [[ "$stderr" == *"conus: 3 candidates: 3 have some of the axis in Ball"* ]]
+    run -0 --separate-stderr conus $U --from entries.txt --toward centroid,of=Ball --depth target
+    [[ "$stderr" == *"conus: 3 candidates: "* ]]
+    run -0 --separate-stderr conus $U --from entries.txt --toward centroid --depth target
+    [[ "$stderr" == *"note: the centroid of U, "*", is not in it"* ]]
+    run -0 --separate-stderr conus $U --from entries.txt --toward deepest --depth target
+    [[ "$stderr" == *"conus: 3 candidates: 3 have"* ]]
+    run -0 --separate-stderr conus $U --from entries.txt --toward voxels,spacing=5,of=Ball --depth target
+    few=$(grep -o 'conus: [0-9]* candidates' <<<"$stderr" | grep -o '[0-9]*')
+    run -0 --separate-stderr conus $U --from entries.txt --toward voxels,of=Ball --depth target
+    [[ "$stderr" == *"conus: 1,"*" candidates"* ]]
+    [ "$few" -gt 3 ] && [ "$few" -lt 60 ]
+    conus query u-shape.nii.gz --origin 40,0,5 --toward 0,0,5 -q --mask mask.nii.gz >/dev/null
+    run -0 --separate-stderr conus $U --from mask.nii.gz,spacing=8 --toward targets.txt --depth target
+    [[ "$stderr" == *" candidates: "* ]]
+    conus phantom sphere -o . -q 2>/dev/null || conus phantom sphere -o .
+    run -0 --separate-stderr conus $U --from sphere.nii.gz,spacing=8,within=sphere.nii.gz --toward targets.txt --depth target
+    [[ "$stderr" == *" candidates: "* ]]
+}
+
+@test "entries within and without labels, a mask, an area" {
+    needles
+    conus phantom sphere -o .
+    printf '0 0 5\n99 0 0\n-18 0 5\n' >some.txt
+    run -0 --separate-stderr conus $U --from some.txt,within=sphere.nii.gz --toward targets.txt --depth 9
+    [[ "$stderr" == *"conus: 4 candidates"* || "$stderr" == *"conus: 3 candidates"* ]]
+    run -0 --separate-stderr conus $U --from some.txt,without=U,Ball --toward targets.txt --depth 9
+    [[ "$stderr" == *"conus: 2 candidates"* ]]
+    printf '#!ascii label\n2\n0 0 0 0 0\n7 0 0 0 0\n' >lh.some.label
+    answers plan u-shape.nii.gz --length 1,99 --from box.ply,within=lh.some.label --toward normal --depth 9 --format tsv -q
+    [ "$(cells query x)" = "e1 -40;e2 -40;" ]
+    answers plan u-shape.nii.gz --length 1,99 --from box.ply,without=lh.some.label,spacing=50 --toward normal --depth 9 --format tsv -q
+    [ "$(cells query x | cut -d ';' -f 1)" = "e1 40" ]
+    fails 2 'without=lh.some.label leaves no entry' $U --from box.ply,without=lh.some.label,within=lh.some.label \
+        --toward normal --depth 9
+}
+
+@test "what cannot be is refused" {
+    needles
+    fails 2 'no candidates given: --poses FILE, or --from FILE --toward WHAT' $U --depth 9
+    fails 2 '--from and --poses' $P --depth 9 --poses targets.txt
+    fails 2 '--from has no effect without --toward' $U --from entries.txt --depth 9
+    fails 2 'there is no key "spasing"; did you mean spacing?' $U --from entries.txt,spasing=2 --toward targets.txt --depth 9
+    fails 2 'spacing=0 is not a number from 0.001' $U --from entries.txt,spacing=0 --toward targets.txt --depth 9
+    fails 2 'there is no key "within"' $U --from entries.txt --toward targets.txt,within=U --depth 9
+    fails 2 'did you mean "Ball"?' $U --from entries.txt --toward voxels,of=Balll --depth 9
+    fails 2 'did you mean' $U --from entries.txt,without=Balll --toward targets.txt --depth 9
+    fails 2 'of which structure?' plan u-shape.nii.gz --length 1,9 --from entries.txt --toward voxels --depth 9
+    fails 2 'neither a number above 0 nor target[+MM]' $P --depth tip
+    fails 2 'neither a number above 0 nor target[+MM]' $P --depth target3
+    fails 2 'neither a number above 0 nor target[+MM]' $P --depth -3
+    fails 2 'has no effect without --toward' $U --poses targets.txt --depth target
+    fails 2 'there is none' $U --from box.ply --toward normal --depth target
+    fails 2 '--tilt: "5" is not two numbers MAX,STEP' $P --depth 9 --tilt 5
+    fails 2 'tilt: up to 5 degrees in steps of 6' $P --depth 9 --tilt 5,6
+    fails 2 'no far end' $P
+    printf '0 0 0\nnan 0 0\n' >nan.txt
+    fails 2 'nan.txt:2: ' $U --from nan.txt --toward targets.txt --depth 9
+    : >none.txt
+    fails 3 'none.txt' $U --from none.txt --toward targets.txt --depth 9
+    printf '1000 0 0\n' >away.txt
+    fails 2 'all targets lie outside of the atlas' $U --from entries.txt --toward away.txt --depth 9
+    printf '1000 0 0\n0 0 0\n' >away.txt
+    run -0 --separate-stderr conus $U --from entries.txt --toward away.txt --depth 9
+    [[ "$stderr" == *"note: away.txt: 1 of 2 targets lie outside of the atlas"* ]]
+    run -0 --separate-stderr conus $U --from targets.txt --toward targets.txt --depth 9
+    [[ "$stderr" == *"note: targets.txt: 2 of 4 poses are no candidates, the first is number 1: toward: is the origin itself"* ]]
+    awk 'BEGIN { for (i = 0; i < 20000; i++) print i / 1e4, 0, 0 }' >many.txt
+    fails 2 'candidates, allowed are 1.1e+12' $U --from many.txt --toward many.txt --depth 9 --tilt 90,1
+}
+
+@test "a plan from entries can be verified, and knows its files" {
+    needles
+    conus $P --depth target+4 --tilt 6,3 -q -o plan.tsv
+    conus verify plan.tsv
+    grep -q entries.txt plan.json
+    grep -q targets.txt plan.json
+}
