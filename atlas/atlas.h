@@ -28,6 +28,9 @@ struct context_surface {
     struct mesh mesh; /**< Checked and measured. */
     double opacity;   /**< Above 0 to 1. */
     char hemisphere;  /**< 'L', 'R', 'B' where the file says so, else 0. */
+    float *values;    /**< [vertices] Of its map, NaN = none; NULL without a map. Owned. */
+    char *map_name;   /**< Of the map's array; owned. */
+    double low, high; /**< The range of its colours. */
 };
 
 struct conus_atlas {
@@ -140,6 +143,9 @@ conus_status atlas_set_context(conus_atlas *atlas, const conus_volume_info *info
 
 /** Appends a surface around the areas. Its mesh, which is checked, is measured, and taken over on success. */
 conus_status atlas_add_context_surface(conus_atlas *atlas, struct context_surface *surface);
+
+/** The one surface around the areas that has a map; NULL if there is none. */
+const struct context_surface *atlas_mapped_surface(const conus_atlas *atlas);
 
 /** Removes the surfaces around the areas after the first @p count. */
 void atlas_cut_context_surfaces(conus_atlas *atlas, size_t count);

@@ -28,8 +28,21 @@ conus_status atlas_add_context_surface(conus_atlas *atlas, struct context_surfac
 void atlas_cut_context_surfaces(conus_atlas *atlas, size_t count)
 {
     while (atlas->context_surface_count > count) {
-        mesh_finish(&atlas->context_surfaces[--atlas->context_surface_count].mesh);
+        struct context_surface *surface = &atlas->context_surfaces[--atlas->context_surface_count];
+        mesh_finish(&surface->mesh);
+        memory_free(surface->values);
+        memory_free(surface->map_name);
     }
+}
+
+const struct context_surface *atlas_mapped_surface(const conus_atlas *atlas)
+{
+    for (size_t i = 0; i < atlas->context_surface_count; i++) {
+        if (atlas->context_surfaces[i].values) {
+            return &atlas->context_surfaces[i];
+        }
+    }
+    return NULL;
 }
 
 size_t conus_atlas_context_surface_count(const conus_atlas *atlas)

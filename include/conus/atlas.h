@@ -178,6 +178,38 @@ CONUS_CHECKED conus_status conus_atlas_set_context(conus_atlas *atlas, const cha
  */
 CONUS_API bool conus_context_is_surface(const char *path);
 
+/** How conus_atlas_set_context_map() colours a surface. */
+typedef struct conus_context_map_options {
+    size_t struct_size;  /**< Its size, as #CONUS_CONTEXT_MAP_OPTIONS_INIT sets it; 0 = that of this version. */
+    const char *array;   /**< Name of the file's array, or its number from 0; NULL = "0". */
+    double range[2];     /**< Values at the ends of the colours, the lower first; both 0 = the least and the largest. */
+    double opacity;      /**< Of the surface, from now on, above 0 to 1; 0 = 1. */
+    uint64_t max_memory; /**< As conus_load_options.max_memory. */
+    conus_log log;       /**< As conus_load_options.log. */
+    void *log_user;      /**< Passed to @p log. */
+} conus_context_map_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_CONTEXT_MAP_OPTIONS_INIT CONUS_INIT_(conus_context_map_options)
+
+/**
+ * Colours a surface that conus_atlas_set_context() has put around the areas by numbers of its vertices: from dark blue
+ * over green to yellow, which people with any colour vision can tell apart. Where a number is not finite the surface
+ * keeps its own colour. The map replaces the one that is there; pictures have a bar of its colours in the legend.
+ * Renderers that were made before must be made anew.
+ * @param atlas The atlas; unchanged on failure.
+ * @param path A GIFTI file (.func.gii, .shape.gii) with as many numbers as one of the surfaces has vertices; where both
+ * say which hemisphere they are, of that one.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; the errors of conus_atlas_load(); #CONUS_ERROR_ARGUMENT for an array that is not there, with those
+ * that are, where none or several of the surfaces fit, for a range that does not rise, and for an array without any
+ * number.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_set_context_map(conus_atlas *atlas, const char *path,
+                                                       const conus_context_map_options *options);
+
 /** The meaning of the vectors of a deformation field. */
 typedef enum conus_vectors {
     CONUS_VECTORS_AS_STATED = 0, /**< As its header says; FSL's that say nothing, as they look. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file mesh.h
- * Surfaces of areas, as files.
+ * Surfaces of areas, and numbers of vertices, as files.
  */
 #ifndef CONUS_PUBLIC_MESH_H
 #define CONUS_PUBLIC_MESH_H
@@ -57,6 +57,28 @@ typedef struct conus_mesh_options {
  */
 CONUS_CHECKED conus_status conus_atlas_write_meshes(const conus_atlas *atlas, const char *folder,
                                                     const conus_mesh_options *options);
+
+/** A number for each vertex of a surface. */
+typedef struct conus_vertex_map {
+    const char *name;    /**< UTF-8, such as "leeway_mm". */
+    const float *values; /**< [vertices] NaN = none. */
+} conus_vertex_map;
+
+/**
+ * Writes numbers of vertices as a GIFTI file of float32 arrays. The same numbers give the same bytes.
+ * @param path Ends in .func.gii or .shape.gii.
+ * @param maps [count] An array of the file each.
+ * @param count At least 1.
+ * @param vertices The surface's, 1 or more.
+ * @param structure What the surface is, "CortexLeft": the file's AnatomicalStructurePrimary, by which Workbench finds
+ * the surface; NULL = the file does not say.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another ending, and for no numbers; #CONUS_ERROR_IO where the system
+ * refuses.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_vertex_maps_write(const char *path, const conus_vertex_map *maps, size_t count,
+                                                   size_t vertices, const char *structure);
 
 #ifdef __cplusplus
 }

@@ -91,7 +91,7 @@ static void append_escaped(struct buffer *out, const char *text)
     }
 }
 
-static void append_pair(struct buffer *out, const char *name, const char *value)
+void gifti_append_pair(struct buffer *out, const char *name, const char *value)
 {
     buffer_format(out, "    <MD><Name>%s</Name><Value>", name);
     append_escaped(out, value);
@@ -102,12 +102,12 @@ static void append_gifti_title(struct buffer *out, const struct mesh_title *titl
 {
     char text[32];
     buffer_text(out, "  <MetaData>\n");
-    append_pair(out, "Name", title->name);
+    gifti_append_pair(out, "Name", title->name);
     snprintf(text, sizeof text, "%u", title->label);
-    append_pair(out, "Label", text);
+    gifti_append_pair(out, "Label", text);
     snprintf(text, sizeof text, "#%02x%02x%02x", title->rgb[0], title->rgb[1], title->rgb[2]);
-    append_pair(out, "Color", text);
-    append_pair(out, "Creator", "conus " CONUS_VERSION);
+    gifti_append_pair(out, "Color", text);
+    gifti_append_pair(out, "Creator", "conus " CONUS_VERSION);
     buffer_text(out, "  </MetaData>\n  <LabelTable>\n");
     buffer_format(out, "    <Label Key=\"%u\"", title->label);
     static const char *const channels[3] = {"Red", "Green", "Blue"};

@@ -21,4 +21,7 @@ const char *mesh_format_ending(conus_mesh_format format);
 conus_status mesh_format(struct buffer *out, const struct mesh *mesh, const struct mesh_title *title,
                          conus_mesh_format format);
 
+/** Appends a pair of GIFTI's MetaData, escaped. */
+void gifti_append_pair(struct buffer *out, const char *name, const char *value);
+
 #endif

@@ -367,6 +367,8 @@ static conus_status colour_upload_palette(struct colour_pass *pass, const conus_
     for (size_t i = 0; i < pass->around_count; i++) {
         pass->around[i] = (float)atlas->context_surfaces[i].opacity;
     }
+    const struct context_surface *mapped = atlas_mapped_surface(atlas);
+    pass->mapped_opacity = mapped ? (float)mapped->opacity : 1;
     glCreateBuffers(1, &pass->palette);
     glNamedBufferData(pass->palette, (GLsizeiptr)(count * 4 * sizeof *pass->colours), NULL, GL_DYNAMIC_DRAW);
     glCreateBuffers(1, &pass->opacities);
@@ -625,6 +627,7 @@ static const float *find_opacities(const struct colour_pass *pass, const struct 
     for (size_t i = count; i < count + pass->around_count; i++) {
         pass->opacity[i] = pass->around[i - count] * (float)(1 - view->fade);
     }
+    pass->opacity[0] = pass->mapped_opacity * (float)(1 - view->fade);
     return pass->opacity;
 }
 

@@ -223,11 +223,32 @@ static conus_status write_head(const struct layout *layout, double *y)
     return status;
 }
 
+/* The part of a bar that leads from the middle of the row above to this one, and the mark beside it. */
+static void draw_bar(const struct layout *layout, double left, double baseline, const struct legend_row *row)
+{
+    const double em = layout->em;
+    const double middle = rint(baseline + (0.04 - 0.5 * CHIP) * em);
+    const double above = middle - rint(LINE * em);
+    float colour[4];
+    for (int k = 0; k < LEGEND_BAR && row->bar; k++) { /* a pixel over the row above, where lines are rounded apart */
+        struct draw_box part = {rint(left), rint(above + (middle - above) * k / LEGEND_BAR) - (k == 0),
+                                rint(left + CHIP * em), rint(above + (middle - above) * (k + 1) / LEGEND_BAR)};
+        draw_colour(colour, row->bar[k], 1);
+        draw_box(layout->image, &part, 0, colour);
+    }
+    double half = fmax(0.5, rint(0.06 * em) / 2);
+    const struct draw_box mark = {rint(left + CHIP * em), middle - half, rint(left + (CHIP + 0.6 * CHIP_GAP) * em),
+                                  middle + half};
+    draw_box(layout->image, &mark, 0, layout->dim);
+}
+
 static conus_status write_row(const struct layout *layout, double left, double baseline, const struct legend_row *row)
 {
     double indent = row->heading ? 0 : (CHIP + CHIP_GAP) * layout->em;
     const float *colour = row->hollow || row->heading ? layout->dim : layout->bright;
-    if (!row->heading) {
+    if (row->mark) {
+        draw_bar(layout, left, baseline, row);
+    } else if (!row->heading) {
         float chip[4];
         double bottom = baseline + 0.04 * layout->em;
         const struct draw_box box = {rint(left), rint(bottom - CHIP * layout->em), rint(left + CHIP * layout->em),

@@ -5,12 +5,15 @@
 
 #include "render/flat/font.h"
 
-enum { LEGEND_DETAILS = 3 };
+enum { LEGEND_DETAILS = 3, LEGEND_BAR = 32 };
 
 struct legend_row {
     uint8_t rgb[3]; /**< sRGB of the chip.                                                            */
     bool hollow;    /**< Only the chip's outline: for what is no object.                              */
     bool heading;   /**< A heading: only its name, in grey. */
+    bool mark;      /**< A mark of a bar in place of the chip. */
+    const uint8_t (
+        *bar)[3]; /**< [LEGEND_BAR] sRGB of the bar from the row above, which has a mark, too; NULL = none. */
     const char *name;
     const char *detail[LEGEND_DETAILS]; /**< Right-aligned columns after the name; NULL = empty.      */
 };

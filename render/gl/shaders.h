@@ -11,7 +11,6 @@ extern const char shader_mesh_frag[];
 extern const char shader_mesh_hits_frag[];
 extern const char shader_mesh_id_frag[];
 extern const char shader_mesh_id_vert[];
-extern const char shader_mesh_peel_frag[];
 extern const char shader_mesh_vert[];
 extern const char shader_screen_vert[];
 extern const char shader_tile_vert[];

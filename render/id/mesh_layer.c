@@ -23,13 +23,14 @@ struct part {
 
 struct mesh_program {
     GLuint program;
-    GLint eye, camera_from_world, shift;
+    GLint eye, camera_from_world, shift, mapped, ramp;
 };
 
 struct mesh_layer {
     struct mesh_program solid, peel;
     GLint taken; /* of peel */
-    GLuint vertices, vertex_buffer, index_buffer;
+    GLuint vertices, vertex_buffer, index_buffer, map_buffer;
+    uint32_t mapped; /* Number of the surface that has a map; 0 = none. */
     size_t part_count;
     struct part *parts;   /* [part_count] */
     GLsizei *counts;      /* [part_count] The drawn parts, without gaps: Mesa 22.3 draws nothing behind one. */
@@ -114,6 +115,33 @@ static conus_status check_sizes(struct sizes *out, const conus_atlas *atlas, uin
     return CONUS_OK;
 }
 
+/* Lays the numbers of a surface's map beside all vertices: their part of the range, and 1, or twice 0 where there is no
+ * number. Both are interpolated; one by the other is then the number between the corners that have one. */
+static conus_status upload_map(struct mesh_layer *layer, const struct context_surface *surface, size_t first,
+                               size_t count)
+{
+    float(*values)[2] = memory_zeroed(count, sizeof *values);
+    if (!values) {
+        return CONUS_ERROR_MEMORY;
+    }
+    double span = surface->high - surface->low;
+    for (size_t v = 0; v < surface->mesh.vertex_count; v++) {
+        double value = (double)surface->values[v];
+        if (!isnan(value)) {
+            values[first + v][0] = span > 0 ? (float)((value - surface->low) / span) : 0.5F;
+            values[first + v][1] = 1;
+        }
+    }
+    glCreateBuffers(1, &layer->map_buffer);
+    glNamedBufferStorage(layer->map_buffer, (GLsizeiptr)(count * sizeof *values), values, 0);
+    glVertexArrayVertexBuffer(layer->vertices, 1, layer->map_buffer, 0, sizeof *values);
+    glEnableVertexArrayAttrib(layer->vertices, 3);
+    glVertexArrayAttribBinding(layer->vertices, 3, 1);
+    glVertexArrayAttribFormat(layer->vertices, 3, 2, GL_FLOAT, GL_FALSE, 0);
+    memory_free(values);
+    return CONUS_OK;
+}
+
 static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *atlas, uint64_t *memory_left)
 {
     struct sizes sizes = {0};
@@ -129,8 +157,14 @@ static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *a
         return CONUS_ERROR_MEMORY;
     }
     struct sizes next = {0};
+    const struct context_surface *mapped = atlas_mapped_surface(atlas);
+    size_t first_mapped = 0;
     for (size_t part = 0; part < count_parts(atlas); part++) {
         const struct mesh *mesh = part_mesh(atlas, part);
+        if (mapped && mesh == &mapped->mesh) {
+            first_mapped = next.vertices;
+            layer->mapped = (uint32_t)part + 1;
+        }
         if (mesh) {
             fill_mesh(vertices + next.vertices, indices + next.indices, (uint32_t)next.vertices, mesh,
                       (uint32_t)part + 1);
@@ -158,18 +192,24 @@ static conus_status upload_meshes(struct mesh_layer *layer, const conus_atlas *a
     glVertexArrayAttribIFormat(layer->vertices, 2, 1, GL_UNSIGNED_INT, offsetof(struct vertex, object));
     memory_free(vertices);
     memory_free(indices);
-    return gl_check("meshes");
+    status = mapped ? upload_map(layer, mapped, first_mapped, next.vertices) : CONUS_OK;
+    return status ? status : gl_check("meshes");
 }
 
-static conus_status make_program(struct mesh_program *out, const char *file, const char *text)
+static conus_status make_program(struct mesh_program *out, bool peels)
 {
+    const struct program_define defines[] = {{"PEEL", peels}, {"STEPS", TUBE_RAMP_STEPS}};
     const struct program_source source = {.vertex = {.file = "mesh.vert.glsl", .text = shader_mesh_vert},
-                                          .fragment = {.file = file, .text = text}};
+                                          .fragment = {.file = "mesh.frag.glsl", .text = shader_mesh_frag},
+                                          .defines = defines,
+                                          .define_count = sizeof defines / sizeof *defines};
     conus_status status = program_create(&out->program, &source);
     if (!status) {
         out->eye = program_uniform(out->program, "eye");
         out->camera_from_world = program_uniform(out->program, "camera_from_world");
         out->shift = program_uniform(out->program, "shift");
+        out->mapped = program_uniform(out->program, "mapped");
+        out->ramp = program_uniform(out->program, "ramp");
     }
     return status;
 }
@@ -189,8 +229,8 @@ conus_status mesh_layer_create(struct mesh_layer **out, const conus_atlas *atlas
     if (!layer) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status = make_program(&layer->solid, "mesh.frag.glsl", shader_mesh_frag);
-    status = status ? status : make_program(&layer->peel, "mesh_peel.frag.glsl", shader_mesh_peel_frag);
+    conus_status status = make_program(&layer->solid, false);
+    status = status ? status : make_program(&layer->peel, true);
     if (!status) {
         layer->taken = program_uniform(layer->peel.program, "taken");
     }
@@ -224,12 +264,12 @@ conus_status mesh_layer_update(struct mesh_layer *layer, const conus_atlas *atla
 void mesh_layer_destroy(struct mesh_layer *layer)
 {
     if (layer) {
-        const GLuint buffers[] = {layer->vertex_buffer, layer->index_buffer};
+        const GLuint buffers[] = {layer->vertex_buffer, layer->index_buffer, layer->map_buffer};
         const GLuint textures[] = {layer->peels.surface, layer->peels.object};
         target_finish(&layer->target);
         target_finish(&layer->peeled);
         glDeleteTextures(2, textures);
-        glDeleteBuffers(2, buffers);
+        glDeleteBuffers(3, buffers);
         glDeleteVertexArrays(1, &layer->vertices);
         tube_layer_destroy(layer->tubes);
         glDeleteProgram(layer->solid.program);
@@ -271,7 +311,7 @@ static void find_shift(float out[2], const struct mesh_layer_view *view)
     out[1] = (float)(2 * view->shift[1] / view->height);
 }
 
-static void use_program(const struct mesh_program *program, const struct mesh_layer_view *view)
+static void use_program(const struct mesh_program *program, const struct mesh_layer_view *view, uint32_t mapped)
 {
     double rows[9];
     float shift[2];
@@ -281,6 +321,16 @@ static void use_program(const struct mesh_program *program, const struct mesh_la
     glUniform3dv(program->eye, 1, view->camera->world_from_camera + 12);
     glUniformMatrix3dv(program->camera_from_world, 1, GL_TRUE, rows);
     glUniform2fv(program->shift, 1, shift);
+    glUniform1ui(program->mapped, mapped);
+    float ramp[TUBE_RAMP_STEPS + 1][3];
+    for (int step = 0; step <= TUBE_RAMP_STEPS; step++) {
+        uint8_t rgb[3];
+        tube_scalar_colour(rgb, (double)step / TUBE_RAMP_STEPS);
+        for (int c = 0; c < 3; c++) {
+            ramp[step][c] = (float)rgb[c] / 255;
+        }
+    }
+    glUniform3fv(program->ramp, TUBE_RAMP_STEPS + 1, ramp[0]);
 }
 
 /* Lists the parts that are opaque, or those that are translucent. */
@@ -363,7 +413,7 @@ static conus_status draw_peels(struct mesh_layer *layer, const struct mesh_layer
     glCreateQueries(GL_ANY_SAMPLES_PASSED, 1, &query);
     for (size_t n = 0; n < most && any && !status; n++) {
         glBindTextureUnit(0, layer->peels.object);
-        use_program(&layer->peel, view);
+        use_program(&layer->peel, view, layer->mapped);
         glUniform1i(layer->taken, (GLint)n);
         glBeginQuery(GL_ANY_SAMPLES_PASSED, query);
         status = draw_parts(layer, &layer->peeled, NULL);
@@ -392,7 +442,7 @@ conus_status mesh_layer_draw(struct mesh_layer *layer, const struct mesh_layer_v
         return status;
     }
     list_parts(layer, view->opacity, false);
-    use_program(&layer->solid, view);
+    use_program(&layer->solid, view, layer->mapped);
     status = draw_parts(layer, &layer->target, view);
     status = status ? status : gl_check("meshes");
     layer->peels.count = 0;

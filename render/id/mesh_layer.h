@@ -47,7 +47,7 @@ struct mesh_layer_peels mesh_layer_peels(const struct mesh_layer *layer);
  * mm; 0 = nothing.
  */
 GLuint mesh_layer_surface(const struct mesh_layer *layer);
-/** R32UI: the object's number; for a streamline tube_colour(). */
+/** R32UI: the object's number; for a streamline tube_colour(), and for a surface's map such a colour, too. */
 GLuint mesh_layer_object(const struct mesh_layer *layer);
 
 #endif

@@ -13,8 +13,8 @@
 #include <string.h>
 
 /* Dark blue, green, yellow: lighter from step to step, so that the order shows without hues, too. */
-static const double ramp[][3] = {{34, 46, 110}, {36, 104, 142}, {40, 156, 128}, {138, 204, 84}, {250, 230, 80}};
-enum { STEPS = sizeof ramp / sizeof ramp[0] - 1 };
+static const double ramp[TUBE_RAMP_STEPS + 1][3] = {
+    {34, 46, 110}, {36, 104, 142}, {40, 156, 128}, {138, 204, 84}, {250, 230, 80}};
 
 void tube_scalar_colour(uint8_t rgb[3], double part)
 {
@@ -22,8 +22,8 @@ void tube_scalar_colour(uint8_t rgb[3], double part)
         rgb[0] = rgb[1] = rgb[2] = 128;
         return;
     }
-    double at = fmin(fmax(part, 0), 1) * STEPS;
-    int step = at < STEPS ? (int)at : STEPS - 1;
+    double at = fmin(fmax(part, 0), 1) * TUBE_RAMP_STEPS;
+    int step = at < TUBE_RAMP_STEPS ? (int)at : TUBE_RAMP_STEPS - 1;
     for (int c = 0; c < 3; c++) {
         rgb[c] = (uint8_t)(ramp[step][c] + (at - step) * (ramp[step + 1][c] - ramp[step][c]) + 0.5);
     }

@@ -34,6 +34,8 @@ struct tube_colouring {
 conus_status tube_colouring_choose(struct tube_colouring *out, const conus_atlas *atlas, const char *name);
 void tube_colouring_finish(struct tube_colouring *colouring);
 
+enum { TUBE_RAMP_STEPS = 4 }; /**< Between the colours of a number; between two of them they are mixed in sRGB. */
+
 /** sRGB of @p part, 0 to 1, of the range of a number; grey where it is NaN. */
 void tube_scalar_colour(uint8_t rgb[3], double part);
 

@@ -7,7 +7,7 @@ layout(binding = 9) uniform sampler2DArray layer_surface; // normal in world axe
 layout(binding = 10) uniform usampler2DArray layer_object;
 layout(std430, binding = 2) readonly buffer Opacities
 {
-    float opacities[]; // per object
+    float opacities[]; // per object; 0: of the surface that has a map
 };
 
 const int SEEN = 16; // translucent areas along one ray
@@ -131,7 +131,8 @@ void take_event(inout vec4 sum, inout Events events, vec3 direction, vec3 view)
         ivec3 texel = ivec3(gl_FragCoord.xy, events.layer);
         uint object = texelFetch(layer_object, texel, 0).x;
         vec3 normal = texelFetch(layer_surface, texel, 0).xyz;
-        blend_surface(sum, object_colour(object, normal, direction, view, events.layer_depth), opacities[object]);
+        float opacity = opacities[(object & TUBE_OWN_COLOUR) != 0u ? 0u : object];
+        blend_surface(sum, object_colour(object, normal, direction, view, events.layer_depth), opacity);
         next_layer(events, events.layer + 1);
     }
 }

@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { TEXT_SIZE = PICTURE_TEXT, CELL_SIZE = 24, PATHWAY_ROWS = 5, COLOURS = 3, COLOUR_ROWS = COLOURS + 1 };
+enum { TEXT_SIZE = PICTURE_TEXT, CELL_SIZE = 24, PATHWAY_ROWS = 5, COLOURS = 3, MARKS = 5, COLOUR_ROWS = MARKS + 2 };
 
 /* The legend's part of the picture's width: inside, while letters of SMALLEST of their size are enough, and beside. */
 static const double INSIDE = 0.42;
@@ -34,7 +34,8 @@ struct picture_legend {
     struct cells *cells;
     struct buffer *names; /* [name_count] of what shares its name */
     size_t name_count;
-    char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[COLOUR_ROWS][TEXT_SIZE];
+    char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[2 * COLOUR_ROWS][TEXT_SIZE];
+    uint8_t bars[MARKS - 1][LEGEND_BAR][3];
     double at[2], size[2]; /* pixels of the image */
 };
 
@@ -47,7 +48,7 @@ static bool colours_streamlines(const struct picture *picture)
 bool picture_has_legend(const struct picture *picture)
 {
     return picture->font && picture->options.legend != CONUS_LEGEND_NONE &&
-           (picture->options.selection || colours_streamlines(picture));
+           (picture->options.selection || colours_streamlines(picture) || atlas_mapped_surface(picture->atlas));
 }
 
 /* With its kind where another kind has that name; without memory, too, the name alone. */
@@ -141,9 +142,25 @@ static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PA
     return count;
 }
 
+/* Adds a bar of numbers, the largest above. */
+static size_t add_bar(struct legend_row rows[MARKS], char words[MARKS][TEXT_SIZE], struct picture_legend *out,
+                      double low, double high)
+{
+    for (int i = 0; i < MARKS; i++) {
+        double part = 1 - i / (MARKS - 1.0);
+        snprintf(words[i], TEXT_SIZE, "%.4g", low + part * (high - low));
+        rows[i] = (struct legend_row){.name = words[i], .mark = true};
+        for (int k = 0; k < LEGEND_BAR && i; k++) {
+            tube_scalar_colour(out->bars[i - 1][k], part + (1 - (k + 0.5) / LEGEND_BAR) / (MARKS - 1));
+        }
+        rows[i].bar = i ? (const uint8_t(*)[3])out->bars[i - 1] : NULL;
+    }
+    return MARKS;
+}
+
 /* Explains the colours of streamlines where these are not their bundles': a heading, and colours. */
-static size_t add_colours(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_ROWS][TEXT_SIZE],
-                          const struct picture *picture)
+static size_t add_streamlines(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_ROWS][TEXT_SIZE],
+                              struct picture_legend *out, const struct picture *picture)
 {
     const struct tube_colouring *colouring = picture->streamlines;
     if (!colours_streamlines(picture)) {
@@ -152,23 +169,61 @@ static size_t add_colours(struct legend_row rows[COLOUR_ROWS], char words[COLOUR
     snprintf(words[0], TEXT_SIZE, "Streamlines by %.*s", TEXT_SIZE / 2,
              colouring->by == TUBE_BY_DIRECTION ? "direction" : colouring->scalar);
     rows[0] = (struct legend_row){.name = words[0], .heading = true};
-    int count = colouring->by == TUBE_BY_SCALAR && colouring->low > colouring->high ? 1 : COLOURS;
-    for (int i = 0; i < count; i++) {
+    if (colouring->by == TUBE_BY_SCALAR && colouring->low > colouring->high) {
+        rows[1] = (struct legend_row){.name = "not known"};
+        tube_scalar_colour(rows[1].rgb, NAN);
+        return 2;
+    }
+    if (colouring->by == TUBE_BY_SCALAR) {
+        return 1 + add_bar(rows + 1, words + 1, out, colouring->low, colouring->high);
+    }
+    for (int i = 0; i < COLOURS; i++) {
         static const char *const directions[COLOURS] = {"left to right", "back to front", "down to up"};
-        double part = i / (COLOURS - 1.0);
-        rows[1 + i] = (struct legend_row){.name = words[1 + i]};
-        if (colouring->by == TUBE_BY_DIRECTION) {
-            snprintf(words[1 + i], TEXT_SIZE, "%s", directions[i]);
-            rows[1 + i].rgb[i] = 255;
-        } else if (colouring->low > colouring->high) {
-            snprintf(words[1 + i], TEXT_SIZE, "not known");
-            tube_scalar_colour(rows[1 + i].rgb, NAN);
-        } else {
-            snprintf(words[1 + i], TEXT_SIZE, "%.4g", colouring->low + part * (colouring->high - colouring->low));
-            tube_scalar_colour(rows[1 + i].rgb, part);
+        rows[1 + i] = (struct legend_row){.name = directions[i]};
+        rows[1 + i].rgb[i] = 255;
+    }
+    return 1 + COLOURS;
+}
+
+/* "leeway_mm" becomes "leeway, mm". */
+static void describe_map(char out[TEXT_SIZE], const char *name)
+{
+    static const char *const units[][2] = {{"_mm", ", mm"}, {"_deg", ", degrees"}, {"_mm3", ", mm\u00b3"}};
+    size_t length = strlen(name);
+    const char *unit = "";
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++) {
+        size_t end = strlen(units[i][0]);
+        if (length > end && !*unit && strcmp(name + length - end, units[i][0]) == 0) {
+            unit = units[i][1];
+            length -= end;
         }
     }
-    return (size_t)count + 1;
+    int shown = snprintf(out, TEXT_SIZE, "%.*s", (int)fmin((double)length, TEXT_SIZE / 2.0), name);
+    for (char *c = out; *unit && *c; c++) {
+        *c = *c == '_' ? ' ' : *c;
+    }
+    snprintf(out + shown, TEXT_SIZE - (size_t)shown, "%s", unit);
+}
+
+/* Explains the colours of a surface that has a map. */
+static size_t add_map(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_ROWS][TEXT_SIZE],
+                      struct picture_legend *out, const struct picture *picture)
+{
+    const struct context_surface *surface = atlas_mapped_surface(picture->atlas);
+    if (!surface) {
+        return 0;
+    }
+    describe_map(words[0], surface->map_name);
+    rows[0] = (struct legend_row){.name = words[0], .heading = true};
+    return 1 + add_bar(rows + 1, words + 1, out, surface->low, surface->high);
+}
+
+/* The bars of streamlines and of a map are of the same colours: each has its own numbers beside it. */
+static size_t add_colours(struct legend_row rows[2 * COLOUR_ROWS], struct picture_legend *out,
+                          const struct picture *picture)
+{
+    size_t count = add_map(rows, out->colours, out, picture);
+    return count + add_streamlines(rows + count, out->colours + COLOUR_ROWS, out, picture);
 }
 
 void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, const conus_frame *frame)
@@ -204,7 +259,7 @@ static void fill_rows(struct picture_legend *out, const struct picture *picture)
         }
     }
     count += add_pathways(out, out->rows + count, picture);
-    size_t tail = add_colours(out->rows + count, out->colours, picture);
+    size_t tail = add_colours(out->rows + count, out, picture);
     picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
     out->legend = (struct legend){.title = selection->has_layers ? "Hits of the cone" : "First hits of the cone",
                                   .subtitle = out->subtitle,
@@ -303,7 +358,7 @@ conus_status picture_legend_init(struct picture *picture)
     size_t results = conus_selection_count(picture->options.selection);
     struct picture_legend *legend = memory_zeroed(1, sizeof *legend);
     if (legend) {
-        legend->rows = memory_zeroed(results + PATHWAY_ROWS + COLOUR_ROWS, sizeof *legend->rows);
+        legend->rows = memory_zeroed(results + PATHWAY_ROWS + 2 * COLOUR_ROWS, sizeof *legend->rows);
         legend->cells = memory_zeroed(results + 1, sizeof *legend->cells);
         legend->names = memory_zeroed(results + PATHWAY_ROWS, sizeof *legend->names);
     }
@@ -315,8 +370,8 @@ conus_status picture_legend_init(struct picture *picture)
         fill_rows(legend, picture);
     } else {
         /* Without a cone, the heading of the colours is the title. */
-        size_t count = add_colours(legend->rows, legend->colours, picture);
-        legend->legend = (struct legend){.title = legend->colours[0], .rows = legend->rows + 1, .count = count - 1};
+        size_t count = add_colours(legend->rows, legend, picture);
+        legend->legend = (struct legend){.title = legend->rows[0].name, .rows = legend->rows + 1, .count = count - 1};
     }
     if (picture->options.legend == CONUS_LEGEND_INSIDE) {
         place_inside(legend, picture, picture->em);

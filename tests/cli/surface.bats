@@ -258,3 +258,32 @@ END
     [ "$status" -ne 4 ] || skip "$stderr"
     check_message "$words"
 }
+
+# numbers COUNT NUMBERS: an array called leeway_mm.
+numbers() {
+    array SHAPE FLOAT32 "Dimensionality=\"1\" Dim0=\"$1\"" "$2" |
+        sed 's|<Data>|<MetaData><MD><Name>Name</Name><Value>leeway_mm</Value></MD></MetaData><Data>|'
+}
+
+@test "a map colours the surface of the context" {
+    square | gifti >skin.surf.gii
+    numbers 6 "1 2 3 1 2 5" | gifti >m.shape.gii
+    numbers 5 "1 2 3 1 2" | gifti >short.shape.gii
+    sphere --size 24
+    local scene=(render sphere.nii.gz --view top $SMALL --context skin.surf.gii)
+    fails 2 'one is needed of 0 "leeway_mm"' "${scene[@]}" -o a.png --map m.shape.gii,array=leeway
+    fails 2 'short.shape.gii: 5 numbers, but skin.surf.gii has 6 vertices' "${scene[@]}" -o a.png \
+        --map short.shape.gii,array=leeway_mm
+    fails 2 '--map: range=5:1 are not two numbers, the second larger' "${scene[@]}" -o a.png \
+        --map m.shape.gii,array=leeway_mm,range=5:1
+    fails 2 '--map: "rage=1:5" is none of array=NAME and range=A:B' "${scene[@]}" -o a.png --map m.shape.gii,rage=1:5
+    fails 2 '--map: m.shape.gii: which array? FILE,array=NAME' "${scene[@]}" -o a.png --map m.shape.gii
+    fails 2 'm.shape.gii: 6 numbers: 0 surfaces of the context have so many vertices' render sphere.nii.gz -o a.png \
+        --map m.shape.gii,array=leeway_mm
+    [ ! -e a.png ]
+    gl "${scene[@]}" -q -o map.exr --map m.shape.gii,array=leeway_mm
+    gl "${scene[@]}" -q -o same.exr --map m.shape.gii,array=0,range=1:5 --context-opacity 1
+    answers diff map.exr same.exr
+    gl "${scene[@]}" -q -o wider.exr --map m.shape.gii,array=leeway_mm,range=0:5
+    run -1 conus diff map.exr wider.exr
+}

@@ -341,6 +341,70 @@ static void every_failing_allocation_leaves_the_atlas(void **state)
     }
 }
 
+/* Writes as many numbers as the box has vertices, or others, 0 but for the first two: 3 and -2. */
+static const char *write_map(const char *name, size_t count, const char *structure)
+{
+    float values[16] = {3, -2};
+    const conus_vertex_map map = {"leeway_mm", values};
+    assert_ok(conus_vertex_maps_write(test_in(name), &map, 1, count, structure));
+    return test_in(name);
+}
+
+static void a_map_colours_the_surface_that_it_fits(void **state)
+{
+    (void)state;
+    test_folder("map");
+    conus_atlas *atlas = make_ball();
+    write_map("m.func.gii", 8, NULL);
+    write_map("longer.func.gii", 9, NULL);
+    write_map("left.func.gii", 8, "CortexLeft");
+    assert_fails(conus_atlas_set_context_map(atlas, test_in("m.func.gii"), NULL), CONUS_ERROR_ARGUMENT);
+    assert_ok(conus_atlas_set_context(atlas, write_box("skin.gii", CONUS_MESH_GIFTI), NULL));
+    static const conus_context_map_options bad[] = {
+        {.array = "leeway"}, {.range = {2, 1}}, {.range = {0, INFINITY}}, {.range = {NAN, 1}}, {.opacity = 2}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_fails(conus_atlas_set_context_map(atlas, test_in("m.func.gii"), &bad[i]), CONUS_ERROR_ARGUMENT);
+    }
+    assert_fails(conus_atlas_set_context_map(atlas, test_in("longer.func.gii"), NULL), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "longer.func.gii: 9 numbers, but skin.gii has 8 vertices"));
+    assert_null(atlas_mapped_surface(atlas));
+    assert_int_equal(conus_atlas_file_count(atlas), 1);
+    assert_ok(conus_atlas_set_context_map(atlas, test_in("m.func.gii"), NULL));
+    const struct context_surface *mapped = atlas_mapped_surface(atlas);
+    assert_true(mapped->low == -2 && mapped->high == 3 && mapped->opacity == 1 && mapped->values[1] == -2);
+    assert_int_equal(conus_atlas_file_count(atlas), 2);
+    assert_ok(conus_atlas_set_context(atlas, write_freesurfer("lh.skin"), NULL));
+    assert_fails(conus_atlas_set_context_map(atlas, test_in("m.func.gii"), NULL), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "8 numbers: 2 surfaces of the context have so many vertices, one must"));
+    assert_ok(conus_atlas_set_context(atlas, write_freesurfer("rh.skin"), NULL));
+    conus_atlas_destroy(atlas);
+    atlas = make_ball();
+    assert_ok(conus_atlas_set_context(atlas, test_in("rh.skin"), NULL));
+    assert_fails(conus_atlas_set_context_map(atlas, test_in("left.func.gii"), NULL), CONUS_ERROR_ARGUMENT);
+    assert_ok(conus_atlas_set_context(atlas, test_in("lh.skin"), NULL));
+    assert_ok(
+        conus_atlas_set_context_map(atlas, test_in("left.func.gii"), &(conus_context_map_options){.opacity = 0.5}));
+    assert_int_equal(atlas_mapped_surface(atlas)->hemisphere, 'L');
+    assert_near(atlas_mapped_surface(atlas)->opacity, 0.5, 0);
+    conus_atlas_destroy(atlas);
+}
+
+static conus_status attempt_map(void *atlas)
+{
+    return conus_atlas_set_context_map(atlas, test_in("m.func.gii"), NULL);
+}
+
+static void every_failing_allocation_of_a_map(void **state)
+{
+    (void)state;
+    test_folder("map_memory");
+    conus_atlas *atlas = make_ball();
+    write_map("m.func.gii", 8, NULL);
+    assert_ok(conus_atlas_set_context(atlas, write_box("skin.gii", CONUS_MESH_GIFTI), NULL));
+    test_every_allocation(attempt_map, atlas);
+    conus_atlas_destroy(atlas);
+}
+
 TEST_GROUP(load_context)
 {
     const struct CMUnitTest tests[] = {
@@ -352,6 +416,8 @@ TEST_GROUP(load_context)
         cmocka_unit_test(volumes_of_other_units_are_noted),
         cmocka_unit_test(surfaces_of_other_units_are_noted),
         cmocka_unit_test(every_failing_allocation_leaves_the_atlas),
+        cmocka_unit_test(a_map_colours_the_surface_that_it_fits),
+        cmocka_unit_test(every_failing_allocation_of_a_map),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

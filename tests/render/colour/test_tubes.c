@@ -4,6 +4,7 @@
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "mesh_scene.h"
 #include "picture_scene.h"
 #include "render/id/mesh_layer.h"
 #include "test.h"
@@ -296,6 +297,59 @@ static void colours_of_numbers_grow_lighter(void **state)
     }
 }
 
+/* The colour by the ramp's stops, mixed by hand; within a unit, since the shader rounds float32. */
+static void assert_ramp(uint32_t painted, double part)
+{
+    static const double stops[][3] = {{34, 46, 110}, {36, 104, 142}, {40, 156, 128}, {138, 204, 84}, {250, 230, 80}};
+    int k = part >= 1 ? 3 : (int)(4 * part);
+    assert_int_equal(painted >> 24, TUBE_OWN_COLOUR >> 24);
+    for (int c = 0; c < 3; c++) {
+        double wanted = stops[k][c] + (4 * part - k) * (stops[k + 1][c] - stops[k][c]);
+        assert_near((double)(painted >> 8 * c & 0xff), wanted, 1.01);
+    }
+}
+
+/* Numbers that are linear in x and z are so within each triangle, too. Beyond the range the colours stay. Near a corner
+ * that has no number the surface has its own colour. */
+static void a_map_is_linear_within_triangles(void **state)
+{
+    (void)state;
+    static struct layer_picture picture;
+    static const double bounds[2][3] = {{-20, -12, -20}, {20, 12, 20}};
+    conus_atlas *atlas = atlas_of(three_axes()); /* within the box */
+    const uint32_t number = (uint32_t)conus_atlas_object_count(atlas) + 1;
+    const struct camera camera = picture_camera((const double[]){0, 1, 0}, 120, radians_from_degrees(25));
+    const double front = camera.world_from_camera[13] < 0 ? -12 : 12;
+    struct context_surface surface = {.mesh = mesh_scene_box(bounds[0], bounds[1]), .opacity = 1, .low = 0, .high = 1};
+    surface.values = memory_zeroed(8, sizeof *surface.values);
+    surface.map_name = memory_text("leeway_mm", 9);
+    for (size_t v = 0; v < 8; v++) {
+        const float *p = surface.mesh.positions + 3 * v;
+        surface.values[v] = v == 4 || v == 6 ? NAN : p[0] / 32 + p[2] / 80 + 0.5F; /* -0.375 to 1.375 */
+    }
+    assert_ok(atlas_add_context_surface(atlas, &surface));
+    draw(&picture, atlas, &camera, (const double[]){0, 0}, &(const struct tube_colouring){0}, NULL);
+    int exact = 0;
+    for (double x = -18; x < 20; x += 3) {
+        for (double z = -18; z < x - 2; z += 3) { /* the triangle without the corner at -20, 20 */
+            /* the middle of the pixel where the point is */
+            double at[3] = {x, front, z};
+            const struct camera_frame frame = {WIDTH, HEIGHT, 0, 0, 0, 0};
+            double px, py, depth, ray[3];
+            assert_true(camera_project(&px, &py, &depth, &camera, &frame, at));
+            find_ray(ray, &camera, (int)px, HEIGHT - 1 - (int)py, (const double[]){0, 0});
+            double t = (front - camera.world_from_camera[13]) / ray[1];
+            double part = (camera.world_from_camera[12] + t * ray[0]) / 32 +
+                          (camera.world_from_camera[14] + t * ray[2]) / 80 + 0.5;
+            assert_ramp(painted_at(&picture, &camera, at), fmin(fmax(part, 0), 1));
+            exact++;
+        }
+    }
+    assert_true(exact > 60);
+    assert_int_equal(painted_at(&picture, &camera, (const double[]){-17, front, 17}), number);
+    conus_atlas_destroy(atlas);
+}
+
 /* A group that is hidden takes its streamlines along, unless another bundle has them. */
 static void hidden_bundles_are_not_drawn(void **state)
 {
@@ -447,6 +501,7 @@ TEST_GROUP(tubes)
         cmocka_unit_test(a_direction_has_the_colour_of_its_opposite),
         cmocka_unit_test(numbers_span_the_colours_and_pale_ones_are_pale),
         cmocka_unit_test(a_range_is_of_finite_numbers_of_one_part),
+        cmocka_unit_test(a_map_is_linear_within_triangles),
         cmocka_unit_test(colours_of_numbers_grow_lighter),
         cmocka_unit_test(hidden_bundles_are_not_drawn),
         cmocka_unit_test(a_picture_shows_a_bundle_in_its_colour),

@@ -335,16 +335,18 @@ static void colours_of_directions_have_a_key(void **state)
     finish_scene(&scene);
 }
 
-/* A number's least, middle and largest value come below a heading, behind what is hit: here of two streamlines, 0.25
- * and 0.75. */
-static void colours_of_a_number_have_a_heading(void **state)
+/* A bar from a number's largest value down to its least comes below a heading, behind what is hit: here of two
+ * streamlines, 0.25 and 0.75. Between two marks it has LEGEND_BAR steps, each with the colour of its middle, which lies
+ * between two of the five known ones. */
+static void colours_of_a_number_have_a_bar(void **state)
 {
     (void)state;
     need_font();
-    static const char *const words[] = {"0.25", "0.5", "0.75"};
-    static const uint8_t colours[][3] = {{34, 46, 110}, {40, 156, 128}, {250, 230, 80}};
+    static const char *const words[] = {"0.75", "0.625", "0.5", "0.375", "0.25"};
+    static const double colours[][3] = {{250, 230, 80}, {138, 204, 84}, {40, 156, 128}, {36, 104, 142}, {34, 46, 110}};
+    uint8_t bars[5][LEGEND_BAR][3];
     char texts[3][2][TEXT];
-    struct legend_row rows[7];
+    struct legend_row rows[9];
     struct tract_builder builder;
     float values[] = {0.25F, 0.75F};
     conus_atlas *atlas = make_atlas(picture_ball_of_20, "A ball, which is called by a rather long name");
@@ -365,11 +367,18 @@ static void colours_of_a_number_have_a_heading(void **state)
     assert_int_equal(conus_selection_count(scene.selection), 3);
     for (size_t i = 0; i < 3; i++) {
         rows[i] = describe(texts[i], &scene, i);
-        rows[4 + i] = (struct legend_row){.name = words[i]};
-        memcpy(rows[4 + i].rgb, colours[i], sizeof colours[i]);
+    }
+    for (size_t i = 0; i < 5; i++) {
+        for (size_t k = 0; k < 3 * LEGEND_BAR && i; k++) {
+            double down = ((double)(k / 3) + 0.5) / LEGEND_BAR;
+            double mixed = colours[i - 1][k % 3] + down * (colours[i][k % 3] - colours[i - 1][k % 3]);
+            bars[i][k / 3][k % 3] = (uint8_t)(mixed + 0.5);
+        }
+        rows[4 + i] =
+            (struct legend_row){.name = words[i], .mark = true, .bar = i ? (const uint8_t(*)[3])bars[i] : NULL};
     }
     rows[3] = (struct legend_row){.name = "Streamlines by FA", .heading = true};
-    check_rows(&scene, rows, 7, (double[]){5, 7}, (double[]){3, 5});
+    check_rows(&scene, rows, 9, (double[]){5, 7}, (double[]){3, 6});
     finish_scene(&scene);
 }
 
@@ -383,7 +392,7 @@ TEST_GROUP(picture_legend)
         cmocka_unit_test(bundles_that_are_not_hit_have_rows),
         cmocka_unit_test(many_bundles_that_are_not_hit_are_counted),
         cmocka_unit_test(colours_of_directions_have_a_key),
-        cmocka_unit_test(colours_of_a_number_have_a_heading),
+        cmocka_unit_test(colours_of_a_number_have_a_bar),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads and writes numbers of the vertices of a surface. */
+#include "loaders/surfaces/vertex_map.h"
+
+#include "base/files/file.h"
+#include "base/files/folder.h"
+#include "base/formats/gzip.h"
+#include "base/formats/xml.h"
+#include "base/memory.h"
+#include "loaders/file_kind.h"
+#include "loaders/formats/map_choice.h"
+#include "loaders/surfaces/gifti.h"
+#include "loaders/surfaces/mesh_format.h"
+
+#include <libdeflate.h>
+#include <math.h>
+#include <nettle/base64.h>
+#include <string.h>
+
+static bool has_numbers(const struct gifti_array *array)
+{
+    return array->intent == GIFTI_OTHER && array->count == array->dim[0];
+}
+
+/* *out stays NULL where a number names none of the arrays. */
+static conus_status find_array(const struct gifti_array **out, const struct gifti *gifti, const char *name,
+                               struct notes *notes)
+{
+    size_t count = 0;
+    size_t chosen = 0;
+    const char **names = memory_zeroed(gifti->array_count + 1, sizeof *names);
+    if (!names) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < gifti->array_count; i++) {
+        if (has_numbers(&gifti->arrays[i])) {
+            names[count++] = gifti->arrays[i].name;
+        }
+    }
+    conus_status status = map_choice_make(&chosen, names, count, text_from(name), "arrays of numbers", notes);
+    memory_free(names);
+    for (size_t i = 0; i < gifti->array_count && !status; i++) {
+        if (has_numbers(&gifti->arrays[i]) && chosen-- == 0) {
+            *out = &gifti->arrays[i];
+        }
+    }
+    return status || *out
+               ? status
+               : fail(CONUS_ERROR_ARGUMENT, "array %s: the file has %zu of numbers (counted from 0)", name, count);
+}
+
+static conus_status take_array(struct vertex_map *out, const struct gifti *gifti, const char *name, struct notes *notes)
+{
+    const struct gifti_array *array = NULL;
+    conus_status status = find_array(&array, gifti, name, notes);
+    if (status) {
+        return status;
+    }
+    name = array->name ? array->name : name;
+    struct vertex_map map = {.values = memory_raw(array->count, sizeof *map.values),
+                             .count = array->count,
+                             .name = memory_text(name, strlen(name)),
+                             .hemisphere = gifti->hemisphere};
+    if (!map.values || !map.name) {
+        vertex_map_finish(&map);
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t v = 0; v < array->count; v++) {
+        float value = (float)array->values[v];
+        map.values[v] = isfinite(value) ? value : NAN;
+    }
+    *out = map;
+    return CONUS_OK;
+}
+
+void vertex_map_finish(struct vertex_map *map)
+{
+    memory_free(map->values);
+    memory_free(map->name);
+    *map = (struct vertex_map){0};
+}
+
+conus_status vertex_map_read(struct vertex_map *out, const char *path, const char *name, uint64_t max_memory,
+                             struct notes *notes)
+{
+    struct bytes bytes = {0};
+    struct gifti gifti = {0};
+    const struct gifti_options options = {.path = path, .max_memory = max_memory};
+    conus_status status = gzip_read(&bytes, path, memory_limit(max_memory), NULL);
+    if (status) {
+        return status;
+    }
+    status = text_equal(xml_root(text_from_bytes(bytes.data, bytes.size)), "GIFTI")
+                 ? gifti_parse(&gifti, bytes.data, bytes.size, &options, notes)
+                 : file_kind_fail(path, &bytes, "numbers of vertices (GIFTI, .func.gii or .shape.gii)");
+    status = status ? status : take_array(out, &gifti, name, notes);
+    gifti_finish(&gifti);
+    bytes_finish(&bytes);
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
+/* Little-endian float32, packed by zlib, in base64. */
+static conus_status append_values(struct buffer *out, const float *values, size_t count)
+{
+    enum { LEVEL = 6 };
+    struct libdeflate_compressor *packer = libdeflate_alloc_compressor(LEVEL);
+    size_t bound = packer ? libdeflate_zlib_compress_bound(packer, 4 * count) : 0;
+    uint8_t *bytes = memory_raw(count, 4);
+    uint8_t *packed = packer ? memory_raw(bound, 1) : NULL;
+    char *text = packed ? memory_raw(BASE64_ENCODE_RAW_LENGTH(bound), 1) : NULL;
+    conus_status status = bytes && text ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status) {
+        for (size_t i = 0; i < count; i++) {
+            uint32_t bits;
+            memcpy(&bits, &values[i], sizeof bits);
+            for (size_t k = 0; k < 4; k++) {
+                bytes[4 * i + k] = (uint8_t)(bits >> 8 * k);
+            }
+        }
+        size_t size = libdeflate_zlib_compress(packer, bytes, 4 * count, packed, bound);
+        base64_encode_raw(text, size, packed);
+        buffer_append(out, text, BASE64_ENCODE_RAW_LENGTH(size));
+    }
+    memory_free(text);
+    memory_free(packed);
+    memory_free(bytes);
+    libdeflate_free_compressor(packer);
+    return status;
+}
+
+conus_status conus_vertex_maps_write(const char *path, const conus_vertex_map *maps, size_t count, size_t vertices,
+                                     const char *structure)
+{
+    bool is_shape = path && path_ends_in(path, ".shape.gii");
+    if (!path || !(is_shape || path_ends_in(path, ".func.gii"))) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: the name of a surface's map ends in .func.gii or .shape.gii",
+                    path ? path : "");
+    }
+    if (!count || !vertices || vertices > INT32_MAX) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: %zu arrays of %zu numbers, one of 1 to %d is needed", path, count,
+                    vertices, INT32_MAX);
+    }
+    struct buffer file = {0};
+    conus_status status = CONUS_OK;
+    buffer_format(&file,
+                  "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<GIFTI Version=\"1.0\" NumberOfDataArrays=\"%zu\">\n"
+                  "  <MetaData>\n",
+                  count);
+    if (structure) {
+        gifti_append_pair(&file, "AnatomicalStructurePrimary", structure);
+    }
+    gifti_append_pair(&file, "Creator", "conus " CONUS_VERSION);
+    buffer_text(&file, "  </MetaData>\n  <LabelTable/>\n");
+    for (size_t i = 0; i < count && !status; i++) {
+        buffer_format(&file,
+                      "  <DataArray Intent=\"NIFTI_INTENT_%s\" DataType=\"NIFTI_TYPE_FLOAT32\" "
+                      "ArrayIndexingOrder=\"RowMajorOrder\" Dimensionality=\"1\" Dim0=\"%zu\" "
+                      "Encoding=\"GZipBase64Binary\" Endian=\"LittleEndian\" ExternalFileName=\"\" "
+                      "ExternalFileOffset=\"\">\n    <MetaData>\n",
+                      is_shape ? "SHAPE" : "NONE", vertices);
+        gifti_append_pair(&file, "Name", maps[i].name);
+        buffer_text(&file, "    </MetaData>\n    <Data>");
+        status = append_values(&file, maps[i].values, vertices);
+        buffer_text(&file, "</Data>\n  </DataArray>\n");
+    }
+    buffer_text(&file, "</GIFTI>\n");
+    status = status ? status : buffer_status(&file);
+    status = status ? status : file_write(path, file.data, file.size);
+    buffer_finish(&file);
+    return status;
+}
