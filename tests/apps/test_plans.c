@@ -96,7 +96,7 @@ static void what_is_not_there_is_not_judged(void **state)
     (void)state;
     open_usual(&window, &viewer);
     viewer_hide(&viewer, 2, true); /* the ball, which is no structure any more */
-    assert_int_equal(plans_verdict(&viewer)->state, PLAN_UNKNOWN);
+    assert_int_equal(plans_verdict(&viewer)->state, PLAN_FAILED);
     assert_non_null(strstr(plans_verdict(&viewer)->text, "not judged: "));
     viewer_hide(&viewer, 2, false);
     assert_string_equal(plans_verdict(&viewer)->text, "holds, 4.0 mm to Ball");

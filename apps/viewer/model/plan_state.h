@@ -9,7 +9,7 @@ enum { PLAN_TEXT = 256, PLAN_LINE = 320, PLAN_DETAILS = 2048 };
 
 /** What the constraints of a plan say of the first tool. */
 struct plan_verdict {
-    enum { PLAN_UNKNOWN = 0, PLAN_HOLDS, PLAN_BREAKS } state;
+    enum { PLAN_UNKNOWN = 0, PLAN_HOLDS, PLAN_BREAKS, PLAN_FAILED } state;
     char text[PLAN_TEXT];       /**< "holds, 1.8 mm to Insula_L"; */
     char leeway[32];            /**< behind that: ", leeway 0.66 mm", or "". */
     char details[PLAN_DETAILS]; /**< A line for each constraint; "" where it is unknown. */

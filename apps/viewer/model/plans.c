@@ -184,6 +184,7 @@ static void judge(struct plan_verdict *out, struct viewer *viewer)
     conus_status status = prepare_live(viewer);
     status = status ? status : conus_plan_try(&planned, viewer->plan.live, &row);
     if (status) {
+        out->state = PLAN_FAILED;
         snprintf(out->text, sizeof out->text, "not judged: %s",
                  status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
     } else {

@@ -17,7 +17,7 @@ void panel_cone(struct window *window);
 void panel_study(struct window *window, bool is_old);
 static inline ui_colour panel_verdict_colour(const struct plan_verdict *verdict) /**< The words say it, too. */
 {
-    static const enum theme_text colours[] = {THEME_HINT, THEME_GREEN, THEME_ORANGE};
+    static const enum theme_text colours[] = {THEME_HINT, THEME_GREEN, THEME_ORANGE, THEME_ORANGE};
     return theme_texts[colours[verdict->state]];
 }
 /** What the constraints of a plan say of the first tool, and the planned poses; nothing without a plan. */
