@@ -121,6 +121,9 @@ static void all_kinds_of_constraints_are_worded(void **state)
         {{"--reach=U,tip"}, "breaks: not the tip in U"},
         {{"--reach=U,crossed"}, "holds, through U"},
         {{"--reach=Ball"}, "breaks: not in Ball"},
+        {{"--reach=U,share=0.5"}, "holds, 100.0 % of the cone on U"}, /* whose arm is wider than the needle */
+        {{"--avoid=U,share=0.5"}, "breaks: 100.0 of at most 50 % of the cone on U"},
+        {{"--reach=Ball,pierced=0.5"}, "breaks: 0.00 of 50 % of the pixels through Ball"},
         {{"--reach=U,length=11", "--avoid=Ball,margin=9"}, "breaks: 10.0 of 11 mm in U, and 1 more"},
     };
     (void)state;

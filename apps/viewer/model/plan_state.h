@@ -17,12 +17,12 @@ struct plan_verdict {
 
 /** The state of model/plans.h. */
 struct plan_state {
-    struct plan_task task;    /**< Does not change. */
-    double depth;             /**< Far end of candidates that have none; 0 = none. */
-    struct study_state list;  /**< Of candidates, by kind STUDY_PLAN; without a file of them STUDY_NONE. */
-    conus_selector *selector; /**< Of the plan that tries the tool; */
-    conus_plan *live;         /**< NULL = to be made. */
-    double radius;            /**< That it was made with. */
+    struct plan_task task;            /**< Does not change. */
+    double depth;                     /**< Far end of candidates that have none; 0 = none. */
+    struct study_state list;          /**< Of candidates, by kind STUDY_PLAN; without a file of them STUDY_NONE. */
+    conus_selector *selector;         /**< Of the plan that tries the tool; */
+    conus_plan *live;                 /**< NULL = to be made. */
+    conus_selector_options made_with; /**< That selector. */
     struct plan_verdict verdict;
     bool judged;           /**< There is a verdict, */
     unsigned judged_after; /**< at this answer_number of the tool. */

@@ -16,17 +16,30 @@ bool plans_is_on(const struct viewer *viewer)
     return viewer->plan.task.constraints.count;
 }
 
-/* The plan that tries the tool: of its radius now, and of the atlas as it is now. */
+/* The needle, and the rays where a measure of the cone needs them. */
+static conus_selector_options find_options(const struct viewer *viewer)
+{
+    const conus_selector_options *cone = &viewer->cone.options;
+    conus_measure last = constraints_last_measure(&viewer->plan.task.constraints);
+    bool has_rays = last >= CONUS_MEASURE_SHARE;
+    return (conus_selector_options){.engine = CONUS_ENGINE_RAYS,
+                                    .radius = cone->radius,
+                                    .layers = last > CONUS_MEASURE_SHARE ? CONUS_LAYERS_ALL : CONUS_LAYERS_VISIBLE,
+                                    .resolution = has_rays ? cone->resolution : 0,
+                                    .aperture = has_rays ? cone->aperture : CONUS_APERTURE_CIRCLE};
+}
+
+/* The plan that tries the tool, of the atlas as it is now. */
 static conus_status prepare_live(struct viewer *viewer)
 {
     struct plan_state *state = &viewer->plan;
-    const conus_selector_options options = {.engine = CONUS_ENGINE_RAYS, .radius = viewer->cone.options.radius};
+    const conus_selector_options options = find_options(viewer);
     const conus_plan_options plan_options = {.threads = 1};
-    if (state->live && state->radius == options.radius) {
+    if (state->live && selector_options_are_same(&state->made_with, &options)) {
         return CONUS_OK;
     }
     plan_state_drop_live(state);
-    state->radius = options.radius;
+    state->made_with = options;
     conus_status status = conus_selector_create(&state->selector, viewer->atlases->atlas, &options);
     return status ? status
                   : conus_plan_create(&state->live, state->selector, state->task.constraints.items,
@@ -91,7 +104,7 @@ static void put_verdict(FILE *out, const struct viewer *viewer, const conus_plan
     const conus_constraint *asked = conus_plan_constraint(state->live, index);
     const conus_verdict *verdict = &planned->verdicts[index];
     const char *name = conus_plan_name(state->live, index);
-    double clearance = verdict->value - state->radius;
+    double clearance = verdict->value - state->made_with.radius;
     switch (asked->kind) {
     case CONUS_CONSTRAINT_REACH:
     case CONUS_CONSTRAINT_AVOID:
@@ -282,7 +295,7 @@ bool plans_go(struct viewer *viewer, size_t index)
     if (!question_set_range(viewer, row->range[0], row->range[1])) {
         return false;
     }
-    if (row->angle > 0 && viewer->cone.options.radius == 0) {
+    if (row->angle > 0 && constraints_last_measure(&viewer->plan.task.constraints) >= CONUS_MEASURE_SHARE) {
         tool->angle = row->angle * (180 / M_PI);
     }
     tool->held = true;
