@@ -3,7 +3,8 @@
 """Surfaces and labels of vertices against nibabel: real files, files that nibabel writes here, and broken ones.
 
 Same vertices (1e-5), triangles (but those without area) and labels with names. Where conus refuses what nibabel reads,
-it is in a table with the reason. And what `conus query` hits first on them, against every triangle tried here.
+it is in a table with the reason. And what `conus query` hits first on them, against every triangle tried here
+(the areas of a manifest by 4 needles, by 20 in scripts/test --long).
 
 usage: compare_meshes.py DUMP_MESH CONUS [SHARED_FOLDER]; exit 77 = skipped."""
 
@@ -23,6 +24,8 @@ try:
 except ImportError:
     print("skipped: no nibabel")
     sys.exit(77)
+
+from sample import LONG
 
 DUMP = sys.argv[1]
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -187,7 +190,7 @@ def query_folder(paths, scratch):
     with open(manifest, "w", encoding="utf-8") as file:
         json.dump({"conus_atlas": 1, "allow_outside": True,
                    "areas": [{"files": os.path.join(os.path.dirname(os.path.abspath(paths[0])), "*.gii")}]}, file)
-    compare_queries(f"{len(paths)} areas of a manifest", [manifest], np.concatenate(corners), names)
+    compare_queries(f"{len(paths)} areas of a manifest", [manifest], np.concatenate(corners), names, 20 if LONG else 4)
 
 
 def compare_shared(folder):

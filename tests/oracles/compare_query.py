@@ -6,6 +6,7 @@ The reference reads the labels with nibabel and, per ray, sorts all crossings of
 middle of every interval between them: no traversal, no skipping, nothing shared with conus. Pixels per area must be
 equal, distances must agree within 1e-4 mm, shares must sum to 1 within 1e-6. A pixel whose ray touches a cell's edge
 within 1e-9 voxel could differ by rounding; none of the fixed poses has one.
+Half of the poses are asked, all of them in scripts/test --long.
 
 usage: compare_query.py CONUS POSES_PER_CASE [TEMPLATE_FOLDER]; exit 77 = skipped."""
 
@@ -24,6 +25,8 @@ try:
 except ImportError:
     print("skipped: no python3-nibabel")
     sys.exit(77)
+
+from sample import LONG
 
 VOLUMES = ["aal", "AICHAmc", "brodmann", "HarvardOxford-cort-maxprob-thr0-1mm", "inia19-NeuroMaps",
            "JHU-WhiteMatter-labels-1mm", "JHU-WhiteMatter-labels-2mm", "jhu189", "natbrainlab"]
@@ -163,7 +166,7 @@ def check(where, rows, wanted):
 
 
 def main():
-    conus, count = sys.argv[1], int(sys.argv[2])
+    conus, count = sys.argv[1], int(sys.argv[2]) // (1 if LONG else 2)
     folder = sys.argv[3] if len(sys.argv) > 3 else "/usr/share/mricron/templates"
     volumes = poses_done = rays_done = 0
     for name, path, labels, voxel_from_world, corners in labelled_volumes(VOLUMES, folder):
