@@ -191,13 +191,8 @@ static double bounds_distance(const struct mesh *mesh, const double centre[3])
 {
     double gap[3];
     for (int a = 0; a < 3; a++) {
-        double low = INFINITY;
-        double high = -INFINITY;
-        for (size_t v = 0; v < mesh->vertex_count; v++) {
-            double x = (double)mesh->positions[3 * v + (size_t)a];
-            low = x < low ? x : low;
-            high = x > high ? x : high;
-        }
+        double low = mesh->shape.low[a];
+        double high = mesh->shape.high[a];
         gap[a] = centre[a] < low ? low - centre[a] : centre[a] > high ? centre[a] - high : 0;
     }
     return vec3_length(gap);
