@@ -12,6 +12,7 @@ import numpy as np
 from ._answers import Answers, Array, Jitter, Objects, Overlap, Selection, Sweep, Track, kind_word
 from ._axis import Clearances, Segments
 from ._callback import Callback
+from ._candidates import candidates_stream, depth_of
 from ._connectivity import Connectivity, options_of as _ends
 from ._conus import ffi, lib
 from ._library import (
@@ -38,7 +39,7 @@ from ._library import (
 from ._picture import GLOwner, Picture, Renderer
 from ._pose_file import Poses
 from ._poses import Aims, PoseArray, notes_of, pose_of, warn
-from ._plan import Plan, constraints_of, plan_of
+from ._plan import Plan, constraints_of, plan_of, stream_of
 from ._progress import LoadProgress, Progress, telling
 from ._space import space_of
 from ._track import Tracker, follow
@@ -748,12 +749,16 @@ class Selector:
         poses: Any = None,
         origins: Any = None,
         directions: Any = None,
+        entries: Any = None,
+        targets: Any = None,
+        tilt: Any = None,
         near: Any = None,
         depth: Any = None,
         length: Any = None,
         lean: Any = (),
         apart: Any = (),
         first: Any = (),
+        entry_angle: Optional[float] = None,
         angle: Optional[float] = None,
         top: Optional[int] = 20,
         rank: Optional[str] = None,
@@ -778,9 +783,17 @@ class Selector:
             place of the margin: at most so much of the cone or cylinder.
         poses, origins, directions
             The candidates, as for :meth:`select_many`.
+        entries, targets
+            Or the candidates are needles from every entry to every target. Entries: a surface's file, a mask's, an
+            (n, 3) array, or the :class:`Poses` of a file of points; with keys as a tuple, ("scalp.surf.gii",
+            {"spacing": 3, "within": WHAT, "without": WHAT, "flip": True}), where WHAT is a file of labels, a mask or
+            names. Targets: "centroid", "deepest" or "voxels" of the first reach, or of ("voxels", {"of": names,
+            "spacing": 2}); "normal", against the entries' normals; an array or Poses.
+        tilt
+            (MAX, STEP) degrees: and rings of directions around each.
         near, depth
             Both ends of the needles, mm from the apex, one number or (n,); not given, those of the file, or of the
-            selector's range.
+            selector's range. With entries, depth is one number, or "target+3".
         length
             (MIN, MAX) mm from end to end.
         lean
@@ -789,6 +802,8 @@ class Selector:
             [(ends, mm)]: the axis is farther than that from other needles, whose ends are (n, 2, 3) RAS mm.
         first
             Names of structures that the axis passes first.
+        entry_angle
+            The axis and the inward normal at the entry enclose at most so many degrees.
         angle
             Opening of the cone, degrees, of poses that have none of their own; 10 unless there is a radius.
         top
@@ -805,10 +820,19 @@ class Selector:
         ArgumentError
             For names that are unknown, numbers out of their ranges, and no candidate at all.
         """
-        constraints = constraints_of(reach, avoid, length, lean, apart, first)
-        array = self._poses(origins, directions, poses, None, None)
-        return plan_of(self, constraints, array, poses, near, depth, infeasible, top, threads, angle,
-                       (rank, score, pareto))
+        constraints = constraints_of(reach, avoid, length, lean, apart, first, entry_angle)
+        errors: Mapping[int, str] = {}
+        if entries is None:
+            if targets is not None or tilt is not None:
+                raise ArgumentError("targets and tilt have no effect without entries")
+            array = self._poses(origins, directions, poses, None, None)
+            stream, far, errors = stream_of(array, poses, near, depth), None, array.reasons
+        else:
+            if targets is None or not all(given is None for given in (poses, origins, directions, near)):
+                raise ArgumentError("entries: targets go with them, and no poses, origins, directions or near")
+            far, beyond = depth_of(depth)
+            stream = candidates_stream(self, entries, targets, tilt, beyond, constraints.reached())
+        return plan_of(self, constraints, stream, errors, far, infeasible, top, threads, angle, (rank, score, pareto))
 
     def sweep(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,

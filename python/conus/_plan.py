@@ -7,7 +7,7 @@ import io
 import math
 import os
 import tempfile
-from typing import TYPE_CHECKING, Any, Iterator, Mapping, Optional, Sequence
+from typing import TYPE_CHECKING, Any, ContextManager, Iterator, Mapping, Optional, Sequence
 
 import numpy as np
 
@@ -60,6 +60,11 @@ class Constraints:
                     members["limit"] = real(f"{kind}: {key}", value)
             self.add(kind, **members)
 
+    def reached(self) -> Any:
+        """The names of the first reach; NULL = there is none."""
+        names = [row["names"] for row in self.rows if row["kind"] == lib.CONUS_CONSTRAINT_REACH]
+        return names[0] if names else ffi.NULL
+
     def array(self) -> Any:
         array = ffi.new("conus_constraint[]", max(1, len(self.rows)))
         for entry, row in zip(array, self.rows):
@@ -69,7 +74,8 @@ class Constraints:
         return array
 
 
-def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, first: Any) -> Constraints:
+def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, first: Any,
+                   entry_angle: Any) -> Constraints:
     """The constraints of these arguments of :meth:`Selector.plan`."""
     found = Constraints()
     found.add_structures("reach", "length", reach)
@@ -85,11 +91,13 @@ def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, f
         found.add("apart", needles=pointer, needle_count=len(needles), limit=real("apart", distance))
     for names, _ in _structures("first", first):
         found.add("first", names=utf8("first", names))
+    if entry_angle is not None:
+        found.add("entry_angle", limit=math.radians(real("entry_angle", entry_angle)))
     return found
 
 
 @contextlib.contextmanager
-def _stream_of(array: PoseArray, poses: Any, near: Any, far: Any) -> Iterator[Any]:
+def stream_of(array: PoseArray, poses: Any, near: Any, far: Any) -> Iterator[Any]:
     """A conus_pose_stream of them: the library reads candidates from a file, here with all digits."""
     pose = ffi.new("conus_pose *")
     lines = ["\t".join(["query_id", *(f"m{r}{c}" for r in range(4) for c in range(4)), "near", "far"])]
@@ -121,7 +129,7 @@ class Plan:
 
     ``poses`` are their (n, 4, 4) matrices from device to world, ``near`` and ``far`` the ends of the needles, mm from
     the apex, ``ids`` their names, ``leeway_mm`` how far no point of the needle may be off. ``constraints`` words what
-    is asked, in order; ``funnel`` counts how many of the ``candidates`` hold the first, the first two, and so on;
+    is asked, in order; ``entries`` and ``targets`` are the numbers of candidates, from 1, 0 of other poses; ``funnel`` counts how many of the ``candidates`` hold the first, the first two, and so on;
     ``misses`` has for each the pose that breaks it alone, by the least, where none is feasible, else None. A plan is a
     list to be checked.
     """
@@ -136,6 +144,8 @@ class Plan:
         self.poses: Array = matrices.transpose(0, 2, 1).copy()
         self.near, self.far, self.leeway_mm = (
             np.array([getattr(row, name) for row in rows], float) for name in ("near", "far", "leeway"))
+        self.entries, self.targets = (np.array([getattr(row, name) for row in rows], np.uint64)
+                                      for name in ("entry", "target"))
         self.candidates = int(lib.conus_plan_left(plan, 0))
         self.constraints = [text(lib.conus_report_constraint(report, i)) for i in range(count)]
         self.funnel = [int(lib.conus_plan_left(plan, i + 1)) for i in range(count)]
@@ -201,23 +211,24 @@ class Plan:
 
 
 def plan_of(
-    selector: Selector, constraints: Constraints, array: PoseArray, poses: Any, near: Any, far: Any,
-    infeasible: bool, top: Optional[int], threads: Optional[int], angle: Any, words: Sequence[Optional[str]],
+    selector: Selector, constraints: Constraints, stream: ContextManager[Any], errors: Mapping[int, str],
+    far: Optional[float], infeasible: bool, top: Optional[int], threads: Optional[int], angle: Any, words: Sequence[Optional[str]],
 ) -> Plan:
     """What :meth:`Selector.plan` gives; ``words`` are rank, score and pareto."""
     options, out = ffi.new("conus_plan_options *"), ffi.new("conus_plan **")
     options.threads = 0 if threads is None else whole("threads", threads)
     options.top = 2**64 - 1 if top is None else whole("top", top, 1, 2**64 - 1)
     options.infeasible = flag("infeasible", infeasible)
+    options.far = 0 if far is None else far
     options.angle = 0 if angle is None else math.radians(real("angle", angle))
     texts = [optional(utf8, name, word) for name, word in zip(("rank", "score", "pareto"), words)]
     options.rank, options.score, options.pareto = texts
     rows = constraints.array()
     selector._call(lib.conus_plan_create, out, selector._p, rows, len(constraints.rows), options)
     plan = owned(out[0], lib.conus_plan_destroy, selector._p)
-    with _stream_of(array, poses, near, far) as stream:
-        selector._call(lib.conus_plan_run, plan, stream, 2**64 - 1)
+    with stream as poses:
+        selector._call(lib.conus_plan_run, plan, poses, 2**64 - 1)
     faults = lib.conus_plan_rejected(plan)
     if not lib.conus_plan_left(plan, 0):
         raise ArgumentError(f"poses: no candidate{f': {text(faults.why)}' if faults.count else ''}")
-    return Plan(selector, plan, array.reasons)
+    return Plan(selector, plan, errors)

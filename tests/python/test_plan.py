@@ -91,3 +91,56 @@ def test_what_cannot_be(atlas, given, message):
 def test_no_candidate(atlas):
     with pytest.raises(conus.ArgumentError, match="no candidate: "):
         atlas.plan(["right"], origins=ORIGINS, directions=DIRECTIONS)
+
+
+def test_candidates(atlas, tmp_path):
+    # From x = 0 to the right plate, 20 mm away, and 5 mm on.
+    entries, targets = np.array([(0.0, 0, 0), (0, 1, 0)]), [(20.0, 0, 0), (20, 1, 0)]
+    plan = atlas.plan({"right": 4}, entries=entries, targets=np.array(targets), depth="target+5", top=None)
+    assert plan.candidates == 4 and set(plan.ids) == {"e1-t1", "e1-t2", "e2-t1", "e2-t2"}
+    assert sorted(zip(plan.entries.tolist(), plan.targets.tolist())) == [(1, 1), (1, 2), (2, 1), (2, 2)]
+    by_id = dict(zip(plan.ids, plan.far))
+    assert by_id["e1-t1"] == 25 and by_id["e1-t2"] == pytest.approx(math.sqrt(401) + 5)
+    table = plan.to_dataframe()
+    assert table["entry"].tolist() == plan.entries.tolist()
+    tilted = atlas.plan({"right": 4}, entries=entries[:1], targets=targets[:1], depth=25, tilt=(10, 10), top=None)
+    assert tilted.candidates == 1 + math.ceil(2 * math.pi * math.sin(math.radians(10)) / math.radians(10))
+    of_voxels = atlas.plan({"right": None}, entries=(entries, {"spacing": 2}), targets=("voxels", {"spacing": 6}),
+                           depth="target")
+    assert set(of_voxels.entries.tolist()) == {1}  # the second is 1 mm from the first
+    for target in ("centroid", "deepest"):
+        assert atlas.plan({"right": None}, entries=entries, targets=target, depth="target").candidates == 2
+    box = tmp_path / "box.ply"
+    corners = "-9 -9 -9\n9 -9 -9\n9 9 -9\n-9 9 -9\n-9 -9 9\n9 -9 9\n9 9 9\n-9 9 9\n"
+    faces = ["0 2 1", "0 3 2", "4 5 6", "4 6 7", "0 1 5", "0 5 4", "3 6 2", "3 7 6", "0 4 7", "0 7 3", "1 2 6", "1 6 5"]
+    box.write_text("ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+                   "element face 12\nproperty list uchar int vertex_indices\nend_header\n" + corners
+                   + "".join(f"3 {face}\n" for face in faces))
+    inward = atlas.plan(length=(1, 9), entries=box, targets="normal", depth=9, entry_angle=1)
+    assert inward.candidates == len(inward) == 8 and not inward.targets.any()
+    assert (np.sign(inward.poses[:, :3, 2]) == np.sign(inward.poses[:, :3, 3])).all()  # -z leads to the middle
+    outward = atlas.plan(length=(1, 9), entries=(box, {"flip": True, "without": "left"}), targets="normal", depth=9)
+    assert (np.sign(outward.poses[:, :3, 2]) == -np.sign(outward.poses[:, :3, 3])).all()
+
+
+def test_candidates_that_cannot_be(atlas):
+    point = [(0.0, 0, 0)]
+    for arguments, said in (
+        ({"targets": point}, "without entries"),
+        ({"entries": point}, "targets go with them"),
+        ({"entries": point, "targets": point, "origins": ORIGINS}, "targets go with them"),
+        ({"entries": (point, {"spasing": 1}), "targets": point}, "spasing"),
+        ({"entries": (point, {"flip": True}), "targets": point}, "flip is of surfaces"),
+        ({"entries": (point, {"within": "right"}), "targets": point}, "no candidate"),
+        ({"entries": (point, {"within": "rigth"}), "targets": point}, "did you mean"),
+        ({"entries": point, "targets": "voxels"}, "of which structure"),
+        ({"entries": point, "targets": "voxel"}, "wanted are centroid"),
+        ({"entries": point, "targets": "normal"}, "has no normal"),
+        ({"entries": point, "targets": [(0.0, 1)]}, "wanted is"),
+        ({"entries": point, "targets": [(1.0, math.nan, 1)]}, "allowed are finite"),
+        ({"entries": point, "targets": [(1.0, 1, 1)], "depth": "tip"}, "target"),
+        ({"entries": point, "targets": [(1.0, 1, 1)], "tilt": (5, 6)}, "tilt"),
+        ({"entries": point, "targets": point, "depth": 5}, "no candidate"),
+    ):
+        with pytest.raises(conus.ArgumentError, match=said):
+            atlas.plan(length=(0, 9), **{"depth": 9, **arguments})
