@@ -367,7 +367,6 @@ struct render_settings {
     double frustum[4];
     struct context_choice context;
     const char *transfer;
-    const char *map;
     bool no_skipping;
 };
 
@@ -440,15 +439,6 @@ static const struct option picture_options[] = {
      .value = "NAME|FILE",
      .help = "colours and opacities of the context by its values: a preset or a file (docs/formats.md)",
      .needs = "context"},
-    {.name = "map",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct render_settings, map),
-     .value = "FILE,array=NAME[,range=A:B]",
-     .help =
-         "colour the surface of --context by an array of a GIFTI file (.func.gii, .shape.gii), from A, dark blue, to "
-         "B, yellow (default: the least and the largest); the surface is opaque unless --context-opacity is given",
-     .words = "overlay, colours, func.gii, metric",
-     .role = OPTION_READS},
     {.name = "no-skipping",
      .type = OPTION_FLAG,
      .offset = offsetof(struct render_settings, no_skipping),
@@ -484,6 +474,7 @@ static const struct option row_options[] = {
 static const struct option_group groups[] = {
     {"Picture", picture_options, 0},
     {"", context_choice_options, offsetof(struct render_settings, context)},
+    {"", map_options, offsetof(struct render_settings, context)},
     {"", figure_options, offsetof(struct render_settings, figure)},
     {"", translucent_options, offsetof(struct render_settings, translucent)},
     {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
@@ -692,52 +683,11 @@ static int check_outputs(const struct picture *picture)
     return EXIT_DONE;
 }
 
-/* Takes "array=NAME" or "range=A:B". */
-static bool read_map_key(conus_context_map_options *out, char *key)
-{
-    char *high = strchr(key, ':');
-    if (strncmp(key, "array=", 6) == 0 && key[6] && !out->array) {
-        out->array = key + 6;
-        return true;
-    }
-    if (strncmp(key, "range=", 6) == 0 && high && out->range[0] == 0 && out->range[1] == 0) {
-        *high = '\0';
-        bool is_fine = number_parse(key + 6, &out->range[0]) && number_parse(high + 1, &out->range[1]) &&
-                       out->range[0] < out->range[1];
-        return is_fine ||
-               (print_error_line("--map: range=%s:%s are not two numbers, the second larger", key + 6, high + 1),
-                false);
-    }
-    print_error_line("--map: \"%s\" is none of array=NAME and range=A:B, each at most once", key);
-    return false;
-}
-
-/* Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
-static int load_map(struct picture *picture)
-{
-    const struct render_settings *settings = picture->settings;
-    conus_context_map_options options = {.opacity = settings->context.opacity,
-                                         .max_memory = settings->atlas.max_memory};
-    char *text = settings->map ? strdup(settings->map) : NULL;
-    int code = text || !settings->map ? EXIT_DONE : print_no_memory();
-    for (char *comma; text && !code && (comma = strrchr(text, ',')) && strchr(comma, '=');) {
-        *comma = '\0';
-        code = read_map_key(&options, comma + 1) ? EXIT_DONE : EXIT_USAGE;
-    }
-    if (text && !code && !options.array) {
-        code = print_usage_error("--map: %s: which array? FILE,array=NAME", text);
-    }
-    conus_status status = text && !code ? conus_atlas_set_context_map(picture->atlas, text, &options) : CONUS_OK;
-    free(text);
-    return status ? print_status(status) : code;
-}
-
 static int load_atlas(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     int code = settings_load_atlas(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
     code = code ? code : context_choice_load(picture->atlas, &settings->context, &settings->atlas);
-    code = code ? code : load_map(picture);
     return code ? code : translucent_find(&picture->translucent, picture->atlas, &settings->translucent);
 }
 

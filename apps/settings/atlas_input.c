@@ -548,6 +548,44 @@ bool context_choice_has_volume(const struct context_choice *choice)
     return found;
 }
 
+/* Takes "array=NAME" or "range=A:B". */
+static bool read_map_key(conus_context_map_options *out, char *key)
+{
+    char *high = strchr(key, ':');
+    if (strncmp(key, "array=", 6) == 0 && key[6] && !out->array) {
+        out->array = key + 6;
+        return true;
+    }
+    if (strncmp(key, "range=", 6) == 0 && high && out->range[0] == 0 && out->range[1] == 0) {
+        *high = '\0';
+        bool is_fine = number_parse(key + 6, &out->range[0]) && number_parse(high + 1, &out->range[1]) &&
+                       out->range[0] < out->range[1];
+        return is_fine ||
+               (print_error_line("--map: range=%s:%s are not two numbers, the second larger", key + 6, high + 1),
+                false);
+    }
+    print_error_line("--map: \"%s\" is none of array=NAME and range=A:B, each at most once", key);
+    return false;
+}
+
+/* Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
+static int load_map(conus_atlas *atlas, const struct context_choice *choice, const struct atlas_settings *settings)
+{
+    conus_context_map_options options = {.opacity = choice->opacity, .max_memory = settings->max_memory};
+    char *text = choice->map ? strdup(choice->map) : NULL;
+    int code = text || !choice->map ? EXIT_DONE : print_no_memory();
+    for (char *comma; text && !code && (comma = strrchr(text, ',')) && strchr(comma, '=');) {
+        *comma = '\0';
+        code = read_map_key(&options, comma + 1) ? EXIT_DONE : EXIT_USAGE;
+    }
+    if (text && !code && !options.array) {
+        code = print_usage_error("--map: %s: which array? FILE,array=NAME", text);
+    }
+    conus_status status = text && !code ? conus_atlas_set_context_map(atlas, text, &options) : CONUS_OK;
+    free(text);
+    return status ? print_status(status) : code;
+}
+
 int context_choice_load(conus_atlas *atlas, const struct context_choice *choice, const struct atlas_settings *settings)
 {
     int code = check_choice(choice);
@@ -559,7 +597,7 @@ int context_choice_load(conus_atlas *atlas, const struct context_choice *choice,
         conus_status status = conus_atlas_set_context(atlas, path, &options);
         code = status ? print_status(status) : EXIT_DONE;
     }
-    return code;
+    return code ? code : load_map(atlas, choice, settings);
 }
 
 /* Whether `path` is the file that the atlas's label source names ("BIDS label table in aal.tsv, colours in aal.lut"),

@@ -210,6 +210,19 @@ const struct option context_choice_options[] = {
     {0},
 };
 
+const struct option map_options[] = {
+    {.name = "map",
+     .type = OPTION_TEXT,
+     .offset = FIELD(context_choice, map),
+     .value = "FILE,array=NAME[,range=A:B]",
+     .help =
+         "colour the surface of --context by an array of a GIFTI file (.func.gii, .shape.gii), from A, dark blue, to "
+         "B, yellow (default: the least and the largest); the surface is opaque unless --context-opacity is given",
+     .words = "overlay, colours, func.gii, metric",
+     .role = OPTION_READS},
+    {0},
+};
+
 const struct option aim_options[] = {
     {.name = "origin",
      .type = OPTION_VECTOR,

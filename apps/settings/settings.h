@@ -62,10 +62,12 @@ extern const struct option context_options[]; /**< context_settings: --context, 
 /** Volumes and surfaces that are drawn around the areas. */
 struct context_choice {
     struct option_list files;
-    double opacity; /**< The surfaces'; 0 = the default. */
+    double opacity;  /**< The surfaces'; 0 = the default. */
+    const char *map; /**< FILE,array=NAME[,range=A:B]: colours of a surface; NULL = its own. */
 };
 
 extern const struct option context_choice_options[]; /**< context_choice: --context, --context-opacity */
+extern const struct option map_options[];            /**< context_choice: --map */
 extern const struct option quiet_options[];          /**< common_settings: --help, --version, --quiet, --verbose */
 extern const struct option plain_options[];          /**< common_settings: --help, --version */
 /** The words of --hemispheres, in the order of conus_hemispheres; NULL ends it. */

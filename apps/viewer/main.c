@@ -57,6 +57,7 @@ static const struct option own_options[] = {
 
 static const struct option_group groups[] = {
     {"What is shown", context_choice_options, offsetof(struct view_settings, context)},
+    {"", map_options, offsetof(struct view_settings, context)},
     {"", scene_options, 0},
     {"", own_options, 0},
     {"", atlas_options, offsetof(struct view_settings, atlas)},

@@ -98,7 +98,8 @@ static bool has_context(const conus_atlas *atlas)
 
 static int set_context(struct loader *loader, size_t index, const struct context_choice *choice)
 {
-    bool goes_on = show_file(loader, choice->files.items[0], loader->total, loader->total + 1);
+    const char *path = choice->files.count ? choice->files.items[0] : choice->map;
+    bool goes_on = show_file(loader, path, loader->total, loader->total + 1);
     return goes_on ? context_choice_load(loader->atlases.items[index].atlas, choice, loader->request.settings)
                    : EXIT_DATA;
 }
@@ -112,7 +113,7 @@ static int set_contexts(struct loader *loader)
     struct own_context own;
     own_context_find(&own, atlases->items[0].atlas);
     const struct context_choice *choice = given->files.count ? given : &own.choice;
-    int code = given->files.count ? set_context(loader, 0, given) : EXIT_DONE;
+    int code = given->files.count || given->map ? set_context(loader, 0, given) : EXIT_DONE;
     for (size_t i = 1; i < atlases->count && choice->files.count && !code; i++) {
         int failed = has_context(atlases->items[i].atlas) ? EXIT_DONE : set_context(loader, i, choice);
         code = given->files.count ? failed : EXIT_DONE;
@@ -130,7 +131,7 @@ static void load(struct loader *loader)
     if (request->may_be && !request->may_be(request->path)) {
         return;
     }
-    loader->ahead = settings.more.count + 1 + (request->context->files.count > 0);
+    loader->ahead = settings.more.count + 1 + (request->context->files.count || request->context->map);
     int code = atlases_load(&loader->atlases, request->path, &settings);
     code = code ? code : set_contexts(loader);
     if (code || atomic_load(&loader->cancelled)) {

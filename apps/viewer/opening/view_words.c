@@ -49,6 +49,7 @@ const struct option needle_options[] = {
 
 static const struct option_group groups[] = {
     {"What is opened", context_choice_options, offsetof(struct view_settings, context)},
+    {"", map_options, offsetof(struct view_settings, context)},
     {"", scene_options, 0},
     {"", atlas_options, offsetof(struct view_settings, atlas)},
     {"", more_atlas_options, offsetof(struct view_settings, atlas)},
