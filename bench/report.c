@@ -84,6 +84,7 @@ static const struct hold {
     {"id_over_colour_rays", true, 0.0004}, {"id_over_colour_gl", true, 0.003}, {"rays_200k_over_1k", true, 2.5},
     {"vtkselector_over_rays", false, 500}, {"dda_over_simd", false, 6},        {"query_process_s", true, 0.1},
     {"open_bytes_per_voxel", true, 3.2},   {"python_over_batch", false, 1},    {"clearance_needle_ms", true, 1},
+    {"plan_over_no_pruning", true, 0.1},
 };
 
 enum { HOLD_COUNT = sizeof holds / sizeof holds[0] };

@@ -218,7 +218,6 @@ conus_status bench_batch_layers(struct bench *bench)
         snprintf(bench->driver, sizeof bench->driver, "%s", conus_selector_engine(layers));
         status = measure_ways(bench, "batch_layers", &scene, ways, WAYS, SINGLE_RAYS, v);
     }
-    status = status ? status : bench_ratio(bench, "layers_single_over_batch", &v[SINGLE_RAYS], &v[ALL]);
     status = status
                  ? status
                  : bench_value(bench, "layers_over_visible_aal", v[ALL].median_ms / v[VISIBLE].median_ms, v[ALL].equal);

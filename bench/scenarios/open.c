@@ -121,7 +121,6 @@ static conus_status measure(struct bench *bench, struct enlarged *enlarged)
     conus_status status = enlarged->status;
     variant.equal = !status && same_areas(enlarged);
     status = status ? status : bench_measure(bench, "open", &variant, 1, 1, 0);
-    status = status ? status : bench_value(bench, "open_voxels", voxels, variant.equal);
     return status
                ? status
                : bench_value(bench, "open_bytes_per_voxel", (double)usage.ru_maxrss * KILOBYTE / voxels, variant.equal);

@@ -249,13 +249,6 @@ conus_status bench_ratio(struct bench *bench, const char *key, const struct benc
     return bench_value(bench, key, above->median_ms / below->median_ms, above->equal && below->equal);
 }
 
-conus_status bench_ratio_cold(struct bench *bench, const char *key, const struct bench_variant *above,
-                              const struct bench_variant *below)
-{
-    double above_ms = isnan(above->cold_ms) ? above->median_ms : above->cold_ms;
-    return bench_value(bench, key, above_ms / below->median_ms, above->equal && below->equal);
-}
-
 conus_status bench_leave_out(struct bench *bench, const char *what)
 {
     printf("%s: left out: %s\n", what, conus_message());

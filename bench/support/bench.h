@@ -60,9 +60,6 @@ conus_status bench_measure(struct bench *bench, const char *scenario, struct ben
 /** Adds ratio @p key = @p above / @p below, by medians; null with the reason where their answers differ. */
 conus_status bench_ratio(struct bench *bench, const char *key, const struct bench_variant *above,
                          const struct bench_variant *below);
-/** The same of @p above when it runs cold. */
-conus_status bench_ratio_cold(struct bench *bench, const char *key, const struct bench_variant *above,
-                              const struct bench_variant *below);
 /** Adds a number that is no ratio; null with the reason where @p equal is false. */
 conus_status bench_value(struct bench *bench, const char *key, double value, bool equal);
 
@@ -110,13 +107,14 @@ conus_status bench_accuracy(struct bench *bench);
 conus_status bench_bonsai(struct bench *bench);
 conus_status bench_clearance(struct bench *bench);
 conus_status bench_growth(struct bench *bench);
+conus_status bench_layers(struct bench *bench);
 conus_status bench_volume(struct bench *bench);
 conus_status bench_open(struct bench *bench);
+conus_status bench_plan(struct bench *bench);
 conus_status bench_startup(struct bench *bench);
 conus_status bench_streamlines(struct bench *bench);
 conus_status bench_torus(struct bench *bench);
 conus_status bench_torus_frame(struct bench *bench);
-conus_status bench_layers(struct bench *bench);
 /* Comparisons with VTK; in a build without VTK they are left out. */
 conus_status bench_peers_mesh(struct bench *bench);
 conus_status bench_peers_colour(struct bench *bench);

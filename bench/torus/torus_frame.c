@@ -118,9 +118,7 @@ static conus_status add_ratios(struct bench *bench, const struct bench_variant v
     const struct bench_variant *frame = &v[FRAME];
     conus_status status = bench_ratio(bench, "id_over_colour_naive", &v[ALONE + TORUS_ALL_DRAWN], frame);
     status = status ? status : bench_ratio(bench, "id_over_colour_gl", &v[ALONE + TORUS_GL], frame);
-    status = status ? status : bench_ratio_cold(bench, "id_over_colour_gl_cold", &v[ALONE + TORUS_GL], frame);
-    status = status ? status : bench_ratio(bench, "id_over_colour_rays", &v[ALONE + TORUS_RAYS], frame);
-    return status ? status : bench_ratio_cold(bench, "id_over_colour_rays_cold", &v[ALONE + TORUS_RAYS], frame);
+    return status ? status : bench_ratio(bench, "id_over_colour_rays", &v[ALONE + TORUS_RAYS], frame);
 }
 
 conus_status bench_torus_frame(struct bench *bench)

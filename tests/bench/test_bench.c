@@ -95,18 +95,14 @@ static void a_ratio_of_different_answers_is_null_and_says_why(void **state)
 {
     (void)state;
     struct bench bench = make_bench();
-    const struct bench_variant slow = {.name = "slow", .equal = true, .median_ms = 6, .cold_ms = 9};
-    const struct bench_variant fast = {.name = "fast", .equal = true, .median_ms = 2, .cold_ms = (double)NAN};
+    const struct bench_variant slow = {.name = "slow", .equal = true, .median_ms = 6};
+    const struct bench_variant fast = {.name = "fast", .equal = true, .median_ms = 2};
     struct bench_variant wrong = fast;
     wrong.equal = false;
     assert_ok(bench_ratio(&bench, "good", &slow, &fast));
-    assert_ok(bench_ratio_cold(&bench, "cold", &slow, &fast));
-    assert_ok(bench_ratio_cold(&bench, "not_cold", &fast, &slow));
     assert_ok(bench_ratio(&bench, "bad", &slow, &wrong));
     assert_ok(bench_value(&bench, "none", (double)NAN, true));
     assert_true(json_number_value(json_object_get(bench.ratios, "good")) == 3);
-    assert_true(json_number_value(json_object_get(bench.ratios, "cold")) == 4.5);
-    assert_true(json_number_value(json_object_get(bench.ratios, "not_cold")) == 2.0 / 6);
     assert_true(json_is_null(json_object_get(bench.ratios, "bad")));
     assert_string_equal(json_string_value(json_object_get(bench.ratios, "bad_null_because")), "the answers differ");
     assert_true(json_is_null(json_object_get(bench.ratios, "none")));
