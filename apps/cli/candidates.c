@@ -246,6 +246,10 @@ static int keep(conus_sites *sites, const char *what, bool inside, const struct 
     if (!status && !conus_sites_count(sites)) {
         return print_usage_error("--from: no candidate: %s=%s leaves no entry", inside ? "within" : "without", what);
     }
+    if (status && !is_labels && !conus_atlas_is_path(what)) {
+        print_error_line("--from: %s: %s", inside ? "within" : "without", conus_message());
+        return exit_code_of(status);
+    }
     return status ? print_status(status) : EXIT_DONE;
 }
 
@@ -325,7 +329,11 @@ static int load_targets(struct place *place, const struct request *request, cons
     }
     conus_status status =
         conus_sites_find(&place->sites, request->answerers[0].selector, names, (conus_sites_kind)kind);
-    return status ? print_status(status) : thin_out(place, "toward", request);
+    if (status) {
+        print_error_line("--toward: %s", conus_message());
+        return exit_code_of(status);
+    }
+    return thin_out(place, "toward", request);
 }
 
 int candidates_open(struct candidates *candidates, struct request *request, const struct constraints *constraints)
