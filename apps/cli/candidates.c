@@ -16,7 +16,7 @@ const struct option candidate_options[] = {
     {.name = "from",
      .type = OPTION_TEXT,
      .offset = FIELD(from),
-     .value = "FILE[,KEY=VALUE]...",
+     .value = "FILE,...",
      .help = "or candidates from entries: vertices of a surface, voxels at the border of a mask, or points; keys: "
              "spacing=MM (of those nearer to each other the first), within=WHAT, without=WHAT (labels of vertices, a "
              "mask, or a structure of the atlas), flip (normals of the surface point to the other side)",
@@ -28,7 +28,7 @@ const struct option candidate_options[] = {
     {.name = "toward",
      .type = OPTION_TEXT,
      .offset = FIELD(toward),
-     .value = "WHAT[,KEY=VALUE]...",
+     .value = "WHAT,...",
      .help = "to targets: centroid, deepest (the voxel farthest from the border) or voxels of the first --reach; a "
              "FILE of points; or normal, against that of the surface; keys: of=NAME,... (another structure), "
              "spacing=MM",
@@ -49,7 +49,6 @@ const struct option candidate_options[] = {
      .value = "MM|target[+MM]",
      .help = "far end, the tip, of poses that have none in a column far, mm from the device's position; or the "
              "target, and MM behind it",
-     .common = true,
      .excludes = "range",
      .role = OPTION_ASKS},
     {0},
@@ -397,8 +396,10 @@ static bool have_usual_turns(const conus_plan *plan)
         const conus_pose *pose = &conus_plan_pose(plan, i)->pose;
         const double *m = pose->world_from_device;
         conus_pose usual;
-        all = !conus_pose_along(&usual, m + 12, (const double[]){-m[8], -m[9], -m[10]}, NULL) &&
-              memcmp(&usual, pose, sizeof usual) == 0;
+        all = !conus_pose_along(&usual, m + 12, (const double[]){-m[8], -m[9], -m[10]}, NULL);
+        for (int k = 0; k < 16; k++) {
+            all = all && usual.world_from_device[k] == m[k];
+        }
     }
     return all;
 }

@@ -55,8 +55,7 @@ static const struct option needle_options[] = {
      .low = 0,
      .high = 1e9,
      .open = true,
-     .words = "needle, diameter",
-     .common = true},
+     .words = "needle, diameter"},
     {0},
 };
 
@@ -67,7 +66,6 @@ static const struct option list_options[] = {
      .value = "N|all",
      .help = "list the best N poses (default 20)",
      .words = "best, limit",
-     .common = true,
      .role = OPTION_ASKS},
     {.name = "rank",
      .type = OPTION_TEXT,
@@ -530,14 +528,14 @@ const struct command cmd_plan = {
     .name = "plan",
     .summary = "list the poses that reach some structures and stay clear of others, the safest first",
     .operands = {"ATLAS"},
-    .form = "--poses FILE|--from FILE --toward WHAT --reach NAME,... --avoid NAME,...,margin=MM",
+    .form = "--poses FILE|--from FILE --toward WHAT --reach NAME,...",
     .description =
         "Tries poses of a file, or needles from every entry to every target, against all constraints, and lists those\n"
         "that break none: how deep they are, how near they come to what they are to avoid and where, and their\n"
         "leeway, by which no point of the needle may be off before a constraint breaks. A plan is a list to be\n"
         "checked.",
     .examples = "  conus plan aal --poses needles.tsv --reach Hippocampus_L,length=5 --avoid Insula_L,margin=2\n"
-                "  conus plan aal --poses needles.tsv --depth 70 --reach Hippocampus_L --radius 0.65 -o plan.tsv\n",
+                "  conus plan aal --from scalp.surf.gii,spacing=3 --toward voxels --depth target --reach Amygdala_L\n",
     .see_also = "  conus query --segments   what each needle passes\n"
                 "  conus sweep --jitter     how certain an answer is when the pose is not exactly known\n",
     .answers = true,

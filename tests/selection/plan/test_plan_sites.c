@@ -16,7 +16,8 @@ static const double GRID[16] = {1.1, 0.3, 0, 0, -0.2, 0.9, 0.1, 0, 0.1, 0.2, 1.7
 
 static void place(double out[3], size_t voxel)
 {
-    const double index[3] = {(double)(voxel % N), (double)(voxel / N % N), (double)(voxel / N / N)};
+    const size_t at[3] = {voxel % N, voxel / N % N, voxel / N / N};
+    const double index[3] = {(double)at[0], (double)at[1], (double)at[2]};
     mat4_point(out, GRID, index);
 }
 
@@ -25,7 +26,8 @@ static uint8_t label_at(size_t voxel)
 {
     double x = (double)(voxel % N);
     double y = (double)(voxel / N % N);
-    double z = (double)(voxel / N / N);
+    const size_t plane = voxel / N / N;
+    double z = (double)plane;
     bool in_arm = fabs(y - 6) < 2 && fabs(z - 6) < 2 && x > 6;
     bool in_body = (x - 6) * (x - 6) / 25 + (y - 6) * (y - 6) / 16 + (z - 6) * (z - 6) / 9 < 1;
     return in_arm || in_body ? 1 : z < 3 ? 2 : 0;
