@@ -122,22 +122,14 @@ static const struct option run_options[] = {
 };
 
 const struct option_group batch_groups[] = {
-    {"Where the cones are", pose_options, 0},
-    {"", space_options, FIELD(aim.space)},
-    {"", pose_file_options, FIELD(file)},
-    {"How rays are traced", pixel_options, FIELD(engine)},
-    {"", engine_options, FIELD(engine)},
-    {"", shape_options, FIELD(engine)},
-    {"", slices_options, FIELD(engine)},
-    {"What can be hit", atlas_options, FIELD(atlas)},
-    {"", shown_options, FIELD(atlas)},
-    {"", context_options, FIELD(context)},
-    {"", more_atlas_options, FIELD(atlas)},
-    {"What is written", output_options, 0},
-    {"", axis_options, FIELD(axis)},
-    {"How it runs", run_options, 0},
-    {"", quiet_options, FIELD(common)},
-    {0},
+    {"Where the cones are", pose_options, 0}, {"", space_options, FIELD(aim.space)},
+    {"", pose_file_options, FIELD(file)},     {"How rays are traced", pixel_options, FIELD(engine)},
+    {"", engine_options, FIELD(engine)},      {"", shape_options, FIELD(engine)},
+    {"", slices_options, FIELD(engine)},      {"What can be hit", atlas_options, FIELD(atlas)},
+    {"", shown_options, FIELD(atlas)},        {"", context_options, FIELD(context)},
+    {"", more_atlas_options, FIELD(atlas)},   {"What is written", output_options, 0},
+    {"", axis_options, FIELD(axis)},          {"How it runs", run_options, 0},
+    {"", quiet_options, FIELD(common)},       {0},
 };
 
 bool batch_format(conus_format *out, const struct batch_settings *settings, const struct arguments *arguments)
