@@ -20,7 +20,7 @@ struct plan_settings {
     const char *top;
     bool infeasible, no_pruning;
     const char *rank, *score, *pareto;
-    const char *constraint_rows, *profile;
+    const char *constraint_rows, *profile, *tolerance, *pivot;
     uint32_t threads;
     size_t progress; /* enum progress_kind */
 };
@@ -119,6 +119,20 @@ static const struct option rows_options[] = {
      .words = "curve, distance",
      .role = OPTION_WRITES_ROWS,
      .key = "step"},
+    {.name = "tolerance",
+     .type = OPTION_TEXT,
+     .offset = FIELD(tolerance),
+     .value = "FILE",
+     .help = "write by how much each listed pose may be off along each degree of freedom before a constraint breaks",
+     .words = "deviation, robustness, degrees of freedom",
+     .role = OPTION_WRITES_ROWS},
+    {.name = "pivot",
+     .type = OPTION_TEXT,
+     .offset = FIELD(pivot),
+     .value = "entry|tip|MM",
+     .help = "what the needle turns about there: the device's position, the far end, or a depth (default entry)",
+     .role = OPTION_ASKS,
+     .needs = "tolerance"},
     {0},
 };
 
@@ -167,9 +181,10 @@ static const struct option_group groups[] = {
     {0},
 };
 
-enum { ROWS_FILES = 2 };
+enum { ROWS_FILES = 3 };
 static const struct rows_kind rows_kinds[ROWS_FILES] = {{"constraints", CONUS_ROWS_CONSTRAINTS, "constraints"},
-                                                        {"profile", CONUS_ROWS_PROFILE, "profile"}};
+                                                        {"profile", CONUS_ROWS_PROFILE, "profile"},
+                                                        {"tolerance", CONUS_ROWS_TOLERANCE, "tolerance"}};
 
 /** A plan under way. */
 struct planning {
@@ -177,8 +192,9 @@ struct planning {
     struct request request;
     struct constraints constraints;
     struct candidates candidates;
-    struct rows_file files[ROWS_FILES]; /* --constraints, --profile */
+    struct rows_file files[ROWS_FILES]; /* --constraints, --profile, --tolerance */
     uint64_t top;
+    conus_tolerance_options pivot;
     double step; /* mm, of --profile */
     conus_plan *plan;
 };
@@ -195,6 +211,14 @@ static bool read_step(double *out, const char *text)
     *out = 1;
     bool is_fine = !text || (number_parse(text, out) && *out > 0);
     return is_fine || (print_error_line("--profile: step=%s is not a number above 0", text), false);
+}
+
+static bool read_pivot(conus_tolerance_options *out, const char *text)
+{
+    *out = (conus_tolerance_options)CONUS_TOLERANCE_OPTIONS_INIT;
+    out->pivot_at_tip = text && strcmp(text, "tip") == 0;
+    bool is_fine = !text || out->pivot_at_tip || strcmp(text, "entry") == 0 || number_parse(text, &out->pivot);
+    return is_fine || (print_error_line("--pivot: \"%s\" is neither a number nor entry nor tip", text), false);
 }
 
 static bool has_avoided(const struct constraints *constraints)
@@ -220,7 +244,7 @@ static bool is_replaced(const struct planning *planning)
 static int start_rows(struct planning *planning)
 {
     const struct plan_settings *settings = planning->settings;
-    const char *const paths[ROWS_FILES] = {settings->constraint_rows, settings->profile};
+    const char *const paths[ROWS_FILES] = {settings->constraint_rows, settings->profile, settings->tolerance};
     struct request *request = &planning->request;
     bool answer_has_format = !output_is_stdout(settings->request.answer.output);
     int code = EXIT_DONE;
@@ -229,8 +253,13 @@ static int start_rows(struct planning *planning)
                               answer_has_format ? CONUS_FORMAT_TABLE : request->format);
         outputs_add_sidecar(&request->outputs, rows_kinds[i].option, planning->files[i].sidecar);
     }
-    if (!code && paths[0] && paths[1] && output_is_stdout(paths[0]) && output_is_stdout(paths[1])) {
-        code = print_usage_error("--constraints and --profile are both on standard output");
+    for (size_t i = 0; i < ROWS_FILES && !code; i++) {
+        for (size_t k = 0; k < i && !code; k++) {
+            bool are_both = paths[i] && paths[k] && output_is_stdout(paths[i]) && output_is_stdout(paths[k]);
+            code = are_both ? print_usage_error("--%s and --%s are both on standard output", rows_kinds[k].option,
+                                                rows_kinds[i].option)
+                            : EXIT_DONE;
+        }
     }
     if (!code && paths[1] && !has_avoided(&planning->constraints)) {
         code = print_usage_error("--profile has no effect without --avoid NAME,...");
@@ -406,8 +435,9 @@ static conus_status make_reports(struct planning *planning)
         struct rows_file *file = &planning->files[i];
         status = rows_file_report(file, request->answerers[0].selector, &options);
         if (!status && file->path) {
-            status = i == 0 ? conus_report_add_plan(file->reports[0], planning->plan)
-                            : conus_report_add_profile(file->reports[0], planning->plan, planning->step);
+            status = i == 0   ? conus_report_add_plan(file->reports[0], planning->plan)
+                     : i == 1 ? conus_report_add_profile(file->reports[0], planning->plan, planning->step)
+                              : conus_report_add_tolerance(file->reports[0], planning->plan, &planning->pivot);
         }
     }
     return status;
@@ -495,6 +525,7 @@ static int run_plan(const void *given, const struct arguments *arguments)
     }
     bool fits = !code && settings_check_shape(&settings->request.aim, &settings->request.engine, arguments) &&
                 read_top(&planning.top, settings->top) && read_step(&planning.step, option_key(arguments, "profile")) &&
+                read_pivot(&planning.pivot, settings->pivot) &&
                 settings_check_space(arguments, &settings->request.aim.space);
     code = code || fits ? code : EXIT_USAGE;
     code = code ? code : request_init(&planning.request, &settings->request, arguments);

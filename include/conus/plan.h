@@ -130,6 +130,7 @@ typedef struct conus_planned {
     uint64_t entry;                /**< As of conus_pose_row, 0 = none. */
     uint64_t target;               /**< Likewise. */
     double entry_angle;            /**< Between the axis and the inward normal at the entry, radians; NaN without it. */
+    double normal[3];              /**< Outward at its entry, as conus_pose_row has it. */
 } conus_planned;
 
 /** Rows that were no candidates. */
@@ -294,6 +295,73 @@ CONUS_API bool conus_plan_has_leeway(const conus_plan *plan, size_t index);
  */
 CONUS_CHECKED conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, size_t constraint,
                                                double depth);
+
+/** @name Tolerance
+ * How far a pose may be off along one degree of freedom, to either side, before a constraint breaks (Eq. 23).
+ * @{ */
+
+/** A degree of freedom. Shifts and the depth are in mm, up to 20; turns in radians, up to 30 degrees. */
+typedef enum conus_freedom {
+    CONUS_FREEDOM_X = 0,    /**< Shift along x, */
+    CONUS_FREEDOM_Y,        /**< y, */
+    CONUS_FREEDOM_Z,        /**< or z of the world, or of conus_tolerance_options.shifts. */
+    CONUS_FREEDOM_DEPTH,    /**< The far end along the axis; the near end stays. */
+    CONUS_FREEDOM_SIDE,     /**< Shift along the device's x. */
+    CONUS_FREEDOM_UP,       /**< Shift along the device's y. */
+    CONUS_FREEDOM_PITCH,    /**< Turn about the device's x, */
+    CONUS_FREEDOM_YAW,      /**< about its y, */
+    CONUS_FREEDOM_AZIMUTH,  /**< about the world's z, */
+    CONUS_FREEDOM_ELEVATION /**< or towards the world's z; of an axis along z about the device's x. All turns are about
+                               lines through the pivot, by the right-hand rule. */
+} conus_freedom;
+
+/** How many rows conus_plan_tolerance() fills: two for each degree of freedom. */
+#define CONUS_TOLERANCE_COUNT 20
+
+/** How a tolerance was found. */
+typedef enum conus_tolerance_method {
+    CONUS_TOLERANCE_EXACT = 0, /**< holds_to is proven; fails_at is no more than 1e-6 mm or degrees beyond it. */
+    CONUS_TOLERANCE_SAMPLED,   /**< A constraint without a leeway was asked at steps of 0.01 mm or degrees. */
+    CONUS_TOLERANCE_GRAZED     /**< holds_to is proven; from there on it is only just not broken, up to fails_at. */
+} conus_tolerance_method;
+
+/** How far a pose may be off. */
+typedef struct conus_tolerance {
+    conus_freedom freedom;         /**< Along what. */
+    bool negative;                 /**< To the other side. */
+    conus_tolerance_method method; /**< How that was found. */
+    double holds_to;               /**< mm or radians, at least 0: no constraint breaks up to here. */
+    double fails_at;   /**< Here one does; NaN where none breaks up to 20 mm, 30 degrees, or the near end. */
+    size_t constraint; /**< Index of that constraint; SIZE_MAX without one. */
+    uint32_t object;   /**< Its conus_verdict.object there. */
+    double depth;      /**< Its conus_verdict.depth there, mm; NaN without one. */
+    double at[3];      /**< The point of the needle at that depth, there, world mm; NaN without one. */
+} conus_tolerance;
+
+/** What is turned and shifted along what. */
+typedef struct conus_tolerance_options {
+    size_t struct_size;  /**< Its size, as #CONUS_TOLERANCE_OPTIONS_INIT sets it; 0 = that of this version. */
+    double pivot;        /**< Depth of the point about which the needle turns, mm; 0 = the device's position. */
+    bool pivot_at_tip;   /**< It turns about the far end. */
+    double shifts[3][3]; /**< World directions of x, y and z, of any length but 0; all 0 = the world's. */
+} conus_tolerance_options;
+
+/** The defaults, and the size of the struct that the caller was compiled with. */
+#define CONUS_TOLERANCE_OPTIONS_INIT CONUS_INIT_(conus_tolerance_options)
+
+/**
+ * Finds how far a pose may be off along each degree of freedom. Of a pose that breaks a constraint as it is, all are 0.
+ * @param[out] out [#CONUS_TOLERANCE_COUNT] By degree of freedom, of each first the positive side.
+ * @param plan The plan.
+ * @param pose From conus_plan_pose() or conus_plan_try() of this plan.
+ * @param options NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a number out of its range; the errors of conus_select().
+ * @threads One at a time for each @p plan, and for the selector; not during conus_plan_run().
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan *plan, const conus_planned *pose,
+                                                const conus_tolerance_options *options);
+/** @} */
 
 #ifdef __cplusplus
 }

@@ -56,7 +56,8 @@ typedef enum conus_rows {
     CONUS_ROWS_CLEARANCES,  /**< From conus_report_add_clearances(). */
     CONUS_ROWS_PLAN,        /**< From conus_report_add_plan(), a row for each pose that is listed. */
     CONUS_ROWS_CONSTRAINTS, /**< From the same, a row for each of them and each constraint. */
-    CONUS_ROWS_PROFILE      /**< From conus_report_add_profile(). */
+    CONUS_ROWS_PROFILE,     /**< From conus_report_add_profile(). */
+    CONUS_ROWS_TOLERANCE    /**< From conus_report_add_tolerance(). */
 } conus_rows;
 
 /** The order of the answers to a query. */
@@ -245,6 +246,20 @@ CONUS_API const char *conus_report_constraint(const conus_report *report, size_t
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_add_profile(conus_report *report, conus_plan *plan, double step);
+
+/**
+ * Adds how far the poses that a plan lists may be off: a row for each side of each degree of freedom (Eq. 23).
+ * @param report Of #CONUS_ROWS_TOLERANCE. Nothing else is added to it.
+ * @param plan As for conus_report_add_plan().
+ * @param options Where the pivot is; shifts are along the axes of the report's space, whatever these say. NULL =
+ * defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT in a report of other rows, and for a second plan; the errors of
+ * conus_plan_tolerance().
+ * @threads One at a time for each @p report and @p plan.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_add_tolerance(conus_report *report, conus_plan *plan,
+                                                      const conus_tolerance_options *options);
 
 /**
  * Adds a query without an answer: one row of kind "error" with "line N: " and @p reason for a name, all else missing.

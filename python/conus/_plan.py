@@ -159,7 +159,7 @@ class Plan:
     def __repr__(self) -> str:
         return f"<conus.Plan: {len(self)} poses listed, {self.funnel[-1]} of {self.candidates} candidates are feasible>"
 
-    def _report(self, rows: str, form: str, step: Optional[float]) -> Any:
+    def _report(self, rows: str, form: str, step: Any) -> Any:
         options, out = ffi.new("conus_report_options *"), ffi.new("conus_report **")
         options.rows = getattr(lib, f"CONUS_ROWS_{rows}")
         options.format = getattr(lib, f"CONUS_FORMAT_{form}")
@@ -169,20 +169,22 @@ class Plan:
         report = owned(out[0], lib.conus_report_destroy, self._p)
         if step is None:
             self._selector._call(lib.conus_report_add_plan, report, self._p)
+        elif rows == "TOLERANCE":
+            self._selector._call(lib.conus_report_add_tolerance, report, self._p, step)
         else:
             self._selector._call(lib.conus_report_add_profile, report, self._p, step)
         return report
 
-    def _text(self, rows: str, form: str, step: Optional[float] = None) -> str:
+    def _text(self, rows: str, form: str, step: Any = None) -> str:
         out, size = ffi.new("char **"), ffi.new("size_t *")
         report = self._report(rows, form, step)
         check(lib.conus_report_text(out, size, report))
         return bytes(ffi.buffer(out[0], size[0])).decode()
 
-    def _table(self, rows: str, step: Optional[float] = None) -> pandas.DataFrame:
+    def _table(self, rows: str, step: Any = None) -> pandas.DataFrame:
         import pandas
 
-        names = {name: str for name in ("query", "name", "broken", "leeway_of", "clearance_of")}
+        names = {name: str for name in ("query", "name", "broken", "leeway_of", "clearance_of", "breaks")}
         table = io.StringIO(self._text(rows, "TSV", step))
         return pandas.read_csv(table, sep="\t", na_values="n/a", keep_default_na=False, dtype=names, quoting=3)
 
@@ -197,6 +199,20 @@ class Plan:
     def profile(self, step: float = 1) -> pandas.DataFrame:
         """How far each needle is from what it is to avoid, from ``step`` to ``step`` mm of depth: ``--profile``."""
         return self._table("PROFILE", real("step", step))
+
+    def tolerance(self, pivot: Any = "entry") -> pandas.DataFrame:
+        """By how much each pose may be off along each degree of freedom before a constraint breaks (Eq. 23).
+
+        The needle turns about ``pivot``: "entry", the device's position; "tip", its far end; or a depth in mm. The rows
+        are those of ``--tolerance``.
+        """
+        options = ffi.new("conus_tolerance_options *")
+        options.pivot_at_tip = pivot == "tip"
+        if not isinstance(pivot, str):
+            options.pivot = real("pivot", pivot)
+        elif pivot not in ("entry", "tip"):
+            raise ArgumentError(f"pivot: {shown(pivot)} is neither a number nor entry nor tip")
+        return self._table("TOLERANCE", options)
 
     def save(self, path: Any) -> None:
         """Writes the rows; the ending says the format: .tsv, .csv, .json, .ndjson or, for people, .txt."""

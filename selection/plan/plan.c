@@ -249,9 +249,6 @@ static const char *take_needle(conus_planned *out, const conus_pose_row *row, co
     }
     bool has_angle = row->angle != 0 && plan->selector->options.radius == 0;
     bool has_normal = vec3_dot(row->normal, row->normal) > 0;
-    const double inward[3] = {-row->normal[0], -row->normal[1], -row->normal[2]};
-    const double *m = row->pose.world_from_device;
-    const double axis[3] = {-m[8], -m[9], -m[10]};
     *out = (conus_planned){.pose = row->pose,
                            .near = isnan(row->range[0]) ? range[0] : row->range[0],
                            .far = !isnan(row->range[1])   ? row->range[1]
@@ -260,7 +257,9 @@ static const char *take_needle(conus_planned *out, const conus_pose_row *row, co
                            .angle = has_angle ? row->angle : plan->options.angle,
                            .entry = row->entry,
                            .target = row->target,
-                           .entry_angle = has_normal ? vec3_angle(axis, inward) : NAN};
+                           .entry_angle = vec3_angle(row->pose.world_from_device + 8, row->normal)};
+    memcpy(out->normal, row->normal, sizeof out->normal);
+    out->entry_angle = has_normal ? out->entry_angle : NAN;
     if (has_angle && pose_check_angle(row->angle)) {
         return conus_message();
     }
@@ -660,11 +659,16 @@ bool conus_plan_has_leeway(const conus_plan *plan, size_t index)
     return index < plan->count && plan->constraints[index].has_leeway;
 }
 
+struct plan_judge *plan_judge_of(conus_plan *plan)
+{
+    return &plan->workers[0].judge;
+}
+
 conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const conus_pose_row *row)
 {
     struct block *block = &plan->blocks[ring_slots(plan->options.threads)];
     struct trial *trial = block->trials;
-    struct plan_judge *judge = &plan->workers[0].judge;
+    struct plan_judge *judge = plan_judge_of(plan);
     conus_pose_row asked = *row;
     conus_status status = row->error ? CONUS_OK : conus_pose_from_matrix(&asked.pose, row->pose.world_from_device);
     const char *why = status ? NULL : take_needle(&trial->planned, &asked, plan);
@@ -698,8 +702,8 @@ conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, siz
     }
     conus_planned point = *planned;
     point.near = point.far = depth;
-    plan_judge_turn(&plan->workers[0].judge, &point);
-    *out = plan_judge_distance(&plan->workers[0].judge, constraint);
+    plan_judge_turn(plan_judge_of(plan), &point);
+    *out = plan_judge_distance(plan_judge_of(plan), constraint);
     return CONUS_OK;
 }
 

@@ -91,7 +91,16 @@ conus_status plan_judge(conus_verdict *out, struct plan_judge *judge, size_t ind
 conus_status plan_judge_least(bool *out, struct plan_judge *judge, size_t index, enum plan_quantity quantity,
                               double least);
 
+/** A leeway of constraint @p index, which has one, that is proven: at most @p most, mm, and 0 where it breaks. Of a
+ * direction its slack, radians, by which the axis may turn. */
+conus_status plan_judge_leeway(double *out, struct plan_judge *judge, size_t index, double most);
+
 /** mm from the needle's axis to the structure of constraint @p index. */
 double plan_judge_distance(struct plan_judge *judge, size_t index);
+
+/* plan.c */
+
+/** What single poses are judged with outside of a run. */
+struct plan_judge *plan_judge_of(conus_plan *plan);
 
 #endif

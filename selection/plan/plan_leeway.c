@@ -503,6 +503,21 @@ static double look_between(const struct bracket *at)
     return middle - copysign(fmin(fmax(fabs(off) - nudge, 0), (at->longest - width) / 2), off);
 }
 
+conus_status plan_leeway_guess(double *out, struct plan_leeway *leeway, double most)
+{
+    while (!leeway->is_tip && most > ROUNDING && most_left(leeway, most) < leeway->length) {
+        most /= 2;
+    }
+    double rest = -1;
+    *out = 0;
+    conus_status status = gather(leeway, most);
+    for (; !status && most > ROUNDING && rest < 0; most /= 2) {
+        status = measure_rest(&rest, leeway, most);
+        *out = rest >= 0 ? most : 0;
+    }
+    return status;
+}
+
 conus_status plan_leeway_find(double *out, struct plan_leeway *leeway)
 {
     struct bracket at = {.more = leeway->is_tip ? 1 : most_left(leeway, 0) - leeway->length};

@@ -43,6 +43,9 @@ conus_status plan_leeway_ask(struct plan_leeway *leeway, const struct plan_const
 /** Whether the points of the axis may each move by less than @p delta, mm, in any direction. */
 conus_status plan_leeway_is(bool *out, struct plan_leeway *leeway, double delta);
 
+/** A delta for which that is so, at most @p most: no less than half of the largest one, or 0. */
+conus_status plan_leeway_guess(double *out, struct plan_leeway *leeway, double most);
+
 /** The largest such delta, from below, to 1e-6 mm. */
 conus_status plan_leeway_find(double *out, struct plan_leeway *leeway);
 

@@ -2,6 +2,7 @@
 /* Adds plans to reports: their poses, and the names and columns of their constraints. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/options.h"
 #include "selection/report/report_columns.h"
 
 #include <math.h>
@@ -234,6 +235,26 @@ static conus_status add_profile(conus_report *report, conus_plan *plan, size_t i
                 }
                 status = conus_plan_distance(&planned->distance, plan, index, k, planned->depth);
             }
+        }
+    }
+    return status;
+}
+
+conus_status conus_report_add_tolerance(conus_report *report, conus_plan *plan, const conus_tolerance_options *options)
+{
+    conus_tolerance_options filled = *options_of(conus_tolerance_options, options);
+    conus_status status = begin_plan(report, plan, report->options.rows == CONUS_ROWS_TOLERANCE);
+    for (int a = 0; a < 3; a++) {
+        const double axis[3] = {a == 0, a == 1, a == 2};
+        conus_frame_direction_to_world(filled.shifts[a], &report->frame, axis);
+    }
+    for (size_t i = 0; i < conus_plan_count(plan) && !status; i++) {
+        conus_tolerance tolerances[CONUS_TOLERANCE_COUNT];
+        struct report_row *rows;
+        status = conus_plan_tolerance(tolerances, plan, conus_plan_pose(plan, i), &filled);
+        status = status ? status : add_pose(&rows, report, conus_plan_pose(plan, i), CONUS_TOLERANCE_COUNT);
+        for (int k = 0; k < CONUS_TOLERANCE_COUNT && !status; k++) {
+            rows[k].planned.tolerance = tolerances[k];
         }
     }
     return status;

@@ -414,6 +414,21 @@ conus_status plan_judge_least(bool *out, struct plan_judge *judge, size_t index,
     return status;
 }
 
+conus_status plan_judge_leeway(double *out, struct plan_judge *judge, size_t index, double most)
+{
+    const struct plan_constraint *constraint = &judge->constraints[index];
+    double radius = judge->selector->options.radius;
+    conus_verdict verdict = {0};
+    if (constraint->asked.kind == CONUS_CONSTRAINT_REACH) {
+        conus_status status = ask_leeway(judge, constraint);
+        return status ? status : plan_leeway_guess(out, &judge->leeway, most);
+    }
+    conus_status status = measure(&verdict, judge, constraint, radius + constraint->asked.limit + most);
+    decide(&verdict, constraint, radius);
+    *out = verdict.holds ? fmin(verdict.slack, most) : 0;
+    return status;
+}
+
 double plan_judge_distance(struct plan_judge *judge, size_t index)
 {
     conus_verdict verdict;

@@ -35,6 +35,7 @@ struct report_planned {
     double depth, distance;    /**< mm from the apex; of the axis there from the structure. */
     double at[3];              /**< The far end, or the point of the axis at the depth; world. */
     double axis[3];            /**< Direction in the report's space. */
+    conus_tolerance tolerance; /**< Of one side of a degree of freedom. */
 };
 
 /** A constraint of a plan. */

@@ -577,6 +577,90 @@ static const struct report_column profile_columns[] = {
     {"clearance_mm", "mm", "the same, the radius taken off", .get = get_profile_clearance},
 };
 
+static bool is_turn(const struct report_row *row)
+{
+    return row->planned.tolerance.freedom >= CONUS_FREEDOM_PITCH;
+}
+
+/* Shifts by what the space calls its axes. */
+static struct cell get_freedom(const conus_report *report, const struct report_row *row)
+{
+    static const char *const names[] = {"x", "y", "z", "depth", "side", "up", "pitch", "yaw", "azimuth", "elevation"};
+    static const char *const axes[][3] = {
+        [CONUS_SPACE_CCF] = {"ap", "dv", "ml"}, [CONUS_SPACE_BREGMA] = {"ap", "ml", "dv"}};
+    conus_freedom freedom = row->planned.tolerance.freedom;
+    bool has_axes = freedom <= CONUS_FREEDOM_Z && report->frame.space >= CONUS_SPACE_CCF;
+    return text_cell(has_axes ? axes[report->frame.space][freedom] : names[freedom]);
+}
+
+static struct cell get_side(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return text_cell(row->planned.tolerance.negative ? "-" : "+");
+}
+
+static struct cell get_unit(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return text_cell(is_turn(row) ? "degree" : "mm");
+}
+
+static struct cell off_cell(const struct report_row *row, double off)
+{
+    return number_cell(is_turn(row) ? degrees_from_radians(off) : off);
+}
+
+static struct cell get_holds_to(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return off_cell(row, row->planned.tolerance.holds_to);
+}
+
+static struct cell get_fails_at(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return off_cell(row, row->planned.tolerance.fails_at);
+}
+
+static struct cell get_breaks(const conus_report *report, const struct report_row *row)
+{
+    return constraint_cell(report, row->planned.tolerance.constraint);
+}
+
+static struct cell get_broken_object(const conus_report *report, const struct report_row *row)
+{
+    const conus_object *object = conus_atlas_object(report->atlas, row->planned.tolerance.object);
+    return object ? text_cell(object->name) : no_cell();
+}
+
+static struct cell get_method(const conus_report *report, const struct report_row *row)
+{
+    static const char *const names[] = {"exact", "sampled", "graze"};
+    (void)report;
+    return text_cell(names[row->planned.tolerance.method]);
+}
+
+static const struct report_column tolerance_columns[] = {
+    {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
+    {"freedom", NULL, "the degree of freedom: shift along an axis of the space or the device, depth, or turn",
+     NAMED(get_freedom)},
+    {"side", NULL, "+ or -, to which side", NAMED(get_side)},
+    {"unit", NULL, "of the next two: mm or degree", NAMED(get_unit)},
+    {"holds_to", NULL, "no constraint breaks up to here; proven, if the method is exact or graze", .get = get_holds_to},
+    {"fails_at", NULL, "here one breaks; n/a where none does up to 20 mm or 30 degrees", .get = get_fails_at},
+    {"breaks", NULL, "the constraint that breaks there, by the name of its structure, else by its kind",
+     NAMED(get_breaks)},
+    {"object", NULL, "what is nearest there, of a structure to be avoided, or is first on the axis",
+     NAMED(get_broken_object)},
+    {"depth_mm", "mm", "where on the axis that is, or where what is reached begins, from the apex",
+     OF_ROW(NUMBER, planned.tolerance.depth)},
+    {"x", "mm", "where in space, x", OF_ROW(X, planned.tolerance.at)},
+    {"y", "mm", "the same, y", OF_ROW(Y, planned.tolerance.at)},
+    {"z", "mm", "the same, z", OF_ROW(Z, planned.tolerance.at)},
+    {"method", NULL, "exact, sampled, or graze where between both numbers something only just does not break",
+     NAMED(get_method)},
+};
+
 /* Summaries: one row per answer, with the best, the next, and by how much it is behind. */
 
 static const char *const summary_common[] = {"query", "kind", "index", "name", "share", "score", "distance_mm"};
@@ -754,6 +838,9 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_PROFILE:
         list_table(out, report, profile_columns, COUNT_OF(profile_columns));
         break;
+    case CONUS_ROWS_TOLERANCE:
+        list_table(out, report, tolerance_columns, COUNT_OF(tolerance_columns));
+        break;
     }
     if (report->name) {
         list_column(out, &atlas_column);
@@ -781,11 +868,11 @@ bool conus_column_is_number(const char *name)
     static const struct {
         const struct report_column *columns;
         size_t count;
-    } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),      ALL_OF(share_columns),
-                  ALL_OF(admission_columns), ALL_OF(chance_columns),     ALL_OF(coverage_columns),
-                  ALL_OF(segment_columns),   ALL_OF(clearance_columns),  ALL_OF(connection_columns),
-                  ALL_OF(summary_columns),   ALL_OF(electrode_columns),  ALL_OF(voxel_columns),
-                  ALL_OF(plan_columns),      ALL_OF(constraint_columns), ALL_OF(profile_columns)};
+    } tables[] = {
+        ALL_OF(answer_columns),     ALL_OF(track_columns),      ALL_OF(share_columns),     ALL_OF(admission_columns),
+        ALL_OF(chance_columns),     ALL_OF(coverage_columns),   ALL_OF(segment_columns),   ALL_OF(clearance_columns),
+        ALL_OF(connection_columns), ALL_OF(summary_columns),    ALL_OF(electrode_columns), ALL_OF(voxel_columns),
+        ALL_OF(plan_columns),       ALL_OF(constraint_columns), ALL_OF(profile_columns),   ALL_OF(tolerance_columns)};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {

@@ -182,6 +182,26 @@ columns() {
     nothing_left needles.tsv u-shape.nii.gz u-shape.tsv u-shape.json
 }
 
+# b ends 5 mm before the margin of the ball, and has 8 of 5 mm in U, 3 mm too much.
+@test "how far each pose may be off" {
+    needles
+    answers $U --reach U,length=5 --avoid Ball,margin=3 --tolerance - --format tsv -q
+    [ "$(head -1 <<<"$output" | tr '\t' ' ')" = "query freedom side unit holds_to fails_at breaks object depth_mm x y z method" ]
+    [ "$(wc -l <<<"$output")" -eq 41 ]
+    output=$(awk -F '\t' 'NR == 1 || (($2 == "x" || $2 == "depth") && $1 == "b")' <<<"$output")
+    [ "$(columns query freedom side unit holds_to fails_at breaks object depth_mm method)" = \
+        "b x + mm 3 3 U n/a 21 exact;b x - mm 5 5 Ball Ball 26 exact;b depth + mm 5 5 Ball Ball 31 exact;b depth - mm 3 3 U n/a 18 exact;" ]
+    answers $U --reach U,length=5 --tolerance tips.tsv --pivot tip -o plan.tsv -q
+    answers $U --reach U,length=5 --tolerance depths.tsv --pivot 26 -o again.tsv -q
+    cmp plan.tsv again.tsv
+    cmp <(grep ^b tips.tsv) <(grep ^b depths.tsv) # 26 is b's tip
+    ! cmp -s <(grep ^a tips.tsv) <(grep ^a depths.tsv)
+    answers verify tips.tsv
+    fails 2 'neither a number nor entry nor tip' $U --reach U --tolerance - --pivot middle
+    fails 2 'pivot' $U --reach U --pivot tip
+    fails 2 'both on standard output' $U --reach U --tolerance - --constraints -
+}
+
 # Rows of other commands about the same needles have the same numbers, byte for byte. A reach of several segments is
 # their sum, and is left out here.
 @test "poses of the list, asked by batch, have the same answers" {

@@ -78,8 +78,10 @@ SIZE(conus_constraint, 96);
 SIZE(conus_candidates, 80);
 SIZE(conus_plan_options, 88);
 SIZE(conus_verdict, 48);
-SIZE(conus_planned, 280);
+SIZE(conus_planned, 304);
 SIZE(conus_plan_faults, 24);
+SIZE(conus_tolerance, 80);
+SIZE(conus_tolerance_options, 96);
 #endif
 
 extern int sizes_are_known;

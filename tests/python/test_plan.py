@@ -31,6 +31,11 @@ def test_rows_and_arrays(atlas):
     assert plan.constraints == ["at least 4 mm of the axis in right", "more than 3 mm of clearance from left"]
     verdicts = plan.verdicts()[["query", "kind", "value", "holds"]].values.tolist()
     assert verdicts[:2] == [["2", "reach", 10, 1], ["2", "avoid", 20, 1]]
+    tolerance = plan.tolerance("tip").set_index(["query", "freedom", "side"])
+    assert len(tolerance) == 40 and set(tolerance.method) == {"exact"}
+    assert tolerance.holds_to["2", "depth", "-"] == pytest.approx(6, abs=2e-6)  # 10 mm, of which 4 are needed
+    with pytest.raises(conus.ArgumentError, match="pivot"):
+        plan.tolerance("middle")
     profile = plan.profile(20)[["query", "depth_mm", "distance_mm"]].values.tolist()
     assert profile[:3] == [["2", 0, 20], ["2", 20, 40], ["2", 30, 50]]
 

@@ -599,6 +599,7 @@ static const struct {
     {"plan", NULL, put_plan, false},
     {"constraints", NULL, put_plan, false},
     {"profile", NULL, put_plan, false},
+    {"tolerance", NULL, put_plan, false},
 };
 
 /* The index of that row; the number of rows where none fits. */

@@ -58,9 +58,10 @@ static conus_status write_report(conus_report **out, const char **text, const st
     size_t size = 0;
     conus_status status =
         conus_report_create(out, made->selector, &(conus_report_options){.rows = rows, .format = format});
-    status = status                       ? status
-             : rows == CONUS_ROWS_PROFILE ? conus_report_add_profile(*out, made->plan, 10)
-                                          : conus_report_add_plan(*out, made->plan);
+    status = status                         ? status
+             : rows == CONUS_ROWS_PROFILE   ? conus_report_add_profile(*out, made->plan, 10)
+             : rows == CONUS_ROWS_TOLERANCE ? conus_report_add_tolerance(*out, made->plan, NULL)
+                                            : conus_report_add_plan(*out, made->plan);
     return status ? status : conus_report_text(text, &size, *out);
 }
 
@@ -151,8 +152,9 @@ static void every_sidecar_tells_of_the_plan(void **state)
 {
     (void)state;
     struct made made = make();
-    static const conus_rows rows[] = {CONUS_ROWS_PLAN, CONUS_ROWS_CONSTRAINTS, CONUS_ROWS_PROFILE};
-    for (size_t i = 0; i < 3; i++) {
+    static const conus_rows rows[] = {CONUS_ROWS_PLAN, CONUS_ROWS_CONSTRAINTS, CONUS_ROWS_PROFILE,
+                                      CONUS_ROWS_TOLERANCE};
+    for (size_t i = 0; i < 4; i++) {
         conus_report *report = NULL;
         const char *text = NULL;
         size_t size = 0;
