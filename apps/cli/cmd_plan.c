@@ -21,6 +21,7 @@ struct plan_settings {
     bool infeasible, no_pruning;
     const char *rank, *score, *pareto;
     const char *constraint_rows, *profile, *tolerance, *pivot;
+    const char *map, *structure;
     uint32_t threads;
     size_t progress; /* enum progress_kind */
 };
@@ -104,6 +105,29 @@ static const struct option list_options[] = {
     {0},
 };
 
+static const struct option best_map_options[] = {
+    {.name = "map",
+     .type = OPTION_TEXT,
+     .offset = FIELD(map),
+     .value = "FILE[,fill=nearest]",
+     .help = "with entries from a surface: write of each vertex's best pose leeway_mm, slack_mm, depth_mm, "
+             "entry_angle_deg, reach1 and candidate, and how many poses are feasible; with fill those that the spacing "
+             "leaves out have the numbers of the nearest entry",
+     .words = "scalp, overlay, func.gii, colours",
+     .needs = "from",
+     .role = OPTION_WRITES,
+     .endings = ".func.gii .shape.gii",
+     .key = "fill"},
+    {.name = "structure",
+     .type = OPTION_TEXT,
+     .offset = FIELD(structure),
+     .value = "NAME",
+     .help = "what the surface of --map is for Workbench, CortexLeft say (default: as its file says)",
+     .needs = "map",
+     .role = OPTION_ASKS},
+    {0},
+};
+
 static const struct option rows_options[] = {
     {.name = "constraints",
      .type = OPTION_TEXT,
@@ -175,6 +199,7 @@ static const struct option_group groups[] = {
     {"What is there", atlas_options, REQUEST_FIELD(atlas)},
     {"", shown_options, REQUEST_FIELD(atlas)},
     REQUEST_OUTPUT_GROUPS,
+    {"", best_map_options, 0},
     {"", rows_options, 0},
     {"How it runs", run_options, 0},
     {"", quiet_options, REQUEST_FIELD(common)},
@@ -305,6 +330,7 @@ static int try_poses(struct planning *planning)
         .pareto = settings->pareto,
         .angle = settings_angle(&settings->request.aim, &settings->request.engine),
         .far = planning->candidates.far,
+        .entries = settings->map ? conus_sites_count(planning->candidates.from.sites) : 0,
         .progress = show_tried,
         .progress_user = planning,
     };
@@ -443,6 +469,64 @@ static conus_status make_reports(struct planning *planning)
     return status;
 }
 
+enum { MAPS = 7 };
+/* Where the first numbers of a map are in conus_plan_best. Behind them come feasible and candidate. */
+static const struct {
+    const char *name;
+    size_t offset;
+    double unit;
+} map_kinds[MAPS - 2] = {{"leeway_mm", offsetof(conus_plan_best, leeway), 1},
+                         {"slack_mm", offsetof(conus_plan_best, slack), 1},
+                         {"depth_mm", offsetof(conus_plan_best, far), 1},
+                         {"entry_angle_deg", offsetof(conus_plan_best, entry_angle), 0},
+                         {"reach1", offsetof(conus_plan_best, reach), 1}};
+
+static int write_map(const struct planning *planning)
+{
+    const struct plan_settings *settings = planning->settings;
+    const struct place *from = &planning->candidates.from;
+    size_t count = conus_sites_count(from->sites);
+    float *values = calloc(MAPS * count, sizeof *values);
+    conus_vertex_map maps[MAPS];
+    if (!values) {
+        return print_no_memory();
+    }
+    for (size_t k = 0; k < MAPS; k++) {
+        maps[k] = (conus_vertex_map){k < MAPS - 2    ? map_kinds[k].name
+                                     : k == MAPS - 2 ? "feasible"
+                                                     : "candidate",
+                                     values + k * count};
+    }
+    for (size_t i = 0; i < count; i++) {
+        const conus_plan_best *best = conus_plan_entry(planning->plan, i + 1);
+        for (size_t k = 0; k < MAPS - 2; k++) {
+            double value = *(const double *)((const char *)best + map_kinds[k].offset);
+            values[k * count + i] = (float)(map_kinds[k].unit > 0 ? value : value / radians(1));
+        }
+        values[(MAPS - 2) * count + i] = (float)best->feasible;
+        values[(MAPS - 1) * count + i] = best->candidate ? (float)best->candidate : NAN;
+    }
+    double fill = option_key(planning->request.arguments, "map") ? from->apart : 0;
+    conus_status status = conus_sites_write_maps(settings->map, from->sites, maps, MAPS, settings->structure, fill);
+    free(values);
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+static int check_map(const struct planning *planning)
+{
+    const struct place *from = &planning->candidates.from;
+    const char *fill = option_key(planning->request.arguments, "map");
+    if (fill && strcmp(fill, "nearest") != 0) {
+        return print_usage_error("--map: fill=%s, allowed is nearest", fill);
+    }
+    if (fill && !from->spacing) {
+        return print_usage_error("--map: fill has no effect without spacing=MM of --from");
+    }
+    return !planning->settings->map || conus_sites_normals(from->sites)
+               ? EXIT_DONE
+               : print_usage_error("--map: %s is no surface", from->path);
+}
+
 static int write_all(struct planning *planning)
 {
     struct request *request = &planning->request;
@@ -464,6 +548,7 @@ static int write_all(struct planning *planning)
     if (!code && settings->poses_out) {
         code = candidates_write(settings->poses_out, planning->plan, &request->frame);
     }
+    code = code || !settings->map ? code : write_map(planning);
     provenance.question.rows = "plan";
     provenance_add_outputs(&provenance, request->arguments);
     return code || is_replaced(planning) ? code
@@ -494,6 +579,7 @@ static int answer_plan(struct planning *planning)
     if (!code && !request->stream) {
         code = candidates_open(&planning->candidates, request, &planning->constraints);
     }
+    code = code ? code : check_map(planning);
     code = code ? code : try_poses(planning);
     code = code ? code : check_candidates(planning);
     if (code) {

@@ -6,6 +6,7 @@
 #ifndef CONUS_PUBLIC_CANDIDATES_H
 #define CONUS_PUBLIC_CANDIDATES_H
 
+#include <conus/mesh.h>
 #include <conus/overlap.h>
 #include <conus/pose_file.h>
 #include <conus/selection.h>
@@ -164,6 +165,25 @@ CONUS_API const double *conus_sites_normals(const conus_sites *sites);
  * @since 0.1
  */
 CONUS_API uint64_t conus_sites_source(const conus_sites *sites, size_t index);
+
+/**
+ * Writes numbers of sites of a surface as numbers of its vertices (conus_vertex_maps_write()); a vertex that is no site
+ * has none.
+ * @param path Ends in .func.gii or .shape.gii.
+ * @param sites Of conus_sites_load().
+ * @param maps [count] Their values are [conus_sites_count()].
+ * @param count At least 1.
+ * @param structure What the surface is; NULL = as its file says.
+ * @param fill A vertex that is no site has the numbers of the nearest one that is nearer than this, of equal ones of
+ * the first, mm; 0 = it has none.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for sites of no surface; the errors of conus_vertex_maps_write() and of
+ * reading the surface.
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_sites_write_maps(const char *path, const conus_sites *sites,
+                                                  const conus_vertex_map *maps, size_t count, const char *structure,
+                                                  double fill);
 
 /**
  * Gives note @p index that a careful user should know about these sites.

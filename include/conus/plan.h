@@ -88,6 +88,8 @@ typedef struct conus_plan_options {
     conus_progress progress; /**< Hears how many poses were tried, of how many 0: nobody knows; false ends the run.
                                 NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
+    uint64_t entries;        /**< Of each entry up to this number the best pose is kept, for conus_plan_entry(): 56
+                                bytes and 8 a key each; 0 = of none. */
 } conus_plan_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -210,6 +212,28 @@ CONUS_API size_t conus_plan_count(const conus_plan *plan);
  * @since 0.1
  */
 CONUS_API const conus_planned *conus_plan_pose(const conus_plan *plan, size_t index);
+
+/** The best pose of an entry. */
+typedef struct conus_plan_best {
+    uint64_t feasible;  /**< How many poses of the entry break no constraint. */
+    uint64_t candidate; /**< Number of the best of these by the rank; 0 = there is none, and all that follows is NaN. */
+    double leeway;      /**< As of conus_planned, mm. */
+    double slack;       /**< Likewise. */
+    double far;         /**< Likewise. */
+    double entry_angle; /**< Likewise, radians. */
+    double reach;       /**< Value of the first REACH; NaN without one. */
+} conus_plan_best;
+
+/**
+ * Gives the best pose of an entry, also where it is not in the list. It is the same for any number of threads, and with
+ * or without pruning.
+ * @param plan The plan.
+ * @param entry Its number, from 1 to conus_plan_options.entries.
+ * @return NULL past the last, and before conus_plan_run(). Borrowed from the plan.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const conus_plan_best *conus_plan_entry(const conus_plan *plan, uint64_t entry);
 
 /**
  * Counts the candidates that hold the first constraints: the funnel.

@@ -2,15 +2,19 @@
 /* Reads and writes numbers of the vertices of a surface. */
 #include "loaders/surfaces/vertex_map.h"
 
+#include "atlas/sites.h"
 #include "base/files/file.h"
 #include "base/files/folder.h"
 #include "base/formats/gzip.h"
 #include "base/formats/xml.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/file_kind.h"
 #include "loaders/formats/map_choice.h"
 #include "loaders/surfaces/gifti.h"
+#include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/mesh_format.h"
+#include "loaders/surfaces/surface_find.h"
 
 #include <libdeflate.h>
 #include <math.h>
@@ -167,5 +171,64 @@ conus_status conus_vertex_maps_write(const char *path, const conus_vertex_map *m
     status = status ? status : buffer_status(&file);
     status = status ? status : file_write(path, file.data, file.size);
     buffer_finish(&file);
+    return status;
+}
+
+/* Of each vertex the site whose numbers it has; SIZE_MAX = none. */
+static conus_status find_sites(size_t *out, const conus_sites *sites, double fill)
+{
+    struct mesh mesh = {0};
+    struct notes notes = {0};
+    conus_status status =
+        mesh_file_read(&mesh, NULL, sites->path, &(const struct mesh_file_options){.external = true}, &notes);
+    notes_finish(&notes);
+    if (!status && mesh.vertex_count != sites->vertex_count) {
+        status = fail(CONUS_ERROR_DATA, "%s: the file has changed meanwhile", sites->path);
+    }
+    for (size_t v = 0; v < sites->vertex_count && !status; v++) {
+        double nearest = fill;
+        out[v] = SIZE_MAX;
+        for (size_t i = 0; i < sites->count && fill > 0; i++) {
+            const float *p = mesh.positions + 3 * v;
+            const double way[3] = {sites->points[i][0] - (double)p[0], sites->points[i][1] - (double)p[1],
+                                   sites->points[i][2] - (double)p[2]};
+            if (fabs(way[0]) < nearest && vec3_length(way) < nearest) {
+                nearest = vec3_length(way);
+                out[v] = i;
+            }
+        }
+    }
+    for (size_t i = 0; i < sites->count && !status; i++) {
+        out[sites->sources[i]] = i;
+    }
+    mesh_finish(&mesh);
+    return status;
+}
+
+conus_status conus_sites_write_maps(const char *path, const conus_sites *sites, const conus_vertex_map *maps,
+                                    size_t count, const char *structure, double fill)
+{
+    if (!sites->vertex_count) {
+        return fail(CONUS_ERROR_ARGUMENT, "the entries are not vertices of a surface, whose map this would be");
+    }
+    size_t vertices = sites->vertex_count;
+    size_t *from = memory_raw(vertices, sizeof *from);
+    float *values = memory_raw(vertices, count * sizeof *values);
+    conus_vertex_map *whole = memory_raw(count, sizeof *whole);
+    struct surface_about about = {0};
+    conus_status status = from && values && whole ? find_sites(from, sites, fill) : CONUS_ERROR_MEMORY;
+    status = status || structure ? status : surface_about_read(&about, sites->path, memory_limit(0));
+    for (size_t k = 0; k < count && !status; k++) {
+        for (size_t v = 0; v < vertices; v++) {
+            values[k * vertices + v] = from[v] == SIZE_MAX ? NAN : maps[k].values[from[v]];
+        }
+        whole[k] = (conus_vertex_map){maps[k].name, values + k * vertices};
+    }
+    status = status ? status
+                    : conus_vertex_maps_write(path, whole, count, vertices, structure ? structure : about.structure);
+    surface_about_finish(&about);
+    memory_free(whole);
+    memory_free(values);
+    memory_free(from);
     return status;
 }

@@ -49,8 +49,11 @@ struct trial {
     size_t id;
     conus_verdict *verdicts;
     double *keys, *pareto; /* as they are compared */
-    bool is_measured;      /* all of this is whole */
-    bool is_lone;          /* it breaks planned.broken and nothing else */
+    double *bar; /* [rank_count] What it has to be better than, where it has a bar: the last of a full list, or
+                    the best of its entry so far where that is less. */
+    bool has_bar;
+    bool is_measured; /* all of this is whole */
+    bool is_lone;     /* it breaks planned.broken and nothing else */
 };
 
 struct block {
@@ -85,6 +88,8 @@ struct conus_plan {
     struct entry **misses;     /* [count] */
     double *fronts;            /* [feasible][pareto_count] Keys of all feasible poses. */
     size_t front_capacity, feasible;
+    conus_plan_best *bests; /* [options.entries] */
+    double *best_keys;      /* [options.entries][rank_count] */
     struct bar bar;
     pthread_mutex_t lock; /* of the bar, during a run */
     struct worker *workers;
@@ -121,7 +126,7 @@ static void finish_bar(struct bar *bar)
 
 static conus_status init_block(struct block *block, const conus_plan *plan)
 {
-    size_t key_count = plan->order.rank_count + plan->order.pareto_count;
+    size_t key_count = 2 * plan->order.rank_count + plan->order.pareto_count;
     block->trials = memory_zeroed(BLOCK, sizeof *block->trials);
     block->verdicts = memory_zeroed(BLOCK * plan->count, sizeof *block->verdicts);
     block->keys = memory_zeroed(BLOCK * key_count, sizeof *block->keys);
@@ -131,7 +136,8 @@ static conus_status init_block(struct block *block, const conus_plan *plan)
     for (size_t i = 0; i < BLOCK; i++) {
         block->trials[i].verdicts = block->verdicts + i * plan->count;
         block->trials[i].keys = block->keys + i * key_count;
-        block->trials[i].pareto = block->trials[i].keys + plan->order.rank_count;
+        block->trials[i].bar = block->trials[i].keys + plan->order.rank_count;
+        block->trials[i].pareto = block->trials[i].bar + plan->order.rank_count;
     }
     return CONUS_OK;
 }
@@ -156,6 +162,23 @@ static conus_status init_constraints(conus_plan *plan, const conus_constraint *c
         plan->count++;
     }
     return status ? status : plan_constraints_check(plan->constraints, count, plan->selector->atlas);
+}
+
+static conus_status init_bests(conus_plan *plan)
+{
+    uint64_t count = plan->options.entries;
+    if (!count) {
+        return CONUS_OK;
+    }
+    size_t keys = 0;
+    if (count <= SIZE_MAX && memory_multiply((size_t)count, plan->order.rank_count, &keys)) {
+        plan->bests = memory_raw((size_t)count, sizeof *plan->bests);
+        plan->best_keys = memory_raw(keys, sizeof *plan->best_keys);
+    }
+    for (uint64_t i = 0; plan->bests && i < count; i++) {
+        plan->bests[i] = (conus_plan_best){0, 0, NAN, NAN, NAN, NAN, NAN};
+    }
+    return plan->bests && plan->best_keys ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 static conus_status init_options(conus_plan *plan)
@@ -193,6 +216,7 @@ conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const
         status = plan->left && plan->misses && plan->workers && plan->blocks ? init_bar(&plan->bar, plan)
                                                                              : CONUS_ERROR_MEMORY;
     }
+    status = status ? status : init_bests(plan);
     for (size_t i = 0; !status && i < plan->options.threads; i++) {
         status = plan_judge_init(&plan->workers[i].judge, selector, plan->constraints);
         status = status ? status : init_bar(&plan->workers[i].bar, plan);
@@ -235,6 +259,8 @@ void conus_plan_destroy(conus_plan *plan)
     memory_free(plan->left);
     memory_free((void *)plan->misses);
     memory_free(plan->fronts);
+    memory_free(plan->bests);
+    memory_free(plan->best_keys);
     memory_free(plan->workers);
     memory_free(plan->blocks);
     memory_free(plan);
@@ -368,7 +394,7 @@ static conus_status measure(struct trial *trial, struct plan_judge *judge, const
     return status;
 }
 
-/* Whether a feasible pose may be better than the last of a full list: it is measured no more than that takes. What a
+/* Whether a feasible pose may be better than its bar: it is measured no more than that takes. What a
  * pose before it has for its keys is enough to be before it. */
 static conus_status may_enter(bool *out, struct trial *trial, struct worker *worker, const conus_plan *plan)
 {
@@ -376,10 +402,10 @@ static conus_status may_enter(bool *out, struct trial *trial, struct worker *wor
     enum plan_quantity quantity = plan->order.names[first->name].quantity;
     conus_status status = CONUS_OK;
     *out = true;
-    if (!worker->bar.is_full) {
+    if (!trial->has_bar) {
         return CONUS_OK;
     }
-    double least = worker->bar.keys[0] * (first->step > 0 ? first->step : 1); /* less what nine digits may hide */
+    double least = trial->bar[0] * (first->step > 0 ? first->step : 1); /* less what nine digits may hide */
     least -= 1e-8 * fabs(least) + 1e-9;
     bool has_least = !first->smaller && least > 0 && quantity <= PLAN_CLEARANCE;
     for (size_t i = 0; i < 2 * plan->count && has_least && *out && !status;
@@ -390,7 +416,7 @@ static conus_status may_enter(bool *out, struct trial *trial, struct worker *wor
     }
     if (*out && !status) {
         status = measure(trial, &worker->judge, plan, plan->order.needs_leeway ? PLAN_ALL : PLAN_SLACKS);
-        *out = plan_keys_compare(trial->keys, worker->bar.keys, plan->order.rank_count) > 0;
+        *out = plan_keys_compare(trial->keys, trial->bar, plan->order.rank_count) > 0;
     }
     return status;
 }
@@ -437,6 +463,26 @@ static void copy_bar(struct bar *to, const struct bar *from, const conus_plan *p
     memcpy(to->misses, from->misses, plan->count * sizeof *to->misses);
 }
 
+/* The best poses of a pose's entry so far; NULL where they are not kept. */
+static conus_plan_best *best_of(const conus_plan *plan, const struct trial *trial)
+{
+    uint64_t entry = trial->planned.entry;
+    return entry && entry <= plan->options.entries ? &plan->bests[entry - 1] : NULL;
+}
+
+static void set_bar(struct trial *trial, const conus_plan *plan)
+{
+    size_t count = plan->order.rank_count;
+    const double *keys = plan->bar.keys;
+    const conus_plan_best *best = best_of(plan, trial);
+    trial->has_bar = plan->bar.is_full && (!best || best->candidate);
+    if (trial->has_bar && best) {
+        const double *own = plan->best_keys + (size_t)(best - plan->bests) * count;
+        keys = plan_keys_compare(own, keys, count) < 0 ? own : keys;
+    }
+    memcpy(trial->bar, keys, count * sizeof *keys);
+}
+
 static conus_status answer_block(void *user, size_t slot, size_t worker, const atomic_bool *stop)
 {
     conus_plan *plan = user;
@@ -444,6 +490,9 @@ static conus_status answer_block(void *user, size_t slot, size_t worker, const a
     conus_status status = CONUS_OK;
     pthread_mutex_lock(&plan->lock);
     copy_bar(&plan->workers[worker].bar, &plan->bar, plan);
+    for (size_t i = 0; i < block->count; i++) {
+        set_bar(&block->trials[i], plan);
+    }
     pthread_mutex_unlock(&plan->lock);
     plan->workers[worker].judge.leeway.uses_maps = plan->workers[worker].bar.has_maps;
     for (size_t i = 0; i < block->count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {
@@ -503,6 +552,32 @@ static void cut_list(conus_plan *plan)
     }
 }
 
+static void take_best(conus_plan *plan, const struct trial *trial)
+{
+    conus_plan_best *best = best_of(plan, trial);
+    if (!best) {
+        return;
+    }
+    size_t count = plan->order.rank_count;
+    double *keys = plan->best_keys + (size_t)(best - plan->bests) * count;
+    best->feasible++;
+    if (trial->is_measured && (!best->candidate || plan_keys_compare(trial->keys, keys, count) > 0)) {
+        const conus_planned *planned = &trial->planned;
+        size_t reach = 0;
+        while (reach < plan->count && plan->constraints[reach].asked.kind != CONUS_CONSTRAINT_REACH) {
+            reach++;
+        }
+        *best = (conus_plan_best){best->feasible,
+                                  planned->candidate,
+                                  planned->leeway,
+                                  planned->slack,
+                                  planned->far,
+                                  planned->entry_angle,
+                                  reach < plan->count ? trial->verdicts[reach].value : NAN};
+        memcpy(keys, trial->keys, count * sizeof *keys);
+    }
+}
+
 static conus_status take_feasible(conus_plan *plan, const struct trial *trial, const struct block *block)
 {
     struct entries *list = &plan->list;
@@ -515,6 +590,7 @@ static conus_status take_feasible(conus_plan *plan, const struct trial *trial, c
         memcpy(plan->fronts + plan->feasible * keys, trial->pareto, keys * sizeof *plan->fronts);
     }
     plan->bar.has_feasible = true;
+    take_best(plan, trial);
     if (trial->is_measured) {
         status = keep_in(list, trial, block, plan);
     }
@@ -636,6 +712,11 @@ size_t conus_plan_count(const conus_plan *plan)
 const conus_planned *conus_plan_pose(const conus_plan *plan, size_t index)
 {
     return index < conus_plan_count(plan) ? &plan->list.items[index]->planned : NULL;
+}
+
+const conus_plan_best *conus_plan_entry(const conus_plan *plan, uint64_t entry)
+{
+    return plan && plan->is_done && entry && entry <= plan->options.entries ? &plan->bests[entry - 1] : NULL;
 }
 
 uint64_t conus_plan_left(const conus_plan *plan, size_t constraints)

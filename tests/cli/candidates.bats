@@ -190,3 +190,51 @@ cells() {
     grep -q entries.txt plan.json
     grep -q targets.txt plan.json
 }
+
+# The best of each vertex is its first in the list of all; the box has 8. Without nibabel the
+# bytes alone are compared.
+@test "a map has the best pose of each vertex" {
+    needles
+    local asked=($U --toward voxels,spacing=9 --depth target+4 --avoid Ball --radius 1 -q --force)
+    local scene=("${asked[@]}" --from box.ply)
+    conus "${scene[@]}" --top all -o all.tsv --map a.func.gii --structure CortexLeft
+    conus "${scene[@]}" --top 1 -o one.tsv --map b.func.gii --structure CortexLeft --threads 1
+    conus "${scene[@]}" --top 1 -o one.tsv --map c.func.gii --structure CortexLeft --no-pruning --threads 3
+    cmp a.func.gii b.func.gii
+    cmp a.func.gii c.func.gii
+    conus "${asked[@]}" --from box.ply,spacing=50 --top 1 -o one.tsv --map thin.shape.gii
+    conus "${asked[@]}" --from box.ply,spacing=50 --top 1 -o one.tsv --map full.shape.gii,fill=nearest
+    fails 2 '--map: fill=all, allowed is nearest' "${scene[@]}" -o x.tsv --map x.func.gii,fill=all
+    fails 2 '--map: fill has no effect without spacing=MM of --from' "${scene[@]}" -o x.tsv --map x.func.gii,fill=nearest
+    fails 2 '--map: entries.txt is no surface' $P --depth target -o x.tsv --map x.func.gii
+    fails 2 '--map' "${scene[@]}" -o x.tsv --map x.txt
+    [ ! -e x.func.gii ]
+    /usr/bin/python3 -c 'import nibabel' || return 0
+    /usr/bin/python3 - <<'END'
+import csv, nibabel, numpy
+def read(path):
+    image = nibabel.load(path)
+    return dict(image.meta), {array.meta["Name"]: array.data for array in image.darrays}
+meta, a = read("a.func.gii")
+assert meta["AnatomicalStructurePrimary"] == "CortexLeft"
+columns = {"leeway_mm": "leeway_mm", "slack_mm": "slack_mm", "depth_mm": "far_mm", "entry_angle_deg": "entry_angle_deg", "reach1": "reach1_mm"}
+rows = list(csv.DictReader(open("all.tsv"), delimiter="\t"))
+assert len(rows) > 8
+for vertex in range(8):
+    own = [row for row in rows if row["entry"] == str(vertex + 1)]
+    assert a["feasible"][vertex] == len(own)
+    for name, column in columns.items():
+        wanted = float(own[0][column]) if own else numpy.nan
+        assert numpy.isclose(a[name][vertex], wanted, rtol=1e-6, equal_nan=True), (vertex, name)
+thin, full = read("thin.shape.gii")[1], read("full.shape.gii")[1]
+points = numpy.array([[x, y, z] for z in (-20, 20) for x, y in ((-40, -30), (40, -30), (40, 30), (-40, 30))], float)
+taken = []
+for i, point in enumerate(points):
+    if all(numpy.linalg.norm(point - points[j]) >= 50 for j in taken):
+        taken.append(i)
+assert numpy.array_equal(numpy.flatnonzero(~numpy.isnan(thin["feasible"])), taken) and len(taken) < 8
+for i, point in enumerate(points):
+    nearest = taken[int(numpy.argmin([numpy.linalg.norm(point - points[j]) for j in taken]))]
+    assert full["feasible"][i] == thin["feasible"][nearest]
+END
+}
