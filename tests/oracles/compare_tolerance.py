@@ -1,0 +1,140 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""conus plan --tolerance against verdicts of poses that are off (Eq. 23; compare_plan.py's, needles.py).
+
+Each listed needle is moved along each degree of freedom, and its constraints are tried by brute force: at places up to
+holds_to every one holds, at fails_at one breaks, and a scan with a fixed step finds none that breaks before. Motions are
+made here, from Eq. 2 and rotations by Rodrigues' formula. On AAL, and on a flipped grid.
+
+usage: compare_tolerance.py CONUS SHARED_DATA; exit 77 = skipped."""
+
+import csv
+import os
+import subprocess
+import sys
+import tempfile
+
+from compare_query import nibabel  # or skips
+from compare_candidates import frame, to_world
+from compare_clearance import AAL, GRIDS, LONG, blobs, save
+from compare_plan import Question, needles_towards, number, write_table
+import needles as by
+import structures
+
+import numpy as np
+
+TURNS = ("pitch", "yaw", "azimuth", "elevation")
+PLACES = 100 if LONG else 6
+NEAR = 2e-6  # mm or degrees that a verdict may be off
+
+
+def turned(vector, axis, angle):
+    return (np.cos(angle) * vector + np.sin(angle) * np.cross(axis, vector)
+            + (1 - np.cos(angle)) * (axis @ vector) * axis)
+
+
+def moved(line, freedom, amount, pivot):
+    """The needle that is off by so many mm or degrees."""
+    x, y = frame(line.axis)
+    shifts = {"x": np.eye(3)[0], "y": np.eye(3)[1], "z": np.eye(3)[2], "side": x, "up": y}
+    if freedom in shifts:
+        return line._replace(origin=line.origin + amount * shifts[freedom])
+    if freedom == "depth":
+        return line._replace(far=line.far + amount)
+    about = {"pitch": x, "yaw": y, "azimuth": np.array([0, 0, 1.0])}.get(freedom)
+    if about is None:  # towards +z: about the line that is across both
+        about = np.cross(line.axis, [0, 0, 1.0])
+        about /= np.linalg.norm(about)
+    centre = line.origin + pivot * line.axis
+    angle = np.radians(amount)
+    return line._replace(origin=centre + turned(line.origin - centre, about, angle), axis=turned(line.axis, about, angle))
+
+
+def holds(question, line):
+    """Whether all constraints hold, and the least slack of one that breaks or holds."""
+    verdicts = [question.verdict(constraint, line) for constraint in question.constraints]
+    return all(one[2] for one in verdicts), [one[1] for one in verdicts]
+
+
+def check_row(question, line, row, pivot, counts):
+    freedom, sign = row["freedom"], -1 if row["side"] == "-" else 1
+    kept, fails = number(row["holds_to"]), number(row["fails_at"])
+    cap = 30 if freedom in TURNS else 20
+    unit = {"depth": line.far - line.near}.get(freedom, cap) if sign < 0 else cap
+    assert 0 <= kept <= cap + 1e-9, row
+
+    def verdict(amount):
+        return holds(question, moved(line, freedom, sign * amount, pivot))
+
+    places = np.linspace(0, max(kept - NEAR, 0), PLACES)
+    for place in places:
+        fine, slacks = verdict(place)
+        assert fine, (row, place, slacks)
+    if np.isnan(fails):
+        assert kept >= min(cap, unit) - 1e-6, (row, cap, unit)
+    else:
+        fine, slacks = verdict(fails)
+        assert not fine or min(np.abs(slacks)) < 1e-6, (row, slacks)
+        if not fine:
+            worst = [name.replace(",", ", ") or kind for (kind, name, _), slack in zip(question.constraints, slacks) if slack <= 0]
+            assert row["breaks"] in worst, (row, worst)
+        counts["exact"] += fails - kept < 3e-6
+    counts["rows"] += 1
+
+
+def ask(question, table, folder, pivot, top):
+    poses, rows = os.path.join(folder, "needles.tsv"), os.path.join(folder, "tolerance.tsv")
+    write_table(poses, table)
+    subprocess.run([question.conus, "plan", question.atlas, "--poses", poses, *question.arguments(), *question.options, "--top",
+                    str(top), "--tolerance", rows, "--pivot", pivot, "-o", os.path.join(folder, "plan.tsv"), "-q", "--force"],
+                   check=True)
+    with open(rows, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file, delimiter="\t"))
+
+
+def compare(name, question, table, folder, top):
+    counts = {"rows": 0, "exact": 0}
+    for pivot in ("entry", "tip", "10"):
+        for row in ask(question, table, folder, pivot, top):
+            line = by.needle_from_row(table[int(row["query"][1:]) - 1])
+            centre = {"entry": 0.0, "tip": line.far}.get(pivot)
+            check_row(question, line, row, 10.0 if centre is None else centre, counts)
+    assert counts["rows"] == 3 * 20 * top, counts
+    print(f"{name}: {counts}")
+
+
+def check_grid(conus, random, folder):
+    path = os.path.join(folder, "blobs.nii")
+    labels = blobs(random, (24, 20, 16), 12)
+    affine = save(path, labels, GRIDS["flipped, of three sizes"])
+    found = {text: structures.VoxelStructure(affine, np.isin(labels, list(map(int, text.split(",")))))
+             for text in ("3,4", "6", "7,8")}
+    question = Question(conus, path, [("reach", "3,4", 1.5), ("avoid", "6", 0.5), ("avoid", "7,8", 0.0),
+                                      ("lean", "", (0.0, 0.0, -1.0, 120.0)), ("length", "", (3.0, 50.0))], found, 0.2)
+    voxels = to_world(affine, np.argwhere(np.isin(labels, [3, 4])))
+    compare("grid", question, needles_towards(random, voxels, 60, 5, 30, 8), folder, 10 if LONG else 2)
+
+
+def check_aal(conus, random, folder):
+    image = nibabel.load(AAL)
+    labels = np.asanyarray(image.dataobj)
+    with open(AAL.replace(".gz", ".txt"), encoding="utf-8") as file:
+        names = {row[1]: int(row[0]) for row in map(str.split, file) if row}
+    constraints = [("reach", "Hippocampus_L", 5.0), ("avoid", "Insula_L", 2.0), ("avoid", "Putamen_L", 1.0)]
+    found = {name: structures.VoxelStructure(image.affine, labels == names[name]) for _, name, _ in constraints}
+    question = Question(conus, AAL, constraints, found, 0.65)
+    targets = to_world(image.affine, np.argwhere(labels == names["Hippocampus_L"]))
+    compare("AAL", question, needles_towards(random, targets, 200, 40, 80, 15), folder, 10 if LONG else 1)
+
+
+def main():
+    conus = sys.argv[1]
+    random = np.random.default_rng(24)
+    with tempfile.TemporaryDirectory() as folder:
+        check_grid(conus, random, folder)
+        if os.path.exists(AAL):
+            check_aal(conus, random, folder)
+
+
+if __name__ == "__main__":
+    main()
