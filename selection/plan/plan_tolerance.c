@@ -166,9 +166,11 @@ static conus_status look_ahead(struct course *course, struct plan_judge *judge, 
     double end = fmin(low + step, motion->most);
     bool holds = true;
     conus_status status = CONUS_OK;
-    for (double ahead = first; !status && holds && high < end; ahead *= 2) {
+    double ahead = first;
+    while (!status && holds && high < end) {
         low = high;
         high = fmin(course->proven + ahead, end);
+        ahead *= 2;
         status = is_held(&holds, judge, index, motion, high);
     }
     if (holds || status) {
