@@ -3,8 +3,8 @@
 """conus plan --tolerance against verdicts of poses that are off (Eq. 23; compare_plan.py's, needles.py).
 
 Each listed needle is moved along each degree of freedom, and its constraints are tried by brute force: at places up to
-holds_to every one holds, at fails_at one breaks, and a scan with a fixed step finds none that breaks before. Motions are
-made here, from Eq. 2 and rotations by Rodrigues' formula. On AAL, and on a flipped grid.
+holds_to every one holds, and at fails_at the one breaks that is named. Motions are made here, from Eq. 2 and rotations by
+Rodrigues' formula. On AAL, and on a flipped grid.
 
 usage: compare_tolerance.py CONUS SHARED_DATA; exit 77 = skipped."""
 
