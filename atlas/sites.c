@@ -174,7 +174,8 @@ static bool is_spaced(const conus_sites *sites, size_t index, void *user)
         cube[a] = floor(point[a] / cubes->spacing);
     }
     for (int near = 0; near < 27; near++) {
-        const double other[3] = {cube[0] + near % 3 - 1, cube[1] + near / 3 % 3 - 1, cube[2] + near / 9 - 1};
+        const int off[3] = {near % 3 - 1, near / 3 % 3 - 1, near / 9 - 1};
+        const double other[3] = {cube[0] + off[0], cube[1] + off[1], cube[2] + off[2]};
         for (size_t i = cubes->first[bucket_of(cubes, other)]; i; i = cubes->next[i - 1]) {
             double way[3];
             vec3_sub(way, point, sites->points[i - 1]);

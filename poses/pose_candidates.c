@@ -165,7 +165,7 @@ conus_status pose_candidates_row(conus_pose_row *out, char id[POSE_CANDIDATE_ID]
     write_id(id, candidates, numbers);
     conus_status status =
         target ? conus_pose_toward(&out->pose, entry, target, NULL) : conus_pose_along(&out->pose, entry, inward, NULL);
-    if (!status && asked->to_target) {
+    if (!status && target && asked->to_target) {
         double way[3];
         vec3_sub(way, target, entry);
         out->range[1] = vec3_length(way) + asked->beyond;

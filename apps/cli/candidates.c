@@ -175,7 +175,7 @@ static int take_points(struct place *place, const conus_pose_list *list)
     size_t count = conus_pose_list_count(list);
     double(*points)[3] = calloc(count + 1, sizeof *points);
     int code = points ? EXIT_DONE : print_no_memory();
-    for (size_t i = 0; i < count && !code; i++) {
+    for (size_t i = 0; points && i < count && !code; i++) {
         const conus_pose_row *row = conus_pose_list_row(list, i);
         if (row->error) {
             code = print_usage_error("%s:%zu: %s", settings_poses_name(place->path), row->line, row->error);

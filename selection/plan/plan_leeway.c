@@ -511,9 +511,10 @@ conus_status plan_leeway_guess(double *out, struct plan_leeway *leeway, double m
     double rest = -1;
     *out = 0;
     conus_status status = gather(leeway, most);
-    for (; !status && most > ROUNDING && rest < 0; most /= 2) {
+    while (!status && most > ROUNDING && rest < 0) {
         status = measure_rest(&rest, leeway, most);
         *out = rest >= 0 ? most : 0;
+        most /= 2;
     }
     return status;
 }

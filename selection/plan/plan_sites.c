@@ -29,8 +29,8 @@ static bool is_inside(const struct plan_constraint *structure, const double poin
 static void place_voxel(double out[3], const struct volume *volume, size_t voxel)
 {
     const size_t *dim = volume->info.dim;
-    const double index[3] = {(double)(voxel % dim[0]), (double)(voxel / dim[0] % dim[1]),
-                             (double)(voxel / dim[0] / dim[1])};
+    const size_t at[3] = {voxel % dim[0], voxel / dim[0] % dim[1], voxel / dim[0] / dim[1]};
+    const double index[3] = {(double)at[0], (double)at[1], (double)at[2]};
     mat4_point(out, volume->info.world_from_voxel, index);
 }
 

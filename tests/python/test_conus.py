@@ -435,6 +435,13 @@ def test_other_lines_of_the_documents_run(tmp_path, monkeypatch):
     for name in ("cst", "af", "t1"):
         nibabel.save(nibabel.Nifti1Image(plates("f4") / 2, AFFINE), f"{name}.nii.gz")
     nibabel.save(nibabel.Nifti1Image(plates(), AFFINE), "labels.nii.gz")
+    corners = np.vstack([np.eye(3), -np.eye(3)]).astype("f4") * 150
+    faces = np.array([[x, y, z] if (x < 3) ^ (y < 3) ^ (z < 3) else [x, z, y] for x in (0, 3) for y in (1, 4) for z in (2, 5)])
+    scalp = [nibabel.gifti.GiftiDataArray(corners, "NIFTI_INTENT_POINTSET"),
+             nibabel.gifti.GiftiDataArray(faces.astype("i4"), "NIFTI_INTENT_TRIANGLE")]  # fmt: skip
+    nibabel.save(nibabel.gifti.GiftiImage(darrays=scalp), "scalp.surf.gii")
+    ears = nibabel.gifti.GiftiDataArray(np.array([0, 1, 0, 0, 0, 0], "i4"), "NIFTI_INTENT_LABEL")
+    nibabel.save(nibabel.gifti.GiftiImage(darrays=[ears]), "ears.label.gii")
     with open("scene.atlas.json", "w", encoding="utf-8") as file:
         file.write('{"conus_atlas": 1, "parcellation": {"file": "aal.nii.gz", "labels": "aal.nii.txt"}}')
     os.mkdir("atlases")

@@ -330,8 +330,8 @@ static void a_map_is_linear_within_triangles(void **state)
     assert_ok(atlas_add_context_surface(atlas, &surface));
     draw(&picture, atlas, &camera, (const double[]){0, 0}, &(const struct tube_colouring){0}, NULL);
     int exact = 0;
-    for (double x = -18; x < 20; x += 3) {
-        for (double z = -18; z < x - 2; z += 3) { /* the triangle without the corner at -20, 20 */
+    for (int x = -18; x < 20; x += 3) {
+        for (int z = -18; z < x - 2; z += 3) { /* the triangle without the corner at -20, 20 */
             /* the middle of the pixel where the point is */
             double at[3] = {x, front, z};
             const struct camera_frame frame = {WIDTH, HEIGHT, 0, 0, 0, 0};

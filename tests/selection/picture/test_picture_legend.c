@@ -370,7 +370,8 @@ static void colours_of_a_number_have_a_bar(void **state)
     }
     for (size_t i = 0; i < 5; i++) {
         for (size_t k = 0; k < 3 * LEGEND_BAR && i; k++) {
-            double down = ((double)(k / 3) + 0.5) / LEGEND_BAR;
+            size_t step = k / 3;
+            double down = ((double)step + 0.5) / LEGEND_BAR;
             double mixed = colours[i - 1][k % 3] + down * (colours[i][k % 3] - colours[i - 1][k % 3]);
             bars[i][k / 3][k % 3] = (uint8_t)(mixed + 0.5);
         }

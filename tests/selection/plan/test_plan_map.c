@@ -24,7 +24,8 @@ static conus_atlas *blobs(uint64_t *seed)
         vec3_scale(m + 4 * a, m + 4 * a, test_random(seed, 0.7, 1.4));
     }
     for (size_t i = 0; i < EDGE * EDGE * EDGE; i++) {
-        double away[3] = {(double)(i % EDGE) - 3.2, (double)(i / EDGE % EDGE) - 3, (double)(i / EDGE / EDGE) - 1.9};
+        const size_t at[3] = {i % EDGE, i / EDGE % EDGE, i / EDGE / EDGE};
+        double away[3] = {(double)at[0] - 3.2, (double)at[1] - 3, (double)at[2] - 1.9};
         double distance = vec3_length(away) + test_random(seed, -0.6, 0.6);
         labels[i] = distance < 2.4 ? 1 : distance < 3.2 ? 2 : 0;
     }
@@ -40,7 +41,7 @@ static bool take_cell(double cell[3], const struct volume *volume, int index)
         cell[a] = at[a];
         is_in = is_in && at[a] >= 0 && at[a] < EDGE;
     }
-    return is_in && volume_object(volume, (size_t)(at[0] + EDGE * (at[1] + EDGE * at[2]))) == 1;
+    return is_in && volume_object(volume, (size_t)at[0] + EDGE * ((size_t)at[1] + EDGE * (size_t)at[2])) == 1;
 }
 
 /* mm from a point, in voxels, to the cells of object 1, or to all others. */

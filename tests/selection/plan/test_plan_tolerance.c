@@ -335,7 +335,8 @@ static conus_atlas *blobs(uint64_t *seed)
     conus_volume_info grid = scene_grid(seed, (const size_t[]){EDGE, EDGE, EDGE});
     uint32_t labels[EDGE * EDGE * EDGE];
     for (size_t i = 0; i < EDGE * EDGE * EDGE; i++) {
-        const double at[3] = {(double)(i % EDGE), (double)(i / EDGE % EDGE), (double)(i / EDGE / EDGE)};
+        const size_t index[3] = {i % EDGE, i / EDGE % EDGE, i / EDGE / EDGE};
+        const double at[3] = {(double)index[0], (double)index[1], (double)index[2]};
         const double centre[2][3] = {{3, 4, 4}, {7, 4, 4}};
         labels[i] = 0;
         for (uint32_t b = 0; b < 2; b++) {
