@@ -55,7 +55,7 @@ int batch_run_init(struct batch_run *out, const struct batch_settings *settings,
     if (!check_settings(&out->format, settings, arguments)) {
         return EXIT_USAGE;
     }
-    int code = settings_contacts(&out->contacts, &settings->axis);
+    int code = settings_contacts(&out->contacts, settings->axis.contacts);
     code = code ? code : settings_within(&out->within, arguments);
     if (code) {
         return code;

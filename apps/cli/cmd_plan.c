@@ -22,7 +22,8 @@ struct plan_settings {
     const char *rank, *score, *pareto;
     const char *constraint_rows, *profile, *tolerance, *pivot;
     const char *map, *structure;
-    uint32_t threads;
+    const char *jitter, *contacts;
+    uint32_t threads, samples;
     size_t progress; /* enum progress_kind */
 };
 
@@ -57,6 +58,39 @@ static const struct option needle_options[] = {
      .high = 1e9,
      .open = true,
      .words = "needle, diameter"},
+    {0},
+};
+
+static const struct option contact_options[] = {
+    {.name = "contacts",
+     .type = OPTION_TEXT,
+     .offset = FIELD(contacts),
+     .value = "COUNT,COLUMNS,PITCH,TIP",
+     .help = "contacts on the axis, which contacts=N and probability=P of --reach are about: COUNT of them, COLUMNS in "
+             "a row, PITCH mm from row to row, the first TIP mm from the far end",
+     .words = "electrode, probe",
+     .role = OPTION_ASKS},
+    {0},
+};
+
+static const struct option jitter_options[] = {
+    {.name = "jitter",
+     .type = OPTION_TEXT,
+     .offset = FIELD(jitter),
+     .value = "DEGREES,MM|entry=MM,target=MM[,depth=MM]",
+     .help = "report how probable it is that the listed poses break nothing, and hold each constraint, under normal "
+             "errors: standard deviations of the axis's tilt about two axes and of the position along three, or of the "
+             "device's position and the far end along two directions across the axis, and of the depth",
+     .words = "uncertain, uncertainty, probability, accuracy, p_ok",
+     .role = OPTION_ASKS},
+    {.name = "samples",
+     .type = OPTION_COUNT,
+     .offset = FIELD(samples),
+     .value = "N",
+     .help = "with --jitter: number of poses with errors, a power of two from 16 to 1048576 (default 1024)",
+     .low = 16,
+     .high = 1048576,
+     .needs = "jitter"},
     {0},
 };
 
@@ -193,9 +227,11 @@ static const struct option_group groups[] = {
     {"", space_options, REQUEST_FIELD(aim.space)},
     {"What must hold, all of it", constraint_options, FIELD(constraints)},
     {"", entry_options, FIELD(constraints)},
+    {"", contact_options, 0},
     {"Measures of the cone", angle_options, REQUEST_FIELD(aim)},
     {"", pixel_options, REQUEST_FIELD(engine)},
     {"What is listed", list_options, 0},
+    {"", jitter_options, 0},
     {"What is there", atlas_options, REQUEST_FIELD(atlas)},
     {"", shown_options, REQUEST_FIELD(atlas)},
     REQUEST_OUTPUT_GROUPS,
@@ -220,6 +256,7 @@ struct planning {
     struct rows_file files[ROWS_FILES]; /* --constraints, --profile, --tolerance */
     uint64_t top;
     conus_tolerance_options pivot;
+    conus_jitter_options jitter;
     double step; /* mm, of --profile */
     conus_plan *plan;
 };
@@ -331,6 +368,7 @@ static int try_poses(struct planning *planning)
         .angle = settings_angle(&settings->request.aim, &settings->request.engine),
         .far = planning->candidates.far,
         .entries = settings->map ? conus_sites_count(planning->candidates.from.sites) : 0,
+        .jitter = settings->jitter ? &planning->jitter : NULL,
         .progress = show_tried,
         .progress_user = planning,
     };
@@ -605,6 +643,7 @@ static int run_plan(const void *given, const struct arguments *arguments)
     if (!code && !planning.constraints.count) {
         code = print_usage_error("no constraint given: --reach NAME,... or --avoid NAME,...");
     }
+    code = code ? code : constraints_take_contacts(&planning.constraints, settings->contacts);
     const struct option *of_cone = option_with(arguments, OPTION_OF_CONE | OPTION_OF_RAYS);
     if (!code && of_cone && constraints_last_measure(&planning.constraints) < CONUS_MEASURE_SHARE) {
         code = print_usage_error("--%s has no effect without a measure of the cone, such as share=P", of_cone->name);
@@ -612,6 +651,7 @@ static int run_plan(const void *given, const struct arguments *arguments)
     bool fits = !code && settings_check_shape(&settings->request.aim, &settings->request.engine, arguments) &&
                 read_top(&planning.top, settings->top) && read_step(&planning.step, option_key(arguments, "profile")) &&
                 read_pivot(&planning.pivot, settings->pivot) &&
+                (!settings->jitter || settings_jitter(&planning.jitter, settings->jitter, settings->samples, true)) &&
                 settings_check_space(arguments, &settings->request.aim.space);
     code = code || fits ? code : EXIT_USAGE;
     code = code ? code : request_init(&planning.request, &settings->request, arguments);
@@ -637,6 +677,7 @@ static void help_keys(FILE *out)
           "  entry_angle                 between the axis and the inward normal at the entry, degrees\n"
           "  reach, reach2, ...          what --reach measures, of the first one, the second one, ...\n"
           "  share, volume               what the first --reach with share or volume measures\n"
+          "  p_ok                        probability to break nothing under --jitter, of all feasible poses\n"
           "  score                       the formula of --score\n",
           out);
 }

@@ -511,7 +511,7 @@ static int start_outputs(struct query *query)
     const struct query_settings *settings = query->settings;
     struct request *request = &query->request;
     int code = selection_files_init(&query->files, &request->outputs, &settings->files, request->arguments);
-    code = code ? code : settings_contacts(&query->contacts, &settings->axis);
+    code = code ? code : settings_contacts(&query->contacts, settings->axis.contacts);
     code = code ? code : start_axes(query);
     code = code ? code : ends_init(&query->ends, &settings->ends, request->arguments);
     if (code) {

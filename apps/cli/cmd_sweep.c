@@ -122,39 +122,19 @@ static bool read_angles(struct sweep *sweep)
 
 static bool read_jitter(struct sweep *sweep)
 {
-    double errors[2] = {0};
-    sweep->jitter_of_rows = strcmp(sweep->settings->jitter, "columns") == 0;
-    sweep->jitter = (conus_jitter_options){.samples = sweep->settings->samples};
-    if (sweep->jitter_of_rows) {
-        return sweep->settings->request.aim.pose ||
-               (print_error_line("--jitter columns: without --pose FILE there are none"), false);
-    }
-    if (numbers_parse(errors, 2, sweep->settings->jitter, ',') != 2) {
-        print_error_line("--jitter: \"%s\" is not two numbers DEGREES,MM without spaces", sweep->settings->jitter);
+    const struct sweep_settings *settings = sweep->settings;
+    sweep->jitter_of_rows = strcmp(settings->jitter, "columns") == 0;
+    if (sweep->jitter_of_rows && !settings->request.aim.pose) {
+        print_error_line("--jitter columns: without --pose FILE there are none");
         return false;
     }
-    if (!(errors[0] >= 0 && errors[0] <= 90)) {
-        print_error_line("--jitter: a tilt of %.10g degrees is out of range, allowed is 0 to 90", errors[0]);
-        return false;
-    }
-    if (!(errors[1] >= 0 && errors[1] <= 1e6)) {
-        print_error_line("--jitter: a shift of %.10g mm is out of range, allowed is 0 to 1000000", errors[1]);
-        return false;
-    }
-    sweep->jitter.tilt = radians(errors[0]);
-    sweep->jitter.shift = errors[1];
-    return true;
+    return settings_jitter(&sweep->jitter, sweep->jitter_of_rows ? "0,0" : settings->jitter, settings->samples, false);
 }
 
 /* Options that would have no effect, or no meaning. */
 static bool check_kind(const struct sweep *sweep, const struct arguments *arguments)
 {
     const struct sweep_settings *settings = sweep->settings;
-    uint32_t samples = settings->samples;
-    if (samples & (samples - 1)) {
-        print_error_line("--samples: %u is no power of two", samples);
-        return false;
-    }
     if (sweep->rows != CONUS_ROWS_CHANCES && settings->request.engine.radius > 0) {
         print_error_line("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
         return false;

@@ -4,6 +4,7 @@
 
 #include "options/messages.h"
 #include "options/output.h"
+#include "settings/settings.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,7 +20,8 @@ const struct option constraint_options[] = {
      .value = "NAME,...[,KEY=VALUE]...",
      .help = "the axis is in these areas, pathways or bundles, which are one structure; keys: length=MM (in all at "
              "least; default any at all), part=A:B (counting only what is A to B mm before the tip); or in place "
-             "of a length tip (the far end is in it) or crossed (also of a surface that is not closed), or of the "
+             "of a length tip (the far end is in it), crossed (also of a surface that is not closed), contacts=N (of "
+             "--contacts in it at least) or probability=P (mean of the contacts, else along the axis), or of the "
              "cone or cylinder share=P, pierced=P, volume=MM3, fraction=P, streamlines=N (at least); may be repeated",
      .words = "target, hit",
      .common = true,
@@ -93,6 +95,8 @@ static const struct key {
     {CONUS_CONSTRAINT_REACH, "tip", CONUS_MEASURE_TIP, 0, false},
     {CONUS_CONSTRAINT_REACH, "crossed", CONUS_MEASURE_CROSSED, 0, false},
     {CONUS_CONSTRAINT_REACH, "part", CONUS_MEASURE_LENGTH, 1e9, true},
+    {CONUS_CONSTRAINT_REACH, "contacts", CONUS_MEASURE_CONTACTS, 65536, false},
+    {CONUS_CONSTRAINT_REACH, "probability", CONUS_MEASURE_PROBABILITY, 1, false},
     {CONUS_CONSTRAINT_REACH, "share", CONUS_MEASURE_SHARE, 1, false},
     {CONUS_CONSTRAINT_REACH, "pierced", CONUS_MEASURE_PIERCED, 1, false},
     {CONUS_CONSTRAINT_REACH, "volume", CONUS_MEASURE_VOLUME, 1e12, false},
@@ -163,7 +167,8 @@ static bool read_key(conus_constraint *out, bool *has_measure, char *text)
 static bool read_structure(conus_constraint *out, char *text)
 {
     static const char *const numbers[] = {
-        ",length=", ",part=", ",margin=", ",share=", ",pierced=", ",volume=", ",fraction=", ",streamlines=", NULL};
+        ",length=", ",part=",     ",margin=",      ",contacts=", ",probability=", ",share=", ",pierced=",
+        ",volume=", ",fraction=", ",streamlines=", NULL};
     const char *option = constraint_options[out->kind].name;
     bool has_measure = false;
     out->names = text;
@@ -271,6 +276,25 @@ int constraints_parse(struct constraints *out, const struct arguments *arguments
         }
     }
     return EXIT_DONE;
+}
+
+int constraints_take_contacts(struct constraints *constraints, const char *text)
+{
+    conus_contacts contacts;
+    bool are_used = false;
+    int code = settings_contacts(&contacts, text);
+    for (size_t i = 0; i < constraints->count && !code; i++) {
+        conus_constraint *item = &constraints->items[i];
+        if (item->measure == CONUS_MEASURE_CONTACTS && !text) {
+            code = print_usage_error("--reach: contacts have no effect without --contacts COUNT,COLUMNS,PITCH,TIP");
+        } else if (item->measure == CONUS_MEASURE_CONTACTS || item->measure == CONUS_MEASURE_PROBABILITY) {
+            item->contacts = contacts;
+            are_used = true;
+        }
+    }
+    return code || are_used || !text
+               ? code
+               : print_usage_error("--contacts has no effect without --reach NAME,contacts=N or NAME,probability=P");
 }
 
 conus_measure constraints_last_measure(const struct constraints *constraints)

@@ -25,6 +25,8 @@ struct constraint_settings {
 /** Reads the options, of which there may be none; @p out is the caller's to constraints_finish() in any case. Returns
  * the exit code and prints an error unless it is 0. */
 int constraints_parse(struct constraints *out, const struct arguments *arguments);
+/** Gives the contacts of --contacts, NULL = not given, to the constraints that count them. Likewise. */
+int constraints_take_contacts(struct constraints *constraints, const char *text);
 /** Whether there are any; @p arguments may be NULL. */
 bool constraints_are_given(const struct arguments *arguments);
 /** The last measure of any of them, in the order of conus_measure: whether rays are needed, and all layers. */

@@ -587,15 +587,15 @@ int settings_within(double *out, const struct arguments *arguments)
                : print_usage_error("--clearance: within=%s is no number of mm from 0 to 1000", text);
 }
 
-int settings_contacts(conus_contacts *out, const struct axis_settings *settings)
+int settings_contacts(conus_contacts *out, const char *text)
 {
     *out = (conus_contacts){0};
-    if (!settings->contacts) {
+    if (!text) {
         return EXIT_DONE;
     }
     double numbers[4];
-    bool whole = numbers_parse(numbers, 4, settings->contacts, ',') == 4 && numbers[0] >= 1 &&
-                 numbers[0] <= UINT32_MAX && numbers[1] >= 1 && numbers[1] <= UINT32_MAX;
+    bool whole = numbers_parse(numbers, 4, text, ',') == 4 && numbers[0] >= 1 && numbers[0] <= UINT32_MAX &&
+                 numbers[1] >= 1 && numbers[1] <= UINT32_MAX;
     if (whole) {
         *out = (conus_contacts){
             .count = (uint32_t)numbers[0], .columns = (uint32_t)numbers[1], .pitch = numbers[2], .tip = numbers[3]};
@@ -605,5 +605,59 @@ int settings_contacts(conus_contacts *out, const struct axis_settings *settings)
                ? EXIT_DONE
                : print_usage_error("--contacts: \"%s\" is not COUNT,COLUMNS,PITCH,TIP: two whole numbers from 1 on and "
                                    "two lengths in mm",
-                                   settings->contacts);
+                                   text);
+}
+
+/* entry=MM,target=MM[,depth=MM] */
+static bool read_ends(conus_jitter_options *out, const char *text)
+{
+    static const struct {
+        const char *key;
+        size_t offset;
+    } ends[] = {{"entry=", offsetof(conus_jitter_options, entry)},
+                {"target=", offsetof(conus_jitter_options, target)},
+                {"depth=", offsetof(conus_jitter_options, depth)}};
+    unsigned given = 0;
+    bool is_fine = true;
+    for (const char *rest = text; rest && is_fine; rest = strchr(rest, ',') ? strchr(rest, ',') + 1 : NULL) {
+        char word[64];
+        size_t end = 0;
+        double value;
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(rest, ","), rest);
+        while (end < 3 && strncmp(word, ends[end].key, strlen(ends[end].key)) != 0) {
+            end++;
+        }
+        is_fine = end < 3 && strlen(word) + 1 < sizeof word && !(given >> end & 1) &&
+                  number_parse(word + strlen(ends[end].key), &value) && value >= 0 && value <= 1e6;
+        if (is_fine) {
+            given |= 1U << end;
+            memcpy((char *)out + ends[end].offset, &value, sizeof value);
+        }
+    }
+    return (is_fine && (given & 3) == 3) ||
+           (print_error_line("--jitter: \"%s\" is not entry=MM,target=MM[,depth=MM] with numbers from 0 to 1000000",
+                             text),
+            false);
+}
+
+bool settings_jitter(conus_jitter_options *out, const char *text, uint32_t samples, bool has_needles)
+{
+    double errors[2] = {0};
+    *out = (conus_jitter_options){.samples = samples};
+    if (samples & (samples - 1)) {
+        print_error_line("--samples: %u is no power of two", samples);
+    } else if (has_needles && strchr(text, '=')) {
+        return read_ends(out, text);
+    } else if (numbers_parse(errors, 2, text, ',') != 2) {
+        print_error_line("--jitter: \"%s\" is not two numbers DEGREES,MM without spaces", text);
+    } else if (!(errors[0] >= 0 && errors[0] <= 90)) {
+        print_error_line("--jitter: a tilt of %.10g degrees is out of range, allowed is 0 to 90", errors[0]);
+    } else if (!(errors[1] >= 0 && errors[1] <= 1e6)) {
+        print_error_line("--jitter: a shift of %.10g mm is out of range, allowed is 0 to 1000000", errors[1]);
+    } else {
+        out->tilt = radians(errors[0]);
+        out->shift = errors[1];
+        return true;
+    }
+    return false;
 }

@@ -147,8 +147,13 @@ extern const struct option axis_options[]; /**< axis_settings */
  */
 int settings_within(double *out, const struct arguments *arguments);
 
-/** Reads --contacts; the count is 0 if it was not given. Returns the exit code and prints an error unless it is 0. */
-int settings_contacts(conus_contacts *out, const struct axis_settings *settings);
+/** Reads --contacts; the count is 0 if it was not given (NULL). Returns the exit code and prints an error unless it is
+ * 0. */
+int settings_contacts(conus_contacts *out, const char *text);
+
+/** Reads --jitter, DEGREES,MM or, where @p has_needles, the errors of both ends, and checks --samples; prints an error
+ * where they are none. */
+bool settings_jitter(conus_jitter_options *out, const char *text, uint32_t samples, bool has_needles);
 
 extern const struct option space_options[]; /**< space_settings */
 

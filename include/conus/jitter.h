@@ -26,6 +26,10 @@ typedef struct conus_jitter_options {
     uint32_t samples;        /**< Poses to trace from, a power of two from 16 to 2^20; 0 = 1024. */
     conus_progress progress; /**< Hears of each pose that was traced from; false ends it. NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
+    double entry;  /**< In place of tilt and shift, of a needle (conus_plan_options): standard deviation of the device's
+                      position along each of its x and y, mm, 0 to 1e6; */
+    double target; /**< that of the far end, likewise; */
+    double depth;  /**< and that of the needle's depth, mm. */
 } conus_jitter_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

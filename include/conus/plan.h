@@ -6,7 +6,9 @@
 #ifndef CONUS_PUBLIC_PLAN_H
 #define CONUS_PUBLIC_PLAN_H
 
+#include <conus/jitter.h>
 #include <conus/pose_file.h>
+#include <conus/segments.h>
 #include <conus/selection.h>
 
 #include <stdbool.h>
@@ -33,14 +35,17 @@ typedef enum conus_constraint_kind {
 
 /** What is measured of a structure. Measures from #CONUS_MEASURE_SHARE on are of the cone or cylinder. */
 typedef enum conus_measure {
-    CONUS_MEASURE_LENGTH = 0, /**< REACH: mm of the axis in the union of its objects (Eq. 17). AVOID: the clearance. */
-    CONUS_MEASURE_TIP,        /**< 1 where the far end is in it, else 0. */
-    CONUS_MEASURE_CROSSED,    /**< 1 where the axis passes or crosses it, also a surface with holes, else 0. */
-    CONUS_MEASURE_SHARE,      /**< Share of its objects (Eq. 4), summed. */
-    CONUS_MEASURE_PIERCED,    /**< Pixels whose ray passes any of its objects / the cone's pixels, 0 to 1 (Eq. 10). */
-    CONUS_MEASURE_VOLUME,     /**< Volume of its objects in the cone, mm^3, summed (Eq. 10). */
-    CONUS_MEASURE_FRACTION,   /**< That volume / the whole volume of its objects, 0 to 1. */
-    CONUS_MEASURE_STREAMLINES /**< Streamlines of its bundles in the cone, summed (Eq. 19). */
+    CONUS_MEASURE_LENGTH = 0,  /**< REACH: mm of the axis in the union of its objects (Eq. 17). AVOID: the clearance. */
+    CONUS_MEASURE_TIP,         /**< 1 where the far end is in it, else 0. */
+    CONUS_MEASURE_CROSSED,     /**< 1 where the axis passes or crosses it, also a surface with holes, else 0. */
+    CONUS_MEASURE_CONTACTS,    /**< Contacts in it. */
+    CONUS_MEASURE_PROBABILITY, /**< Probability of its areas or pathways, summed: mean of the contacts, without any
+                                  along the axis. */
+    CONUS_MEASURE_SHARE,       /**< Share of its objects (Eq. 4), summed. */
+    CONUS_MEASURE_PIERCED,     /**< Pixels whose ray passes any of its objects / the cone's pixels, 0 to 1 (Eq. 10). */
+    CONUS_MEASURE_VOLUME,      /**< Volume of its objects in the cone, mm^3, summed (Eq. 10). */
+    CONUS_MEASURE_FRACTION,    /**< That volume / the whole volume of its objects, 0 to 1. */
+    CONUS_MEASURE_STREAMLINES  /**< Streamlines of its bundles in the cone, summed (Eq. 19). */
 } conus_measure;
 
 /** One constraint. All must hold. */
@@ -56,17 +61,19 @@ typedef struct conus_constraint {
     double most;    /**< LENGTH: the upper end, mm. */
     double part[2]; /**< REACH by length: only the axis from part[0] to part[1] mm before the far end counts; both
                        0 = all of it. */
-    double direction[3];   /**< LEAN: world, of any length but 0. */
-    const double *needles; /**< APART: [needle_count][6] both ends of their axes, world mm. */
-    size_t needle_count;   /**< APART: how many there are. */
+    double direction[3];     /**< LEAN: world, of any length but 0. */
+    const double *needles;   /**< APART: [needle_count][6] both ends of their axes, world mm. */
+    size_t needle_count;     /**< APART: how many there are. */
+    conus_contacts contacts; /**< REACH by #CONUS_MEASURE_CONTACTS or #CONUS_MEASURE_PROBABILITY: on the axis, counted
+                                from the far end; those before the near end are in nothing. */
 } conus_constraint;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_CONSTRAINT_INIT CONUS_INIT_(conus_constraint)
 
 /** How poses are tried and which are listed. Keys of a rank are leeway, slack, clearance, depth, entry_angle (degrees),
- * score, reach (value of the first REACH; reach2 that of the second, and so on) and share, volume (of the first REACH
- * by them). */
+ * score, p_ok (with jitter), reach (value of the first REACH; reach2 that of the second, and so on) and share, volume
+ * (of the first REACH by them). */
 typedef struct conus_plan_options {
     size_t struct_size; /**< Its size, as #CONUS_PLAN_OPTIONS_INIT sets it; 0 = that of this version. */
     uint32_t threads;   /**< Up to 1024; 0 = as many as processors that the process may use. */
@@ -90,6 +97,8 @@ typedef struct conus_plan_options {
     void *progress_user;     /**< Passed to @p progress. */
     uint64_t entries;        /**< Of each entry up to this number the best pose is kept, for conus_plan_entry(): 56
                                 bytes and 8 a key each; 0 = of none. */
+    const conus_jitter_options *jitter; /**< Errors of the poses, for the probabilities to hold (Eq. 14), of the listed
+                                           ones and where p_ok is a key; progress is not used. NULL = none. Copied. */
 } conus_plan_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -107,6 +116,7 @@ typedef struct conus_verdict {
     double depth;    /**< mm from the apex: of a clearance where the axis is nearest, of a length or FIRST where it
                         enters; else, and where there is none, NaN. */
     uint32_t object; /**< Of a clearance the nearest object, of FIRST the first; else, and of none, 0. */
+    double p;        /**< Probability that it holds under jitter (Eq. 14); NaN without it, and of a miss. */
 } conus_verdict;
 
 /** A pose of the list. */
@@ -133,6 +143,7 @@ typedef struct conus_planned {
     uint64_t target;               /**< Likewise. */
     double entry_angle;            /**< Between the axis and the inward normal at the entry, radians; NaN without it. */
     double normal[3];              /**< Outward at its entry, as conus_pose_row has it. */
+    double p_ok; /**< Probability that all constraints hold under jitter (Eq. 14); NaN without it, and of a miss. */
 } conus_planned;
 
 /** Rows that were no candidates. */
@@ -296,8 +307,18 @@ CONUS_API const conus_constraint *conus_plan_constraint(const conus_plan *plan, 
 CONUS_API const char *conus_plan_name(const conus_plan *plan, size_t index);
 
 /**
+ * Gives the errors under which the probabilities are.
+ * @param plan The plan.
+ * @return NULL without jitter. Defaults are filled in. Borrowed from the plan.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const conus_jitter_options *conus_plan_jitter(const conus_plan *plan);
+
+/**
  * Tells whether a constraint has a leeway, of poses where it holds. Without one it does not count for the leeway of
- * poses: LENGTH, LEAN, FIRST, the measures of a cone, and a REACH by surfaces that are not closed.
+ * poses: LENGTH, LEAN, FIRST, contacts, probabilities, the measures of a cone, and a REACH by surfaces that are not
+ * closed.
  * @param plan The plan.
  * @param index Index of the constraint.
  * @return Whether it has one.

@@ -67,14 +67,6 @@ typedef enum conus_order {
                              ones the best. What has neither comes before what is unassigned, which is last. */
 } conus_order;
 
-/** The contacts on a shank that is given by its axis: rows of them, from the tip on. */
-typedef struct conus_contacts {
-    uint32_t count;   /**< All of them, up to 65536; 0 = they are not known. */
-    uint32_t columns; /**< How many a row has, from 1. */
-    double pitch;     /**< mm from row to row. */
-    double tip;       /**< mm from the tip to the first row. */
-} conus_contacts;
-
 /** The content of a report, and how it is written. */
 typedef struct conus_report_options {
     size_t struct_size;           /**< Its size, as #CONUS_REPORT_OPTIONS_INIT sets it; 0 = that of this version. */

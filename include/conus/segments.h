@@ -17,6 +17,14 @@ extern "C" {
 
 typedef struct conus_segments conus_segments; /**< The segments of an axis, in order of depth. */
 
+/** The contacts on a shank that is given by its axis: rows of them, from the tip on. */
+typedef struct conus_contacts {
+    uint32_t count;   /**< All of them, up to 65536; 0 = they are not known. */
+    uint32_t columns; /**< How many a row has, from 1. */
+    double pitch;     /**< mm from row to row. */
+    double tip;       /**< mm from the tip to the first row. */
+} conus_contacts;
+
 /** A stretch of the axis, from its entry to before its exit (Eq. 17). */
 typedef struct conus_segment {
     conus_kind kind;    /**< Kind of the object that it is in; #CONUS_KIND_UNASSIGNED: in none. */

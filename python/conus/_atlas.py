@@ -765,6 +765,9 @@ class Selector:
         score: Optional[str] = None,
         pareto: Optional[str] = None,
         infeasible: bool = False,
+        jitter: Any = None,
+        samples: int = 0,
+        contacts: Any = None,
         threads: Optional[int] = None,
     ) -> Plan:
         """Lists the poses of needles that reach some structures and stay clear of others: ``conus plan``.
@@ -776,7 +779,8 @@ class Selector:
         reach
             Names and mm: {"Hippocampus_L": 5}; names between commas, or a tuple of them, are one structure. None in
             place of the number: any length at all; "tip" or "crossed"; or a mapping: {"length": 5, "part": (0, 2)}.
-            A list of names asks for any length. Of the cone or cylinder, at least: {"share": 0.3}, or, of a selector
+            A list of names asks for any length. {"contacts": 3} or {"probability": 0.5} are of contacts; the latter, of
+            maps of probabilities, without contacts the mean along the axis. Of the cone or cylinder, at least: {"share": 0.3}, or, of a selector
             with layers="all", "pierced", "volume" (mm^3), "fraction" or "streamlines".
         avoid
             Names and the margin, mm: {"Insula_L": 2}. A list has the margin 0. {"share": 0.1} or {"pierced": 0.1} in
@@ -812,6 +816,12 @@ class Selector:
             As of the program: "leeway,-depth" by default.
         infeasible
             Lists the others, too, behind those.
+        jitter, samples
+            Normal errors, for the columns p_ok and p_reach1 …: standard deviations (degrees, mm) of the tilt and the
+            position, or {"entry": mm, "target": mm, "depth": mm}; of how many poses, a power of two, 0 = 1024.
+        contacts
+            (count, columns, pitch, tip): so many on the axis, in rows of so many, mm from row to row, and from the far
+            end to the first.
         threads
             None = as many as processors.
 
@@ -820,7 +830,7 @@ class Selector:
         ArgumentError
             For names that are unknown, numbers out of their ranges, and no candidate at all.
         """
-        constraints = constraints_of(reach, avoid, length, lean, apart, first, entry_angle)
+        constraints = constraints_of(reach, avoid, length, lean, apart, first, entry_angle, contacts)
         errors: Mapping[int, str] = {}
         if entries is None:
             if targets is not None or tilt is not None:
@@ -832,7 +842,15 @@ class Selector:
                 raise ArgumentError("entries: targets go with them, and no poses, origins, directions or near")
             far, beyond = depth_of(depth)
             stream = candidates_stream(self, entries, targets, tilt, beyond, constraints.reached())
-        return plan_of(self, constraints, stream, errors, far, infeasible, top, threads, angle, (rank, score, pareto))
+        return plan_of(self, constraints, stream, errors, far, infeasible, top, threads, angle, (rank, score, pareto),
+                       jitter, samples)
+
+    def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", **options: Any) -> pandas.DataFrame:
+        """By how much needles may be off before a constraint breaks: :meth:`Plan.tolerance` of all poses that are given.
+
+        ``options`` are those of :meth:`plan`. Of a pose that breaks a constraint as it is all are 0.
+        """
+        return self.plan(reach, avoid, **{"infeasible": True, "top": None, **options}).tolerance(pivot)
 
     def sweep(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
@@ -1335,6 +1353,10 @@ class Atlas:
         selector = self._selector({"radius": radius, "range": range, "space": space, "bregma": bregma, "layers": layers,
                                    "resolution": resolution})
         return selector.plan(reach, avoid, **options)
+
+    def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", **options: Any) -> pandas.DataFrame:
+        """By how much needles may be off before a constraint breaks: see :meth:`Selector.tolerance`."""
+        return self.plan(reach, avoid, **{"infeasible": True, "top": None, **options}).tolerance(pivot)
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
               angle: float = 60, **options: Any) -> Sweep:

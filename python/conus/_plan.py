@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 _FORMATS = {".tsv": "TSV", ".csv": "CSV", ".json": "JSON", ".ndjson": "NDJSON", ".jsonl": "NDJSON", ".txt": "TABLE"}
 
 _POINTS = ("tip", "crossed")  # of an axis, without a number
-_MEASURES = {"reach": (*_POINTS, "share", "pierced", "volume", "fraction", "streamlines"), "avoid": ("share", "pierced")}
+_OF_CONTACTS = ("contacts", "probability")
+_MEASURES = {"reach": (*_POINTS, *_OF_CONTACTS, "share", "pierced", "volume", "fraction", "streamlines"),
+             "avoid": ("share", "pierced")}
+_ERRORS = ("entry", "target", "depth")  # of both ends of a needle
 
 
 def _structures(name: str, given: Any) -> list[tuple[str, Any]]:
@@ -38,8 +41,15 @@ def _structures(name: str, given: Any) -> list[tuple[str, Any]]:
 class Constraints:
     """The constraints of the library, in the order of the arguments, and what must live as long as they."""
 
-    def __init__(self) -> None:
+    def __init__(self, contacts: Any = None) -> None:
+        """contacts: (count, columns, pitch, tip), or None."""
         self.rows: list[dict[str, Any]] = []
+        self.contacts: Any = None
+        if contacts is not None:
+            count, columns, pitch, tip = vector("contacts", contacts, 4)
+            if not (1 <= count <= 65536 and count == int(count) and 1 <= columns <= 65536 and columns == int(columns)):
+                raise ArgumentError(f"contacts: {shown(contacts)}, wanted are two whole numbers from 1 on, pitch and tip")
+            self.contacts = {"count": int(count), "columns": int(columns), "pitch": pitch, "tip": tip}
 
     def add(self, kind: str, **members: Any) -> None:
         self.rows.append({"kind": getattr(lib, f"CONUS_CONSTRAINT_{kind.upper()}"), **members})
@@ -54,6 +64,8 @@ class Constraints:
                 elif key in _MEASURES[kind] and "measure" not in members and (value is None) == (key in _POINTS):
                     members["measure"] = getattr(lib, f"CONUS_MEASURE_{key.upper()}")
                     members["limit"] = real(f"{kind}: {key}", value) if value is not None else 0
+                    if key in _OF_CONTACTS and self.contacts:
+                        members["contacts"] = self.contacts
                 elif key != main or isinstance(asked, str):
                     raise ArgumentError(f"{kind}: {shown(asked)} of {names} is not what {kind} can ask")
                 elif value is not None:
@@ -75,9 +87,9 @@ class Constraints:
 
 
 def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, first: Any,
-                   entry_angle: Any) -> Constraints:
+                   entry_angle: Any, contacts: Any) -> Constraints:
     """The constraints of these arguments of :meth:`Selector.plan`."""
-    found = Constraints()
+    found = Constraints(contacts)
     found.add_structures("reach", "length", reach)
     found.add_structures("avoid", "margin", avoid)
     if length is not None:
@@ -93,7 +105,28 @@ def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, f
         found.add("first", names=utf8("first", names))
     if entry_angle is not None:
         found.add("entry_angle", limit=math.radians(real("entry_angle", entry_angle)))
+    if found.contacts and not any("contacts" in row for row in found.rows):
+        raise ArgumentError("contacts have no effect without a reach by contacts or probability")
     return found
+
+
+def _jitter_of(jitter: Any, samples: int) -> Any:
+    """A conus_jitter_options of (degrees, mm) or {"entry": mm, "target": mm, "depth": mm}; NULL of None."""
+    if jitter is None:
+        if samples:
+            raise ArgumentError("samples have no effect without jitter")
+        return ffi.NULL
+    options = ffi.new("conus_jitter_options *")
+    options.samples = whole("samples", samples)
+    if isinstance(jitter, Mapping):
+        for key, value in jitter.items():
+            if key not in _ERRORS:
+                raise ArgumentError(f"jitter: there is no key {shown(key)}, allowed are {', '.join(_ERRORS)}")
+            setattr(options, key, real(f"jitter: {key}", value))
+    else:
+        degrees, options.shift = vector("jitter", jitter, 2)
+        options.tilt = math.radians(degrees)
+    return options
 
 
 @contextlib.contextmanager
@@ -200,6 +233,25 @@ class Plan:
         """How far each needle is from what it is to avoid, from ``step`` to ``step`` mm of depth: ``--profile``."""
         return self._table("PROFILE", real("step", step))
 
+    def try_pose(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
+                 near: Optional[float] = None, depth: Optional[float] = None) -> dict[str, Any]:
+        """What the list would say of this pose, also where it breaks constraints.
+
+        ``broken`` is the index of the first constraint that breaks, or None; ``verdicts`` has for each constraint
+        whether it ``holds``, its ``value``, ``slack`` and ``leeway``, angles in radians, and with jitter ``p``. mm.
+        """
+        row, out = ffi.new("conus_pose_row *"), ffi.new("conus_planned **")
+        name = ffi.new("char[]", b"")
+        row.id, row.pose = name, self._selector._pose(origin, toward, direction, up, pose)[0]
+        row.range = [math.nan if end is None else real("depth", end) for end in (near, depth)]
+        self._selector._call(lib.conus_plan_try, out, self._p, row)
+        planned = out[0]
+        numbers_of = {key: getattr(planned, key) for key in ("leeway", "slack", "clearance", "near", "far", "score", "p_ok")}
+        verdicts = [{"holds": bool(one.holds), **{key: getattr(one, key) for key in ("value", "slack", "leeway", "p")}}
+                    for one in planned.verdicts[0:len(self.constraints)]]
+        broken = None if planned.feasible else int(planned.broken)
+        return {"feasible": bool(planned.feasible), "broken": broken, **numbers_of, "verdicts": verdicts}
+
     def tolerance(self, pivot: Any = "entry") -> pandas.DataFrame:
         """By how much each pose may be off along each degree of freedom before a constraint breaks (Eq. 23).
 
@@ -229,6 +281,7 @@ class Plan:
 def plan_of(
     selector: Selector, constraints: Constraints, stream: ContextManager[Any], errors: Mapping[int, str],
     far: Optional[float], infeasible: bool, top: Optional[int], threads: Optional[int], angle: Any, words: Sequence[Optional[str]],
+    jitter: Any, samples: int,
 ) -> Plan:
     """What :meth:`Selector.plan` gives; ``words`` are rank, score and pareto."""
     options, out = ffi.new("conus_plan_options *"), ffi.new("conus_plan **")
@@ -239,6 +292,8 @@ def plan_of(
     options.angle = 0 if angle is None else math.radians(real("angle", angle))
     texts = [optional(utf8, name, word) for name, word in zip(("rank", "score", "pareto"), words)]
     options.rank, options.score, options.pareto = texts
+    errors_of_pose = _jitter_of(jitter, samples)
+    options.jitter = errors_of_pose
     rows = constraints.array()
     selector._call(lib.conus_plan_create, out, selector._p, rows, len(constraints.rows), options)
     plan = owned(out[0], lib.conus_plan_destroy, selector._p)

@@ -62,6 +62,7 @@ struct block {
     conus_verdict *verdicts; /* theirs */
     double *keys;
     struct buffer strings;
+    struct entry *listed; /* in place of the trials, once the list is known */
     struct rejected {
         uint64_t count;
         size_t line;
@@ -80,6 +81,7 @@ struct conus_plan {
     struct plan_constraint *constraints;
     size_t count;
     struct plan_order order;
+    struct plan_jitter jitter;
     bool was_run, was_mapped, is_done;
     uint64_t *left; /* [count + 1] The funnel. */
     struct rejected rejected;
@@ -97,6 +99,7 @@ struct conus_plan {
     conus_pose_stream *poses; /* of the run */
     uint64_t start;           /* its position at first */
     uint64_t rows;            /* still to be read */
+    size_t asked;             /* listed poses that are asked for their chances */
 };
 
 static void finish_entries(struct entries *entries)
@@ -181,7 +184,7 @@ static conus_status init_bests(conus_plan *plan)
     return plan->bests && plan->best_keys ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static conus_status init_options(conus_plan *plan)
+static conus_status init_options(conus_plan *plan, const conus_jitter_options *asked)
 {
     uint32_t block = BLOCK;
     double far = plan->options.far;
@@ -192,7 +195,8 @@ static conus_status init_options(conus_plan *plan)
                                                      : CONUS_OK;
     status = status ? status : batch_fill_in(&plan->options.threads, &block, &plan->options.angle, plan->selector);
     plan->options.rank = plan->options.score = plan->options.pareto = NULL;
-    return status;
+    plan->options.jitter = NULL;
+    return status ? status : plan_jitter_init(&plan->jitter, asked);
 }
 
 conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const conus_constraint *constraints,
@@ -207,7 +211,7 @@ conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const
     plan->options = filled;
     conus_status status = init_constraints(plan, constraints, count);
     status = status ? status : plan_order_init(&plan->order, plan->constraints, plan->count, &filled);
-    status = status ? status : init_options(plan);
+    status = status ? status : init_options(plan, filled.jitter);
     if (!status) {
         plan->left = memory_zeroed(plan->count + 1, sizeof *plan->left);
         plan->misses = memory_zeroed(plan->count, sizeof(struct entry *));
@@ -255,6 +259,7 @@ void conus_plan_destroy(conus_plan *plan)
     finish_entries(&plan->list);
     finish_entries(&plan->infeasible);
     finish_bar(&plan->bar);
+    memory_free(plan->jitter.errors);
     memory_free(plan->constraints);
     memory_free(plan->left);
     memory_free((void *)plan->misses);
@@ -283,6 +288,7 @@ static const char *take_needle(conus_planned *out, const conus_pose_row *row, co
                            .angle = has_angle ? row->angle : plan->options.angle,
                            .entry = row->entry,
                            .target = row->target,
+                           .p_ok = NAN,
                            .entry_angle = vec3_angle(row->pose.world_from_device + 8, row->normal)};
     memcpy(out->normal, row->normal, sizeof out->normal);
     out->entry_angle = has_normal ? out->entry_angle : NAN;
@@ -394,6 +400,15 @@ static conus_status measure(struct trial *trial, struct plan_judge *judge, const
     return status;
 }
 
+/* Adds the key of probability, or that it is below `least`. */
+static conus_status add_chance(struct trial *trial, struct worker *worker, const conus_plan *plan, double least)
+{
+    conus_status status = plan_jitter_ask(&trial->planned, trial->verdicts, &worker->judge, plan->count, &plan->jitter,
+                                          false, least, !plan->options.no_pruning);
+    plan_order_keys(trial->keys, trial->pareto, &trial->planned, &plan->order);
+    return status;
+}
+
 /* Whether a feasible pose may be better than its bar: it is measured no more than that takes. What a
  * pose before it has for its keys is enough to be before it. */
 static conus_status may_enter(bool *out, struct trial *trial, struct worker *worker, const conus_plan *plan)
@@ -407,8 +422,8 @@ static conus_status may_enter(bool *out, struct trial *trial, struct worker *wor
     }
     double least = trial->bar[0] * (first->step > 0 ? first->step : 1); /* less what nine digits may hide */
     least -= 1e-8 * fabs(least) + 1e-9;
-    bool has_least = !first->smaller && least > 0 && quantity <= PLAN_CLEARANCE;
-    for (size_t i = 0; i < 2 * plan->count && has_least && *out && !status;
+    bool has_least = !first->smaller && least > 0 && quantity <= PLAN_CHANCE;
+    for (size_t i = 0; i < 2 * plan->count && has_least && quantity < PLAN_CHANCE && *out && !status;
          i++) { /* clearances, which are cheaper, first */
         if (plan_is_clearance(&plan->constraints[i % plan->count]) == (i < plan->count)) {
             status = plan_judge_least(out, &worker->judge, i % plan->count, quantity, least);
@@ -416,7 +431,12 @@ static conus_status may_enter(bool *out, struct trial *trial, struct worker *wor
     }
     if (*out && !status) {
         status = measure(trial, &worker->judge, plan, plan->order.needs_leeway ? PLAN_ALL : PLAN_SLACKS);
+        if (!status && plan->order.needs_chance &&
+            plan_keys_compare(trial->keys, trial->bar, plan->order.sure_count) >= 0) {
+            status = add_chance(trial, worker, plan, has_least && quantity == PLAN_CHANCE ? least : 0);
+        }
         *out = plan_keys_compare(trial->keys, trial->bar, plan->order.rank_count) > 0;
+        trial->is_measured = trial->is_measured && (*out || !plan->order.needs_chance);
     }
     return status;
 }
@@ -450,7 +470,12 @@ static conus_status try_pose(struct trial *trial, struct worker *worker, const c
         status = plan_judge(broken, &worker->judge, trial->planned.broken, PLAN_SLACKS);
         is_wanted = -broken->slack < worker->bar.misses[trial->planned.broken];
     }
-    return status || !is_wanted || trial->is_measured ? status : measure(trial, &worker->judge, plan, PLAN_ALL);
+    if (status || !is_wanted) {
+        return status;
+    }
+    status = trial->is_measured ? CONUS_OK : measure(trial, &worker->judge, plan, PLAN_ALL);
+    bool is_due = plan->order.needs_chance && trial->planned.feasible && isnan(trial->planned.p_ok);
+    return status || !is_due ? status : add_chance(trial, worker, plan, 0);
 }
 
 static void copy_bar(struct bar *to, const struct bar *from, const conus_plan *plan)
@@ -621,6 +646,14 @@ static conus_status take_infeasible(conus_plan *plan, const struct trial *trial,
     return status;
 }
 
+static conus_status report_progress(const conus_plan *plan)
+{
+    conus_progress progress = plan->options.progress;
+    return progress && !progress(plan->options.progress_user, (size_t)plan->left[0], 0)
+               ? fail(CONUS_ERROR_CANCELLED, "the plan was cancelled")
+               : CONUS_OK;
+}
+
 static conus_status deliver_block(void *user, size_t slot)
 {
     conus_plan *plan = user;
@@ -640,10 +673,7 @@ static conus_status deliver_block(void *user, size_t slot)
     } else {
         plan->rejected.count += block->rejected.count;
     }
-    conus_progress progress = plan->options.progress;
-    return !status && progress && !progress(plan->options.progress_user, (size_t)plan->left[0], 0)
-               ? fail(CONUS_ERROR_CANCELLED, "the plan was cancelled")
-               : status;
+    return status ? status : report_progress(plan);
 }
 
 static void stop_reading(void *user)
@@ -681,6 +711,44 @@ static conus_status complete(conus_plan *plan)
     return status;
 }
 
+static conus_status read_listed(void *user, size_t slot, bool *may_follow)
+{
+    conus_plan *plan = user;
+    plan->blocks[slot].listed = plan->list.items[plan->asked++];
+    *may_follow = plan->asked < plan->list.count;
+    return CONUS_OK;
+}
+
+static conus_status ask_chances(void *user, size_t slot, size_t worker, const atomic_bool *stop)
+{
+    conus_plan *plan = user;
+    struct entry *entry = plan->blocks[slot].listed;
+    conus_status status = plan_jitter_ask(&entry->planned, (conus_verdict *)(entry + 1), &plan->workers[worker].judge,
+                                          plan->count, &plan->jitter, true, 0, !plan->options.no_pruning);
+    (void)stop;
+    plan_order_keys(NULL, NULL, &entry->planned, &plan->order); /* the score, of those that are infeasible, too */
+    return status;
+}
+
+static conus_status deliver_listed(void *user, size_t slot)
+{
+    (void)slot;
+    return report_progress(user);
+}
+
+/* Adds the probabilities of all listed poses. */
+static conus_status add_chances(conus_plan *plan)
+{
+    return !plan->list.count || !plan->jitter.errors
+               ? CONUS_OK
+               : ring_run(&(const struct ring){.user = plan,
+                                               .workers = plan->options.threads,
+                                               .slots = ring_slots(plan->options.threads),
+                                               .read = read_listed,
+                                               .answer = ask_chances,
+                                               .deliver = deliver_listed});
+}
+
 conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t limit)
 {
     if (plan->was_run) {
@@ -700,6 +768,7 @@ conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t
                                                         .interrupt = stop_reading});
     pthread_mutex_destroy(&plan->lock);
     status = status ? status : complete(plan);
+    status = status ? status : add_chances(plan);
     plan->is_done = !status;
     return status;
 }
@@ -735,6 +804,11 @@ conus_plan_faults conus_plan_rejected(const conus_plan *plan)
     return (conus_plan_faults){plan->rejected.count, plan->rejected.line, plan->rejected.why};
 }
 
+const conus_jitter_options *conus_plan_jitter(const conus_plan *plan)
+{
+    return plan->jitter.errors ? &plan->jitter.options : NULL;
+}
+
 bool conus_plan_has_leeway(const conus_plan *plan, size_t index)
 {
     return index < plan->count && plan->constraints[index].has_leeway;
@@ -764,6 +838,10 @@ conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const c
     trial->planned.broken = SIZE_MAX;
     plan_judge_turn(judge, &trial->planned);
     status = status ? status : measure(trial, judge, plan, PLAN_ALL);
+    if (!status && plan->jitter.errors) {
+        status = plan_jitter_ask(&trial->planned, trial->verdicts, judge, plan->count, &plan->jitter, true, 0, true);
+        plan_order_keys(NULL, NULL, &trial->planned, &plan->order);
+    }
     for (size_t i = plan->count; i-- > 0;) {
         trial->planned.broken = trial->verdicts[i].holds ? trial->planned.broken : i;
     }

@@ -23,6 +23,7 @@ struct plan_name {
         PLAN_LEEWAY,
         PLAN_SLACK,
         PLAN_CLEARANCE,
+        PLAN_CHANCE, /**< Probability to hold (Eq. 14). */
         PLAN_DEPTH,
         PLAN_ENTRY_ANGLE,
         PLAN_VALUE, /**< Of a constraint. */
@@ -37,7 +38,8 @@ struct plan_order {
     struct plan_key *rank, *pareto; /**< [rank_count], [pareto_count] */
     size_t rank_count, pareto_count;
     struct formula *score; /**< NULL = none. */
-    bool needs_leeway;
+    bool needs_leeway, needs_chance;
+    size_t sure_count; /**< So many keys of the rank, the first ones, do without the chance. */
 };
 
 /** Fills a zeroed one; it can be finished after a failure, too. */
@@ -97,6 +99,23 @@ conus_status plan_judge_leeway(double *out, struct plan_judge *judge, size_t ind
 
 /** mm from the needle's axis to the structure of constraint @p index. */
 double plan_judge_distance(struct plan_judge *judge, size_t index);
+
+/* plan_jitter.c */
+
+/** Errors of poses. */
+struct plan_jitter {
+    conus_jitter_options options;        /**< Defaults filled in; samples 0 = no errors. */
+    double (*errors)[JITTER_DIMENSIONS]; /**< [samples] Standard normal ones. */
+};
+
+/** Fills a zeroed one; NULL = no errors. */
+conus_status plan_jitter_init(struct plan_jitter *out, const conus_jitter_options *asked);
+
+/** Sets pose->p_ok: the part of the poses with errors that hold all of @p count constraints. @p verdicts are all of the
+ * pose's; with @p is_whole sets the p of each. Gives up once p_ok is sure to be below @p least: then it is an upper
+ * bound. @p has_bounds: what the leeways prove is not judged. */
+conus_status plan_jitter_ask(conus_planned *pose, conus_verdict *verdicts, struct plan_judge *judge, size_t count,
+                             const struct plan_jitter *jitter, bool is_whole, double least, bool has_bounds);
 
 /* plan.c */
 

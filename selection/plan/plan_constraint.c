@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "selection/plan/plan_map.h"
+#include "selection/study/study.h"
 
 #include <string.h>
 
@@ -143,11 +144,34 @@ static conus_status check_measure(const conus_selector *selector, const conus_co
 {
     bool needs_layers = asked->measure > CONUS_MEASURE_SHARE;
     bool is_part = asked->measure == CONUS_MEASURE_SHARE || asked->measure == CONUS_MEASURE_PIERCED ||
-                   asked->measure == CONUS_MEASURE_FRACTION;
+                   asked->measure == CONUS_MEASURE_FRACTION || asked->measure == CONUS_MEASURE_PROBABILITY;
     if (needs_layers && selector->options.layers != CONUS_LAYERS_ALL) {
         return fail(CONUS_ERROR_ARGUMENT, "measure: it needs all layers");
     }
+    bool has_contacts = asked->measure == CONUS_MEASURE_CONTACTS || asked->measure == CONUS_MEASURE_PROBABILITY;
+    if (asked->contacts.count ? !has_contacts : asked->measure == CONUS_MEASURE_CONTACTS) {
+        return fail(CONUS_ERROR_ARGUMENT, "contacts: %s", has_contacts ? "they are not known" : "the measure has none");
+    }
+    conus_status status = contacts_check(&asked->contacts);
+    if (status) {
+        return status;
+    }
     return is_part && asked->limit > 1 ? fail(CONUS_ERROR_ARGUMENT, "%g, allowed is 0 to 1", asked->limit) : CONUS_OK;
+}
+
+/* Whether all of the structure is of maps of probabilities. */
+static conus_status check_values(const struct plan_constraint *constraint)
+{
+    for (size_t i = 0; i < constraint->part_count; i++) {
+        const struct volume *volume = constraint->parts[i].volume;
+        if (!volume || !volume->values ||
+            (volume->info.role == CONUS_ROLE_SCALAR && !(volume->info.threshold > 0 && volume->info.maximum <= 1))) {
+            return fail(CONUS_ERROR_ARGUMENT,
+                        "%.200s has no probabilities, as areas and pathways of maps from 0 to 1 have",
+                        constraint->name);
+        }
+    }
+    return CONUS_OK;
 }
 
 static bool is_finite(const double *numbers, size_t count)
@@ -218,11 +242,15 @@ static conus_status fill(struct plan_constraint *out, const conus_selector *sele
     if (!status && plan_is_of_cone(asked->measure)) {
         status = find_reported(out, selector);
     }
+    if (!status && asked->measure == CONUS_MEASURE_PROBABILITY) {
+        status = check_values(out);
+    }
     out->asked = *asked;
     out->asked.names = NULL;
     out->asked.needles = NULL;
     out->has_leeway = plan_is_clearance(out) || asked->kind == CONUS_CONSTRAINT_APART;
-    for (size_t i = 0; i < out->part_count && asked->kind == CONUS_CONSTRAINT_REACH && !out->reported; i++) {
+    bool may_have = asked->kind == CONUS_CONSTRAINT_REACH && asked->measure <= CONUS_MEASURE_CROSSED;
+    for (size_t i = 0; i < out->part_count && may_have; i++) {
         const struct mesh *mesh = out->parts[i].mesh;
         out->has_leeway = out->has_leeway || !mesh || mesh->shape.closed;
     }

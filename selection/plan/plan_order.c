@@ -23,7 +23,7 @@ static void add_name(struct plan_order *order, const char *text, enum plan_quant
 /* The names that these constraints have something for. */
 static conus_status find_names(struct plan_order *order, const struct plan_constraint *constraints, size_t count)
 {
-    order->names = memory_zeroed(2 * count + 6, sizeof *order->names);
+    order->names = memory_zeroed(2 * count + 7, sizeof *order->names);
     if (!order->names) {
         return CONUS_ERROR_MEMORY;
     }
@@ -32,6 +32,7 @@ static conus_status find_names(struct plan_order *order, const struct plan_const
     add_name(order, "clearance", PLAN_CLEARANCE, 0);
     add_name(order, "depth", PLAN_DEPTH, 0);
     add_name(order, "entry_angle", PLAN_ENTRY_ANGLE, 0);
+    add_name(order, "p_ok", PLAN_CHANCE, 0);
     size_t reaches = 0;
     bool has[CONUS_MEASURE_STREAMLINES + 1] = {false};
     for (size_t i = 0; i < count; i++) {
@@ -150,10 +151,19 @@ conus_status plan_order_init(struct plan_order *out, const struct plan_constrain
         status = parse_keys(&out->pareto, &out->pareto_count, options->pareto, out, false);
         status = status == CONUS_ERROR_ARGUMENT ? fail_in(status, "pareto") : status;
     }
-    if (!status) {
-        out->needs_leeway = uses(out, PLAN_LEEWAY) || is_in_score(out, PLAN_LEEWAY);
+    if (status) {
+        return status;
     }
-    return status;
+    bool has_chance = is_in_score(out, PLAN_CHANCE);
+    out->needs_chance = uses(out, PLAN_CHANCE) || has_chance;
+    out->needs_leeway = out->needs_chance || uses(out, PLAN_LEEWAY) || is_in_score(out, PLAN_LEEWAY);
+    for (bool is_sure = true; is_sure && out->sure_count < out->rank_count; out->sure_count += is_sure) {
+        enum plan_quantity quantity = out->names[out->rank[out->sure_count].name].quantity;
+        is_sure = quantity != PLAN_CHANCE && (quantity != PLAN_SCORE || !has_chance);
+    }
+    return out->needs_chance && !options->jitter
+               ? fail(CONUS_ERROR_ARGUMENT, "p_ok: without errors of the poses (jitter) there is none")
+               : CONUS_OK;
 }
 
 void plan_order_finish(struct plan_order *order)
@@ -173,6 +183,8 @@ static double value_of(const struct plan_name *name, const conus_planned *pose)
         return pose->slack;
     case PLAN_CLEARANCE:
         return pose->clearance;
+    case PLAN_CHANCE:
+        return pose->p_ok;
     case PLAN_DEPTH:
         return pose->far;
     case PLAN_ENTRY_ANGLE:

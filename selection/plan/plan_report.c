@@ -24,6 +24,8 @@ static const struct {
     {"length", "_mm", "mm", " mm of the axis in ", "some of the axis in "},
     {"tip", "_tip", NULL, "", "the far end in "},
     {"crossed", "_crossed", NULL, "", "the axis through "},
+    {"contacts", "_contacts", NULL, " contacts in ", "some contact in "},
+    {"probability", "_probability", NULL, " mean probability of ", "some probability of "},
     {"share", "_share", NULL, " of the cone on ", "some of the cone on "},
     {"pierced", "_pierced", NULL, " of the pixels through ", "some pixel through "},
     {"volume", "_mm3", "mm^3", " mm^3 in the cone of ", "some volume in the cone of "},
@@ -84,20 +86,20 @@ static void say_constraint(struct buffer *out, const struct report_constraint *c
 static const char ASKED[] = "asked is ";
 
 /* A column of constraint `index`; its name and description are appended to the words, one after the other. */
-static void add_column(struct report_plan *out, size_t index, const char *ending, const char *units, const char *what,
-                       size_t member)
+static void add_column(struct report_plan *out, size_t index, const char *const affixes[2], const char *units,
+                       const char *what, size_t member)
 {
     const struct report_constraint *constraint = &out->constraints[index];
-    buffer_format(&out->words, "%s%zu%s", constraint->kind, constraint->index, ending);
+    bool is_angle = report_is_angle(constraint) && member == offsetof(conus_verdict, value);
+    buffer_format(&out->words, "%s%s%zu%s", affixes[0], constraint->kind, constraint->index, affixes[1]);
     buffer_append(&out->words, "", 1);
     buffer_format(&out->words, "%s; %s", what, ASKED);
     say_constraint(&out->words, constraint);
     buffer_append(&out->words, "", 1);
-    out->columns[out->column_count++] =
-        (struct report_column){.units = units,
-                               .type = report_is_angle(constraint) ? COLUMN_ANGLE : COLUMN_NUMBER,
-                               .offset = index * sizeof(conus_verdict) + member,
-                               .home = HOME_VERDICTS};
+    out->columns[out->column_count++] = (struct report_column){.units = units,
+                                                               .type = is_angle ? COLUMN_ANGLE : COLUMN_NUMBER,
+                                                               .offset = index * sizeof(conus_verdict) + member,
+                                                               .home = HOME_VERDICTS};
 }
 
 static void add_columns(struct report_plan *out, size_t index)
@@ -106,13 +108,17 @@ static void add_columns(struct report_plan *out, size_t index)
     const size_t measure = measure_of(constraint->asked);
     const conus_constraint_kind kind = constraint->asked->kind;
     bool is_clearance = report_is_clearance(constraint);
-    add_column(out, index, constraint->measure ? measures[measure].ending : kinds[kind].ending,
-               constraint->measure ? measures[measure].units : kinds[kind].units,
+    const char *const affixes[2] = {"", constraint->measure ? measures[measure].ending : kinds[kind].ending};
+    add_column(out, index, affixes, constraint->measure ? measures[measure].units : kinds[kind].units,
                is_clearance ? "distance of the axis, the radius not taken off" : "what was measured",
                offsetof(conus_verdict, value));
     if (is_clearance) {
-        add_column(out, index, "_at_mm", "mm", "where the axis is nearest, from the apex",
+        add_column(out, index, (const char *[2]){"", "_at_mm"}, "mm", "where the axis is nearest, from the apex",
                    offsetof(conus_verdict, depth));
+    }
+    if (out->jitter) {
+        add_column(out, index, (const char *[2]){"p_", ""}, NULL, "probability that it holds, of a pose with errors",
+                   offsetof(conus_verdict, p));
     }
 }
 
@@ -139,8 +145,9 @@ static conus_status fill(struct report_plan *out, const conus_plan *plan)
     size_t counts[sizeof kinds / sizeof kinds[0]] = {0};
     out->candidates = conus_plan_left(plan, 0);
     out->rejected = conus_plan_rejected(plan).count;
+    out->jitter = conus_plan_jitter(plan);
     out->constraints = memory_zeroed(out->count, sizeof *out->constraints);
-    out->columns = memory_zeroed(2 * out->count, sizeof *out->columns);
+    out->columns = memory_zeroed(3 * out->count, sizeof *out->columns);
     for (size_t i = 0; i < out->count && out->constraints && out->columns; i++) {
         const conus_constraint *asked = conus_plan_constraint(plan, i);
         out->constraints[i] = (struct report_constraint){

@@ -136,7 +136,7 @@ static struct course start_course(const struct plan_constraint *constraint, cons
     } else if (motion->is_depth && !is_tip) {
         /* the longer the needle, the more it meets: a constraint that breaks stays broken */
         bool has_part = asked->part[0] > 0 || asked->part[1] > 0;
-        course.kind = has_part || plan_is_of_cone(asked->measure) ? COURSE_SAMPLED : COURSE_SPAN;
+        course.kind = has_part || asked->measure > CONUS_MEASURE_CROSSED ? COURSE_SAMPLED : COURSE_SPAN;
     } else if (constraint->has_leeway) {
         course.kind = COURSE_MARCH;
         course.proven = fmax(verdict->leeway - TOUCH, 0) / course.rate;

@@ -91,16 +91,101 @@ static void measure_length(conus_verdict *out, const struct plan_judge *judge, c
     out->value += isnan(exit) ? 0 : exit - entry;
 }
 
-/* Whether the far end is in the structure: where one ends, it is in the next one. */
-static void measure_tip(conus_verdict *out, const struct plan_judge *judge, const struct plan_constraint *constraint)
+/* Whether a point of the axis is in the structure: where one ends, it is in the next one. */
+static bool is_inside(const struct plan_judge *judge, const struct plan_constraint *constraint, double depth)
 {
-    out->value = 0;
-    for (size_t i = 0; i < judge->layers.count; i++) {
+    bool is = false;
+    for (size_t i = 0; i < judge->layers.count && !is; i++) {
         const conus_interval *interval = &judge->layers.intervals[i];
-        if (constraint->has[interval->object] && interval->entry <= judge->pose->far &&
-            interval->exit > judge->pose->far) {
-            out->value = 1;
+        is = constraint->has[interval->object] && interval->entry <= depth && interval->exit > depth;
+    }
+    return is;
+}
+
+/* The probability of the structure at a point of the axis, summed over its maps. */
+static double probability_at(const struct plan_judge *judge, const struct plan_constraint *constraint, double depth)
+{
+    double point[3];
+    double sum = 0;
+    needle_point(point, &judge->needle, depth);
+    for (size_t i = 0; i < constraint->part_count; i++) {
+        const struct volume *volume = constraint->parts[i].volume;
+        size_t voxel;
+        sum += volume_find_voxel(&voxel, volume, point) ? fmax((double)volume->values[voxel], 0) : 0;
+    }
+    return sum;
+}
+
+/* How many contacts are in the structure, or their mean probability. Those of a row are at one depth. */
+static void measure_contacts(conus_verdict *out, const struct plan_judge *judge,
+                             const struct plan_constraint *constraint)
+{
+    const conus_contacts *contacts = &constraint->asked.contacts;
+    bool is_mean = constraint->asked.measure == CONUS_MEASURE_PROBABILITY;
+    double depth = judge->pose->far - contacts->tip;
+    uint32_t left = contacts->count;
+    out->value = 0;
+    for (uint32_t row = 0; left && depth >= judge->pose->near; row++) {
+        uint32_t count = left < contacts->columns ? left : contacts->columns;
+        out->value +=
+            count * (is_mean ? probability_at(judge, constraint, depth) : (double)is_inside(judge, constraint, depth));
+        left -= count;
+        depth = judge->pose->far - contacts->tip - (row + 1) * contacts->pitch;
+    }
+    out->value /= is_mean ? contacts->count : 1;
+}
+
+/* The integral of a map's values along the needle, cell by cell. */
+static double sum_values(const struct volume *volume, const struct needle *needle)
+{
+    const double *m = volume->voxel_from_world;
+    double from[3];
+    double step[3]; /* cells a mm */
+    double plane[3];
+    double at = needle->near;
+    double end = needle->far;
+    double sum = 0;
+    mat4_point(from, m, needle->origin);
+    for (int a = 0; a < 3; a++) {
+        step[a] = m[a] * needle->direction[0] + m[4 + a] * needle->direction[1] + m[8 + a] * needle->direction[2];
+        double low = (-0.5 - from[a]) / step[a];
+        double high = ((double)volume->info.dim[a] - 0.5 - from[a]) / step[a];
+        bool moves = isfinite(low) && isfinite(high); /* beside the grid no voxel is found */
+        at = moves ? fmax(at, fmin(low, high)) : at;
+        end = moves ? fmin(end, fmax(low, high)) : end;
+        step[a] = moves ? step[a] : 0;
+    }
+    for (int a = 0; a < 3; a++) { /* the next one */
+        double cell = from[a] + at * step[a];
+        plane[a] = step[a] > 0 ? floor(cell + 0.5) + 0.5 : ceil(cell - 0.5) - 0.5;
+    }
+    while (at < end) {
+        double next = end;
+        for (int a = 0; a < 3; a++) {
+            next = step[a] != 0 ? fmin(next, (plane[a] - from[a]) / step[a]) : next;
         }
+        double point[3];
+        size_t voxel;
+        needle_point(point, needle, at + (next - at) / 2);
+        sum += next > at && volume_find_voxel(&voxel, volume, point)
+                   ? (next - at) * fmax((double)volume->values[voxel], 0)
+                   : 0;
+        at = fmax(at, next);
+        for (int a = 0; a < 3; a++) {
+            plane[a] += step[a] == 0 || (plane[a] - from[a]) / step[a] > at ? 0 : copysign(1, step[a]);
+        }
+    }
+    return sum;
+}
+
+/* The mean probability of the structure along the axis. */
+static void measure_probability(conus_verdict *out, const struct plan_judge *judge,
+                                const struct plan_constraint *constraint)
+{
+    double length = judge->needle.far - judge->needle.near;
+    out->value = 0;
+    for (size_t i = 0; i < constraint->part_count && length > 0; i++) {
+        out->value += sum_values(constraint->parts[i].volume, &judge->needle) / length;
     }
 }
 
@@ -278,7 +363,8 @@ static conus_status measure(conus_verdict *out, struct plan_judge *judge, const 
     if (plan_is_of_cone(asked->measure)) {
         return measure_cone(out, judge, constraint);
     }
-    bool needs_axis = asked->kind == CONUS_CONSTRAINT_REACH || asked->kind == CONUS_CONSTRAINT_FIRST;
+    bool needs_axis = (asked->kind == CONUS_CONSTRAINT_REACH && asked->measure != CONUS_MEASURE_PROBABILITY) ||
+                      asked->kind == CONUS_CONSTRAINT_FIRST;
     conus_status status = needs_axis ? follow(judge) : CONUS_OK;
     if (status) {
         return status;
@@ -288,7 +374,11 @@ static conus_status measure(conus_verdict *out, struct plan_judge *judge, const 
         if (asked->measure == CONUS_MEASURE_LENGTH) {
             measure_length(out, judge, constraint);
         } else if (asked->measure == CONUS_MEASURE_TIP) {
-            measure_tip(out, judge, constraint);
+            out->value = is_inside(judge, constraint, judge->pose->far);
+        } else if (asked->contacts.count) {
+            measure_contacts(out, judge, constraint);
+        } else if (asked->measure == CONUS_MEASURE_PROBABILITY) {
+            measure_probability(out, judge, constraint);
         } else {
             measure_crossing(out, judge, constraint);
         }
@@ -377,7 +467,7 @@ conus_status plan_judge(conus_verdict *out, struct plan_judge *judge, size_t ind
     const struct plan_constraint *constraint = &judge->constraints[index];
     double radius = judge->selector->options.radius;
     double settled = (radius + constraint->asked.limit) * (1 + 1e-9) + 1e-9; /* mm: farther, the margin is kept */
-    *out = (conus_verdict){.slack = NAN, .leeway = NAN, .depth = NAN};
+    *out = (conus_verdict){.slack = NAN, .leeway = NAN, .depth = NAN, .p = NAN};
     int seen = care == PLAN_HOLDS ? look(judge, constraint) : 0;
     if (seen) {
         out->holds = seen > 0;

@@ -11,8 +11,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { CONTACT_LIMIT = 65536 };
-
 /* Copies the level, so that the report does not need the selector. */
 static conus_status keep_level(conus_report *report, const conus_selector *selector)
 {
@@ -54,14 +52,7 @@ static conus_status check_options(const conus_report_options *options)
     if (options->format != CONUS_FORMAT_OPEN_EPHYS) {
         return fail(CONUS_ERROR_ARGUMENT, "contacts: Open Ephys wants them, and no other format does");
     }
-    return contacts->count <= CONTACT_LIMIT && contacts->columns && contacts->pitch > 0 && isfinite(contacts->pitch) &&
-                   contacts->tip >= 0 && isfinite(contacts->tip)
-               ? CONUS_OK
-               : fail(CONUS_ERROR_ARGUMENT,
-                      "contacts: %u in rows of %u, %g mm from row to row and %g mm from the tip on; allowed are up to "
-                      "%d "
-                      "in rows of 1 or more, more than 0 mm, and 0 mm or more",
-                      contacts->count, contacts->columns, contacts->pitch, contacts->tip, CONTACT_LIMIT);
+    return contacts_check(contacts);
 }
 
 /* The caller's frame, or that of a space that needs no atlas. */

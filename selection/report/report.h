@@ -54,7 +54,8 @@ struct report_plan {
     struct report_constraint *constraints; /**< [count] */
     size_t count;
     uint64_t candidates, rejected;
-    struct report_column *columns; /**< [column_count] */
+    const conus_jitter_options *jitter; /**< NULL = none. */
+    struct report_column *columns;      /**< [column_count] */
     size_t column_count;
     struct buffer words; /**< All texts that are made for them. */
 };

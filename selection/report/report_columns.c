@@ -472,6 +472,7 @@ static const struct report_column plan_columns[] = {
     {"clearance_of", NULL, "what that is", NAMED(get_clearance_of)},
     {"clearance_at_mm", "mm", "where the axis is nearest to it, from the apex", .get = get_clearance_at},
     {"score", NULL, "value of the formula that was given", OF_POSE(NUMBER, score)},
+    {"p_ok", NULL, "probability that it breaks no constraint, of a pose with errors", OF_POSE(NUMBER, p_ok)},
 };
 
 static struct cell get_number(const conus_report *report, const struct report_row *row)
@@ -532,6 +533,12 @@ static struct cell get_holds(const conus_report *report, const struct report_row
     return integer_cell(verdict_of(row)->holds);
 }
 
+static struct cell get_chance(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return number_cell(verdict_of(row)->p);
+}
+
 #define CONSTRAINT_KIND                                                                                                \
     {                                                                                                                  \
         "kind", NULL, "reach, avoid, length, lean, apart or first", NAMED(get_constraint_kind)                         \
@@ -556,6 +563,7 @@ static const struct report_column constraint_columns[] = {
     {"slack", NULL, "by how much the constraint holds; negative where it breaks", .get = get_slack},
     {"holds", NULL, "1 if it holds, else 0", .get = get_holds},
     {"leeway_mm", "mm", "no point of the axis may be off by so much that it breaks", .get = get_leeway},
+    {"p_holds", NULL, "probability that it holds, of a pose with errors", .get = get_chance},
 };
 
 static struct cell get_profile_clearance(const conus_report *report, const struct report_row *row)
@@ -851,9 +859,10 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     }
 }
 
-/* Whether a column of this name holds a number of a constraint: "reach1_mm". */
+/* Whether a column of this name holds a number of a constraint: "reach1_mm", "p_reach1". */
 static bool is_of_constraint(const char *name)
 {
+    name += strncmp(name, "p_", 2) == 0 ? 2 : 0;
     static const char *const kinds[] = {"reach", "avoid", "length", "lean", "apart", "first", "angle"};
     bool is = false;
     for (size_t i = 0; i < COUNT_OF(kinds); i++) {

@@ -319,6 +319,12 @@ static bool add_needle(json_t *settings, const conus_report *report)
             put_value(settings, "within_mm", json_from_end(report->options.within)));
 }
 
+static json_t *json_from_contacts(const conus_contacts *contacts)
+{
+    return json_pack("{s: I, s: I, s: f, s: f}", "count", (json_int_t)contacts->count, "columns",
+                     (json_int_t)contacts->columns, "pitch_mm", contacts->pitch, "tip_mm", contacts->tip);
+}
+
 static json_t *json_from_settings(const conus_report *report)
 {
     const conus_selector_options *options = &report->selector;
@@ -344,9 +350,7 @@ static json_t *json_from_settings(const conus_report *report)
     whole = (!report->options.order || put_value(settings, "order", json_string("depth"))) && whole;
     const conus_contacts *contacts = &report->options.contacts;
     if (contacts->count) {
-        json_t *entry = json_pack("{s: I, s: I, s: f, s: f}", "count", (json_int_t)contacts->count, "columns",
-                                  (json_int_t)contacts->columns, "pitch_mm", contacts->pitch, "tip_mm", contacts->tip);
-        whole = put_value(settings, "contacts", entry) && whole;
+        whole = put_value(settings, "contacts", json_from_contacts(contacts)) && whole;
     }
     bool tells = options->radius == 0 && (report->is_begun || !report->query_count); /* no query tells it (Eq. 15) */
     whole = (!tells || put_value(settings, "spread", json_string("even beyond 120 degrees"))) && whole;
@@ -362,7 +366,9 @@ static json_t *json_from_constraint(const struct report_constraint *constraint)
         json_pack("{s: s, s: I, s: f, s: o}", "kind", constraint->kind, "index", (json_int_t)constraint->index, "limit",
                   is_angle ? degrees_from_radians(limit) : limit, "asked", json_from_text(constraint->words));
     bool whole = (!constraint->name || put_value(entry, "name", json_from_text(constraint->name))) &&
-                 (!constraint->measure || put_value(entry, "measure", json_string(constraint->measure)));
+                 (!constraint->measure || put_value(entry, "measure", json_string(constraint->measure))) &&
+                 (!constraint->asked->contacts.count ||
+                  put_value(entry, "contacts", json_from_contacts(&constraint->asked->contacts)));
     return whole_or_null(entry, whole);
 }
 
@@ -376,6 +382,18 @@ static json_t *json_from_miss(const struct report_constraint *constraint, size_t
     double unit = report_is_angle(constraint) ? degrees_from_radians(1) : 1;
     return json_pack("{s: o, s: f, s: f}", "query", json_from_text(pose->id), "value",
                      pose->verdicts[index].value * unit, "slack", pose->verdicts[index].slack * unit);
+}
+
+/* The errors of all poses: of tilt and position, or of both ends and the depth. */
+static bool add_errors(json_t *plan, const conus_jitter_options *jitter)
+{
+    bool of_ends = jitter && (jitter->entry > 0 || jitter->target > 0 || jitter->depth > 0);
+    return !jitter ||
+           put_value(plan, "jitter",
+                     of_ends ? json_pack("{s: I, s: f, s: f, s: f}", "samples", (json_int_t)jitter->samples, "entry_mm",
+                                         jitter->entry, "target_mm", jitter->target, "depth_mm", jitter->depth)
+                             : json_pack("{s: I, s: f, s: f}", "samples", (json_int_t)jitter->samples, "error_deg",
+                                         degrees_from_radians(jitter->tilt), "error_mm", jitter->shift));
 }
 
 static bool add_plan(json_t *root, const struct report_plan *plan)
@@ -393,7 +411,7 @@ static bool add_plan(json_t *root, const struct report_plan *plan)
     json_t *object =
         json_pack("{s: I, s: I, s: o, s: o, s: o}", "candidates", (json_int_t)plan->candidates, "no_candidates",
                   (json_int_t)plan->rejected, "constraints", constraints, "funnel", funnel, "nearest_misses", misses);
-    return put_value(root, "Plan", whole_or_null(object, whole));
+    return put_value(root, "Plan", whole_or_null(object, whole && add_errors(object, plan->jitter)));
 }
 
 /* The sources; queries are always in RAS. */

@@ -16,7 +16,7 @@ static const struct {
     const char *name, *title;
 } titles[] = {{"query", "candidate"}, {"far_mm", "depth"},      {"entry_angle_deg", "angle"},
               {"leeway_of", "of"},    {"clearance_of", "from"}, {"clearance_at_mm", "at depth"},
-              {"broken", "breaks"},   {"depth_mm", "depth"}};
+              {"broken", "breaks"},   {"depth_mm", "depth"},    {"p_ok", "p ok"}};
 
 /* Columns that the table of poses leaves out: -o FILE has them. */
 static bool is_left_out(const conus_report *report, const struct report_column *column)
@@ -24,7 +24,8 @@ static bool is_left_out(const conus_report *report, const struct report_column *
     static const char *const names[] = {"feasible", "entry", "target", "dx",        "dy",       "dz",
                                         "tip_x",    "tip_y", "tip_z",  "leeway_of", "slack_mm", NULL};
     bool is = column->home == HOME_VERDICTS &&
-              report_is_clearance(&report->plan.constraints[column->offset / sizeof(conus_verdict)]);
+              (column->offset % sizeof(conus_verdict) == offsetof(conus_verdict, p) ||
+               report_is_clearance(&report->plan.constraints[column->offset / sizeof(conus_verdict)]));
     for (size_t i = 0; names[i] && !is; i++) {
         is = strcmp(names[i], column->name) == 0;
     }

@@ -124,6 +124,56 @@ void jitter_pose(conus_pose *out, const conus_pose *pose, const conus_jitter_opt
     mat4_multiply(out->world_from_device, m, turn);
 }
 
+static bool jitter_is_of_ends(const conus_jitter_options *options)
+{
+    return options->entry != 0 || options->target != 0 || options->depth != 0;
+}
+
+/* The errors of both ends are a shift and a turn: by the angle between the axes, about what is across both. */
+void jitter_needle(conus_pose *out, double *far, const conus_pose *pose, const conus_jitter_options *options,
+                   const double errors[JITTER_DIMENSIONS])
+{
+    if (!jitter_is_of_ends(options)) {
+        jitter_pose(out, pose, options, errors);
+        return;
+    }
+    const double begin[2] = {options->entry * errors[0], options->entry * errors[1]};
+    const double along[2] = {options->target * errors[2] - begin[0], options->target * errors[3] - begin[1]};
+    double across = hypot(along[0], along[1]);
+    double turn = across > 0 ? atan2(across, *far) / across : 0;
+    jitter_pose(out, pose, &(conus_jitter_options){.tilt = 1, .shift = 1},
+                (const double[JITTER_DIMENSIONS]){turn * along[1], -turn * along[0], begin[0], begin[1], 0});
+    *far += options->depth * errors[4];
+}
+
+conus_status jitter_check(conus_jitter_options *options)
+{
+    const struct {
+        const char *name;
+        double value;
+    } lengths[] = {
+        {"shift", options->shift}, {"entry", options->entry}, {"target", options->target}, {"depth", options->depth}};
+    options->samples = options->samples ? options->samples : DEFAULT_SAMPLES;
+    if (!(options->tilt >= 0 && options->tilt <= MATH3_PI / 2)) {
+        return fail(CONUS_ERROR_ARGUMENT, "jitter: a tilt of %g degrees, allowed is 0 to 90",
+                    degrees_from_radians(options->tilt));
+    }
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
+        if (!(lengths[i].value >= 0 && lengths[i].value <= 1e6)) {
+            return fail(CONUS_ERROR_ARGUMENT, "jitter: %s: %g mm, allowed is 0 to 1e6", lengths[i].name,
+                        lengths[i].value);
+        }
+    }
+    if (jitter_is_of_ends(options) && (options->tilt > 0 || options->shift > 0)) {
+        return fail(CONUS_ERROR_ARGUMENT, "jitter: errors are of the tilt and the position, or of both ends");
+    }
+    uint32_t samples = options->samples;
+    return samples < JITTER_SETS || samples > SAMPLE_LIMIT || (samples & (samples - 1))
+               ? fail(CONUS_ERROR_ARGUMENT, "samples: %u, allowed are powers of two from %d to %d", samples,
+                      JITTER_SETS, SAMPLE_LIMIT)
+               : CONUS_OK;
+}
+
 /* The sums over the samples for one object; number 0 is for rays that hit nothing. */
 struct count {
     uint32_t hits[JITTER_SETS];
@@ -256,20 +306,11 @@ conus_status conus_jitter_create(conus_jitter **out, conus_selector *selector, c
                         .aperture = selector->options.aperture,
                         .radius = selector->options.radius,
                         .range = {selector->range[0], selector->range[1]}};
-    filled.samples = filled.samples ? filled.samples : DEFAULT_SAMPLES;
-    if (!(filled.tilt >= 0 && filled.tilt <= MATH3_PI / 2)) {
-        return fail(CONUS_ERROR_ARGUMENT, "jitter: a tilt of %g degrees, allowed is 0 to 90",
-                    degrees_from_radians(filled.tilt));
+    conus_status status = jitter_check(&filled);
+    if (!status && jitter_is_of_ends(&filled)) {
+        status = fail(CONUS_ERROR_ARGUMENT, "jitter: errors of an entry, a target or a depth are of needles");
     }
-    if (!(filled.shift >= 0 && filled.shift <= 1e6)) {
-        return fail(CONUS_ERROR_ARGUMENT, "jitter: a shift of %g mm, allowed is 0 to 1e6", filled.shift);
-    }
-    uint32_t samples = filled.samples;
-    if (samples < JITTER_SETS || samples > SAMPLE_LIMIT || (samples & (samples - 1))) {
-        return fail(CONUS_ERROR_ARGUMENT, "samples: %u, allowed are powers of two from %d to %d", samples, JITTER_SETS,
-                    SAMPLE_LIMIT);
-    }
-    conus_status status = conus_pose_from_matrix(&cone.pose, pose->world_from_device);
+    status = status ? status : conus_pose_from_matrix(&cone.pose, pose->world_from_device);
     status = status ? status : cone_check(&cone);
     if (status) {
         return status;

@@ -13,6 +13,19 @@
 /* Any angle has the axis for the ray of its only pixel. */
 static const struct cone AXIS = {.angle = 1, .resolution = 1};
 
+enum { CONTACT_LIMIT = 65536 };
+
+conus_status contacts_check(const conus_contacts *contacts)
+{
+    return !contacts->count || (contacts->count <= CONTACT_LIMIT && contacts->columns && contacts->pitch > 0 &&
+                                isfinite(contacts->pitch) && contacts->tip >= 0 && isfinite(contacts->tip))
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT,
+                      "contacts: %u in rows of %u, %g mm from row to row and %g mm from the tip on; allowed are up to "
+                      "%d in rows of 1 or more, more than 0 mm, and 0 mm or more",
+                      contacts->count, contacts->columns, contacts->pitch, contacts->tip, CONTACT_LIMIT);
+}
+
 bool axis_clip(conus_interval *interval, const conus_atlas *atlas, const double range[2])
 {
     bool is_point = interval->exit - interval->entry <= AXIS_TOUCH;

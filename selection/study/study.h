@@ -27,9 +27,16 @@ struct conus_jitter {
 /** Standard normal errors of sample @p index: tilts about the device's x and y, shifts along x, y and z. */
 void jitter_sample(double out[JITTER_DIMENSIONS], uint32_t index);
 
+/** Fills in the defaults, and refuses what is out of its range. */
+conus_status jitter_check(conus_jitter_options *options);
+
 /** The pose with these errors, times the options' standard deviations. */
 void jitter_pose(conus_pose *out, const conus_pose *pose, const conus_jitter_options *options,
                  const double errors[JITTER_DIMENSIONS]);
+
+/** Likewise of a needle that ends at *far, mm, which errors of its depth change. */
+void jitter_needle(conus_pose *out, double *far, const conus_pose *pose, const conus_jitter_options *options,
+                   const double errors[JITTER_DIMENSIONS]);
 
 /* overlap.c: what a region of interest covers (Eq. 16). */
 struct conus_overlap {
@@ -51,6 +58,9 @@ struct conus_segments {
 
 /* mm: what an axis meets for less, rounding makes of a ray that only touches. */
 #define AXIS_TOUCH 1e-9
+
+/** Refuses contacts that cannot be; a count of 0 is none. */
+conus_status contacts_check(const conus_contacts *contacts);
 
 /** Appends all intervals of the axis of @p pose in objects, from the apex on, and sorts @p out by entry. */
 conus_status axis_follow(struct layers *out, conus_selector *selector, const conus_pose *pose);

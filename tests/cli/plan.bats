@@ -32,7 +32,7 @@ columns() {
 @test "what reaches and keeps clear is listed, the largest leeway first" {
     needles
     answers $U --reach U,length=5 --avoid Ball,margin=3 --format tsv -q
-    [ "$(head -1 <<<"$output" | tr '\t' ' ')" = "query rank front feasible broken entry target x y z dx dy dz tip_x tip_y tip_z far_mm entry_angle_deg leeway_mm leeway_of slack_mm clearance_mm clearance_of clearance_at_mm score reach1_mm avoid1_mm avoid1_at_mm" ]
+    [ "$(head -1 <<<"$output" | tr '\t' ' ')" = "query rank front feasible broken entry target x y z dx dy dz tip_x tip_y tip_z far_mm entry_angle_deg leeway_mm leeway_of slack_mm clearance_mm clearance_of clearance_at_mm score p_ok reach1_mm avoid1_mm avoid1_at_mm" ]
     [ "$(columns query rank feasible broken tip_x far_mm leeway_mm leeway_of)" = "b 1 1 n/a 14 26 2.5 U;a 2 1 n/a 10 30 1 Ball;" ]
     [ "$(columns slack_mm clearance_mm clearance_of clearance_at_mm)" = "5 8 Ball 26;1 4 Ball 30;" ]
     [ "$(columns reach1_mm avoid1_mm avoid1_at_mm)" = "8 9 26;10 5 30;" ]
@@ -76,7 +76,7 @@ columns() {
     needles
     printf 'x\ty\tz\tdx\tdy\tdz\tfar\n40\t6\t5\t-1\t0\t0\t30\n' >other.tsv
     answers $U --lean=-1,0,1,46 --length 22,40 --apart other.tsv,5 --first U --reach U,length=1,part=0:3 --format tsv -q
-    [ "$(head -1 <<<"$output" | tr '\t' ' ' | sed 's/.* score //')" = "lean1_deg length1_mm apart1_mm first1 reach1_mm" ]
+    [ "$(head -1 <<<"$output" | tr '\t' ' ' | sed 's/.* p_ok //')" = "lean1_deg length1_mm apart1_mm first1 reach1_mm" ]
     [ "$(columns query lean1_deg length1_mm apart1_mm first1 reach1_mm leeway_of)" = "b 45 26 6 1 3 apart;a 45 30 6 1 1 U;" ]
     answers $U --reach U,tip --format tsv -q --rank depth
     [ "$(columns query reach1_tip)" = "b 1;d 1;" ]
@@ -104,7 +104,7 @@ columns() {
     needles
     answers $U --reach U,length=5 --avoid Ball,margin=3 -q -o plan.tsv --constraints rows.tsv --profile profile.tsv,step=20
     output=$(<rows.tsv)
-    [ "$(head -1 rows.tsv | tr '\t' ' ')" = "query constraint kind index name value limit slack holds leeway_mm" ]
+    [ "$(head -1 rows.tsv | tr '\t' ' ')" = "query constraint kind index name value limit slack holds leeway_mm p_holds" ]
     [ "$(columns query constraint kind index name value limit slack holds leeway_mm)" = \
         "b 1 reach 1 U 8 5 3 1 2.5;b 2 avoid 1 Ball 9 3 5 1 5;a 1 reach 1 U 10 5 5 1 2.5;a 2 avoid 1 Ball 5 3 1 1 1;" ]
     output=$(<profile.tsv)
@@ -179,7 +179,84 @@ columns() {
     fails 2 'no effect without --avoid' $U --reach U --profile -
     fails 2 'both on standard output' $U --avoid U --profile - --constraints -
     fails 2 'leewy' $U --reach U --rank leewy
+    fails 2 'not two numbers DEGREES,MM' $U --reach U --jitter 2
+    fails 2 'a tilt of 91 degrees' $U --reach U --jitter 91,1
+    fails 2 'is not entry=MM,target=MM' $U --reach U --jitter entry=1
+    fails 2 'is not entry=MM,target=MM' $U --reach U --jitter entry=1,target=-2
+    fails 2 'is not entry=MM,target=MM' $U --reach U --jitter entry=1,target=2,entry=3
+    fails 2 'no power of two' $U --reach U --jitter 2,1 --samples 100
+    fails 2 'no effect without --jitter' $U --reach U --samples 64
+    fails 2 'p_ok: without errors' $U --reach U --rank p_ok
+    fails 2 'no effect without --contacts' $U --reach U,contacts=3
+    fails 2 'no effect without --reach' $U --reach U --contacts 8,1,1,0
+    fails 2 'is not COUNT,COLUMNS' $U --reach U,contacts=3 --contacts 8,1,1
+    fails 2 'has no probabilities' $U --reach U,probability=0.5
+    fails 2 'probability=2 is not a number from 0 to 1' $U --reach U,probability=2
     nothing_left needles.tsv u-shape.nii.gz u-shape.tsv u-shape.json
+}
+
+# A depth that is off by 2 mm (normal): b and a end 3 and 7 mm behind 23, where the reach is just long enough, and 5 and
+# 1 mm before 31, where the ball's margin begins. So b holds both with the probability of -3 to 5 mm, a of -7 to 1.
+@test "how probable it is that a pose holds when it is not exactly known" {
+    needles
+    local ask="$U --reach U,length=5 --avoid Ball,margin=3 --jitter entry=0,target=0,depth=2 --samples 4096 -q"
+    answers $ask --format tsv --rank p_ok
+    [ "$(columns query rank)" = "b 1;a 2;" ]
+    [ "$(head -1 <<<"$output" | tr '\t' ' ' | sed 's/.* score //')" = "p_ok reach1_mm p_reach1 avoid1_mm avoid1_at_mm p_avoid1" ]
+    awk -F '\t' 'function near(a, b) { return a > b - 0.002 && a < b + 0.002 }
+        NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+        $1 == "b" { fine += near($at["p_ok"], 0.9270) + near($at["p_reach1"], 0.9332) + near($at["p_avoid1"], 0.9938) }
+        $1 == "a" { fine += near($at["p_ok"], 0.6912) + near($at["p_reach1"], 0.9998) + near($at["p_avoid1"], 0.6915) }
+        END { exit fine != 6 }' <<<"$output"
+    answers $ask -o plan.tsv --constraints rows.tsv --no-pruning --threads 1
+    answers $ask -o again.tsv --constraints again-rows.tsv --threads 3
+    cmp plan.tsv again.tsv
+    cmp rows.tsv again-rows.tsv
+    jq -e '.Plan.jitter == {"samples": 4096, "entry_mm": 0, "target_mm": 0, "depth_mm": 2}' plan.json
+    answers verify plan.tsv
+    answers $U --reach U --jitter 3,1 --samples 64 -q
+    [[ "${lines[0]}" == *"p ok"* ]]
+}
+
+# Contacts every 2 mm from the tip on, in the U from 18 to before 28: of a and b at 26, 24, 22, 20 and 18, of c, whose last
+# one is at 22, three, of d at 20 and 18.
+@test "contacts in a structure" {
+    needles
+    answers $U --reach U,contacts=5 --contacts 8,1,2,0 --format tsv -q --infeasible
+    [ "$(columns query feasible reach1_contacts)" = "b 1 5;a 1 5;c 0 3;d 0 2;" ]
+    answers $U --reach U,contacts=10 --contacts 16,2,2,0 -q -o plan.tsv
+    [ "$(wc -l <plan.tsv)" -eq 3 ]
+    jq -e '.Plan.constraints[0] | .measure == "contacts" and .contacts == {"count": 16, "columns": 2, "pitch_mm": 2,
+        "tip_mm": 0}' plan.json
+}
+
+# A is 0.08 k in the slices k = 0 to 11, which lie from z = -6 to 6. From z = -8 on to 6 that is 0.08 (0 + ... + 11) in
+# 14 mm; contacts at 5.5, 3.5 and 1.5 are in the slices 11, 9 and 7.
+@test "probabilities along the axis and of contacts" {
+    /usr/bin/python3 - <<'END'
+import struct
+dim = (8, 8, 12)
+head = bytearray(352)
+struct.pack_into("<i", head, 0, 348)
+struct.pack_into("<8h", head, 40, 3, *dim, 1, 1, 1, 1)
+struct.pack_into("<2h", head, 70, 2, 8)
+struct.pack_into("<8f", head, 76, 1, 1, 1, 1, 1, 1, 1, 1)
+struct.pack_into("<3f", head, 108, 352, 0.01, 0)
+struct.pack_into("<2h", head, 252, 0, 1)
+for row in range(3):
+    line = [0.0] * 4
+    line[row], line[3] = 1, -(dim[row] - 1) / 2
+    struct.pack_into("<4f", head, 280 + 16 * row, *line)
+head[344:348] = b"n+1\0"
+open("map.nii", "wb").write(bytes(head) + bytes(8 * (n // 64) for n in range(64 * 12)))
+END
+    needles
+    printf 'x\ty\tz\tdx\tdy\tdz\tfar\n0.2\t0.3\t-8\t0\t0\t1\t14\n' >up.tsv
+    local ask='plan u-shape.nii.gz --pathway map.nii,threshold=0.25,name=A --poses up.tsv --format tsv -q'
+    answers $ask --reach A,probability=0.3
+    [ "$(columns reach1_probability)" = "0.3771;" ]
+    answers $ask --reach A,probability=0.3 --contacts 3,1,2,0.5
+    [ "$(columns reach1_probability)" = "0.72;" ]
 }
 
 # b ends 5 mm before the margin of the ball, and has 8 of 5 mm in U, 3 mm too much.

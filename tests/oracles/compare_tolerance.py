@@ -4,7 +4,8 @@
 
 Each listed needle is moved along each degree of freedom, and its constraints are tried by brute force: at places up to
 holds_to every one holds, and at fails_at the one breaks that is named. Motions are made here, from Eq. 2 and rotations by
-Rodrigues' formula. On AAL, and on a flipped grid.
+Rodrigues' formula. On AAL, and on a flipped grid. Probabilities of --jitter (Eq. 14) are compared with those of pseudo-random
+normal errors of our own, within 4.5 standard errors and 0.01.
 
 usage: compare_tolerance.py CONUS SHARED_DATA; exit 77 = skipped."""
 
@@ -103,6 +104,45 @@ def compare(name, question, table, folder, top):
     print(f"{name}: {counts}")
 
 
+def tilted(random, line, degrees, mm):
+    x, y = frame(line.axis)
+    about = np.radians(degrees) * (random.normal() * x + random.normal() * y)
+    angle = np.linalg.norm(about)
+    return line._replace(origin=line.origin + mm * random.normal(size=3), axis=turned(line.axis, about / angle, angle))
+
+
+def between_ends(random, line, entry, target, depth):
+    x, y = frame(line.axis)
+    begin = line.origin + entry * (random.normal() * x + random.normal() * y)
+    end = line.origin + line.far * line.axis + target * (random.normal() * x + random.normal() * y)
+    return line._replace(origin=begin, axis=(end - begin) / np.linalg.norm(end - begin), far=line.far + depth * random.normal())
+
+
+def check_jitter(name, question, table, folder, random, top):
+    samples = 3000 if LONG else 300
+    needles, path, worst, count = (*(os.path.join(folder, file) for file in ("needles.tsv", "jitter.tsv")), 0.0, 0)
+    write_table(needles, table)
+    for words, scatter, sizes in (("2,0.7", tilted, (2, 0.7)),
+                                  ("entry=0.6,target=1.1,depth=0.8", between_ends, (0.6, 1.1, 0.8))):
+        subprocess.run([question.conus, "plan", question.atlas, "--poses", needles, *question.arguments(), *question.options,
+                        "--top", str(top), "--rank", "p_ok", "--jitter", words, "--samples", "4096", "-o", path, "-q",
+                        "--force"], check=True)
+        with open(path, encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file, delimiter="\t"))
+        assert len(rows) == top, (name, len(rows))
+        assert [number(row["p_ok"]) for row in rows] == sorted((number(row["p_ok"]) for row in rows), reverse=True), rows
+        kinds = [kind for kind, _, _ in question.constraints]
+        columns = [f"p_{kind}{kinds[:k + 1].count(kind)}" for k, kind in enumerate(kinds)]
+        for row in rows[::max(1, top // 2)]:
+            line = by.needle_from_row(table[int(row["query"][1:]) - 1])
+            held = np.array([[question.verdict(constraint, off)[2] for constraint in question.constraints]
+                             for off in (scatter(random, line, *sizes) for _ in range(samples))])
+            for p, own in zip([number(row[column]) for column in ("p_ok", *columns)], [held.all(axis=1).mean(), *held.mean(axis=0)]):
+                assert abs(p - own) < 4.5 * np.sqrt(p * (1 - p) / samples) + 0.01, (name, words, row, own, held.mean(axis=0))
+                worst, count = max(worst, abs(p - own)), count + 1
+    print(f"{name}: {count} probabilities, at most {worst:.3f} from those of {samples} random poses")
+
+
 def check_grid(conus, random, folder):
     path = os.path.join(folder, "blobs.nii")
     labels = blobs(random, (24, 20, 16), 12)
@@ -112,7 +152,9 @@ def check_grid(conus, random, folder):
     question = Question(conus, path, [("reach", "3,4", 1.5), ("avoid", "6", 0.5), ("avoid", "7,8", 0.0),
                                       ("lean", "", (0.0, 0.0, -1.0, 120.0)), ("length", "", (3.0, 50.0))], found, 0.2)
     voxels = to_world(affine, np.argwhere(np.isin(labels, [3, 4])))
-    compare("grid", question, needles_towards(random, voxels, 60, 5, 30, 8), folder, 10 if LONG else 2)
+    table = needles_towards(random, voxels, 60, 5, 30, 8)
+    compare("grid", question, table, folder, 10 if LONG else 2)
+    check_jitter("grid", question, table, folder, random, 4)
 
 
 def check_aal(conus, random, folder):
@@ -124,7 +166,10 @@ def check_aal(conus, random, folder):
     found = {name: structures.VoxelStructure(image.affine, labels == names[name]) for _, name, _ in constraints}
     question = Question(conus, AAL, constraints, found, 0.65)
     targets = to_world(image.affine, np.argwhere(labels == names["Hippocampus_L"]))
-    compare("AAL", question, needles_towards(random, targets, 200, 40, 80, 15), folder, 10 if LONG else 1)
+    table = needles_towards(random, targets, 200, 40, 80, 15)
+    compare("AAL", question, table, folder, 10 if LONG else 1)
+    if LONG:
+        check_jitter("AAL", question, table, folder, random, 4)
 
 
 def main():

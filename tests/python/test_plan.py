@@ -54,6 +54,43 @@ def test_measures_of_the_cone(atlas):
         atlas.plan(avoid={"right": {"volume": 5}}, origins=ORIGINS, directions=DIRECTIONS, depth=30)
 
 
+def test_a_pose_that_is_not_exactly_known(atlas):
+    # The far end is off by 4 mm: of 10 and of 5 mm in the plate 6 and 1 too many (normal), of 40 mm to the left none.
+    plan = atlas.plan({"right": 4}, {"left": 3}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS, radius=1,
+                      jitter={"entry": 0, "target": 0, "depth": 4}, samples=4096, rank="p_ok")
+    below = lambda x: 0.5 * math.erfc(-x / math.sqrt(2))  # noqa: E731
+    rows = plan.to_dataframe()
+    assert rows["query"].tolist() == ["2", "1"] and rows["p_avoid1"].tolist() == [1, 1]
+    assert rows["p_ok"].tolist() == pytest.approx([below(6 / 4), below(1 / 4)], abs=0.002) == rows["p_reach1"].tolist()
+    assert set(plan.verdicts()["p_holds"]) == set(rows["p_ok"]) | {1}
+    tried = plan.try_pose([0, 0, 0], direction=[1, 0, 0], depth=22)  # 2 mm in the plate
+    assert not tried["feasible"] and tried["broken"] == 0 and tried["p_ok"] == pytest.approx(below(-2 / 4), abs=0.002)
+    assert [one["value"] for one in tried["verdicts"]] == [2, 20] and tried["far"] == 22
+    tilted = atlas.plan({"right": 4}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS, jitter=(2, 0))
+    assert (tilted.to_dataframe()["p_ok"] > 0.99).all()
+    for arguments, said in (({"jitter": {"exit": 1}}, "exit"), ({"jitter": (1,)}, "jitter"), ({"samples": 64}, "without jitter"),
+                            ({"jitter": (1, 1), "samples": 100}, "powers of two"), ({"rank": "p_ok"}, "p_ok")):
+        with pytest.raises(conus.ArgumentError, match=said):
+            atlas.plan({"right": 4}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS, **arguments)
+
+
+def test_contacts_and_tolerance(atlas):
+    asked = dict(origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS)
+    plan = atlas.plan({"right": {"contacts": 2}}, contacts=(4, 1, 2, 1), **asked)  # to 25: at 24, 22, 20, 18
+    assert plan.to_dataframe().set_index("query")["reach1_contacts"].to_dict() == {"1": 3, "2": 4}
+    with pytest.raises(conus.ArgumentError, match="not known"):
+        atlas.plan({"right": {"contacts": 2}}, **asked)
+    with pytest.raises(conus.ArgumentError, match="no effect"):
+        atlas.plan({"right": 2}, contacts=(4, 1, 2, 1), **asked)
+    with pytest.raises(conus.ArgumentError, match="whole numbers"):
+        atlas.plan({"right": {"contacts": 2}}, contacts=(4, 1.5, 2, 1), **asked)
+    with pytest.raises(conus.ArgumentError, match="no probabilities"):
+        atlas.plan({"right": {"probability": 0.5}}, **asked)
+    rows = atlas.tolerance({"right": 4}, **asked).set_index(["query", "freedom", "side"])
+    assert len(rows) == 80 and rows.holds_to["3", "depth", "+"] == 0  # which breaks it as it is
+    assert rows.holds_to["2", "depth", "-"] == pytest.approx(6, abs=2e-6)
+
+
 def test_what_is_missed(atlas, tmp_path):
     plan = atlas.plan({"right": 4}, {"left": 50}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS)
     assert len(plan) == 0 and plan.funnel == [2, 0] and plan.misses == [None, "1"]

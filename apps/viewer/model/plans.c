@@ -95,6 +95,8 @@ static void put_verdict(FILE *out, const struct viewer *viewer, const conus_plan
     } measures[] = {[CONUS_MEASURE_LENGTH] = {1, " mm in "},
                     [CONUS_MEASURE_TIP] = {0, "the tip in "},
                     [CONUS_MEASURE_CROSSED] = {0, "through "},
+                    [CONUS_MEASURE_CONTACTS] = {1, " contacts in "},
+                    [CONUS_MEASURE_PROBABILITY] = {0.01, " % probability of "},
                     [CONUS_MEASURE_SHARE] = {0.01, " % of the cone on "},
                     [CONUS_MEASURE_PIERCED] = {0.01, " % of the pixels through "},
                     [CONUS_MEASURE_VOLUME] = {1, " mm\u00b3 of "},

@@ -409,12 +409,14 @@ static void describe(struct buffer *out, const struct answer *answer, size_t con
     }
     for (size_t i = 0; i < conus_plan_count(answer->plan); i++) {
         const conus_planned *p = conus_plan_pose(answer->plan, i);
-        buffer_format(out, "%s %llu %llu %llu %d %zu %a %zu %a %a %zu %s", p->id, (unsigned long long)p->candidate,
-                      (unsigned long long)p->rank, (unsigned long long)p->front, p->feasible, p->broken, p->leeway,
-                      p->leeway_of, p->slack, p->clearance, p->clearance_of, text_number(number, p->score));
+        buffer_format(out, "%a %s %llu %llu %llu %d %zu %a %zu %a %a %zu %s", p->p_ok, p->id,
+                      (unsigned long long)p->candidate, (unsigned long long)p->rank, (unsigned long long)p->front,
+                      p->feasible, p->broken, p->leeway, p->leeway_of, p->slack, p->clearance, p->clearance_of,
+                      text_number(number, p->score));
         for (size_t k = 0; k < constraints; k++) {
             const conus_verdict *v = &p->verdicts[k];
-            buffer_format(out, " %d %a %a %a %a %u", v->holds, v->value, v->slack, v->leeway, v->depth, v->object);
+            buffer_format(out, " %d %a %a %a %a %u %a", v->holds, v->value, v->slack, v->leeway, v->depth, v->object,
+                          v->p);
         }
         buffer_text(out, "\n");
     }
@@ -424,8 +426,13 @@ static void describe(struct buffer *out, const struct answer *answer, size_t con
 static void same_with_any_threads_and_pruning(void **state)
 {
     (void)state;
+    static const conus_jitter_options off = {.tilt = 0.03, .shift = 0.5, .samples = 64};
+    static const conus_jitter_options ends = {.entry = 0.5, .target = 1, .depth = 0.5, .samples = 32};
     static const conus_plan_options ways[] = {
         {.top = 5},
+        {.top = 5, .rank = "p_ok,-depth", .jitter = &off},
+        {.top = 4, .rank = "leeway/0.5,p_ok", .jitter = &off, .infeasible = true},
+        {.top = 4, .rank = "p_ok/0.25,score", .score = "p_ok * leeway", .pareto = "-depth,p_ok", .jitter = &ends},
         {.top = 5, .rank = "slack"},
         {.top = 7, .rank = "clearance/0.5,-reach"},
         {.top = 3, .rank = "leeway/0.25,-depth", .infeasible = true},
@@ -717,7 +724,11 @@ static void every_failing_allocation_is_survived(void **state)
     struct asked asked = {.atlas = atlas,
                           .constraints = wants,
                           .count = 3,
-                          .options = {.threads = 1, .infeasible = true, .pareto = "depth", .score = "leeway"},
+                          .options = {.threads = 1,
+                                      .infeasible = true,
+                                      .pareto = "depth",
+                                      .score = "leeway * p_ok",
+                                      .jitter = &(const conus_jitter_options){.shift = 1, .samples = 16}},
                           .path = write_needles("memory.tsv", rows, 2)};
     test_every_allocation(attempt, &asked);
     wants[1].limit = 50; /* a miss */

@@ -37,7 +37,9 @@ static struct made make(void)
     mesh_scene_add(made.atlas, &far);
     assert_ok(file_write(path, needles, strlen(needles)));
     assert_ok(conus_selector_create(&made.selector, made.atlas, &(conus_selector_options){.radius = 0.5}));
-    assert_ok(conus_plan_create(&made.plan, made.selector, CONSTRAINTS, 3, &(conus_plan_options){.infeasible = true}));
+    const conus_jitter_options none = {.samples = 16}; /* without errors all probabilities are 0 or 1 */
+    assert_ok(conus_plan_create(&made.plan, made.selector, CONSTRAINTS, 3,
+                                &(conus_plan_options){.infeasible = true, .jitter = &none}));
     assert_ok(conus_pose_stream_open(&poses, path, NULL));
     assert_ok(conus_plan_run(made.plan, poses, UINT64_MAX));
     conus_pose_stream_destroy(poses);
@@ -110,8 +112,8 @@ static void rows_follow_from_the_boxes(void **state)
               "c 1 0 0 0 0 avoid 1 area 30 29.5\nc 2 10 10 0 0 avoid 1 area 20 19.5\n"
               "c 3 20 20 0 0 avoid 1 area 10 9.5\nc 4 27 27 0 0 avoid 1 area 3 2.5\n");
     has_lines(&made, CONUS_ROWS_PLAN, 2,
-              "b n/a n/a 0 area n/a n/a 0 0 0 1 0 0 13 0 0 13 n/a 0 area 13.5 16.5 area 13 n/a 3 17 13 90\n"
-              "c n/a n/a 0 area n/a n/a 0 0 0 1 0 0 27 0 0 27 n/a 0 area -0.5 2.5 area 27 n/a 17 3 27 90\n");
+              "b n/a n/a 0 area n/a n/a 0 0 0 1 0 0 13 0 0 13 n/a 0 area 13.5 16.5 area 13 n/a 0 3 0 17 13 1 90 1\n"
+              "c n/a n/a 0 area n/a n/a 0 0 0 1 0 0 27 0 0 27 n/a 0 area -0.5 2.5 area 27 n/a 0 17 1 3 27 0 90 1\n");
     destroy(&made);
 }
 
@@ -143,6 +145,8 @@ static void constraints_are_worded(void **state)
     }
     assert_true(conus_column_is_number("reach1_mm"));
     assert_true(conus_column_is_number("avoid12_at_mm"));
+    assert_true(conus_column_is_number("p_reach1"));
+    assert_false(conus_column_is_number("p_reachable"));
     assert_false(conus_column_is_number("reachable"));
     assert_false(conus_column_is_number("clearance_of"));
     destroy(&made);
@@ -167,6 +171,7 @@ static void every_sidecar_tells_of_the_plan(void **state)
         assert_int_equal(json_integer_value(json_array_get(funnel, 0)), 2);
         assert_int_equal(json_integer_value(json_array_get(funnel, 2)), 1);
         assert_int_equal(json_array_size(json_object_get(plan, "constraints")), 3);
+        assert_int_equal(json_integer_value(json_object_get(json_object_get(plan, "jitter"), "samples")), 16);
         json_decref(root);
         conus_report_destroy(report);
     }
