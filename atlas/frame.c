@@ -84,8 +84,9 @@ static size_t main_axis(const double direction[3])
 }
 
 /* Where the CCF's grid is that of a volume. ML counts from the left, as the Allen Institute has it; but in a stack of
- * TIFF, which has that array as it is, whatever it calls its sides, from the first voxel. The axes of a grid that is
- * not named as anatomy has it lie as the Allen Institute writes them: AP, DV, ML, each from its first voxel. */
+ * TIFF or in Zarr, which have that array as it is, whatever it calls its sides, from the first voxel. The axes of a
+ * grid that is not named as anatomy has it lie as the Allen Institute writes them: AP, DV, ML, each from its first
+ * voxel. */
 static bool find_in_grid(double own_from_ccf[16], const conus_volume_info *info, const double world_from_voxel[16])
 {
     size_t axes[3];
@@ -99,7 +100,7 @@ static bool find_in_grid(double own_from_ccf[16], const conus_volume_info *info,
     if (!named && (axes[0] != 0 || axes[1] != 1)) {
         return false;
     }
-    bool is_stack = strstr(info->format, "TIFF") != NULL;
+    bool is_stack = strstr(info->format, "TIFF") || strstr(info->format, "Zarr");
     mat4_identity(own_from_ccf);
     for (size_t i = 0; i < 3; i++) {
         const double *step = world_from_voxel + 4 * axes[i];

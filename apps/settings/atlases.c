@@ -32,7 +32,8 @@ static char *name_of_path(const char *path)
 {
     struct stat info;
     bool is_folder = stat(path, &info) == 0 && S_ISDIR(info.st_mode);
-    static const char *const keys[] = {",volume=", ",resolution=", ",orientation="}; /* behind a file: what is in it */
+    static const char *const keys[] = {
+        ",volume=", ",resolution=", ",orientation=", ",level="}; /* behind a file: what is in it */
     size_t end = strlen(path);
     for (size_t i = 0; !is_folder && i < sizeof keys / sizeof keys[0]; i++) {
         const char *key = strstr(path, keys[i]);

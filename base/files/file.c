@@ -27,11 +27,11 @@ static conus_status fail_errno(const char *path, const char *action)
     return fail(CONUS_ERROR_IO, "%s: cannot %s: %s", path, action, strerror(errno));
 }
 
-/* Reads up to `size` bytes from the beginning; fewer only at the end of the file. */
-static bool read_fully(int descriptor, uint8_t *data, size_t size, size_t *got)
+/* Reads up to `size` bytes from byte `from` on; fewer only at the end of the file. */
+static bool read_fully(int descriptor, uint8_t *data, uint64_t from, size_t size, size_t *got)
 {
     for (*got = 0; *got < size;) {
-        ssize_t n = pread(descriptor, data + *got, size - *got, (off_t)*got);
+        ssize_t n = pread(descriptor, data + *got, size - *got, (off_t)(from + *got));
         if (n < 0 && errno != EINTR) {
             return false;
         }
@@ -112,7 +112,7 @@ conus_status file_read_open(struct bytes *out, const struct open_file *file, siz
     size_t size = whole < most ? (size_t)whole : most;
     struct bytes bytes = {.data = memory_raw(size, 1)};
     conus_status status = bytes.data ? CONUS_OK : fail_in(CONUS_ERROR_MEMORY, file->path);
-    if (!status && !read_fully(file->descriptor, bytes.data, size, &bytes.size)) {
+    if (!status && !read_fully(file->descriptor, bytes.data, 0, size, &bytes.size)) {
         status = fail_errno(file->path, "read");
     }
     if (!status && !(file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before))) {
@@ -125,6 +125,18 @@ conus_status file_read_open(struct bytes *out, const struct open_file *file, siz
     }
     *out = bytes;
     return CONUS_OK;
+}
+
+conus_status file_read_part(uint8_t *out, const struct open_file *file, uint64_t from, size_t size)
+{
+    struct file_state now;
+    size_t got = 0;
+    if (!read_fully(file->descriptor, out, from, size, &got)) {
+        file_trace_failed();
+        return fail_errno(file->path, "read");
+    }
+    bool same = file_state_of(&now, file->descriptor) && file_state_equal(&now, &file->before);
+    return same && got == size ? CONUS_OK : fail(CONUS_ERROR_IO, "%s: " FILE_CHANGED, file->path);
 }
 
 static conus_status read_path(struct bytes *out, const char *path, size_t most, uint64_t limit, const char *option)

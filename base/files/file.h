@@ -56,6 +56,9 @@ void file_close(const struct open_file *file);
 conus_status file_read_open(struct bytes *out, const struct open_file *file, size_t most, uint64_t limit,
                             const char *option);
 
+/** Reads @p size bytes from byte @p from on, all of which the file had when it was opened. Errors as of file_read(). */
+conus_status file_read_part(uint8_t *out, const struct open_file *file, uint64_t from, size_t size);
+
 /** Reads the regular file @p path, which may not be larger than @p limit bytes. @p out is the caller's to finish.
  * Errors: CONUS_ERROR_IO (message with the path) when it cannot be read or changes meanwhile, CONUS_ERROR_MEMORY above
  * the limit. */

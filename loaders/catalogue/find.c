@@ -19,7 +19,7 @@ static bool is_there(const char *path)
 
 bool conus_atlas_is_path(const char *text)
 {
-    static const char *const selectors[] = {",volume=", ",resolution=", ",orientation=", ",map="};
+    static const char *const selectors[] = {",volume=", ",resolution=", ",orientation=", ",level=", ",map="};
     const char *selector = NULL; /* where the first of these begins, which choose a part of the file */
     if (strchr(text, '/') || is_there(text)) {
         return true;

@@ -19,6 +19,7 @@
 #include "loaders/scene/plan_cifti.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"
+#include "loaders/volumes/volume_zarr.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -203,7 +204,7 @@ static conus_status cifti_load(conus_atlas **out, const char *path, struct load_
 enum { JSON_LIMIT = 64 << 20 };
 
 static const char atlas_needed[] =
-    "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF), a surface, a folder of surfaces, a "
+    "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, OME-Zarr), a surface, a folder of surfaces, a "
     "manifest (with the key \"conus_atlas\") or an FSL atlas XML";
 
 static conus_status load_volume(conus_atlas **out, const struct probe *probe, const char *path,
@@ -354,7 +355,7 @@ conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_l
     struct load_progress progress = load_progress_of(path, options);
     struct probe probe = {0};
     conus_status status;
-    if (file_is_folder(path)) {
+    if (file_is_folder(path) && !volume_zarr_is(path)) {
         status = load_folder(&atlas, path, &progress);
     } else {
         status = probe_open(&probe, path);

@@ -104,7 +104,7 @@ static conus_status load_parcellation(struct parcellation *part, struct loading 
                                       const struct manifest_parcellation *from)
 {
     static const char needed[] =
-        "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF) or an FSL atlas XML of type Label";
+        "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF or OME-Zarr) or an FSL atlas XML of type Label";
     const struct note_sink *sink = part->notes.sink;
     conus_load_options options = *loading->options;
     char *labels = from->labels && !options.labels ? file_beside(loading->path, from->labels) : NULL;

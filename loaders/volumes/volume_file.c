@@ -18,6 +18,7 @@
 #include "loaders/volumes/volume_selector.h"
 #include "loaders/volumes/volume_text.h"
 #include "loaders/volumes/volume_values.h"
+#include "loaders/volumes/volume_zarr.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -120,7 +121,7 @@ static conus_status tiff_volume_header(struct volume_header *out, const struct t
     return CONUS_OK;
 }
 
-static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF)";
+static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF or OME-Zarr)";
 enum {
     HEAD_LIMIT = 1 << 26, /* of the header file of a pair */
     HEADER_READ = 1 << 16 /* of a file of which the header alone is wanted; packed, it takes less */
@@ -154,9 +155,10 @@ struct opening {
     const struct open_file *file; /* the named file, if it is open; else NULL */
     const char *needed;           /* in the place where the file stands; NULL: default_needed */
     struct volume_selector selector;
-    bool all;            /* volumes are kept, not only the chosen one */
-    enum stored_use use; /* of an index of packed voxels */
-    struct tiff tiff;    /* of a TIFF stack, else no pages */
+    bool all;                /* volumes are kept, not only the chosen one */
+    enum stored_use use;     /* of an index of packed voxels */
+    struct tiff tiff;        /* of a TIFF stack, else no pages */
+    struct volume_zarr zarr; /* of OME-Zarr, else no folder */
     struct file_sums read;
     struct label_reader *labels; /* gets packed voxels slab by slab if that takes less memory; NULL: they are kept */
     struct volume_file like;     /* what the labels are read as, without voxels */
@@ -169,6 +171,7 @@ static void opening_finish(struct opening *opening)
     volume_text_finish(&opening->header.text);
     notes_finish(&opening->notes);
     tiff_finish(&opening->tiff);
+    volume_zarr_finish(&opening->zarr);
     file_sums_finish(&opening->read);
     volume_selector_finish(&opening->selector);
 }
@@ -294,7 +297,11 @@ static conus_status open_tiff(struct opening *o)
 {
     const struct stored *stored = &o->voxels;
     struct brainglobe_metadata place = {0};
-    conus_status status = tiff_parse(&o->tiff, stored->bytes.data, stored->bytes.size);
+    conus_status status = volume_selector_refuse_level(&o->selector, stored->path);
+    if (status) {
+        return status;
+    }
+    status = tiff_parse(&o->tiff, stored->bytes.data, stored->bytes.size);
     status = status ? status : tiff_volume_place(&place, stored->path, &o->selector.place, &o->read);
     status = status ? status : tiff_volume_header(&o->header, &o->tiff, &place);
     return status ? fail_in(status, stored->path) : CONUS_OK;
@@ -311,6 +318,11 @@ static conus_status open_and_read_header(struct opening *o, const char *path)
     bool image = false;
     size_t at = 0;
     char *head = NULL;
+    if (volume_zarr_is(path)) {
+        o->voxels.path = memory_text(path, strlen(path));
+        return o->voxels.path ? volume_zarr_open(&o->zarr, &o->header, path, &o->selector, &o->read)
+                              : CONUS_ERROR_MEMORY;
+    }
     conus_status status = volume_text_head_path(&head, path);
     if (status) {
         return status;
@@ -342,6 +354,9 @@ static conus_status open_and_read_header(struct opening *o, const char *path)
 static bool goes_in_slabs(const struct opening *o)
 {
     const struct volume_header *header = &o->header;
+    if (o->zarr.folder) {
+        return o->labels && !o->all;
+    }
     bool is_packed = header->text ? volume_text_is_packed(header, o->voxels.packed) : o->voxels.packed;
     bool is_wide = volume_datatype_size(header->datatype) > sizeof(uint16_t);
     bool may = o->labels && !o->all && !o->tiff.pages && header->volume_size > STORED_LARGE;
@@ -378,7 +393,7 @@ static conus_status choose_volume(struct opening *o)
 /* The header file of a pair whole, or what lies before the voxels of a single file. */
 static conus_status take_head(struct volume_file *file, const struct opening *o)
 {
-    if (o->tiff.pages) {
+    if (o->tiff.pages || o->zarr.folder) {
         return CONUS_OK; /* what lies before the voxels is no table of labels */
     }
     if (!o->header.pair) {
@@ -395,6 +410,37 @@ static conus_status take_head(struct volume_file *file, const struct opening *o)
         bytes_finish(&checked);
     }
     return status;
+}
+
+/* Where voxels go that come slab by slab and are kept. */
+struct filling {
+    uint8_t *data;
+    size_t done;
+};
+
+static conus_status fill(void *user, const uint8_t *data, size_t size)
+{
+    struct filling *filling = user;
+    memcpy(filling->data + filling->done, data, size);
+    filling->done += size;
+    return CONUS_OK;
+}
+
+/* Reads the voxels of OME-Zarr into the sink of the range, or else into `out`. */
+static conus_status take_zarr(struct bytes *out, char sha256[65], const struct gzip_range *range, struct opening *o)
+{
+    struct filling filling = {.data = range->sink ? NULL : memory_raw(range->count, 1)};
+    if (!range->sink && !filling.data) {
+        return CONUS_ERROR_MEMORY;
+    }
+    conus_status status = volume_zarr_read(sha256, &o->zarr, o->limit, range->sink ? range->sink : fill,
+                                           range->sink ? range->user : &filling, &o->notes);
+    if (status) {
+        memory_free(filling.data);
+        return status;
+    }
+    *out = (struct bytes){filling.data, filling.data ? range->count : 0};
+    return CONUS_OK;
 }
 
 /* Moves the voxels out of what is stored, whose packed bytes are gone afterwards. The reader of labels gets them where
@@ -419,10 +465,11 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
         range.user = o->labels;
         status = label_reader_init(o->labels, &o->like, &(struct bytes){0});
     }
-    status = status         ? status
-             : scattered    ? tiff_unpack(out, &o->tiff)
-             : header->text ? volume_text_voxels(out, &range, header, stored, o->all, sha256)
-                            : stored_range(out, &range, stored, sha256);
+    status = status           ? status
+             : o->zarr.folder ? take_zarr(out, file->info.sha256, &range, o)
+             : scattered      ? tiff_unpack(out, &o->tiff)
+             : header->text   ? volume_text_voxels(out, &range, header, stored, o->all, sha256)
+                              : stored_range(out, &range, stored, sha256);
     if (status) {
         return status;
     }

@@ -48,6 +48,15 @@ static conus_status read_orientation(struct volume_selector *out, struct text va
     return brainglobe_axes(matrix, out->place.orientation, scale) ? CONUS_ERROR_ARGUMENT : CONUS_OK;
 }
 
+static conus_status read_level(struct volume_selector *out, struct text value)
+{
+    out->leveled = true;
+    return text_to_uint(value, INT32_MAX, &out->level)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_ARGUMENT, "level: found \"%.*s\", allowed are whole numbers from 0", (int)value.size,
+                      value.data);
+}
+
 static const struct {
     const char *key;
     conus_status (*read)(struct volume_selector *out, struct text value);
@@ -55,6 +64,7 @@ static const struct {
     {"volume=", read_volume},
     {"resolution=", read_resolution},
     {"orientation=", read_orientation},
+    {"level=", read_level},
 };
 enum { KEYS = sizeof keys / sizeof keys[0] };
 
@@ -87,7 +97,7 @@ conus_status volume_selector_parse(struct volume_selector *out, const char *text
         }
         size_t length = i < KEYS ? strlen(keys[i].key) : 0;
         if (!length) {
-            status = fail(CONUS_ERROR_ARGUMENT, "found \"%.*s\", allowed are volume, resolution and orientation",
+            status = fail(CONUS_ERROR_ARGUMENT, "found \"%.*s\", allowed are volume, resolution, orientation and level",
                           (int)field.size, field.data);
         } else if (given[i]) {
             status = fail(CONUS_ERROR_ARGUMENT, "%.*s is given twice", (int)length - 1, keys[i].key);
@@ -113,7 +123,17 @@ conus_status volume_selector_refuse_place(const struct volume_selector *selector
 {
     const struct brainglobe_metadata *place = &selector->place;
     bool given = place->orientation[0] || place->resolution[0] > 0;
-    return given ? fail(CONUS_ERROR_ARGUMENT, "%s: %s is for TIFF stacks, this file says itself where it lies", path,
+    if (selector->leveled) {
+        return volume_selector_refuse_level(selector, path);
+    }
+    return given ? fail(CONUS_ERROR_ARGUMENT,
+                        "%s: %s is for TIFF stacks and OME-Zarr, this file says itself where it lies", path,
                         place->orientation[0] ? "orientation" : "resolution")
                  : CONUS_OK;
+}
+
+conus_status volume_selector_refuse_level(const struct volume_selector *selector, const char *path)
+{
+    return selector->leveled ? fail(CONUS_ERROR_ARGUMENT, "%s: level is for OME-Zarr, this file has none", path)
+                             : CONUS_OK;
 }

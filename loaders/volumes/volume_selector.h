@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The keys behind the path of a volume: FILE,volume=K and FILE,resolution=R,orientation=ABC. */
+/** @file The keys behind the path of a volume: FILE,volume=K, FILE,level=K and FILE,resolution=R,orientation=ABC. */
 #ifndef CONUS_LOADERS_VOLUMES_VOLUME_SELECTOR_H
 #define CONUS_LOADERS_VOLUMES_VOLUME_SELECTOR_H
 
@@ -10,6 +10,8 @@ struct volume_selector {
     char *path;  /**< Owned; without what follows. */
     bool chosen; /**< volume says which. */
     uint64_t volume;
+    bool leveled; /**< level says which. */
+    uint64_t level;
     struct brainglobe_metadata place; /**< resolution and orientation, as far as they are given. */
 };
 
@@ -19,5 +21,8 @@ void volume_selector_finish(struct volume_selector *selector);
 
 /** CONUS_ERROR_ARGUMENT where it says how @p path lies, a file of a format that says so itself. */
 conus_status volume_selector_refuse_place(const struct volume_selector *selector, const char *path);
+
+/** The same where it chooses a level of one that has none. */
+conus_status volume_selector_refuse_level(const struct volume_selector *selector, const char *path);
 
 #endif

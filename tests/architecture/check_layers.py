@@ -76,12 +76,13 @@ LIBRARY = {
     # file_kind.c asks the table of formats, and the readers of label tables.
     "loaders": "base loaders/labels loaders/formats base/formats",
     "loaders/tiff": "base base/files",
+    "loaders/zarr": "base base/formats",
     "loaders/brainglobe": "base base/files base/geometry base/formats",
     "loaders/tracts": "base base/files base/geometry base/formats atlas/tracts loaders loaders/surfaces/foreign",
     "loaders/volumes/text": "base base/geometry atlas/labels atlas",
     "loaders/volumes/stored": "base base/files base/cache base/formats",
     "loaders/volumes": "base base/files base/geometry base/formats atlas/labels atlas loaders/volumes/stored"
-    " loaders loaders/tiff loaders/brainglobe loaders/volumes/text loaders/formats loaders/labels",
+    " loaders loaders/tiff loaders/zarr loaders/brainglobe loaders/volumes/text loaders/formats loaders/labels",
     "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels"
     " loaders/formats",
     "loaders/labels": "base base/files base/geometry base/formats atlas/labels loaders/formats",

@@ -71,9 +71,9 @@ refuses() {
 
 @test "an empty file, text, HTML" {
     : >empty.nii
-    refuses 'content: the file is empty; needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF), a surface, a folder' empty.nii
+    refuses 'content: the file is empty; needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, OME-Zarr), a surface, a folder' empty.nii
     : >empty.nii.gz
-    refuses 'content: the file is empty; needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF), a surface, a folder' empty.nii.gz
+    refuses 'content: the file is empty; needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, OME-Zarr), a surface, a folder' empty.nii.gz
     gzip -c empty.nii >packed.nii.gz
     refuses 'content: the file unpacks to nothing: it is empty or cut off; needed is' packed.nii.gz
     echo 'just some text' >text.nii

@@ -183,7 +183,7 @@ static void write_volume(const char *name)
 }
 
 static const char atlas_needs[] =
-    "needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF), a surface, a folder of surfaces, "
+    "needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, OME-Zarr), a surface, a folder of surfaces, "
     "a manifest (with the key \"conus_atlas\") or an FSL atlas XML";
 
 static void each_place_says_what_it_takes(void **state)
@@ -215,7 +215,7 @@ static void each_place_says_what_it_takes(void **state)
     refuse_labels("v.nii", "a.md", "not a label table of a known format (known: ");
     assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
     assert_message(conus_atlas_add_pathway(atlas, test_in("a.trk"), NULL), "a.trk",
-                   "needed is a volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF)");
+                   "needed is a volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF or OME-Zarr)");
     assert_message(
         conus_atlas_add_pathway(atlas, test_in("a.xml"), NULL), "a.xml",
         "this is an FSL atlas XML: 'conus manifest FOLDER' makes pathways of its volumes; needed is a volume");
@@ -224,7 +224,7 @@ static void each_place_says_what_it_takes(void **state)
     write_text("m.atlas.json", "{\"conus_atlas\": 1, \"parcellation\": \"a.mif\"}");
     refuse_atlas("m.atlas.json",
                  "a.mif: this is an MRtrix image: convert it to NIfTI (mrconvert); needed is a labelled "
-                 "volume (NIfTI, MGH, NRRD, MetaImage, AFNI or TIFF) or an FSL atlas XML of type Label");
+                 "volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF or OME-Zarr) or an FSL atlas XML of type Label");
 }
 
 /* FreeSurfer writes values of vertices as volumes of N x 1 x 1. */

@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads multiscales of OME-Zarr 0.1 to 0.6. */
+#include "loaders/zarr/ome.h"
+
+#include "base/formats/json_text.h"
+#include "base/memory.h"
+#include "loaders/zarr/zarr.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SPACE = 3, LEVELS = 64, STEPS = 8 };
+
+static const char *text_of(const json_t *value)
+{
+    const char *text = json_string_value(value);
+    return text ? text : "";
+}
+
+/* Millimetres of a unit, 0 of one that is not known. */
+static double find_unit(const char *name)
+{
+    static const struct {
+        const char *name;
+        double millimetres;
+    } units[] = {{"micrometer", 1e-3}, {"millimeter", 1},  {"nanometer", 1e-6}, {"meter", 1e3},
+                 {"centimeter", 10},   {"angstrom", 1e-7}, {"picometer", 1e-9}};
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
+        if (strcmp(name, units[i].name) == 0) {
+            return units[i].millimetres;
+        }
+    }
+    return 0;
+}
+
+/* The letter of where the axis starts: RFC 4 says "anterior-to-posterior". */
+static char find_start(const char *value)
+{
+    static const char *const ways[] = {"anterior-to-posterior", "posterior-to-anterior", "superior-to-inferior",
+                                       "inferior-to-superior",  "left-to-right",         "right-to-left"};
+    for (size_t i = 0; i < sizeof ways / sizeof ways[0]; i++) {
+        if (strcmp(value, ways[i]) == 0) {
+            return value[0];
+        }
+    }
+    return '\0';
+}
+
+/* The axes of an image: of 0.6, those of a coordinate system. Units in mm go to `units`, 0 where there is none. */
+static conus_status read_axes(struct ome *out, double units[SPACE], const json_t *image)
+{
+    const json_t *systems = json_object_get(image, "coordinateSystems");
+    const json_t *axes = json_object_get(systems ? json_array_get(systems, 0) : image, "axes");
+    out->rank = json_array_size(axes);
+    if (axes && (out->rank < SPACE || out->rank > ZARR_AXES)) {
+        return fail(CONUS_ERROR_DATA, "axes: found %zu, allowed are 3 to %d", out->rank, ZARR_AXES);
+    }
+    for (size_t i = 0; axes && i < SPACE; i++) {
+        const json_t *axis = json_array_get(axes, out->rank - SPACE + i);
+        const json_t *type = json_object_get(axis, "type");
+        if (type && strcmp(text_of(type), "space") != 0) {
+            return fail(CONUS_ERROR_UNSUPPORTED, "axes: the last three must be space, found \"%.*s\"", ZARR_NAME,
+                        text_of(type));
+        }
+        units[i] = find_unit(text_of(json_object_get(axis, "unit")));
+        out->orientation[i] = find_start(text_of(json_object_get(json_object_get(axis, "orientation"), "value")));
+    }
+    if (strlen(out->orientation) != SPACE) {
+        out->orientation[0] = '\0';
+    }
+    return CONUS_OK;
+}
+
+/* Takes the last three of as many numbers as there are axes. */
+static bool read_numbers(double out[SPACE], const json_t *list, size_t rank)
+{
+    size_t count = json_array_size(list);
+    bool good = count >= SPACE && (!rank || count == rank);
+    for (size_t i = 0; good && i < SPACE; i++) {
+        const json_t *number = json_array_get(list, count - SPACE + i);
+        out[i] = json_number_value(number);
+        good = json_is_number(number) && isfinite(out[i]);
+    }
+    return good;
+}
+
+/* Carries the level on by one transformation. */
+static conus_status apply_one(struct ome_level *level, const json_t *step, size_t rank)
+{
+    const char *type = text_of(json_object_get(step, "type"));
+    bool is_scale = strcmp(type, "scale") == 0;
+    double numbers[SPACE];
+    if (strcmp(type, "identity") == 0) {
+        return CONUS_OK;
+    }
+    if (!is_scale && strcmp(type, "translation") != 0) {
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "coordinateTransformations: found \"%.*s\", allowed are scale and translation", ZARR_NAME, type);
+    }
+    if (!read_numbers(numbers, json_object_get(step, type), rank)) {
+        return fail(CONUS_ERROR_DATA, "coordinateTransformations: %s: a number for each axis is needed", type);
+    }
+    for (size_t i = 0; i < SPACE; i++) {
+        level->scale[i] *= is_scale ? numbers[i] : 1;
+        level->translation[i] = is_scale ? level->translation[i] * numbers[i] : level->translation[i] + numbers[i];
+        if (is_scale && !(numbers[i] > 0)) {
+            return fail(CONUS_ERROR_DATA, "coordinateTransformations: scale: found %g, above 0 is needed", numbers[i]);
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status apply_all(struct ome_level *level, const json_t *list, size_t rank)
+{
+    conus_status status = CONUS_OK;
+    const json_t *first = json_array_get(list, 0);
+    bool is_sequence = json_array_size(list) == 1 && strcmp(text_of(json_object_get(first, "type")), "sequence") == 0;
+    const json_t *steps = is_sequence ? json_object_get(first, "transformations") : list;
+    if (json_array_size(steps) > STEPS) {
+        return fail(CONUS_ERROR_DATA, "coordinateTransformations: found %zu, allowed are %d", json_array_size(steps),
+                    STEPS);
+    }
+    for (size_t i = 0; !status && i < json_array_size(steps); i++) {
+        status = apply_one(level, json_array_get(steps, i), rank);
+    }
+    return status;
+}
+
+/* Whether the path is that of a folder below. */
+static bool is_below(const char *path)
+{
+    struct text rest = text_from(path);
+    struct text part;
+    bool good = path[0];
+    for (bool more = true; good && text_field(&rest, '/', &more, &part);) {
+        good = part.size && !text_equal(part, ".") && !text_equal(part, "..");
+    }
+    return good;
+}
+
+static conus_status read_level(struct ome *out, const json_t *dataset, const json_t *image, const double units[SPACE])
+{
+    struct ome_level level = {.scale = {1, 1, 1}};
+    const char *path = text_of(json_object_get(dataset, "path"));
+    const json_t *own = json_object_get(dataset, "coordinateTransformations");
+    /* those of an image lead on from its axes since 0.6 */
+    const json_t *common =
+        json_object_get(image, "coordinateSystems") ? NULL : json_object_get(image, "coordinateTransformations");
+    if (!is_below(path)) {
+        return fail(CONUS_ERROR_DATA, "datasets: path: found \"%.*s\", a folder below is needed", ZARR_NAME, path);
+    }
+    conus_status status = apply_all(&level, own, out->rank);
+    status = status ? status : apply_all(&level, common, out->rank);
+    for (size_t i = 0; i < SPACE; i++) {
+        level.scale[i] *= json_array_size(own) || json_array_size(common) ? units[i] : 0;
+        level.translation[i] *= units[i];
+    }
+    level.path = status ? NULL : memory_text(path, strlen(path));
+    status = status || level.path ? status : CONUS_ERROR_MEMORY;
+    if (!status) {
+        out->levels[out->count++] = level;
+    }
+    return status;
+}
+
+/* Takes the first image of the group's attributes. */
+static conus_status read_image(struct ome *out, const json_t *attributes)
+{
+    const json_t *image = json_array_get(json_object_get(attributes, "multiscales"), 0);
+    const json_t *datasets = json_object_get(image, "datasets");
+    double units[SPACE] = {0};
+    size_t count = json_array_size(datasets);
+    if (!count || count > LEVELS) {
+        return fail(CONUS_ERROR_DATA, "multiscales: found %zu levels, allowed are 1 to %d", count, LEVELS);
+    }
+    conus_status status = read_axes(out, units, image);
+    out->levels = status ? NULL : memory_zeroed(count, sizeof *out->levels);
+    status = status || out->levels ? status : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < count; i++) {
+        status = read_level(out, json_array_get(datasets, i), image, units);
+    }
+    return status;
+}
+
+conus_status ome_parse(struct ome *out, struct text text)
+{
+    json_t *root = NULL;
+    struct ome ome = {0};
+    conus_status status = json_text_load(&root, text);
+    const json_t *attributes = json_object_get(root, "attributes");
+    if (!status) {
+        status = read_image(&ome, attributes ? json_object_get(attributes, "ome") : root);
+    }
+    json_decref(root);
+    if (status) {
+        ome_finish(&ome);
+        return status;
+    }
+    *out = ome;
+    return CONUS_OK;
+}
+
+void ome_finish(struct ome *ome)
+{
+    for (size_t i = 0; i < ome->count; i++) {
+        memory_free(ome->levels[i].path);
+    }
+    memory_free(ome->levels);
+    *ome = (struct ome){0};
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file
+ * An array of Zarr 3 or 2: a file of metadata, and files of chunks beside it. Everything that the metadata say is
+ * checked before memory is taken for a voxel. */
+#ifndef CONUS_LOADERS_ZARR_ZARR_H
+#define CONUS_LOADERS_ZARR_ZARR_H
+
+#include "base/formats/gzip.h"
+#include "base/text.h"
+
+enum {
+    ZARR_AXES = 5,              /**< At most: OME has t, c, z, y, x. */
+    ZARR_CODECS = 4,            /**< Packings of a chunk. */
+    ZARR_JSON_LIMIT = 16 << 20, /**< Bytes of a file of metadata. */
+    ZARR_NAME = 24              /**< Bytes of the name of a type or a codec in a message. */
+};
+
+enum zarr_packing { ZARR_ZSTD, ZARR_GZIP, ZARR_ZLIB, ZARR_BLOSC, ZARR_CRC32C };
+
+/** How the numbers of a chunk become bytes. */
+struct zarr_chain {
+    uint8_t order[ZARR_AXES]; /**< Stored axis i is axis order[i] of the array; the last stored one is the fastest. */
+    bool swapped;             /**< Numbers have the other byte order than this machine's. */
+    enum zarr_packing packings[ZARR_CODECS]; /**< [count] In the order of packing; one of them compresses at most. */
+    size_t count;
+};
+
+struct zarr_array {
+    int format;                                       /**< 2 or 3. */
+    size_t rank;                                      /**< Axes, 3 to ZARR_AXES; the last three are space. */
+    uint64_t shape[ZARR_AXES], file_chunk[ZARR_AXES]; /**< Voxels, 1 to 2^31 - 1: of all, and in a file. */
+    uint64_t chunk[ZARR_AXES];                        /**< In what is packed; a shard's file has several of these. */
+    size_t chunk_bytes;                               /**< Unpacked; one at the edge is stored whole. */
+    char kind;                                        /**< 'u' unsigned, 'i' signed, 'f' floating point. */
+    size_t size;                                      /**< Bytes of a number: 1, 2, 4 or 8. */
+    bool has_fill;
+    uint8_t fill[8]; /**< The number of chunks that are not there, as it would be stored. */
+    bool prefixed;   /**< Keys begin with "c". */
+    char separator;
+    struct zarr_chain chain;
+    bool sharded, index_first; /**< A file has several chunks, and an index of them. */
+    struct zarr_chain index;
+};
+
+/** Parses zarr.json of an array, or .zarray. CONUS_ERROR_UNSUPPORTED names a codec or an extension that is not read,
+ * CONUS_ERROR_DATA what is wrong. */
+conus_status zarr_array_parse(struct zarr_array *out, struct text text);
+
+struct zarr_unpacker;
+
+/** What unpacks chunks, and the memory for that. */
+conus_status zarr_unpacker_create(struct zarr_unpacker **out);
+void zarr_unpacker_destroy(struct zarr_unpacker *unpacker);
+
+/** Unpacks what @p chain packed, which must give exactly @p wanted bytes. @p out points into @p data or into the
+ * unpacker, until it is used again. */
+conus_status zarr_unpack(const uint8_t **out, struct zarr_unpacker *unpacker, const struct zarr_chain *chain,
+                         const uint8_t *data, size_t size, size_t wanted);
+
+/** What was read of an array. */
+struct zarr_found {
+    uint64_t files, wanted; /**< Files of chunks that are there, and that there can be. */
+    char sha256[65];        /**< Of the lines that sha256sum writes for the files of chunks, in the order of space. */
+};
+
+/** Reads the array in @p folder, of which the axes ahead of space have one element each, row of chunks by row of
+ * chunks: @p sink gets the voxels in order, the last axis fastest, in the byte order of the file. What is held in
+ * memory meanwhile is a row of chunks; a chunk of more than @p limit bytes is CONUS_ERROR_MEMORY, an array without any
+ * chunk CONUS_ERROR_DATA. */
+conus_status zarr_read(struct zarr_found *out, const struct zarr_array *array, const char *folder, uint64_t limit,
+                       gzip_sink *sink, void *user);
+
+#endif

@@ -1,0 +1,371 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads the chunks of an array, row by row of chunks. */
+#include "base/buffer.h"
+#include "base/byte_order.h"
+#include "base/memory.h"
+#include "loaders/zarr/zarr.h"
+
+#include <errno.h>
+#include <nettle/sha2.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { SPACE = 3, PIECE = 1 << 20 };
+
+struct reading {
+    const struct zarr_array *array;
+    const char *folder;
+    uint64_t limit;
+    size_t size[SPACE], chunk[SPACE]; /* voxels of all and of a chunk, along the axes of space */
+    size_t step[SPACE];               /* from number to number in an unpacked chunk */
+    struct zarr_unpacker *unpacker;
+    struct bytes stored, slab;
+    struct buffer path;
+    size_t key; /* where it begins in the path */
+    struct sha256_ctx sum;
+    struct zarr_found found;
+};
+
+static size_t smaller(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+static conus_status reading_init(struct reading *reading)
+{
+    const struct zarr_array *array = reading->array;
+    size_t ahead = array->rank - SPACE;
+    size_t voxels = array->size;
+    size_t step = 1;
+    bool fits = array->chunk_bytes <= reading->limit;
+    reading->found.wanted = 1;
+    for (size_t i = array->rank; i-- > 0;) {
+        size_t axis = array->chain.order[i];
+        if (axis >= ahead) {
+            reading->step[axis - ahead] = step;
+        }
+        step *= (size_t)array->chunk[axis];
+    }
+    for (size_t i = 0; i < SPACE; i++) {
+        reading->size[i] = (size_t)array->shape[ahead + i];
+        reading->chunk[i] = (size_t)array->chunk[ahead + i];
+        uint64_t each = array->file_chunk[ahead + i];
+        reading->found.wanted *= (array->shape[ahead + i] + each - 1) / each;
+        fits = fits &&
+               memory_multiply(voxels, i ? reading->size[i] : smaller(reading->size[0], reading->chunk[0]), &voxels);
+    }
+    if (!fits || voxels > reading->limit) {
+        return fail(CONUS_ERROR_MEMORY,
+                    "chunk_shape: a row of chunks takes more memory than the %llu bytes allowed "
+                    "(--max-memory)",
+                    (unsigned long long)reading->limit);
+    }
+    sha256_init(&reading->sum);
+    reading->slab.data = memory_raw(voxels, 1);
+    return reading->slab.data ? zarr_unpacker_create(&reading->unpacker) : CONUS_ERROR_MEMORY;
+}
+
+static void reading_finish(struct reading *reading)
+{
+    zarr_unpacker_destroy(reading->unpacker);
+    bytes_finish(&reading->stored);
+    bytes_finish(&reading->slab);
+    buffer_finish(&reading->path);
+}
+
+/* Makes the path of the file of chunks at `at`, counted in files along space. */
+static conus_status find_path(struct reading *reading, const size_t at[SPACE])
+{
+    const struct zarr_array *array = reading->array;
+    struct buffer *path = &reading->path;
+    buffer_clear(path);
+    buffer_format(path, "%s/", reading->folder);
+    reading->key = path->size;
+    buffer_text(path, array->prefixed ? "c" : "");
+    for (size_t i = 0; i < array->rank; i++) {
+        size_t number = i + SPACE < array->rank ? 0 : at[i + SPACE - array->rank];
+        if (i || array->prefixed) {
+            buffer_append(path, &array->separator, 1);
+        }
+        buffer_whole(path, number);
+    }
+    return buffer_status(path);
+}
+
+/* Opens the file of chunks; *there is false where there is none. One that may not be looked at is an error. */
+static conus_status open_chunk(struct open_file *out, bool *there, struct reading *reading)
+{
+    errno = 0;
+    *there = file_exists(reading->path.data);
+    if (!*there && (errno == ENOENT || errno == ENOTDIR)) {
+        return reading->array->has_fill
+                   ? CONUS_OK
+                   : fail(CONUS_ERROR_DATA, "%s: is not there, and fill_value does not say what it holds",
+                          reading->path.data);
+    }
+    *there = true;
+    return file_open(out, reading->path.data);
+}
+
+/* Adds the line of a file whose own sum is `hex`. */
+static void add_line(struct reading *reading, const char hex[65])
+{
+    const char *key = reading->path.data + reading->key;
+    sha256_update(&reading->sum, 64, (const uint8_t *)hex);
+    sha256_update(&reading->sum, 2, (const uint8_t *)"  ");
+    sha256_update(&reading->sum, strlen(key), (const uint8_t *)key);
+    sha256_update(&reading->sum, 1, (const uint8_t *)"\n");
+    reading->found.files++;
+}
+
+/* The place in the slab of a chunk's first voxel, and how many of its voxels are in the array. */
+static uint8_t *find_place(size_t count[SPACE], const struct reading *reading, const size_t at[SPACE])
+{
+    size_t first[SPACE];
+    for (size_t i = 0; i < SPACE; i++) {
+        first[i] = at[i] * reading->chunk[i];
+        count[i] = smaller(reading->chunk[i], reading->size[i] - first[i]);
+    }
+    return reading->slab.data + (first[1] * reading->size[2] + first[2]) * reading->array->size;
+}
+
+/* Copies a row of numbers that lie `step` apart; a step of 0 repeats one. */
+static void copy_row(uint8_t *out, const uint8_t *from, size_t count, size_t step, size_t size)
+{
+    if (step == 1) {
+        memcpy(out, from, count * size);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        memcpy(out + i * size, from + i * step * size, size);
+    }
+}
+
+/* Puts the unpacked chunk at `at`, counted in chunks along space, into the slab; NULL = it has the fill value. */
+static void place_chunk(struct reading *reading, const size_t at[SPACE], const uint8_t *chunk)
+{
+    static const uint8_t zeros[sizeof reading->array->fill];
+    const struct zarr_array *array = reading->array;
+    size_t count[SPACE];
+    uint8_t *out = find_place(count, reading, at);
+    size_t size = array->size;
+    bool is_zero = memcmp(array->fill, zeros, sizeof zeros) == 0;
+    for (size_t z = 0; z < count[0]; z++) {
+        for (size_t y = 0; y < count[1]; y++) {
+            uint8_t *row = out + (z * reading->size[1] + y) * reading->size[2] * size;
+            if (!chunk && is_zero) {
+                memset(row, 0, count[2] * size);
+            } else {
+                const uint8_t *from =
+                    chunk ? chunk + (z * reading->step[0] + y * reading->step[1]) * size : array->fill;
+                copy_row(row, from, count[2], chunk ? reading->step[2] : 0, size);
+            }
+        }
+    }
+}
+
+/* Unpacks `size` stored bytes of the chunk at `at`. */
+static conus_status take_chunk(struct reading *reading, const size_t at[SPACE], const uint8_t *data, size_t size)
+{
+    const struct zarr_array *array = reading->array;
+    const uint8_t *chunk = NULL;
+    conus_status status = zarr_unpack(&chunk, reading->unpacker, &array->chain, data, size, array->chunk_bytes);
+    if (!status) {
+        place_chunk(reading, at, chunk);
+    }
+    return status;
+}
+
+/* The chunk of a file that has one. */
+static conus_status read_chunk(struct reading *reading, const struct open_file *file, const size_t at[SPACE])
+{
+    char hex[65];
+    bytes_finish(&reading->stored);
+    conus_status status = file_read_open(&reading->stored, file, SIZE_MAX, reading->limit, FILE_MAX_MEMORY);
+    if (status) {
+        return status;
+    }
+    file_sha256(hex, &reading->stored);
+    add_line(reading, hex);
+    status = take_chunk(reading, at, reading->stored.data, reading->stored.size);
+    return status ? fail_in(status, reading->path.data) : CONUS_OK;
+}
+
+/* Reads a part of the file into `stored`. */
+static conus_status read_part(struct reading *reading, const struct open_file *file, uint64_t from, size_t size)
+{
+    bytes_finish(&reading->stored);
+    reading->stored.data = memory_raw(size, 1);
+    reading->stored.size = size;
+    return reading->stored.data ? file_read_part(reading->stored.data, file, from, size) : CONUS_ERROR_MEMORY;
+}
+
+/* A shard is too large to be held: it is summed up piece by piece. */
+static conus_status sum_shard(struct reading *reading, const struct open_file *file)
+{
+    struct sha256_ctx sum;
+    char hex[65];
+    conus_status status = CONUS_OK;
+    sha256_init(&sum);
+    for (uint64_t at = 0; !status && at < file->before.size; at += PIECE) {
+        size_t size = smaller_of(PIECE, file->before.size - at);
+        status = read_part(reading, file, at, size);
+        sha256_update(&sum, status ? 0 : size, reading->stored.data);
+    }
+    file_sha256_end(hex, &sum);
+    if (!status) {
+        add_line(reading, hex);
+    }
+    return status;
+}
+
+/* An entry of the index of a shard: where a chunk lies; both are all ones where it has the fill value. */
+struct entry {
+    uint64_t from, size;
+};
+
+/* Reads the index: `count` entries, all of which lie in the file, outside of the index, and not in each other. */
+static conus_status read_index(struct entry **out, struct reading *reading, const struct open_file *file, size_t count)
+{
+    const struct zarr_array *array = reading->array;
+    uint64_t whole = file->before.size;
+    size_t plain = count * sizeof(struct entry);
+    size_t size = plain + array->index.count * sizeof(uint32_t);
+    uint64_t first = array->index_first ? 0 : whole - size;
+    const uint8_t *data = NULL;
+    if (size > whole || size > reading->limit) {
+        return fail(CONUS_ERROR_DATA, "%s: %llu bytes, its index alone takes %zu", file->path,
+                    (unsigned long long)whole, size);
+    }
+    conus_status status = read_part(reading, file, first, size);
+    status = status ? status : zarr_unpack(&data, reading->unpacker, &array->index, reading->stored.data, size, plain);
+    struct entry *entries = status ? NULL : memory_raw(count, sizeof *entries);
+    status = status || entries ? status : CONUS_ERROR_MEMORY;
+    uint64_t sum = 0;
+    for (size_t i = 0; !status && i < count; i++) {
+        struct entry *entry = &entries[i];
+        entry->from = order_u64(data + i * sizeof *entry, array->index.swapped);
+        entry->size = order_u64(data + i * sizeof *entry + sizeof entry->from, array->index.swapped);
+        if (entry->from == UINT64_MAX && entry->size == UINT64_MAX) {
+            continue;
+        }
+        bool inside = entry->from <= whole && entry->size <= whole - entry->from;
+        bool apart = inside && (entry->from + entry->size <= first || entry->from >= first + size);
+        sum += inside ? entry->size : 0; /* stops at the first excess, so it does not overflow */
+        if (!inside || !apart || sum > whole - size) {
+            status = fail(CONUS_ERROR_DATA,
+                          "chunk %zu of the index: %llu bytes from byte %llu on, outside of the file "
+                          "or over others",
+                          i, (unsigned long long)entry->size, (unsigned long long)entry->from);
+        }
+    }
+    if (status) {
+        memory_free(entries);
+        return fail_in(status, file->path);
+    }
+    *out = entries;
+    return CONUS_OK;
+}
+
+/* The chunks of a shard that lie in the row `row` of chunks. */
+static conus_status read_shard(struct reading *reading, const struct open_file *file, const size_t at[SPACE],
+                               size_t row)
+{
+    const struct zarr_array *array = reading->array;
+    struct entry *entries = NULL;
+    size_t each[SPACE] = {1, 1, 1}; /* chunks of a shard */
+    size_t count = 1;
+    for (size_t i = 0; i < array->rank; i++) {
+        size_t chunks = (size_t)(array->file_chunk[i] / array->chunk[i]);
+        count *= chunks;
+        if (i + SPACE >= array->rank) {
+            each[i + SPACE - array->rank] = chunks;
+        }
+    }
+    conus_status status = row % each[0] ? CONUS_OK : sum_shard(reading, file);
+    status = status ? status : read_index(&entries, reading, file, count);
+    for (size_t y = 0; !status && y < each[1]; y++) {
+        for (size_t x = 0; !status && x < each[2]; x++) {
+            const size_t chunk[SPACE] = {row, at[1] * each[1] + y, at[2] * each[2] + x};
+            bool inside =
+                chunk[1] * reading->chunk[1] < reading->size[1] && chunk[2] * reading->chunk[2] < reading->size[2];
+            const struct entry *entry = &entries[(row % each[0] * each[1] + y) * each[2] + x];
+            if (inside && entry->from == UINT64_MAX) {
+                place_chunk(reading, chunk, NULL);
+            } else if (inside) {
+                status = read_part(reading, file, entry->from, (size_t)entry->size);
+                status = status ? status : take_chunk(reading, chunk, reading->stored.data, reading->stored.size);
+                status = status ? fail_in(status, file->path) : CONUS_OK;
+            }
+        }
+    }
+    memory_free(entries);
+    return status;
+}
+
+/* Fills the part of the slab that the file at `at` has: of its chunks those of the row `row`. */
+static conus_status read_file(struct reading *reading, const size_t at[SPACE], size_t row)
+{
+    const struct zarr_array *array = reading->array;
+    size_t ahead = array->rank - SPACE;
+    struct open_file file = {.descriptor = -1};
+    bool there = false;
+    conus_status status = find_path(reading, at);
+    status = status ? status : open_chunk(&file, &there, reading);
+    if (status) {
+        return status;
+    }
+    if (there) {
+        status = array->sharded ? read_shard(reading, &file, at, row) : read_chunk(reading, &file, at);
+        file_close(&file);
+        return status;
+    }
+    size_t each[2] = {(size_t)(array->file_chunk[ahead + 1] / array->chunk[ahead + 1]),
+                      (size_t)(array->file_chunk[ahead + 2] / array->chunk[ahead + 2])};
+    for (size_t y = 0; y < each[0]; y++) {
+        for (size_t x = 0; x < each[1]; x++) {
+            const size_t chunk[SPACE] = {row, at[1] * each[0] + y, at[2] * each[1] + x};
+            if (chunk[1] * reading->chunk[1] < reading->size[1] && chunk[2] * reading->chunk[2] < reading->size[2]) {
+                place_chunk(reading, chunk, NULL);
+            }
+        }
+    }
+    return CONUS_OK;
+}
+
+/* Fills the slab with the row `row` of chunks. */
+static conus_status read_row(struct reading *reading, size_t row)
+{
+    const struct zarr_array *array = reading->array;
+    const uint64_t *file = array->file_chunk + array->rank - SPACE;
+    conus_status status = CONUS_OK;
+    size_t at[SPACE] = {row * reading->chunk[0] / (size_t)file[0], 0, 0};
+    for (at[1] = 0; !status && at[1] * file[1] < reading->size[1]; at[1]++) {
+        for (at[2] = 0; !status && at[2] * file[2] < reading->size[2]; at[2]++) {
+            status = read_file(reading, at, row);
+        }
+    }
+    return status;
+}
+
+conus_status zarr_read(struct zarr_found *out, const struct zarr_array *array, const char *folder, uint64_t limit,
+                       gzip_sink *sink, void *user)
+{
+    struct reading reading = {.array = array, .folder = folder, .limit = limit};
+    conus_status status = reading_init(&reading);
+    size_t plane = reading.size[1] * reading.size[2] * array->size;
+    for (size_t row = 0; !status && row * reading.chunk[0] < reading.size[0]; row++) {
+        size_t planes = smaller(reading.chunk[0], reading.size[0] - row * reading.chunk[0]);
+        status = read_row(&reading, row);
+        status = status ? status : sink(user, reading.slab.data, planes * plane);
+    }
+    if (!status && !reading.found.files) {
+        status = fail(CONUS_ERROR_DATA, "%s: no chunk of this array is there: it was not downloaded", folder);
+    }
+    if (!status) {
+        file_sha256_end(reading.found.sha256, &reading.sum);
+        *out = reading.found;
+    }
+    reading_finish(&reading);
+    return status;
+}

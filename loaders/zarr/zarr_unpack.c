@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Unpacks a chunk into exactly the bytes that it must have. */
+#include "base/byte_order.h"
+#include "base/memory.h"
+#include "loaders/zarr/zarr.h"
+
+#include <dlfcn.h>
+#include <libdeflate.h>
+#include <zstd.h>
+
+struct zarr_unpacker {
+    ZSTD_DCtx *zstd;
+    struct libdeflate_decompressor *deflate;
+    void *blosc; /* the library, once a chunk needs it */
+    int (*blosc_check)(const void *data, size_t size, size_t *unpacked);
+    int (*blosc_unpack)(const void *data, void *out, size_t size, int threads);
+    struct bytes room; /* for what is unpacked */
+};
+
+conus_status zarr_unpacker_create(struct zarr_unpacker **out)
+{
+    struct zarr_unpacker *unpacker = memory_zeroed(1, sizeof *unpacker);
+    if (unpacker) {
+        unpacker->zstd = ZSTD_createDCtx();
+        unpacker->deflate = libdeflate_alloc_decompressor();
+    }
+    if (!unpacker || !unpacker->zstd || !unpacker->deflate) {
+        zarr_unpacker_destroy(unpacker);
+        return fail(CONUS_ERROR_MEMORY, "no memory to unpack chunks");
+    }
+    *out = unpacker;
+    return CONUS_OK;
+}
+
+void zarr_unpacker_destroy(struct zarr_unpacker *unpacker)
+{
+    if (unpacker) {
+        ZSTD_freeDCtx(unpacker->zstd);
+        libdeflate_free_decompressor(unpacker->deflate);
+        bytes_finish(&unpacker->room);
+        if (unpacker->blosc) {
+            dlclose(unpacker->blosc);
+        }
+        memory_free(unpacker);
+    }
+}
+
+/* The library is looked for only here: few stores need it, and linked it would slow down every start. */
+static conus_status load_blosc(struct zarr_unpacker *unpacker)
+{
+    if (!unpacker->blosc) {
+        unpacker->blosc = dlopen("libblosc.so.1", RTLD_LAZY | RTLD_LOCAL);
+    }
+    if (unpacker->blosc) {
+        *(void **)&unpacker->blosc_check = dlsym(unpacker->blosc, "blosc_cbuffer_validate");
+        *(void **)&unpacker->blosc_unpack = dlsym(unpacker->blosc, "blosc_decompress_ctx");
+    }
+    return unpacker->blosc_check && unpacker->blosc_unpack
+               ? CONUS_OK
+               : fail(CONUS_ERROR_UNSUPPORTED, "packed with blosc: libblosc.so.1 is needed (Debian: libblosc1)");
+}
+
+/* Decompresses into the unpacker's room; *fine tells whether it came out as `wanted` bytes. */
+static conus_status decompress(bool *fine, struct zarr_unpacker *unpacker, enum zarr_packing packing,
+                               const uint8_t *data, size_t size, size_t wanted)
+{
+    uint8_t *out = unpacker->room.data;
+    size_t used = 0;
+    size_t got = 0;
+    conus_status status = packing == ZARR_BLOSC ? load_blosc(unpacker) : CONUS_OK;
+    if (status) {
+        return status;
+    }
+    switch (packing) {
+    case ZARR_ZSTD:
+        *fine = ZSTD_decompressDCtx(unpacker->zstd, out, wanted, data, size) == wanted;
+        break;
+    case ZARR_GZIP:
+        *fine = libdeflate_gzip_decompress_ex(unpacker->deflate, data, size, out, wanted, &used, &got) ==
+                    LIBDEFLATE_SUCCESS &&
+                used == size && got == wanted;
+        break;
+    case ZARR_ZLIB:
+        *fine = libdeflate_zlib_decompress_ex(unpacker->deflate, data, size, out, wanted, &used, &got) ==
+                    LIBDEFLATE_SUCCESS &&
+                used == size && got == wanted;
+        break;
+    case ZARR_BLOSC:
+        *fine = unpacker->blosc_check(data, size, &got) == 0 && got == wanted &&
+                unpacker->blosc_unpack(data, out, wanted, 1) == (int)wanted;
+        break;
+    case ZARR_CRC32C:
+        break;
+    }
+    return CONUS_OK;
+}
+
+/* RFC 3720: the polynomial 0x1edc6f41, reflected. */
+static uint32_t crc32c(const uint8_t *data, size_t size)
+{
+    uint32_t table[256];
+    uint32_t sum = ~0U;
+    for (uint32_t i = 0; i < 256; i++) {
+        table[i] = i;
+        for (int bit = 0; bit < 8; bit++) {
+            table[i] = table[i] >> 1 ^ (table[i] & 1 ? 0x82f63b78 : 0);
+        }
+    }
+    for (size_t i = 0; i < size; i++) {
+        sum = sum >> 8 ^ table[(sum ^ data[i]) & 0xff];
+    }
+    return ~sum;
+}
+
+conus_status zarr_unpack(const uint8_t **out, struct zarr_unpacker *unpacker, const struct zarr_chain *chain,
+                         const uint8_t *data, size_t size, size_t wanted)
+{
+    enum { SUM = sizeof(uint32_t) };
+    conus_status status = CONUS_OK;
+    bool fine = true;
+    if (unpacker->room.size < wanted + ZARR_CODECS * SUM) {
+        bytes_finish(&unpacker->room);
+        unpacker->room.data = memory_raw(wanted + ZARR_CODECS * SUM, 1);
+        unpacker->room.size = unpacker->room.data ? wanted + ZARR_CODECS * SUM : 0;
+        status = unpacker->room.data ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = chain->count; !status && fine && i-- > 0;) {
+        size_t inside = wanted; /* with the sums that are still around it */
+        for (size_t k = 0; k < i; k++) {
+            inside += SUM;
+        }
+        if (chain->packings[i] == ZARR_CRC32C) {
+            fine = size >= SUM && crc32c(data, size - SUM) == order_u32(data + size - SUM, !BIG_ENDIAN_IS_SWAPPED);
+            size -= SUM;
+        } else {
+            status = decompress(&fine, unpacker, chain->packings[i], data, size, inside);
+            data = unpacker->room.data;
+            size = inside;
+        }
+    }
+    if (!status && !(fine && size == wanted)) {
+        return fail(CONUS_ERROR_DATA, "damaged, or not the %zu bytes of a chunk", wanted);
+    }
+    *out = status ? *out : data;
+    return status;
+}

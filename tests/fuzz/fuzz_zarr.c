@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Any bytes as the metadata of a Zarr array and of OME, and as a chunk packed in every way. */
+#include "loaders/zarr/ome.h"
+#include "loaders/zarr/zarr.h"
+
+#include <stdlib.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    enum { WANTED = 96 };
+    const struct text text = {(const char *)data, size};
+    struct zarr_array array;
+    struct ome ome;
+    struct zarr_unpacker *unpacker = NULL;
+    if (!zarr_array_parse(&array, text)) {
+        for (size_t i = 0; i < array.rank; i++) {
+            if (!array.chunk[i] || array.file_chunk[i] % array.chunk[i] || array.chain.order[i] >= array.rank) {
+                abort();
+            }
+        }
+    }
+    if (!ome_parse(&ome, text)) {
+        if (!ome.count) {
+            abort();
+        }
+        ome_finish(&ome);
+    }
+    for (int packing = ZARR_ZSTD; packing <= ZARR_CRC32C && !zarr_unpacker_create(&unpacker); packing++) {
+        const struct zarr_chain chain = {.packings = {(enum zarr_packing)packing}, .count = 1};
+        const uint8_t *out = NULL;
+        if (zarr_unpack(&out, unpacker, &chain, data, size, WANTED) == CONUS_OK && !out) {
+            abort();
+        }
+        zarr_unpacker_destroy(unpacker);
+    }
+    return 0;
+}
