@@ -3,6 +3,7 @@
 #include "atlas/sites.h"
 
 #include "atlas/roi.h"
+#include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 
@@ -111,6 +112,9 @@ conus_status conus_sites_of_roi(conus_sites **out, const conus_roi *roi)
     const size_t *dim = roi->volume.info.dim;
     conus_sites *sites = NULL;
     conus_status status = sites_create(&sites, 0, false);
+    if (!status) {
+        sites->grid = space_grid(&roi->volume.info);
+    }
     for (size_t voxel = 0; voxel < roi->volume.voxel_count && !status; voxel++) {
         const size_t at[3] = {voxel % dim[0], voxel / dim[0] % dim[1], voxel / dim[0] / dim[1]};
         if (roi_has(roi, voxel) && is_at_border(roi, at, voxel)) {
@@ -146,48 +150,74 @@ void conus_sites_keep_roi(conus_sites *sites, const conus_roi *roi, bool inside)
     sites_filter(sites, is_in_roi, &(struct inside_roi){roi, inside});
 }
 
-/* Kept sites by the cube, of edges as long as the spacing, in which they are: those in a bucket are linked. */
-struct cubes {
-    double spacing;
-    size_t *first; /* [mask + 1] Number of a kept site from 1, 0 = none. */
-    size_t *next;  /* [count] Likewise, of each. */
-    size_t mask;
-    size_t kept;
-};
+conus_status site_cubes_init(struct site_cubes *out, double edge, size_t capacity)
+{
+    struct site_cubes cubes = {.edge = edge, .mask = 1};
+    while (cubes.mask < capacity) {
+        cubes.mask = 2 * cubes.mask + 1;
+    }
+    cubes.first = memory_zeroed(cubes.mask + 1, sizeof *cubes.first);
+    cubes.next = memory_raw(capacity, sizeof *cubes.next);
+    if (!cubes.first || !cubes.next) {
+        site_cubes_finish(&cubes);
+        return CONUS_ERROR_MEMORY;
+    }
+    *out = cubes;
+    return CONUS_OK;
+}
 
-static size_t bucket_of(const struct cubes *cubes, const double cube[3])
+void site_cubes_finish(struct site_cubes *cubes)
+{
+    memory_free(cubes->first);
+    memory_free(cubes->next);
+    *cubes = (struct site_cubes){0};
+}
+
+/* The bucket of the cube that is `off` cubes from that of a point. */
+static size_t bucket_of(const struct site_cubes *cubes, const double point[3], const int off[3])
 {
     uint64_t hash = 0;
     for (int a = 0; a < 3; a++) {
-        hash = (hash ^ (uint64_t)(int64_t)cube[a]) * UINT64_C(0x9e3779b97f4a7c15);
+        hash = (hash ^ (uint64_t)(int64_t)(floor(point[a] / cubes->edge) + off[a])) * UINT64_C(0x9e3779b97f4a7c15);
         hash ^= hash >> 29;
     }
     return (size_t)hash & cubes->mask;
 }
 
-static bool is_spaced(const conus_sites *sites, size_t index, void *user)
+void site_cubes_add(struct site_cubes *cubes, const double point[3])
 {
-    struct cubes *cubes = user;
-    const double *point = sites->points[index];
-    double cube[3];
-    for (int a = 0; a < 3; a++) {
-        cube[a] = floor(point[a] / cubes->spacing);
-    }
+    size_t *first = &cubes->first[bucket_of(cubes, point, (const int[3]){0})];
+    cubes->next[cubes->count++] = *first;
+    *first = cubes->count;
+}
+
+size_t site_cubes_nearest(const struct site_cubes *cubes, const conus_sites *sites, const double point[3])
+{
+    size_t found = SIZE_MAX;
+    double least = cubes->edge;
     for (int near = 0; near < 27; near++) {
         const int off[3] = {near % 3 - 1, near / 3 % 3 - 1, near / 9 - 1};
-        const double other[3] = {cube[0] + off[0], cube[1] + off[1], cube[2] + off[2]};
-        for (size_t i = cubes->first[bucket_of(cubes, other)]; i; i = cubes->next[i - 1]) {
+        for (size_t i = cubes->first[bucket_of(cubes, point, off)]; i; i = cubes->next[i - 1]) {
             double way[3];
             vec3_sub(way, point, sites->points[i - 1]);
-            if (vec3_length(way) < cubes->spacing) {
-                return false;
+            double length = vec3_length(way);
+            if (length < least || (length == least && found != SIZE_MAX && i - 1 < found)) {
+                least = length;
+                found = i - 1;
             }
         }
     }
-    size_t *first = &cubes->first[bucket_of(cubes, cube)];
-    cubes->next[cubes->kept++] = *first;
-    *first = cubes->kept;
-    return true;
+    return found;
+}
+
+static bool is_spaced(const conus_sites *sites, size_t index, void *user)
+{
+    struct site_cubes *cubes = user;
+    bool is = site_cubes_nearest(cubes, sites, sites->points[index]) == SIZE_MAX;
+    if (is) {
+        site_cubes_add(cubes, sites->points[index]);
+    }
+    return is;
 }
 
 conus_status conus_sites_space(conus_sites *sites, double spacing)
@@ -195,18 +225,12 @@ conus_status conus_sites_space(conus_sites *sites, double spacing)
     if (!(spacing >= LEAST_SPACING && isfinite(spacing))) {
         return fail(CONUS_ERROR_ARGUMENT, "spacing: %g mm, allowed is %g or more", spacing, LEAST_SPACING);
     }
-    struct cubes cubes = {.spacing = spacing, .mask = 1};
-    while (cubes.mask < sites->count) {
-        cubes.mask = 2 * cubes.mask + 1;
-    }
-    cubes.first = memory_zeroed(cubes.mask + 1, sizeof *cubes.first);
-    cubes.next = memory_raw(sites->count, sizeof *cubes.next);
-    conus_status status = cubes.first && cubes.next ? CONUS_OK : CONUS_ERROR_MEMORY;
+    struct site_cubes cubes = {0};
+    conus_status status = site_cubes_init(&cubes, spacing, sites->count);
     if (!status) {
         sites_filter(sites, is_spaced, &cubes);
     }
-    memory_free(cubes.first);
-    memory_free(cubes.next);
+    site_cubes_finish(&cubes);
     return status;
 }
 
@@ -223,6 +247,11 @@ const double *conus_sites_points(const conus_sites *sites)
 const double *conus_sites_normals(const conus_sites *sites)
 {
     return sites->normals ? sites->normals[0] : NULL;
+}
+
+bool conus_sites_have_voxels(const conus_sites *sites)
+{
+    return sites && sites->grid.count > 0;
 }
 
 uint64_t conus_sites_source(const conus_sites *sites, size_t index)

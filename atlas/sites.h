@@ -11,8 +11,9 @@ struct conus_sites {
     double (*normals)[3]; /**< NULL = there are none. */
     uint64_t *sources;
     size_t count, capacity;
-    size_t vertex_count; /**< Of the surface that they are of; 0 = of none. */
-    char *path;          /**< Its file. */
+    size_t vertex_count;  /**< Of the surface that they are of; 0 = of none. */
+    conus_grid_view grid; /**< Of the one volume whose voxels they are, without data; count is 0 of others. */
+    char *path;           /**< Its file. */
     struct notes notes;
 };
 
@@ -21,6 +22,25 @@ conus_status sites_create(conus_sites **out, size_t capacity, bool has_normals);
 
 /** Appends one; @p normal is NULL without normals. */
 conus_status sites_add(conus_sites *sites, const double point[3], const double *normal, uint64_t source);
+
+/** Sites by the cube in which they are: those in a bucket are linked. */
+struct site_cubes {
+    double edge;   /**< mm */
+    size_t *first; /**< [mask + 1] Number of a site from 1, 0 = none. */
+    size_t *next;  /**< [count] Likewise, of each. */
+    size_t mask;
+    size_t count; /**< So many are in it, the first ones. */
+};
+
+/** For up to @p capacity sites. */
+conus_status site_cubes_init(struct site_cubes *out, double edge, size_t capacity);
+void site_cubes_finish(struct site_cubes *cubes);
+
+/** Adds the next site, which is at @p point. */
+void site_cubes_add(struct site_cubes *cubes, const double point[3]);
+
+/** Index of the nearest of them that is nearer than the edge, of equal ones of the first; SIZE_MAX = there is none. */
+size_t site_cubes_nearest(const struct site_cubes *cubes, const conus_sites *sites, const double point[3]);
 
 /** Keeps those that @p is_kept says. */
 void sites_filter(conus_sites *sites, bool (*is_kept)(const conus_sites *sites, size_t index, void *user), void *user);

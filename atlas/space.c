@@ -106,6 +106,15 @@ const char *space_code_name(int code)
     return code >= 0 && code < (int)(sizeof names / sizeof names[0]) ? names[code] : "unknown";
 }
 
+conus_grid_view space_grid(const conus_volume_info *info)
+{
+    conus_grid_view view = {.count = info->dim[0] * info->dim[1] * info->dim[2]};
+    memcpy(view.dim, info->dim, sizeof view.dim);
+    memcpy(view.world_from_voxel, info->world_from_voxel, sizeof view.world_from_voxel);
+    view.space_code = info->space_code || space_is_guess(info) ? info->space_code : SPACE_ALIGNED;
+    return view;
+}
+
 conus_status grid_create(conus_grid **out, const conus_volume_info *info, conus_number number, const char *description)
 {
     static const size_t sizes[] = {
@@ -115,11 +124,8 @@ conus_status grid_create(conus_grid **out, const conus_volume_info *info, conus_
         return CONUS_ERROR_MEMORY;
     }
     conus_grid_view *view = &grid->view;
-    memcpy(view->dim, info->dim, sizeof view->dim);
-    memcpy(view->world_from_voxel, info->world_from_voxel, sizeof view->world_from_voxel);
-    view->space_code = info->space_code || space_is_guess(info) ? info->space_code : SPACE_ALIGNED;
+    *view = space_grid(info);
     view->number = number;
-    view->count = info->dim[0] * info->dim[1] * info->dim[2];
     view->description = memory_text(description, strlen(description));
     grid->size = sizes[number];
     view->data = grid->data = memory_zeroed(view->count, grid->size);

@@ -35,6 +35,9 @@ struct conus_grid {
     bool labels;          /**< The numbers are labels.                                                       */
 };
 
+/** Voxels of @p info: their number, places and space, without data. */
+conus_grid_view space_grid(const conus_volume_info *info);
+
 /** Zeros on the grid of @p info. @p description is copied. */
 conus_status grid_create(conus_grid **out, const conus_volume_info *info, conus_number number, const char *description);
 

@@ -21,9 +21,9 @@ struct plan_settings {
     bool infeasible, no_pruning;
     const char *rank, *score, *pareto;
     const char *constraint_rows, *profile, *tolerance, *pivot;
-    const char *map, *structure;
     const char *jitter, *contacts;
     uint32_t threads, samples;
+    const char *map, *target_map, *structure;
     size_t progress; /* enum progress_kind */
 };
 
@@ -144,14 +144,25 @@ static const struct option best_map_options[] = {
      .type = OPTION_TEXT,
      .offset = FIELD(map),
      .value = "FILE[,fill=nearest]",
-     .help = "with entries from a surface: write of each vertex's best pose leeway_mm, slack_mm, depth_mm, "
-             "entry_angle_deg, reach1 and candidate, and how many poses are feasible; with fill those that the spacing "
-             "leaves out have the numbers of the nearest entry",
+     .help =
+         "with entries from a surface (.func.gii, .shape.gii) or a mask (.nii.gz): write of each entry's best pose "
+         "leeway_mm, slack_mm, depth_mm, entry_angle_deg, reach1_mm and candidate, and how many poses are feasible; "
+         "with fill vertices that the spacing leaves out have the numbers of the nearest entry",
      .words = "scalp, overlay, func.gii, colours",
      .needs = "from",
      .role = OPTION_WRITES,
-     .endings = ".func.gii .shape.gii",
+     .endings = ".func.gii .shape.gii .nii.gz .nii",
      .key = "fill"},
+    {.name = "target-map",
+     .type = OPTION_TEXT,
+     .offset = FIELD(target_map),
+     .value = "FILE",
+     .help = "with --toward voxels: write of each target voxel how many poses are feasible, and the leeway_mm of the "
+             "best one",
+     .words = "overlay, nifti",
+     .needs = "toward",
+     .role = OPTION_WRITES,
+     .endings = ".nii.gz .nii"},
     {.name = "structure",
      .type = OPTION_TEXT,
      .offset = FIELD(structure),
@@ -369,6 +380,7 @@ static int try_poses(struct planning *planning)
         .far = planning->candidates.far,
         .entries = settings->map ? conus_sites_count(planning->candidates.from.sites) : 0,
         .jitter = settings->jitter ? &planning->jitter : NULL,
+        .targets = settings->target_map ? conus_sites_count(planning->candidates.toward.sites) : 0,
         .progress = show_tried,
         .progress_user = planning,
     };
@@ -507,62 +519,104 @@ static conus_status make_reports(struct planning *planning)
     return status;
 }
 
-enum { MAPS = 7 };
-/* Where the first numbers of a map are in conus_plan_best. Behind them come feasible and candidate. */
+enum { ANGLE = 3, REACH, FEASIBLE, CANDIDATE, MAPS };
+/* Where the numbers of a map are in conus_plan_best; the last two are whole. */
 static const struct {
     const char *name;
     size_t offset;
-    double unit;
-} map_kinds[MAPS - 2] = {{"leeway_mm", offsetof(conus_plan_best, leeway), 1},
-                         {"slack_mm", offsetof(conus_plan_best, slack), 1},
-                         {"depth_mm", offsetof(conus_plan_best, far), 1},
-                         {"entry_angle_deg", offsetof(conus_plan_best, entry_angle), 0},
-                         {"reach1", offsetof(conus_plan_best, reach), 1}};
+    bool of_targets;
+} map_kinds[MAPS] = {{"leeway_mm", offsetof(conus_plan_best, leeway), true},
+                     {"slack_mm", offsetof(conus_plan_best, slack), false},
+                     {"depth_mm", offsetof(conus_plan_best, far), false},
+                     [ANGLE] = {"entry_angle_deg", offsetof(conus_plan_best, entry_angle), false},
+                     [REACH] = {"reach1", offsetof(conus_plan_best, reach), false},
+                     {"feasible", offsetof(conus_plan_best, feasible), true},
+                     {"candidate", offsetof(conus_plan_best, candidate), false}};
 
-static int write_map(const struct planning *planning)
+/* The column of what the first reach measures; "reach1" where there is none. */
+static const char *reach_name(const struct constraints *constraints)
 {
-    const struct plan_settings *settings = planning->settings;
-    const struct place *from = &planning->candidates.from;
-    size_t count = conus_sites_count(from->sites);
-    float *values = calloc(MAPS * count, sizeof *values);
+    static const char *const names[] = {
+        [CONUS_MEASURE_LENGTH] = "reach1_mm",         [CONUS_MEASURE_TIP] = "reach1_tip",
+        [CONUS_MEASURE_CROSSED] = "reach1_crossed",   [CONUS_MEASURE_SHARE] = "reach1_share",
+        [CONUS_MEASURE_CONTACTS] = "reach1_contacts", [CONUS_MEASURE_PROBABILITY] = "reach1_probability",
+        [CONUS_MEASURE_PIERCED] = "reach1_pierced",   [CONUS_MEASURE_VOLUME] = "reach1_mm3",
+        [CONUS_MEASURE_FRACTION] = "reach1_fraction", [CONUS_MEASURE_STREAMLINES] = "reach1_streamlines"};
+    for (size_t i = 0; i < constraints->count; i++) {
+        const conus_constraint *item = &constraints->items[i];
+        if (item->kind == CONUS_CONSTRAINT_REACH && (size_t)item->measure < sizeof names / sizeof names[0]) {
+            return names[item->measure];
+        }
+    }
+    return "reach1";
+}
+
+static int write_map(const struct planning *planning, const char *path, bool of_targets)
+{
+    typedef const conus_plan_best *best_of(const conus_plan *plan, uint64_t number);
+    best_of *const best = of_targets ? conus_plan_target : conus_plan_entry;
+    const struct place *place = of_targets ? &planning->candidates.toward : &planning->candidates.from;
+    size_t count = conus_sites_count(place->sites);
+    float *values = calloc(CANDIDATE * count, sizeof *values);
+    uint64_t *candidates = calloc(count, sizeof *candidates);
     conus_vertex_map maps[MAPS];
-    if (!values) {
+    size_t written = 0;
+    if (!values || !candidates) {
+        free(values);
+        free(candidates);
         return print_no_memory();
     }
-    for (size_t k = 0; k < MAPS; k++) {
-        maps[k] = (conus_vertex_map){k < MAPS - 2    ? map_kinds[k].name
-                                     : k == MAPS - 2 ? "feasible"
-                                                     : "candidate",
-                                     values + k * count};
-    }
     for (size_t i = 0; i < count; i++) {
-        const conus_plan_best *best = conus_plan_entry(planning->plan, i + 1);
-        for (size_t k = 0; k < MAPS - 2; k++) {
-            double value = *(const double *)((const char *)best + map_kinds[k].offset);
-            values[k * count + i] = (float)(map_kinds[k].unit > 0 ? value : value / radians(1));
+        const conus_plan_best *site = best(planning->plan, i + 1);
+        for (size_t k = 0; k < FEASIBLE; k++) {
+            double value = *(const double *)((const char *)site + map_kinds[k].offset);
+            values[k * count + i] = (float)(k == ANGLE ? value / radians(1) : value);
         }
-        values[(MAPS - 2) * count + i] = (float)best->feasible;
-        values[(MAPS - 1) * count + i] = best->candidate ? (float)best->candidate : NAN;
+        values[FEASIBLE * count + i] = (float)site->feasible;
+        candidates[i] = site->candidate;
     }
-    double fill = option_key(planning->request.arguments, "map") ? from->apart : 0;
-    conus_status status = conus_sites_write_maps(settings->map, from->sites, maps, MAPS, settings->structure, fill);
+    for (size_t k = 0; k < MAPS; k++) {
+        if (map_kinds[k].of_targets || !of_targets) {
+            maps[written++] =
+                (conus_vertex_map){.name = k == REACH ? reach_name(&planning->constraints) : map_kinds[k].name,
+                                   .values = k < CANDIDATE ? values + k * count : NULL,
+                                   .numbers = k < CANDIDATE ? NULL : candidates};
+        }
+    }
+    double fill = !of_targets && option_key(planning->request.arguments, "map") ? place->apart : 0;
+    conus_status status =
+        conus_sites_write_maps(path, place->sites, maps, written, planning->settings->structure, fill);
     free(values);
+    free(candidates);
     return status ? print_status(status) : EXIT_DONE;
 }
 
-static int check_map(const struct planning *planning)
+static int check_maps(const struct planning *planning)
 {
     const struct place *from = &planning->candidates.from;
     const char *fill = option_key(planning->request.arguments, "map");
+    const char *map = planning->settings->map;
     if (fill && strcmp(fill, "nearest") != 0) {
         return print_usage_error("--map: fill=%s, allowed is nearest", fill);
     }
     if (fill && !from->spacing) {
         return print_usage_error("--map: fill has no effect without spacing=MM of --from");
     }
-    return !planning->settings->map || conus_sites_normals(from->sites)
+    bool is_volume = map && (path_ends(map, ".nii") || path_ends(map, ".nii.gz"));
+    bool has_voxels = conus_sites_have_voxels(from->sites);
+    if (map && (is_volume ? !has_voxels : !conus_sites_normals(from->sites))) {
+        return print_usage_error("--map: %s is no %s", from->path,
+                                 is_volume    ? "mask"
+                                 : has_voxels ? "surface: a map of voxels ends in .nii.gz"
+                                              : "surface");
+    }
+    if (is_volume && fill) {
+        return print_usage_error("--map: fill is of surfaces");
+    }
+    return !planning->settings->target_map || conus_sites_have_voxels(planning->candidates.toward.sites)
                ? EXIT_DONE
-               : print_usage_error("--map: %s is no surface", from->path);
+               : print_usage_error("--target-map: the targets of --toward %s are not voxels of one volume",
+                                   planning->candidates.toward.path);
 }
 
 static int write_all(struct planning *planning)
@@ -586,7 +640,8 @@ static int write_all(struct planning *planning)
     if (!code && settings->poses_out) {
         code = candidates_write(settings->poses_out, planning->plan, &request->frame);
     }
-    code = code || !settings->map ? code : write_map(planning);
+    code = code || !settings->map ? code : write_map(planning, settings->map, false);
+    code = code || !settings->target_map ? code : write_map(planning, settings->target_map, true);
     provenance.question.rows = "plan";
     provenance_add_outputs(&provenance, request->arguments);
     return code || is_replaced(planning) ? code
@@ -617,7 +672,7 @@ static int answer_plan(struct planning *planning)
     if (!code && !request->stream) {
         code = candidates_open(&planning->candidates, request, &planning->constraints);
     }
-    code = code ? code : check_map(planning);
+    code = code ? code : check_maps(planning);
     code = code ? code : try_poses(planning);
     code = code ? code : check_candidates(planning);
     if (code) {

@@ -167,16 +167,27 @@ CONUS_API const double *conus_sites_normals(const conus_sites *sites);
 CONUS_API uint64_t conus_sites_source(const conus_sites *sites, size_t index);
 
 /**
+ * Says whether sites are voxels of one volume, on whose grid conus_sites_write_maps() writes.
+ * @param sites NULL has none.
+ * @return True for those of conus_sites_of_roi(), and of conus_sites_find() but for centroids and structures of several
+ * volumes.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API bool conus_sites_have_voxels(const conus_sites *sites);
+
+/**
  * Writes numbers of sites of a surface as numbers of its vertices (conus_vertex_maps_write()); a vertex that is no site
- * has none.
- * @param path Ends in .func.gii or .shape.gii.
- * @param sites Of conus_sites_load().
+ * has none. Those of sites that are voxels of one volume are written on its grid: NIfTI-1, float32, a volume for each
+ * map along the fourth axis, NaN where no site is; a comment behind the header has the names, a line each.
+ * @param path Ends in .func.gii or .shape.gii, or of voxels in .nii or .nii.gz.
+ * @param sites Of conus_sites_load(), conus_sites_of_roi(), or conus_sites_find() of voxels.
  * @param maps [count] Their values are [conus_sites_count()].
  * @param count At least 1.
- * @param structure What the surface is; NULL = as its file says.
+ * @param structure What the surface is; NULL = as its file says. Of voxels without meaning.
  * @param fill A vertex that is no site has the numbers of the nearest one that is nearer than this, of equal ones of
- * the first, mm; 0 = it has none.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for sites of no surface; the errors of conus_vertex_maps_write() and of
+ * the first, mm; 0 = it has none. Of voxels 0.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for sites of neither kind; the errors of conus_vertex_maps_write() and of
  * reading the surface.
  * @threads Any.
  * @since 0.1

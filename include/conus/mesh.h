@@ -60,8 +60,11 @@ CONUS_CHECKED conus_status conus_atlas_write_meshes(const conus_atlas *atlas, co
 
 /** A number for each vertex of a surface. */
 typedef struct conus_vertex_map {
-    const char *name;    /**< UTF-8, such as "leeway_mm". */
-    const float *values; /**< [vertices] NaN = none. */
+    const char *name;        /**< UTF-8, such as "leeway_mm". */
+    const float *values;     /**< [vertices] NaN = none. */
+    const uint64_t *numbers; /**< [vertices] In their place, values is NULL: whole numbers, 0 = none. Up to 2^24 they
+                                are float32, exactly; where one is larger, this array has the numbers modulo 1000000,
+                                and one more, NAME_millions, has the millions. */
 } conus_vertex_map;
 
 /**

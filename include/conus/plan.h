@@ -99,6 +99,7 @@ typedef struct conus_plan_options {
                                 bytes and 8 a key each; 0 = of none. */
     const conus_jitter_options *jitter; /**< Errors of the poses, for the probabilities to hold (Eq. 14), of the listed
                                            ones and where p_ok is a key; progress is not used. NULL = none. Copied. */
+    uint64_t targets;                   /**< Likewise of each target, for conus_plan_target(). */
 } conus_plan_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -224,9 +225,9 @@ CONUS_API size_t conus_plan_count(const conus_plan *plan);
  */
 CONUS_API const conus_planned *conus_plan_pose(const conus_plan *plan, size_t index);
 
-/** The best pose of an entry. */
+/** The best pose of an entry or of a target. */
 typedef struct conus_plan_best {
-    uint64_t feasible;  /**< How many poses of the entry break no constraint. */
+    uint64_t feasible;  /**< How many of its poses break no constraint. */
     uint64_t candidate; /**< Number of the best of these by the rank; 0 = there is none, and all that follows is NaN. */
     double leeway;      /**< As of conus_planned, mm. */
     double slack;       /**< Likewise. */
@@ -245,6 +246,16 @@ typedef struct conus_plan_best {
  * @since 0.1
  */
 CONUS_API const conus_plan_best *conus_plan_entry(const conus_plan *plan, uint64_t entry);
+
+/**
+ * Gives the best pose of a target, as conus_plan_entry() that of an entry.
+ * @param plan The plan.
+ * @param target Its number, from 1 to conus_plan_options.targets.
+ * @return NULL past the last, and before conus_plan_run(). Borrowed from the plan.
+ * @threads Any: the object does not change.
+ * @since 0.1
+ */
+CONUS_API const conus_plan_best *conus_plan_target(const conus_plan *plan, uint64_t target);
 
 /**
  * Counts the candidates that hold the first constraints: the funnel.

@@ -15,10 +15,12 @@
 #include "loaders/surfaces/mesh_file.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "loaders/surfaces/surface_find.h"
+#include "loaders/volumes/nifti_write.h"
 
 #include <libdeflate.h>
 #include <math.h>
 #include <nettle/base64.h>
+#include <stdio.h>
 #include <string.h>
 
 static bool has_numbers(const struct gifti_array *array)
@@ -132,8 +134,72 @@ static conus_status append_values(struct buffer *out, const float *values, size_
     return status;
 }
 
-conus_status conus_vertex_maps_write(const char *path, const conus_vertex_map *maps, size_t count, size_t vertices,
-                                     const char *structure)
+/* Maps whose numbers are all float32. */
+struct plain_maps {
+    conus_vertex_map *items;
+    size_t count;
+    float *values; /* of whole numbers */
+    char *names;   /* NAME_LIMIT bytes each */
+};
+
+enum { NAME_LIMIT = 64, EXACT = 1 << 24, MILLION = 1000000 };
+
+static void plain_maps_finish(struct plain_maps *maps)
+{
+    memory_free(maps->items);
+    memory_free(maps->values);
+    memory_free(maps->names);
+}
+
+static void add_whole(struct plain_maps *out, const conus_vertex_map *map, float *values, size_t vertices)
+{
+    uint64_t most = 0;
+    for (size_t v = 0; v < vertices; v++) {
+        most = map->numbers[v] > most ? map->numbers[v] : most;
+    }
+    uint64_t part = most > EXACT ? MILLION : UINT64_MAX;
+    for (size_t v = 0; v < vertices; v++) {
+        uint64_t number = map->numbers[v];
+        uint64_t parts = number / part;
+        values[v] = number ? (float)(number % part) : NAN;
+        if (most > EXACT) {
+            values[vertices + v] = number ? (float)parts : NAN;
+        }
+    }
+    out->items[out->count++] = (conus_vertex_map){.name = map->name, .values = values};
+    if (most > EXACT) {
+        char *name = out->names + out->count * NAME_LIMIT;
+        snprintf(name, NAME_LIMIT, "%s_millions", map->name);
+        out->items[out->count++] = (conus_vertex_map){.name = name, .values = values + vertices};
+    }
+}
+
+static conus_status plain_maps_init(struct plain_maps *out, const conus_vertex_map *maps, size_t count, size_t vertices)
+{
+    size_t whole = 0;
+    for (size_t k = 0; k < count; k++) {
+        whole += maps[k].numbers != NULL;
+    }
+    struct plain_maps plain = {.items = memory_raw(count + whole, sizeof *plain.items),
+                               .values = memory_raw(2 * whole, vertices * sizeof *plain.values),
+                               .names = memory_raw(count + whole, NAME_LIMIT)};
+    if (!plain.items || !plain.values || !plain.names) {
+        plain_maps_finish(&plain);
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t k = 0, n = 0; k < count; k++) {
+        if (maps[k].numbers) {
+            add_whole(&plain, &maps[k], plain.values + 2 * vertices * n++, vertices);
+        } else {
+            plain.items[plain.count++] = maps[k];
+        }
+    }
+    *out = plain;
+    return CONUS_OK;
+}
+
+static conus_status write_gifti(const char *path, const conus_vertex_map *maps, size_t count, size_t vertices,
+                                const char *structure)
 {
     bool is_shape = path && path_ends_in(path, ".shape.gii");
     if (!path || !(is_shape || path_ends_in(path, ".func.gii"))) {
@@ -174,61 +240,93 @@ conus_status conus_vertex_maps_write(const char *path, const conus_vertex_map *m
     return status;
 }
 
+conus_status conus_vertex_maps_write(const char *path, const conus_vertex_map *maps, size_t count, size_t vertices,
+                                     const char *structure)
+{
+    struct plain_maps plain = {0};
+    conus_status status = plain_maps_init(&plain, maps, count, vertices);
+    status = status ? status : write_gifti(path, plain.items, plain.count, vertices, structure);
+    plain_maps_finish(&plain);
+    return status;
+}
+
 /* Of each vertex the site whose numbers it has; SIZE_MAX = none. */
 static conus_status find_sites(size_t *out, const conus_sites *sites, double fill)
 {
     struct mesh mesh = {0};
     struct notes notes = {0};
+    struct site_cubes cubes = {0};
     conus_status status =
         mesh_file_read(&mesh, NULL, sites->path, &(const struct mesh_file_options){.external = true}, &notes);
     notes_finish(&notes);
     if (!status && mesh.vertex_count != sites->vertex_count) {
         status = fail(CONUS_ERROR_DATA, "%s: the file has changed meanwhile", sites->path);
     }
+    status = status || !(fill > 0) ? status : site_cubes_init(&cubes, fill, sites->count);
+    for (size_t i = 0; i < sites->count && cubes.first; i++) {
+        site_cubes_add(&cubes, sites->points[i]);
+    }
     for (size_t v = 0; v < sites->vertex_count && !status; v++) {
-        double nearest = fill;
-        out[v] = SIZE_MAX;
-        for (size_t i = 0; i < sites->count && fill > 0; i++) {
-            const float *p = mesh.positions + 3 * v;
-            const double way[3] = {sites->points[i][0] - (double)p[0], sites->points[i][1] - (double)p[1],
-                                   sites->points[i][2] - (double)p[2]};
-            if (fabs(way[0]) < nearest && vec3_length(way) < nearest) {
-                nearest = vec3_length(way);
-                out[v] = i;
-            }
-        }
+        const float *p = mesh.positions + 3 * v;
+        const double point[3] = {(double)p[0], (double)p[1], (double)p[2]};
+        out[v] = cubes.first ? site_cubes_nearest(&cubes, sites, point) : SIZE_MAX;
     }
     for (size_t i = 0; i < sites->count && !status; i++) {
         out[sites->sources[i]] = i;
     }
+    site_cubes_finish(&cubes);
     mesh_finish(&mesh);
+    return status;
+}
+
+static conus_status write_on_surface(const char *path, const conus_sites *sites, const struct plain_maps *maps,
+                                     const char *structure, double fill)
+{
+    size_t vertices = sites->vertex_count;
+    size_t *from = memory_raw(vertices, sizeof *from);
+    float *values = memory_raw(vertices, maps->count * sizeof *values);
+    struct surface_about about = {0};
+    conus_status status = from && values ? find_sites(from, sites, fill) : CONUS_ERROR_MEMORY;
+    status = status || structure ? status : surface_about_read(&about, sites->path, memory_limit(0));
+    for (size_t k = 0; k < maps->count && !status; k++) {
+        for (size_t v = 0; v < vertices; v++) {
+            values[k * vertices + v] = from[v] == SIZE_MAX ? NAN : maps->items[k].values[from[v]];
+        }
+        maps->items[k].values = values + k * vertices;
+    }
+    structure = structure ? structure : about.structure;
+    status = status ? status : write_gifti(path, maps->items, maps->count, vertices, structure);
+    surface_about_finish(&about);
+    memory_free(values);
+    memory_free(from);
+    return status;
+}
+
+static conus_status write_on_grid(const char *path, const conus_sites *sites, const struct plain_maps *maps)
+{
+    struct bytes file = {0};
+    if (!nifti_is_name(path)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: the name of a map of voxels ends in .nii or .nii.gz", path);
+    }
+    conus_status status =
+        nifti_format_maps(&file, &sites->grid, maps->items, maps->count, sites->sources, sites->count);
+    status = status ? fail_in(status, path) : nifti_write(path, &file);
+    bytes_finish(&file);
     return status;
 }
 
 conus_status conus_sites_write_maps(const char *path, const conus_sites *sites, const conus_vertex_map *maps,
                                     size_t count, const char *structure, double fill)
 {
-    if (!sites->vertex_count) {
-        return fail(CONUS_ERROR_ARGUMENT, "the entries are not vertices of a surface, whose map this would be");
+    struct plain_maps plain = {0};
+    if (!sites->vertex_count && !sites->grid.count) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: the points are neither vertices of a surface nor voxels of one volume",
+                    path);
     }
-    size_t vertices = sites->vertex_count;
-    size_t *from = memory_raw(vertices, sizeof *from);
-    float *values = memory_raw(vertices, count * sizeof *values);
-    conus_vertex_map *whole = memory_raw(count, sizeof *whole);
-    struct surface_about about = {0};
-    conus_status status = from && values && whole ? find_sites(from, sites, fill) : CONUS_ERROR_MEMORY;
-    status = status || structure ? status : surface_about_read(&about, sites->path, memory_limit(0));
-    for (size_t k = 0; k < count && !status; k++) {
-        for (size_t v = 0; v < vertices; v++) {
-            values[k * vertices + v] = from[v] == SIZE_MAX ? NAN : maps[k].values[from[v]];
-        }
-        whole[k] = (conus_vertex_map){maps[k].name, values + k * vertices};
-    }
-    status = status ? status
-                    : conus_vertex_maps_write(path, whole, count, vertices, structure ? structure : about.structure);
-    surface_about_finish(&about);
-    memory_free(whole);
-    memory_free(values);
-    memory_free(from);
+    conus_status status = plain_maps_init(&plain, maps, count, sites->count);
+    status = status                ? status
+             : sites->vertex_count ? write_on_surface(path, sites, &plain, structure, fill)
+                                   : write_on_grid(path, sites, &plain);
+    plain_maps_finish(&plain);
     return status;
 }

@@ -3,6 +3,7 @@
 #include "loaders/volumes/nifti_write.h"
 
 #include "atlas/space.h"
+#include "base/buffer.h"
 #include "base/byte_order.h"
 #include "base/files/folder.h"
 #include "base/geometry/math3.h"
@@ -29,6 +30,8 @@ static const struct datatype datatypes[] = {[CONUS_NUMBER_UINT8] = {UINT8_MAX, 1
 /* The values of the header. */
 struct header_values {
     const size_t *dim;
+    size_t volumes;   /* along the fourth axis; 0 = there is none */
+    size_t extension; /* bytes between the header and the voxels */
     const double *world_from_voxel;
     int code; /* of the space */
     int intent;
@@ -114,16 +117,17 @@ static void put_header(uint8_t *header, const struct header_values *values)
 {
     const double *m = values->world_from_voxel;
     put_integer(header, 348, 4);
-    put_integer(header + 40, 3, 2);
+    put_integer(header + 40, values->volumes ? 4 : 3, 2);
     for (int axis = 0; axis < 7; axis++) {
-        put_integer(header + 42 + 2 * axis, axis < 3 ? (uint32_t)values->dim[axis] : 1, 2);
+        size_t along = axis < 3 ? values->dim[axis] : axis == 3 && values->volumes ? values->volumes : 1;
+        put_integer(header + 42 + 2 * axis, (uint32_t)along, 2);
         put_float(header + 80 + 4 * axis, axis < 3 ? vec3_length(m + 4 * axis) : 1);
     }
     put_integer(header + 68, (uint32_t)values->intent, 2);
     put_integer(header + 70, (uint32_t)values->type->code, 2);
     put_integer(header + 72, (uint32_t)values->type->size * 8, 2);
     put_float(header + 76, 1);
-    put_float(header + 108, HEADER);
+    put_float(header + 108, (double)(HEADER + values->extension));
     put_float(header + 112, 1);
     header[123] = UNITS_MM;
     snprintf((char *)header + 148, 80, "%s", values->description);
@@ -151,7 +155,12 @@ static void put_header(uint8_t *header, const struct header_values *values)
 /* A file of a checked grid with its header, and zeros for voxels. */
 static conus_status start_file(struct bytes *out, const struct header_values *values)
 {
-    struct bytes file = {.size = HEADER + values->dim[0] * values->dim[1] * values->dim[2] * values->type->size};
+    size_t volumes = values->volumes ? values->volumes : 1;
+    size_t size = 0;
+    if (!memory_multiply(values->dim[0] * values->dim[1] * values->dim[2], volumes * values->type->size, &size)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    struct bytes file = {.size = HEADER + values->extension + size};
     file.data = memory_zeroed(file.size, 1);
     if (!file.data) {
         return CONUS_ERROR_MEMORY;
@@ -238,21 +247,66 @@ conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid)
     return status;
 }
 
+conus_status nifti_format_maps(struct bytes *out, const conus_grid_view *grid, const conus_vertex_map *maps,
+                               size_t count, const uint64_t *voxels, size_t site_count)
+{
+    enum { COMMENT = 6, ALIGNED_TO = 16, BEFORE = 8 };
+    struct buffer names = {0};
+    for (size_t k = 0; k < count; k++) {
+        buffer_format(&names, "%s%s", k ? "\n" : "", maps[k].name);
+    }
+    const struct header_values values = {.dim = grid->dim,
+                                         .volumes = count,
+                                         .extension = (BEFORE + names.size + ALIGNED_TO - 1) / ALIGNED_TO * ALIGNED_TO,
+                                         .world_from_voxel = grid->world_from_voxel,
+                                         .code = grid->space_code <= INT16_MAX ? grid->space_code : SPACE_ALIGNED,
+                                         .type = &datatypes[CONUS_NUMBER_FLOAT32],
+                                         .description = "conus " CONUS_VERSION ": maps of a plan"};
+    conus_status status = buffer_status(&names);
+    status = status ? status : check_grid(&values);
+    status = status ? status : start_file(out, &values);
+    if (!status) {
+        uint8_t *extension = out->data + HEADER;
+        uint8_t *data = extension + values.extension;
+        extension[-4] = 1; /* there is one */
+        put_integer(extension, (uint32_t)values.extension, 4);
+        put_integer(extension + 4, COMMENT, 4);
+        memcpy(extension + BEFORE, names.data ? names.data : "", names.size);
+        for (size_t i = 0; i < count * grid->count; i++) {
+            put_float(data + 4 * i, NAN);
+        }
+        for (size_t i = 0; i < count * site_count; i++) {
+            size_t k = i / site_count;
+            put_float(data + 4 * (k * grid->count + voxels[i % site_count]), (double)maps[k].values[i % site_count]);
+        }
+    }
+    buffer_finish(&names);
+    return status;
+}
+
+conus_status nifti_write(const char *path, const struct bytes *file)
+{
+    struct bytes packed = {0};
+    conus_status status = path_ends_in(path, ".gz") ? gzip_format(&packed, file->data, file->size) : CONUS_OK;
+    const struct bytes *content = packed.data ? &packed : file;
+    status = status ? status : file_write(path, content->data, content->size);
+    bytes_finish(&packed);
+    return status;
+}
+
+bool nifti_is_name(const char *path)
+{
+    return path_ends_in(path, ".nii") || path_ends_in(path, ".nii.gz");
+}
+
 conus_status conus_grid_write(const conus_grid *grid, const char *path)
 {
     struct bytes file = {0};
-    struct bytes packed = {0};
-    if (!path_ends_in(path, ".nii") && !path_ends_in(path, ".nii.gz")) {
+    if (!nifti_is_name(path)) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: a volume's name ends in .nii or .nii.gz", path);
     }
     conus_status status = nifti_format_grid(&file, grid);
-    status = status ? fail_in(status, path) : CONUS_OK;
-    if (!status && path_ends_in(path, ".gz")) {
-        status = gzip_format(&packed, file.data, file.size);
-    }
-    const struct bytes *content = packed.data ? &packed : &file;
-    status = status ? status : file_write(path, content->data, content->size);
-    bytes_finish(&packed);
+    status = status ? fail_in(status, path) : nifti_write(path, &file);
     bytes_finish(&file);
     return status;
 }

@@ -19,6 +19,18 @@ conus_status nifti_format_values(struct bytes *out, const conus_volume_info *inf
 /** The numbers of @p grid in their own type; otherwise the same, with the grid's code and description. */
 conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid);
 
+/** Maps of sites that are voxels of @p grid as float32, a volume for each along the fourth axis, NaN in all other
+ * voxels; otherwise the same, and a comment behind the header (ecode 6) has their names, a line each. @p voxels is
+ * [site_count], what the values of @p maps, [count], are of. */
+conus_status nifti_format_maps(struct bytes *out, const conus_grid_view *grid, const conus_vertex_map *maps,
+                               size_t count, const uint64_t *voxels, size_t site_count);
+
+/** Writes a file, packed where its name ends in .gz. */
+conus_status nifti_write(const char *path, const struct bytes *file);
+
+/** Whether a name ends in .nii or .nii.gz. */
+bool nifti_is_name(const char *path);
+
 /** Packs as one gzip member without name or time. @p out is the caller's to finish. */
 conus_status gzip_format(struct bytes *out, const void *data, size_t size);
 

@@ -50,7 +50,7 @@ struct trial {
     conus_verdict *verdicts;
     double *keys, *pareto; /* as they are compared */
     double *bar; /* [rank_count] What it has to be better than, where it has a bar: the last of a full list, or
-                    the best of its entry so far where that is less. */
+                    the best of its entry or target so far where that is less. */
     bool has_bar;
     bool is_measured; /* all of this is whole */
     bool is_lone;     /* it breaks planned.broken and nothing else */
@@ -75,6 +75,15 @@ struct worker {
     struct bar bar; /* as it was when the block began */
 };
 
+/* The best pose of each entry, or of each target. */
+struct bests {
+    uint64_t count;
+    conus_plan_best *items;
+    double *keys; /* [count][rank_count] */
+};
+
+enum { OF_ENTRY, OF_TARGET, BESTS };
+
 struct conus_plan {
     conus_selector *selector;
     conus_plan_options options; /* Defaults filled in; strings are not kept. */
@@ -90,8 +99,7 @@ struct conus_plan {
     struct entry **misses;     /* [count] */
     double *fronts;            /* [feasible][pareto_count] Keys of all feasible poses. */
     size_t front_capacity, feasible;
-    conus_plan_best *bests; /* [options.entries] */
-    double *best_keys;      /* [options.entries][rank_count] */
+    struct bests bests[BESTS];
     struct bar bar;
     pthread_mutex_t lock; /* of the bar, during a run */
     struct worker *workers;
@@ -167,21 +175,21 @@ static conus_status init_constraints(conus_plan *plan, const conus_constraint *c
     return status ? status : plan_constraints_check(plan->constraints, count, plan->selector->atlas);
 }
 
-static conus_status init_bests(conus_plan *plan)
+static conus_status init_bests(struct bests *out, uint64_t count, size_t rank_count)
 {
-    uint64_t count = plan->options.entries;
+    size_t keys = 0;
     if (!count) {
         return CONUS_OK;
     }
-    size_t keys = 0;
-    if (count <= SIZE_MAX && memory_multiply((size_t)count, plan->order.rank_count, &keys)) {
-        plan->bests = memory_raw((size_t)count, sizeof *plan->bests);
-        plan->best_keys = memory_raw(keys, sizeof *plan->best_keys);
+    if (count <= SIZE_MAX && memory_multiply((size_t)count, rank_count, &keys)) {
+        out->items = memory_raw((size_t)count, sizeof *out->items);
+        out->keys = memory_raw(keys, sizeof *out->keys);
     }
-    for (uint64_t i = 0; plan->bests && i < count; i++) {
-        plan->bests[i] = (conus_plan_best){0, 0, NAN, NAN, NAN, NAN, NAN};
+    for (uint64_t i = 0; out->items && i < count; i++) {
+        out->items[i] = (conus_plan_best){0, 0, NAN, NAN, NAN, NAN, NAN};
     }
-    return plan->bests && plan->best_keys ? CONUS_OK : CONUS_ERROR_MEMORY;
+    out->count = count;
+    return out->items && out->keys ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 static conus_status init_options(conus_plan *plan, const conus_jitter_options *asked)
@@ -220,7 +228,9 @@ conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const
         status = plan->left && plan->misses && plan->workers && plan->blocks ? init_bar(&plan->bar, plan)
                                                                              : CONUS_ERROR_MEMORY;
     }
-    status = status ? status : init_bests(plan);
+    for (size_t k = 0; k < BESTS && !status; k++) {
+        status = init_bests(&plan->bests[k], k == OF_ENTRY ? filled.entries : filled.targets, plan->order.rank_count);
+    }
     for (size_t i = 0; !status && i < plan->options.threads; i++) {
         status = plan_judge_init(&plan->workers[i].judge, selector, plan->constraints);
         status = status ? status : init_bar(&plan->workers[i].bar, plan);
@@ -264,8 +274,10 @@ void conus_plan_destroy(conus_plan *plan)
     memory_free(plan->left);
     memory_free((void *)plan->misses);
     memory_free(plan->fronts);
-    memory_free(plan->bests);
-    memory_free(plan->best_keys);
+    for (size_t k = 0; k < BESTS; k++) {
+        memory_free(plan->bests[k].items);
+        memory_free(plan->bests[k].keys);
+    }
     memory_free(plan->workers);
     memory_free(plan->blocks);
     memory_free(plan);
@@ -488,24 +500,30 @@ static void copy_bar(struct bar *to, const struct bar *from, const conus_plan *p
     memcpy(to->misses, from->misses, plan->count * sizeof *to->misses);
 }
 
-/* The best poses of a pose's entry so far; NULL where they are not kept. */
-static conus_plan_best *best_of(const conus_plan *plan, const struct trial *trial)
+/* The best pose so far of a pose's entry or target, with its keys; NULL where it is not kept. */
+static conus_plan_best *best_of(double **keys, const conus_plan *plan, const struct trial *trial, size_t kind)
 {
-    uint64_t entry = trial->planned.entry;
-    return entry && entry <= plan->options.entries ? &plan->bests[entry - 1] : NULL;
+    const struct bests *bests = &plan->bests[kind];
+    uint64_t site = kind == OF_ENTRY ? trial->planned.entry : trial->planned.target;
+    if (!site || site > bests->count) {
+        return NULL;
+    }
+    *keys = bests->keys + (site - 1) * plan->order.rank_count;
+    return &bests->items[site - 1];
 }
 
 static void set_bar(struct trial *trial, const conus_plan *plan)
 {
     size_t count = plan->order.rank_count;
-    const double *keys = plan->bar.keys;
-    const conus_plan_best *best = best_of(plan, trial);
-    trial->has_bar = plan->bar.is_full && (!best || best->candidate);
-    if (trial->has_bar && best) {
-        const double *own = plan->best_keys + (size_t)(best - plan->bests) * count;
-        keys = plan_keys_compare(own, keys, count) < 0 ? own : keys;
+    const double *least = plan->bar.keys;
+    trial->has_bar = plan->bar.is_full;
+    for (size_t k = 0; k < BESTS && trial->has_bar; k++) {
+        double *keys = NULL;
+        const conus_plan_best *best = best_of(&keys, plan, trial, k);
+        trial->has_bar = !best || best->candidate;
+        least = trial->has_bar && best && plan_keys_compare(keys, least, count) < 0 ? keys : least;
     }
-    memcpy(trial->bar, keys, count * sizeof *keys);
+    memcpy(trial->bar, least, count * sizeof *least);
 }
 
 static conus_status answer_block(void *user, size_t slot, size_t worker, const atomic_bool *stop)
@@ -577,14 +595,14 @@ static void cut_list(conus_plan *plan)
     }
 }
 
-static void take_best(conus_plan *plan, const struct trial *trial)
+static void take_best(conus_plan *plan, const struct trial *trial, size_t kind)
 {
-    conus_plan_best *best = best_of(plan, trial);
+    size_t count = plan->order.rank_count;
+    double *keys = NULL;
+    conus_plan_best *best = best_of(&keys, plan, trial, kind);
     if (!best) {
         return;
     }
-    size_t count = plan->order.rank_count;
-    double *keys = plan->best_keys + (size_t)(best - plan->bests) * count;
     best->feasible++;
     if (trial->is_measured && (!best->candidate || plan_keys_compare(trial->keys, keys, count) > 0)) {
         const conus_planned *planned = &trial->planned;
@@ -615,7 +633,9 @@ static conus_status take_feasible(conus_plan *plan, const struct trial *trial, c
         memcpy(plan->fronts + plan->feasible * keys, trial->pareto, keys * sizeof *plan->fronts);
     }
     plan->bar.has_feasible = true;
-    take_best(plan, trial);
+    for (size_t k = 0; k < BESTS; k++) {
+        take_best(plan, trial, k);
+    }
     if (trial->is_measured) {
         status = keep_in(list, trial, block, plan);
     }
@@ -783,9 +803,19 @@ const conus_planned *conus_plan_pose(const conus_plan *plan, size_t index)
     return index < conus_plan_count(plan) ? &plan->list.items[index]->planned : NULL;
 }
 
+static const conus_plan_best *best_at(const conus_plan *plan, size_t kind, uint64_t site)
+{
+    return plan && plan->is_done && site && site <= plan->bests[kind].count ? &plan->bests[kind].items[site - 1] : NULL;
+}
+
 const conus_plan_best *conus_plan_entry(const conus_plan *plan, uint64_t entry)
 {
-    return plan && plan->is_done && entry && entry <= plan->options.entries ? &plan->bests[entry - 1] : NULL;
+    return best_at(plan, OF_ENTRY, entry);
+}
+
+const conus_plan_best *conus_plan_target(const conus_plan *plan, uint64_t target)
+{
+    return best_at(plan, OF_TARGET, target);
 }
 
 uint64_t conus_plan_left(const conus_plan *plan, size_t constraints)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Points of a structure, to which needles may point, and which points are in one. */
 #include "atlas/sites.h"
+#include "atlas/space.h"
 #include "atlas/surface/mesh_near.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -142,6 +143,9 @@ static conus_status find_sites(conus_sites *sites, const struct plan_constraint 
         } else if (part->volume) {
             find_deepest(found, &source, structure, part->volume);
         }
+    }
+    if (structure->part_count == 1 && structure->parts->volume && kind != CONUS_SITES_CENTROID) {
+        sites->grid = space_grid(&structure->parts->volume->info);
     }
     if (kind == CONUS_SITES_CENTROID && found[3] > 0) {
         vec3_scale(found, found, 1 / found[3]);

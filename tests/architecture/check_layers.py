@@ -89,7 +89,7 @@ LIBRARY = {
     "loaders/child": "base base/files base/cache atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
     "loaders/surfaces": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders"
-    " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign loaders/formats",
+    " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign loaders/formats loaders/volumes",
     "loaders/phantom": "base base/files base/geometry atlas/labels atlas atlas/phantom loaders/volumes loaders/surfaces",
     "loaders/manifest": "base base/files base/formats atlas/labels atlas/surface atlas/areas loaders/volumes loaders/labels",
     "loaders/transform": "base base/files base/geometry base/formats atlas/deformation loaders loaders/volumes",

@@ -217,7 +217,7 @@ def read(path):
     return dict(image.meta), {array.meta["Name"]: array.data for array in image.darrays}
 meta, a = read("a.func.gii")
 assert meta["AnatomicalStructurePrimary"] == "CortexLeft"
-columns = {"leeway_mm": "leeway_mm", "slack_mm": "slack_mm", "depth_mm": "far_mm", "entry_angle_deg": "entry_angle_deg", "reach1": "reach1_mm"}
+columns = {"leeway_mm": "leeway_mm", "slack_mm": "slack_mm", "depth_mm": "far_mm", "entry_angle_deg": "entry_angle_deg", "reach1_mm": "reach1_mm"}
 rows = list(csv.DictReader(open("all.tsv"), delimiter="\t"))
 assert len(rows) > 8
 for vertex in range(8):
@@ -236,5 +236,63 @@ assert numpy.array_equal(numpy.flatnonzero(~numpy.isnan(thin["feasible"])), take
 for i, point in enumerate(points):
     nearest = taken[int(numpy.argmin([numpy.linalg.norm(point - points[j]) for j in taken]))]
     assert full["feasible"][i] == thin["feasible"][nearest]
+END
+}
+
+# Entries are the border of a mask, targets voxels: of each, the best of its rows in the list of all. NaN is where none
+# is, and a comment names the volumes. Without nibabel the bytes alone are compared.
+@test "maps of voxels have the best pose of each entry and of each target" {
+    needles
+    conus query u-shape.nii.gz --origin 40,0,5 --toward 0,0,5 --radius 6 --range 9,12 -q -o rows.tsv \
+        --mask skin.nii.gz --mask-of all
+    local scene=($U --from skin.nii.gz,spacing=3 --toward voxels,spacing=9 --depth target+4 --avoid Ball --radius 1
+        --length 0,50 -q --force)
+    conus "${scene[@]}" --top all -o all.tsv --map a.nii.gz --target-map t.nii.gz
+    conus "${scene[@]}" --top 1 -o one.tsv --map b.nii.gz --target-map u.nii.gz --threads 1
+    conus "${scene[@]}" --top 1 -o one.tsv --map c.nii.gz --target-map v.nii.gz --no-pruning --threads 3
+    cmp a.nii.gz b.nii.gz
+    cmp a.nii.gz c.nii.gz
+    cmp t.nii.gz u.nii.gz
+    cmp t.nii.gz v.nii.gz
+    fails 2 '--map: skin.nii.gz is no surface: a map of voxels ends in .nii.gz' "${scene[@]}" -o x.tsv --map x.func.gii
+    fails 2 '--map: fill is of surfaces' "${scene[@]}" -o x.tsv --map x.nii.gz,fill=nearest
+    fails 2 '--map: entries.txt is no mask' $P --depth target -o x.tsv --map x.nii.gz
+    fails 2 '--target-map: the targets of --toward targets.txt are not voxels of one volume' $P --depth target -o x.tsv \
+        --target-map x.nii.gz
+    fails 2 '--target-map: the targets of --toward normal are not voxels of one volume' $U --from box.ply \
+        --toward normal --depth 30 -o x.tsv --target-map x.nii.gz
+    fails 2 '--target-map' $P --depth target -o x.tsv --target-map x.func.gii
+    [ ! -e x.nii.gz ]
+    /usr/bin/python3 -c 'import nibabel' || return 0
+    /usr/bin/python3 - <<'END'
+import csv, nibabel, numpy
+rows = list(csv.DictReader(open("all.tsv"), delimiter="\t"))
+assert len(rows) > 100
+columns = {"leeway_mm": "leeway_mm", "slack_mm": "slack_mm", "depth_mm": "far_mm", "entry_angle_deg": "entry_angle_deg",
+           "reach1_mm": "reach1_mm"}
+def check(path, site, names):
+    image, grid = nibabel.load(path), nibabel.load("u-shape.nii.gz")
+    assert image.shape == grid.shape + (len(names),) and numpy.array_equal(image.affine, grid.affine)
+    assert image.header.extensions[0].get_content().decode().rstrip("\0").split("\n") == names
+    maps = dict(zip(names, numpy.moveaxis(image.get_fdata(), 3, 0)))
+    voxels = numpy.argwhere(numpy.isfinite(maps["feasible"].T))[:, ::-1]  # in the order of the file
+    best, count = {}, {}
+    for row in rows:
+        best.setdefault(int(row[site]), row)
+        count[int(row[site])] = count.get(int(row[site]), 0) + 1
+    assert len(best) > 3 and len(voxels) >= max(best)
+    for number, voxel in enumerate(voxels, 1):
+        at = tuple(voxel)
+        assert maps["feasible"][at] == count.get(number, 0)
+        for name in set(names) & set(columns):
+            wanted = best[number][columns[name]] if number in best else "n/a"
+            wanted = numpy.nan if wanted == "n/a" else float(wanted)
+            assert numpy.isclose(maps[name][at], wanted, rtol=1e-6, equal_nan=True), (number, name)
+        if number in best and site == "entry":
+            point = nibabel.affines.apply_affine(image.affine, voxel)
+            assert numpy.allclose(point, [float(best[number][a]) for a in "xyz"], atol=1e-4)
+            assert maps["candidate"][at] > 0
+check("a.nii.gz", "entry", [*columns, "feasible", "candidate"])
+check("t.nii.gz", "target", ["leeway_mm", "feasible"])
 END
 }

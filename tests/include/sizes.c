@@ -76,7 +76,7 @@ SIZE(conus_streamline_list_view, 32);
 SIZE(conus_tractogram_info, 144);
 SIZE(conus_constraint, 120);
 SIZE(conus_candidates, 80);
-SIZE(conus_plan_options, 104);
+SIZE(conus_plan_options, 112);
 SIZE(conus_plan_best, 56);
 SIZE(conus_verdict, 56);
 SIZE(conus_planned, 312);

@@ -345,7 +345,7 @@ static void every_failing_allocation_leaves_the_atlas(void **state)
 static const char *write_map(const char *name, size_t count, const char *structure)
 {
     float values[16] = {3, -2};
-    const conus_vertex_map map = {"leeway_mm", values};
+    const conus_vertex_map map = {"leeway_mm", values, NULL};
     assert_ok(conus_vertex_maps_write(test_in(name), &map, 1, count, structure));
     return test_in(name);
 }

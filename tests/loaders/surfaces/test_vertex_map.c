@@ -4,6 +4,7 @@
 #include "loaders/surfaces/vertex_map.h"
 #include "test.h"
 
+#include <conus/candidates.h>
 #include <conus/mesh.h>
 #include <math.h>
 #include <stdio.h>
@@ -13,7 +14,7 @@ enum { COUNT = 5 };
 
 static const float leeways[COUNT] = {1.5F, NAN, -0.25F, 3e8F, INFINITY};
 static const float counts[COUNT] = {0, 1, 2, 3, 4};
-static const conus_vertex_map maps[2] = {{"leeway_mm", leeways}, {"a & <b>", counts}};
+static const conus_vertex_map maps[2] = {{"leeway_mm", leeways, NULL}, {"a & <b>", counts, NULL}};
 
 /* A number that is not finite comes back as NaN, all others bit for bit. */
 static void numbers_come_back(void **state)
@@ -75,6 +76,59 @@ static void what_is_no_map_is_refused(void **state)
     assert_null(map.values);
 }
 
+/* Whole numbers are exact in float32 up to 2^24; beyond, two arrays make them up again. */
+static void whole_numbers_come_back(void **state)
+{
+    (void)state;
+    static const uint64_t numbers[2][COUNT] = {{0, 1, 16777216, 16777215, 7},
+                                               {0, 16777217, UINT64_C(1) << 40, 3000000, 1}};
+    test_folder("whole");
+    for (int is_large = 0; is_large < 2; is_large++) {
+        const conus_vertex_map map = {.name = "candidate", .numbers = numbers[is_large]};
+        struct vertex_map read[2] = {{0}};
+        const char *path = test_in("w.func.gii");
+        assert_ok(conus_vertex_maps_write(path, &map, 1, COUNT, NULL));
+        assert_ok(vertex_map_read(&read[0], path, "candidate", 0, NULL));
+        if (is_large) {
+            assert_ok(vertex_map_read(&read[1], path, "candidate_millions", 0, NULL));
+        } else {
+            assert_fails(vertex_map_read(&read[1], path, "1", 0, NULL), CONUS_ERROR_ARGUMENT);
+        }
+        for (size_t v = 0; v < COUNT; v++) {
+            double number = (double)read[0].values[v] + (is_large ? 1e6 * (double)read[1].values[v] : 0);
+            assert_true(numbers[is_large][v] ? number == (double)numbers[is_large][v] : isnan(number));
+        }
+        vertex_map_finish(&read[0]);
+        vertex_map_finish(&read[1]);
+    }
+}
+
+/* The vertices of a surface, then the voxels of a mask. */
+static conus_status write_sites(void *data)
+{
+    static const uint64_t candidates[8] = {UINT64_C(1) << 30, 2, 3, 4, 5, 6, 7, 8};
+    static const float values[8] = {1, 2, 3, 4, 5, 6, 7, 8};
+    static const uint8_t mask[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+    const conus_vertex_map both[2] = {{.name = "leeway_mm", .values = values},
+                                      {.name = "candidate", .numbers = candidates}};
+    const conus_voxels voxels = {.data = mask,
+                                 .type = CONUS_SCALAR_UINT8,
+                                 .dim = {2, 2, 2},
+                                 .world_from_voxel = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    const char *const *paths = data;
+    conus_roi *roi = NULL;
+    conus_sites *sites[2] = {NULL, NULL};
+    conus_status status = conus_sites_load(&sites[0], paths[0], false);
+    status = status ? status : conus_sites_write_maps(paths[1], sites[0], both, 2, NULL, 100);
+    status = status ? status : conus_roi_create(&roi, &voxels, NULL);
+    status = status ? status : conus_sites_of_roi(&sites[1], roi);
+    status = status ? status : conus_sites_write_maps(paths[2], sites[1], both, 2, NULL, 0);
+    conus_roi_destroy(roi);
+    conus_sites_destroy(sites[0]);
+    conus_sites_destroy(sites[1]);
+    return status;
+}
+
 static conus_status attempt_write(void *data)
 {
     return conus_vertex_maps_write(data, maps, 2, COUNT, "CortexLeft");
@@ -96,14 +150,23 @@ static void every_failing_allocation(void **state)
     snprintf(path, sizeof path, "%s", test_in("m.func.gii"));
     test_every_allocation(attempt_write, path);
     test_every_allocation(attempt_read, path);
+    static const char surface[] = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                                  "property float z\nelement face 4\nproperty list uchar int vertex_indices\n"
+                                  "end_header\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n";
+    char names[3][512];
+    const char *paths[3] = {names[0], names[1], names[2]};
+    snprintf(names[0], sizeof names[0], "%s", test_in("t.ply"));
+    snprintf(names[1], sizeof names[1], "%s", test_in("s.func.gii"));
+    snprintf(names[2], sizeof names[2], "%s", test_in("s.nii.gz"));
+    assert_ok(file_write(names[0], surface, sizeof surface - 1));
+    test_every_allocation(write_sites, paths);
 }
 
 TEST_GROUP(vertex_map)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_come_back),
-        cmocka_unit_test(the_same_numbers_are_the_same_bytes),
-        cmocka_unit_test(what_is_no_map_is_refused),
+        cmocka_unit_test(numbers_come_back),        cmocka_unit_test(the_same_numbers_are_the_same_bytes),
+        cmocka_unit_test(whole_numbers_come_back),  cmocka_unit_test(what_is_no_map_is_refused),
         cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
