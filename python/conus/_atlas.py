@@ -780,8 +780,9 @@ class Selector:
             Names and mm: {"Hippocampus_L": 5}; names between commas, or a tuple of them, are one structure. None in
             place of the number: any length at all; "tip" or "crossed"; or a mapping: {"length": 5, "part": (0, 2)}.
             A list of names asks for any length. {"contacts": 3} or {"probability": 0.5} are of contacts; the latter, of
-            maps of probabilities, without contacts the mean along the axis. Of the cone or cylinder, at least: {"share": 0.3}, or, of a selector
-            with layers="all", "pierced", "volume" (mm^3), "fraction" or "streamlines".
+            maps of probabilities, without contacts the mean along the axis. Of the cone or cylinder, at least:
+            {"share": 0.3}, or, of a selector with layers="all", "pierced", "volume" (mm^3), "fraction" or
+            "streamlines".
         avoid
             Names and the margin, mm: {"Insula_L": 2}. A list has the margin 0. {"share": 0.1} or {"pierced": 0.1} in
             place of the margin: at most so much of the cone or cylinder.
@@ -846,11 +847,12 @@ class Selector:
                        jitter, samples)
 
     def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", **options: Any) -> pandas.DataFrame:
-        """By how much needles may be off before a constraint breaks: :meth:`Plan.tolerance` of all poses that are given.
+        """By how much needles may be off before a constraint breaks: :meth:`Plan.tolerance` of all given poses.
 
         ``options`` are those of :meth:`plan`. Of a pose that breaks a constraint as it is all are 0.
         """
-        return self.plan(reach, avoid, **{"infeasible": True, "top": None, **options}).tolerance(pivot)
+        given: dict[str, Any] = {"infeasible": True, "top": None, **options}
+        return self.plan(reach, avoid, **given).tolerance(pivot)
 
     def sweep(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
@@ -1356,7 +1358,8 @@ class Atlas:
 
     def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", **options: Any) -> pandas.DataFrame:
         """By how much needles may be off before a constraint breaks: see :meth:`Selector.tolerance`."""
-        return self.plan(reach, avoid, **{"infeasible": True, "top": None, **options}).tolerance(pivot)
+        given: dict[str, Any] = {"infeasible": True, "top": None, **options}
+        return self.plan(reach, avoid, **given).tolerance(pivot)
 
     def sweep(self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
               angle: float = 60, **options: Any) -> Sweep:

@@ -162,9 +162,9 @@ class Plan:
 
     ``poses`` are their (n, 4, 4) matrices from device to world, ``near`` and ``far`` the ends of the needles, mm from
     the apex, ``ids`` their names, ``leeway_mm`` how far no point of the needle may be off. ``constraints`` words what
-    is asked, in order; ``entries`` and ``targets`` are the numbers of candidates, from 1, 0 of other poses; ``funnel`` counts how many of the ``candidates`` hold the first, the first two, and so on;
-    ``misses`` has for each the pose that breaks it alone, by the least, where none is feasible, else None. A plan is a
-    list to be checked.
+    is asked, in order; ``entries`` and ``targets`` are the numbers of candidates, from 1, 0 of other poses; ``funnel``
+    counts how many of the ``candidates`` hold the first, the first two, and so on; ``misses`` has for each the pose
+    that breaks it alone, by the least, where none is feasible, else None. A plan is a list to be checked.
     """
 
     def __init__(self, selector: Selector, plan: Any, errors: Mapping[int, str]) -> None:
