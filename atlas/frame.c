@@ -3,6 +3,7 @@
 #include "atlas/frame.h"
 
 #include "base/geometry/math3.h"
+#include "conus/space.h"
 
 #include <string.h>
 

@@ -4,6 +4,7 @@
 #define CONUS_ATLAS_ROI_H
 
 #include "atlas/volume.h"
+#include "conus/overlap.h"
 
 struct conus_roi {
     struct volume volume;   /**< Without objects. */

@@ -4,7 +4,8 @@
 #define CONUS_ATLAS_SITES_H
 
 #include "base/notes.h"
-#include "conus/conus.h"
+#include "conus/candidates.h"
+#include "conus/mask.h"
 
 struct conus_sites {
     double (*points)[3];

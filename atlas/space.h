@@ -4,6 +4,7 @@
 #define CONUS_ATLAS_SPACE_H
 
 #include "base/status.h"
+#include "conus/mask.h"
 
 /** NIfTI's codes of a scanner's own space, and of one that is aligned to something. */
 enum { SPACE_SCANNER = 1, SPACE_ALIGNED = 2 };

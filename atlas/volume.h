@@ -4,6 +4,7 @@
 #define CONUS_ATLAS_VOLUME_H
 
 #include "base/status.h"
+#include "conus/atlas_info.h"
 
 /** The number of voxels that stop rays and belong to no object. Above every object's number, so that an object that is
  * equally near comes first. */

@@ -3,6 +3,7 @@
 #include "base/status.h"
 
 #include "base/text.h"
+#include "conus/version.h"
 
 #include <stdarg.h>
 #include <stdio.h>

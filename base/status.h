@@ -5,7 +5,7 @@
 #ifndef CONUS_BASE_STATUS_H
 #define CONUS_BASE_STATUS_H
 
-#include "conus/conus.h"
+#include "conus/status.h"
 
 /** Sets this thread's message from @p format (one line, no final period) and returns @p status. */
 conus_status fail(conus_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));

@@ -4,6 +4,8 @@
 
 #include "base/buffer.h"
 #include "base/files/file.h"
+#include "conus/file.h"
+#include "conus/version.h"
 #include "render/gl/context.h"
 
 #include <jansson.h>

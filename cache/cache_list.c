@@ -5,6 +5,7 @@
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "cache/atlas_cache.h"
+#include "conus/cache.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -4,7 +4,7 @@
 #define CONUS_POSES_POSE_CANDIDATES_H
 
 #include "base/status.h"
-#include "conus/conus.h"
+#include "conus/candidates.h"
 
 enum { POSE_CANDIDATE_ID = 72 }; /**< "e1-t1-k1", each number of at most 20 digits. */
 

@@ -3,6 +3,7 @@
 #ifndef CONUS_POSES_POSE_FORMATS_H
 #define CONUS_POSES_POSE_FORMATS_H
 
+#include "conus/pose_file.h"
 #include "poses/rows/pose_list.h"
 
 /** Parses a text as a whole (pose_programs.h). */

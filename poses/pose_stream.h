@@ -5,7 +5,7 @@
 
 #include "base/notes.h"
 #include "base/text.h"
-#include "conus/conus.h"
+#include "conus/pose_file.h"
 
 /** As conus_pose_stream_open(), from a text that outlives the stream. Errors name no file. */
 conus_status pose_stream_parse(conus_pose_stream **out, struct text text, const conus_pose_options *options);

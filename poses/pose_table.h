@@ -4,7 +4,7 @@
 #define CONUS_POSES_POSE_TABLE_H
 
 #include "base/text.h"
-#include "conus/conus.h"
+#include "conus/pose_file.h"
 #include "poses/rows/pose_row.h"
 
 enum {

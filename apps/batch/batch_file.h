@@ -6,7 +6,7 @@
 #ifndef CONUS_BATCH_BATCH_FILE_H
 #define CONUS_BATCH_BATCH_FILE_H
 
-#include <conus/conus.h>
+#include "conus/batch.h"
 
 struct batch_file {
     const char *path;     /**< NULL = standard output, which has no journal. */

@@ -2,6 +2,7 @@
 /* Writes the record of a batch into its sidecar, with the hashes that identify its inputs. */
 #include "batch/batch_record.h"
 
+#include "conus/version.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"

@@ -5,6 +5,7 @@
 #define CONUS_BATCH_BATCH_RECORD_H
 
 #include "batch/batch_settings.h"
+#include "conus/batch.h"
 #include "options/provenance.h"
 
 enum { BATCH_RECORD_LIMIT = 1 << 26 }; /**< Largest sidecar that is read, bytes. */

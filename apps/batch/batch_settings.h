@@ -3,6 +3,7 @@
 #ifndef CONUS_BATCH_BATCH_SETTINGS_H
 #define CONUS_BATCH_BATCH_SETTINGS_H
 
+#include "conus/report.h"
 #include "settings/pose_settings.h"
 #include "settings/settings.h"
 

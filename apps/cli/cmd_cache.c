@@ -2,6 +2,7 @@
 /* conus cache: what is kept for the next time, where, and an end to it. */
 #include "cli/answers/aligned.h"
 #include "cli/commands.h"
+#include "conus/cache.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/settings.h"

@@ -3,6 +3,8 @@
 #include "cli/cite/citation.h"
 #include "cli/commands.h"
 #include "cli/verify/verdict.h"
+#include "conus/file.h"
+#include "conus/version.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"

@@ -2,6 +2,7 @@
 /* conus diff: compares two results row by row, or two pictures. */
 #include "cli/answers/results_file.h"
 #include "cli/commands.h"
+#include "conus/image.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"

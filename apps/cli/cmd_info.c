@@ -9,7 +9,7 @@
 #include "settings/atlases.h"
 #include "settings/settings.h"
 
-#include <conus/conus.h>
+#include "conus/streamlines.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus manifest: writes the first manifest of a folder. */
 #include "cli/commands.h"
+#include "conus/file.h"
+#include "conus/manifest.h"
 #include "options/messages.h"
 #include "settings/settings.h"
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus mesh: writes a surface mesh of each area. */
 #include "cli/commands.h"
+#include "conus/mesh.h"
 #include "options/messages.h"
 #include "settings/atlas_input.h"
 #include "settings/notes.h"

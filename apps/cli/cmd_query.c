@@ -11,8 +11,6 @@
 #include "settings/notes.h"
 #include "settings/settings.h"
 
-#include <conus/conus.h>
-
 #include <stdio.h>
 #include <string.h>
 

@@ -10,8 +10,6 @@
 #include "settings/notes.h"
 #include "settings/pose_settings.h"
 
-#include <conus/conus.h>
-
 #include <inttypes.h>
 #include <math.h>
 #include <stdbool.h>

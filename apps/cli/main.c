@@ -6,7 +6,7 @@
 #include "options/output.h"
 #include "pages/pages.h"
 
-#include <conus/conus.h>
+#include "conus/version.h"
 
 #include <pthread.h>
 #include <signal.h>

@@ -6,7 +6,7 @@
 
 #include "options/options.h"
 
-#include <conus/conus.h>
+#include "conus/picture.h"
 
 struct figure_settings {
     uint32_t size[2];

@@ -2,7 +2,7 @@
 /* Parses and writes OpenIGTLink messages; no sockets here. */
 #include "link/igtl.h"
 
-#include <conus/conus.h>
+#include "conus/pose.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,6 +3,7 @@
 #ifndef CONUS_LINK_SEND_SELECTION_H
 #define CONUS_LINK_SEND_SELECTION_H
 
+#include "conus/selection.h"
 #include "link/station.h"
 
 /** Sends @p selection of @p selector: the rows of its report as NDJSON, and the contacts of its best results. */

@@ -7,7 +7,7 @@
 
 #include "link/igtl.h"
 
-#include <conus/conus.h>
+#include "conus/pose_file.h"
 
 enum { STATION_PORT = 18944 };
 

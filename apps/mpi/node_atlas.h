@@ -6,7 +6,7 @@
 #ifndef CONUS_MPI_NODE_ATLAS_H
 #define CONUS_MPI_NODE_ATLAS_H
 
-#include <conus/conus.h>
+#include "conus/atlas.h"
 
 #include <mpi.h>
 

@@ -2,10 +2,12 @@
 /* Prints error lines, maps statuses to exit codes, and suggests names for misspelt words. */
 #include "options/messages.h"
 
+#include "conus/file.h"
 #include "options/table_fit.h"
 
 #include <errno.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_OPTIONS_MESSAGES_H
 #define CONUS_OPTIONS_MESSAGES_H
 
-#include <conus/conus.h>
+#include "conus/status.h"
 
 #include <stdbool.h>
 

@@ -2,6 +2,7 @@
 /* Parses a command line by a command's table of options. */
 #include "options/options.h"
 
+#include "conus/version.h"
 #include "options/messages.h"
 #include "options/output.h"
 

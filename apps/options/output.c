@@ -2,6 +2,7 @@
 /* Writes to stdout or files, and compares paths. */
 #include "options/output.h"
 
+#include "conus/file.h"
 #include "options/messages.h"
 #include "options/table_fit.h"
 

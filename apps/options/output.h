@@ -3,7 +3,7 @@
 #ifndef CONUS_OPTIONS_OUTPUT_H
 #define CONUS_OPTIONS_OUTPUT_H
 
-#include <conus/conus.h>
+#include "conus/report.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -7,7 +7,7 @@
 
 #include "options/options.h"
 
-#include <conus/conus.h>
+#include "conus/report.h"
 
 #include <jansson.h>
 #include <nettle/sha2.h>

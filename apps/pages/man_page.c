@@ -4,7 +4,7 @@
 
 #include "options/options.h"
 
-#include <conus/conus.h>
+#include "conus/version.h"
 
 #include <ctype.h>
 #include <stdlib.h>

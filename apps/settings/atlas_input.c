@@ -7,7 +7,7 @@
 #include "options/output.h"
 #include "settings/settings.h"
 
-#include <conus/conus.h>
+#include "conus/streamlines.h"
 
 #include <limits.h>
 #include <math.h>

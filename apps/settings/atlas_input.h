@@ -4,6 +4,8 @@
 #ifndef CONUS_SETTINGS_ATLAS_INPUT_H
 #define CONUS_SETTINGS_ATLAS_INPUT_H
 
+#include "conus/atlas.h"
+#include "conus/catalogue.h"
 #include "settings/settings.h"
 
 struct atlas_name {

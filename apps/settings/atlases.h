@@ -3,6 +3,7 @@
 #ifndef CONUS_SETTINGS_ATLASES_H
 #define CONUS_SETTINGS_ATLASES_H
 
+#include "conus/atlas_info.h"
 #include "settings/atlas_input.h"
 #include "settings/settings.h"
 

@@ -3,6 +3,7 @@
 #ifndef CONUS_SETTINGS_CONSTRAINTS_H
 #define CONUS_SETTINGS_CONSTRAINTS_H
 
+#include "conus/plan.h"
 #include "settings/pose_settings.h"
 
 struct constraints {

@@ -3,6 +3,8 @@
 #ifndef CONUS_SETTINGS_NOTES_H
 #define CONUS_SETTINGS_NOTES_H
 
+#include "conus/aims.h"
+#include "conus/space.h"
 #include "settings/atlases.h"
 #include "settings/settings.h"
 

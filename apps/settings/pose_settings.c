@@ -2,6 +2,7 @@
 /* The options of files of poses, and the check that poses and atlas share a space. */
 #include "settings/pose_settings.h"
 
+#include "conus/streamlines.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/settings.h"

@@ -3,6 +3,7 @@
 #ifndef CONUS_SETTINGS_POSE_SETTINGS_H
 #define CONUS_SETTINGS_POSE_SETTINGS_H
 
+#include "conus/report.h"
 #include "settings/atlases.h"
 
 struct pose_file_settings {

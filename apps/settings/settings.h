@@ -5,7 +5,7 @@
 
 #include "options/options.h"
 
-#include <conus/conus.h>
+#include "conus/report.h"
 
 struct atlases;
 

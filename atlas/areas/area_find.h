@@ -6,6 +6,7 @@
 #include "atlas/atlas.h"
 #include "base/name_set.h"
 #include "base/text.h"
+#include "conus/atlas.h"
 
 /** The names of all objects of an atlas, to find many of them: each of the functions below looks at all objects. */
 struct object_index {

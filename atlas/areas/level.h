@@ -4,6 +4,7 @@
 #define CONUS_ATLAS_AREAS_LEVEL_H
 
 #include "atlas/atlas.h"
+#include "conus/atlas.h"
 
 struct level;
 

@@ -6,6 +6,7 @@
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/text.h"
+#include "conus/atlas.h"
 
 /** A word of a name for the side: L, R, left, right, lh, rh in one case throughout (left and right also with a
  * capital), or l, r at the name's beginning or end. Words are runs of letters and digits. */

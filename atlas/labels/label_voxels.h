@@ -7,6 +7,8 @@
 
 #include "base/status.h"
 
+#include <stdint.h>
+
 struct label_map_slot {
     uint32_t label;
     bool used;

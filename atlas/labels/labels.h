@@ -5,7 +5,7 @@
 
 #include "base/notes.h"
 #include "base/text.h"
-#include "conus/conus.h"
+#include "conus/atlas_info.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -5,6 +5,8 @@
 
 #include "base/notes.h"
 
+#include <stdint.h>
+
 /** The result of mesh_measure(). */
 struct mesh_shape {
     double low[3], high[3]; /**< Bounds of the vertices that triangles use.                                  */

@@ -5,6 +5,7 @@
 #include "base/cache/cache_folder.h"
 #include "base/files/file_trace.h"
 #include "base/memory.h"
+#include "conus/version.h"
 
 #include <elf.h>
 #include <errno.h>

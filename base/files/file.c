@@ -4,6 +4,7 @@
 
 #include "base/files/file_trace.h"
 #include "base/memory.h"
+#include "conus/file.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -3,6 +3,7 @@
  * and what that costs. */
 #include "bench/support/bench.h"
 #include "bench/support/trace.h"
+#include "conus/phantom.h"
 #include "render/id/slices.h"
 
 #include <stdio.h>

@@ -5,6 +5,8 @@
 
 #include "base/buffer.h"
 #include "base/geometry/math3.h"
+#include "conus/batch.h"
+#include "conus/mesh.h"
 #include "selection/engine/engine_rays.h"
 #include "selection/selection.h"
 #include "selection/selector.h"

@@ -4,6 +4,9 @@
 #include "base/buffer.h"
 #include "base/memory.h"
 #include "bench/support/program.h"
+#include "conus/cache.h"
+#include "conus/phantom.h"
+#include "conus/selection.h"
 
 #include <dirent.h>
 #include <fcntl.h>

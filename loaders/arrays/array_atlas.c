@@ -5,7 +5,6 @@
 #include "atlas/space.h"
 #include "base/memory.h"
 #include "base/options.h"
-#include "conus/conus.h"
 #include "loaders/maps/load_scalar.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/volumes/volume_file.h"

@@ -3,7 +3,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
-#include "conus/conus.h"
+#include "conus/streamlines.h"
 #include "loaders/scene/load_streamlines.h"
 
 #include <stdio.h>

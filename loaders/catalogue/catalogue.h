@@ -5,6 +5,7 @@
 
 #include "base/files/folder.h"
 #include "base/notes.h"
+#include "conus/catalogue.h"
 
 #include <stdint.h>
 #include <sys/stat.h>

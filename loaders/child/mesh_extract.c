@@ -4,6 +4,7 @@
 
 #include "base/byte_order.h"
 #include "base/memory.h"
+#include "conus/version.h"
 #include "loaders/child/mesh_cache.h"
 #include "loaders/child/mesh_child.h"
 

@@ -6,7 +6,7 @@
 #include "atlas/labels/label_voxels.h"
 #include "base/files/file_sums.h"
 #include "base/text.h"
-#include "conus/conus.h"
+#include "conus/atlas_info.h"
 
 #include <stdint.h>
 

@@ -5,7 +5,7 @@
 
 #include "base/buffer.h"
 #include "base/files/folder.h"
-#include "conus/conus.h"
+#include "conus/manifest.h"
 
 #include <jansson.h>
 

@@ -5,6 +5,8 @@
 
 #include "base/files/folder.h"
 
+#include <stdint.h>
+
 enum volume_use { VOLUME_LABELS, VOLUME_PATHWAY, VOLUME_SERIES, VOLUME_CONTEXT };
 
 struct volume_guess {

@@ -10,7 +10,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/status.h"
-#include "conus/conus.h"
+#include "conus/version.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "loaders/volumes/nifti_write.h"
 

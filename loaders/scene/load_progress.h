@@ -4,6 +4,7 @@
 #define CONUS_LOADERS_SCENE_LOAD_PROGRESS_H
 
 #include "base/notes.h"
+#include "conus/atlas.h"
 
 struct load_progress {
     const conus_load_options *options;

@@ -8,7 +8,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text_number.h"
-#include "conus/conus.h"
+#include "conus/streamlines.h"
 #include "loaders/tracts/tract_file.h"
 
 #include <string.h>

@@ -3,6 +3,7 @@
 #include "loaders/surfaces/mesh_format.h"
 
 #include "base/geometry/math3.h"
+#include "conus/version.h"
 
 #include <nettle/base64.h>
 #include <stdio.h>

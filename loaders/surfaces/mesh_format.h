@@ -5,6 +5,7 @@
 
 #include "atlas/surface/mesh.h"
 #include "base/buffer.h"
+#include "conus/mesh.h"
 
 /** Facts about a mesh that its file states. */
 struct mesh_title {

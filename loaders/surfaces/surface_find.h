@@ -6,6 +6,7 @@
 #include "base/status.h"
 
 #include <stddef.h>
+#include <stdint.h>
 
 /** Facts that a GIFTI surface states about itself; its arrays are not read. */
 struct surface_about {

@@ -9,6 +9,7 @@
 #include "base/formats/xml.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/version.h"
 #include "loaders/file_kind.h"
 #include "loaders/formats/map_choice.h"
 #include "loaders/surfaces/gifti.h"

@@ -7,6 +7,7 @@
 #include "base/files/file_sums.h"
 #include "base/notes.h"
 #include "base/status.h"
+#include "conus/atlas_info.h"
 
 /** Whether @p path is a NIfTI file, and so no affine. */
 conus_status field_file_is(bool *out, const char *path);

@@ -5,6 +5,7 @@
 
 #include "base/status.h"
 #include "base/text.h"
+#include "conus/atlas_info.h"
 
 /* ITK (ANTs, 3D Slicer, elastix): text, and MATLAB's level 4. Points are LPS there. */
 bool itk_text_is(struct text text);

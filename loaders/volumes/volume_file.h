@@ -8,6 +8,7 @@
 #include "base/files/file_sums.h"
 #include "base/notes.h"
 #include "base/text.h"
+#include "conus/atlas_info.h"
 #include "loaders/volumes/volume_header.h"
 
 /** One NIfTI header extension. */

@@ -4,6 +4,7 @@
 #define CONUS_LOADERS_VOLUMES_VOLUME_HEADER_H
 
 #include "base/status.h"
+#include "conus/atlas_info.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -5,6 +5,7 @@
 #ifndef CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
 #define CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
 
+#include "conus/pose_file.h"
 #include "poses/rows/pose_list.h"
 
 /** Brainsight's export: sections of targets, samples and electrodes; landmarks are passed over. */

@@ -3,6 +3,7 @@
 #include "poses/rows/pose_list.h"
 
 #include "base/memory.h"
+#include "conus/atlas_info.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdio.h>

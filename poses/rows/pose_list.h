@@ -5,6 +5,7 @@
 
 #include "base/notes.h"
 #include "base/text.h"
+#include "conus/pose_file.h"
 
 /** Which brain a space belongs to. */
 enum pose_brain {

@@ -5,6 +5,7 @@
 
 #include "base/notes.h"
 #include "base/text.h"
+#include "conus/pose_file.h"
 
 enum {
     POSE_ID_LIMIT = 255,    /**< Longest id, in bytes.                  */

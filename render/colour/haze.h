@@ -4,6 +4,7 @@
 #define CONUS_RENDER_COLOUR_HAZE_H
 
 #include "atlas/atlas.h"
+#include "conus/picture.h"
 #include "render/colour/transfer.h"
 
 /** The pathways that are haze, with their transfer functions. */

@@ -6,6 +6,7 @@
 #define CONUS_RENDER_COLOUR_TRANSFER_H
 
 #include "atlas/volume.h"
+#include "conus/picture.h"
 
 enum { TRANSFER_POINT_LIMIT = 4096 };
 

@@ -6,6 +6,7 @@
 #ifndef CONUS_RENDER_FLAT_DRAW_H
 #define CONUS_RENDER_FLAT_DRAW_H
 
+#include "conus/image.h"
 #include "render/image/image.h"
 
 /** Linear colour of the sRGB bytes @p rgb with @p opacity. */

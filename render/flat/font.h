@@ -3,6 +3,7 @@
 #ifndef CONUS_RENDER_FLAT_FONT_H
 #define CONUS_RENDER_FLAT_FONT_H
 
+#include "conus/image.h"
 #include "render/image/image.h"
 
 struct font;

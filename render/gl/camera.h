@@ -4,6 +4,9 @@
 #define CONUS_RENDER_GL_CAMERA_H
 
 #include "base/status.h"
+#include "conus/pose.h"
+
+#include <stdint.h>
 
 struct camera {
     double world_from_camera[16]; /**< Rigid; -z is forward, +y up.       */

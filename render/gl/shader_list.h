@@ -13,6 +13,7 @@
 #include "base/status.h"
 
 #include <epoxy/gl.h>
+#include <stdint.h>
 
 struct shader_list {
     GLuint buffer;

@@ -8,6 +8,7 @@
 #include "base/status.h"
 
 #include <epoxy/gl.h>
+#include <stdint.h>
 
 enum { TARGET_ATTACHMENT_LIMIT = 4 };
 

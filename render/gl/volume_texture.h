@@ -6,6 +6,7 @@
 #include "base/status.h"
 
 #include <epoxy/gl.h>
+#include <stdint.h>
 
 enum volume_texture_kind {
     VOLUME_TEXTURE_UINT8 = 1, /**< R8UI; integers are never filtered. */

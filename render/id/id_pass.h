@@ -8,6 +8,7 @@
 #define CONUS_RENDER_ID_ID_PASS_H
 
 #include "atlas/volume.h"
+#include "conus/selection.h"
 #include "render/id/slices.h"
 
 struct id_pass;

@@ -8,6 +8,8 @@
 
 #include "base/status.h"
 
+#include <stdint.h>
+
 /** The part of a picture's planes that an ID pass takes when nobody says otherwise: the paper's. */
 #define SLICES_FRACTION 0.2
 

@@ -3,6 +3,7 @@
 #ifndef CONUS_RENDER_IMAGE_DEEP_IMAGE_H
 #define CONUS_RENDER_IMAGE_DEEP_IMAGE_H
 
+#include "conus/image.h"
 #include "render/image/image.h"
 
 struct deep_image {

@@ -5,6 +5,7 @@
 #define CONUS_RENDER_IMAGE_EXR_STREAM_H
 
 #include "base/buffer.h"
+#include "conus/image.h"
 #include "render/image/image.h"
 
 #include <openexr.h>

@@ -8,6 +8,7 @@
 
 #include "base/files/file.h"
 #include "base/status.h"
+#include "conus/image.h"
 
 /** Longest side, and largest sum of all channels in bytes, of an image that is created or read. */
 #define IMAGE_MAX_SIDE 65536U

@@ -8,6 +8,7 @@
 #include "atlas/tracts/tract_node.h"
 #include "base/memory.h"
 #include "base/status.h"
+#include "conus/version.h"
 #include "selection/engine/voxels/distance_map.h"
 
 #include <assert.h>

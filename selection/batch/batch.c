@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A batch: blocks of poses are read from a stream, answered by threads as rows of text, and delivered in order. */
+#include "conus/batch.h"
 #include "base/buffer.h"
 #include "base/memory.h"
 #include "base/options.h"

@@ -5,7 +5,7 @@
 #ifndef CONUS_SELECTION_BATCH_RING_H
 #define CONUS_SELECTION_BATCH_RING_H
 
-#include "conus/conus.h"
+#include "conus/status.h"
 
 #include <stdatomic.h>
 

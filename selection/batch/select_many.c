@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/status.h"
+#include "conus/batch.h"
 
 #include <math.h>
 #include <string.h>

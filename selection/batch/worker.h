@@ -3,6 +3,9 @@
 #ifndef CONUS_SELECTION_BATCH_WORKER_H
 #define CONUS_SELECTION_BATCH_WORKER_H
 
+#include "conus/aims.h"
+#include "conus/clearance.h"
+#include "conus/segments.h"
 #include "selection/study/study.h"
 
 #include <stdatomic.h>

@@ -3,6 +3,7 @@
 #ifndef CONUS_SELECTION_CONE_APERTURE_H
 #define CONUS_SELECTION_CONE_APERTURE_H
 
+#include "conus/selection.h"
 #include "selection/cone/cone.h"
 
 /** Rays that are walked together are neighbours both ways: pixels come in blocks, and in a block in tiles. */

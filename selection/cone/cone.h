@@ -5,6 +5,7 @@
 #define CONUS_SELECTION_CONE_CONE_H
 
 #include "base/status.h"
+#include "conus/selection.h"
 
 #include <math.h>
 

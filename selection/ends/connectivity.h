@@ -3,6 +3,7 @@
 #ifndef CONUS_SELECTION_ENDS_CONNECTIVITY_H
 #define CONUS_SELECTION_ENDS_CONNECTIVITY_H
 
+#include "conus/connectivity.h"
 #include "selection/cone/cone.h"
 
 struct conus_connectivity {

@@ -7,6 +7,8 @@
 
 #include "base/status.h"
 
+#include <stdint.h>
+
 /** Constants of the filters; every one above 0. */
 struct history_constants {
     double window;      /**< T, s                                                       */

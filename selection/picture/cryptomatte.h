@@ -5,7 +5,7 @@
 #ifndef CONUS_SELECTION_PICTURE_CRYPTOMATTE_H
 #define CONUS_SELECTION_PICTURE_CRYPTOMATTE_H
 
-#include "conus/conus.h"
+#include "conus/image.h"
 
 /** Hash of a name: MurmurHash3_x86_32 with seed 0, its exponent kept away from 0 and 255, so that its bits are a normal
  * float. */

@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "conus/version.h"
 #include "render/flat/draw.h"
 #include "render/flat/legend.h"
 #include "render/image/image_srgb.h"

@@ -3,6 +3,7 @@
 #ifndef CONUS_SELECTION_PLAN_PLAN_H
 #define CONUS_SELECTION_PLAN_PLAN_H
 
+#include "conus/plan.h"
 #include "selection/measure/formula.h"
 #include "selection/plan/plan_leeway.h"
 #include "selection/selector.h"

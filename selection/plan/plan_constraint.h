@@ -3,6 +3,7 @@
 #ifndef CONUS_SELECTION_PLAN_PLAN_CONSTRAINT_H
 #define CONUS_SELECTION_PLAN_PLAN_CONSTRAINT_H
 
+#include "conus/plan.h"
 #include "selection/selector.h"
 
 /** A shape that objects of a structure have: a volume, a mesh, or a bundle. */

@@ -3,6 +3,12 @@
 #ifndef CONUS_SELECTION_STUDY_STUDY_H
 #define CONUS_SELECTION_STUDY_STUDY_H
 
+#include "conus/aims.h"
+#include "conus/clearance.h"
+#include "conus/jitter.h"
+#include "conus/overlap.h"
+#include "conus/segments.h"
+#include "conus/sweep.h"
 #include "selection/selection.h"
 
 /* sweep.c: over the angle (Eq. 13). */

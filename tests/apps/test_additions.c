@@ -2,6 +2,7 @@
 /* Words that add files to an atlas, and numbers of objects while files come and go. */
 #include "viewer/session/session_fit.h"
 
+#include "conus/file.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Loading as the options say, one atlas or several, and its end before all is loaded. */
+#include "conus/phantom.h"
 #include "options/messages.h"
 #include "settings/atlas_input.h"
 #include "settings/atlases.h"

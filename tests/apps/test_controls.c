@@ -5,6 +5,8 @@
 #include "viewer/model/studies.h"
 #include "viewer/session/session.h"
 
+#include "conus/file.h"
+#include "conus/phantom.h"
 #include "test.h"
 
 #include <math.h>

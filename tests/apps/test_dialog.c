@@ -2,6 +2,7 @@
 /* The page on which a file is chosen, without a window: what it lists, and what Enter answers. */
 #include "viewer/window/dialog.h"
 
+#include "conus/file.h"
 #include "test.h"
 
 #include <stdint.h>

@@ -6,6 +6,8 @@
 #include "viewer/panes/panels.h"
 #include "viewer/ui/ui_audit.h"
 
+#include "conus/file.h"
+#include "conus/phantom.h"
 #include "test.h"
 
 #include <math.h>

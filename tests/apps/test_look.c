@@ -9,6 +9,8 @@
 #include "viewer/tools/point.h"
 #include "viewer/window/figure_form.h"
 
+#include "conus/phantom.h"
+#include "conus/streamlines.h"
 #include "test.h"
 
 #include <math.h>

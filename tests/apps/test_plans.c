@@ -8,6 +8,7 @@
 #include "viewer/opening/view_words.h"
 #include "viewer/session/undo.h"
 
+#include "conus/file.h"
 #include "test.h"
 #include "window_scene.h"
 

@@ -3,6 +3,8 @@
 #include "viewer/model/columns.h"
 #include "viewer/session/session.h"
 
+#include "conus/phantom.h"
+#include "conus/streamlines.h"
 #include "test.h"
 
 #include <math.h>

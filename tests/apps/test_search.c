@@ -2,6 +2,7 @@
 /* The order in which the list of areas finds them. */
 #include "viewer/model/search.h"
 
+#include "conus/arrays.h"
 #include "test.h"
 
 #include <stdlib.h>

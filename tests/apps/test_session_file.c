@@ -2,6 +2,7 @@
 /* What a session says of its atlas, and how that is found again. */
 #include "viewer/model/session_file.h"
 
+#include "conus/file.h"
 #include "options/provenance.h"
 #include "test.h"
 

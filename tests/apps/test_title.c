@@ -2,6 +2,7 @@
 /* What the window's title says. */
 #include "viewer/window/window.h"
 
+#include "conus/phantom.h"
 #include "test.h"
 
 #include <stdio.h>

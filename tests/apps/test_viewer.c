@@ -6,6 +6,8 @@
 #include "viewer/model/viewer.h"
 #include "viewer/session/session.h"
 
+#include "conus/file.h"
+#include "conus/phantom.h"
 #include "test.h"
 
 #include <limits.h>

@@ -5,6 +5,8 @@
 #include "viewer/session/session.h"
 #include "viewer/window/hover.h"
 
+#include "conus/file.h"
+#include "conus/phantom.h"
 #include "test.h"
 
 #include <math.h>

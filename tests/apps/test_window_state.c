@@ -4,6 +4,8 @@
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
 
+#include "conus/file.h"
+#include "conus/phantom.h"
 #include "test.h"
 
 #include <limits.h>

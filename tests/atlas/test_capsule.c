@@ -4,6 +4,8 @@
 #include "base/geometry/math3.h"
 #include "test.h"
 
+#include <stdint.h>
+
 struct known {
     const char *what;
     double origin[3], direction[3], a[3], b[3], radius;

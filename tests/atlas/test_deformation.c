@@ -5,6 +5,7 @@
 #include "test.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 
 /* A field of displacements, RAS mm, on nodes 2 mm apart, the first at (-10, -12, -14). */

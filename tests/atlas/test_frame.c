@@ -9,6 +9,7 @@
 
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
+#include "conus/space.h"
 #include "scene.h"
 #include "test.h"
 

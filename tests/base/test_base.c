@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/text.h"
+#include "conus/file.h"
 #include "test.h"
 
 #include <fcntl.h>

@@ -2,6 +2,7 @@
 /* Convex polyhedra cut by planes, against closed forms (Eq. 16). */
 #include "base/geometry/convex.h"
 #include "base/geometry/math3.h"
+#include "conus/status.h"
 #include "test.h"
 
 #include <math.h>

@@ -4,6 +4,7 @@
 #include "base/files/file.h"
 #include "base/memory.h"
 #include "builders/cache_builder.h"
+#include "conus/cache.h"
 #include "loaders/scene/load.h"
 #include "mesh_scene.h"
 #include "test.h"

@@ -3,6 +3,9 @@
 #include "base/cache/cache_entry.h"
 #include "base/files/file.h"
 #include "builders/cache_builder.h"
+#include "conus/atlas_info.h"
+#include "conus/cache.h"
+#include "conus/version.h"
 #include "test.h"
 
 #include <fcntl.h>

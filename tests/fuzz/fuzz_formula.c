@@ -3,6 +3,7 @@
 #include "selection/measure/formula.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

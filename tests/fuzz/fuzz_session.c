@@ -2,6 +2,7 @@
 /* Sessions of the window: one that is refused changes nothing; of one that is opened, what is saved opens again and is
  * saved the same. Each of two atlases has an area, a pathway and a context of 16 voxels each way; nothing is selected
  * or drawn. */
+#include "conus/phantom.h"
 #include "viewer/session/session.h"
 
 #include <stdio.h>

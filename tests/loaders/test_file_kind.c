@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What a message says that a file is. Each sample begins as the format's specification says, or as its usual writer. */
 #include "builders/nifti_builder.h"
+#include "conus/atlas.h"
+#include "conus/file.h"
 #include "loaders/file_kind.h"
 #include "test.h"
 

@@ -3,6 +3,8 @@
  * and look at it. */
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "conus/atlas_info.h"
+#include "conus/phantom.h"
 #include "pose_checks.h"
 #include "poses/pose_stream.h"
 #include "poses/programs/pose_programs.h"

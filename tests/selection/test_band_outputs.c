@@ -2,6 +2,7 @@
 /* What is made of bands of values: masks, lists of voxels, packed atlases, pictures' attributes. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
+#include "conus/report.h"
 #include "render/image/image.h"
 #include "shells.h"
 #include "test.h"

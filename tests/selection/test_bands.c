@@ -7,7 +7,8 @@
 #include "shells.h"
 #include "test.h"
 
-#include <conus/conus.h>
+#include "conus/arrays.h"
+#include "conus/selection.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,6 +2,7 @@
 /* Eq. 11: the contact is at the pixel with the smallest r, of several with the same r at the nearest. r is the same for
  * pixels with the same (2i + 1 - n)^2 + (2j + 1 - n)^2, which is how the wanted pixel is found here. */
 #include "base/geometry/math3.h"
+#include "conus/arrays.h"
 #include "scene.h"
 #include "selection/measure/statistics.h"
 #include "test.h"

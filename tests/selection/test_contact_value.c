@@ -3,6 +3,8 @@
  * says which voxel was meant. The wanted one is that of the voxel whose cell holds the point that is a thousandth of a
  * millimetre behind the contact: the contact lies where the ray comes from one cell into the next. */
 #include "base/geometry/math3.h"
+#include "conus/arrays.h"
+#include "conus/selection.h"
 #include "test.h"
 
 #include <math.h>

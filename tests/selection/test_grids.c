@@ -6,7 +6,7 @@
 #include "scene.h"
 #include "test.h"
 
-#include <conus/conus.h>
+#include "conus/selection.h"
 
 #include <math.h>
 #include <stdlib.h>

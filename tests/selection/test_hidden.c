@@ -3,6 +3,8 @@
  * voxels are background, whose hidden pathways are volumes that nobody meets, and whose hidden meshes are no meshes. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
+#include "conus/mask.h"
+#include "conus/sweep.h"
 #include "mesh_scene.h"
 #include "same_answer.h"
 #include "scene.h"

@@ -5,7 +5,7 @@
 #include "selection/engine/engine.h"
 #include "test.h"
 
-#include <conus/conus.h>
+#include "conus/arrays.h"
 
 #include <string.h>
 

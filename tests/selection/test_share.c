@@ -2,7 +2,8 @@
 /* Selectors that share their tables answer at the same time, each as the first one does alone. */
 #include "test.h"
 
-#include <conus/conus.h>
+#include "conus/arrays.h"
+#include "conus/selection.h"
 
 #include <math.h>
 #include <pthread.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_REPORT_SCENE_H
 #define CONUS_TESTS_SUPPORT_REPORT_SCENE_H
 
-#include "conus/conus.h"
+#include "conus/report.h"
 
 struct report_scene {
     conus_atlas *atlas;

@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_SAME_ANSWER_H
 #define CONUS_TESTS_SUPPORT_SAME_ANSWER_H
 
-#include "conus/conus.h"
+#include "conus/selection.h"
 
 /** Fails unless the numbers are equal, or NaN in both; -0 equals 0. */
 void assert_same_doubles(const double *a, const double *b, size_t count);

@@ -4,6 +4,7 @@
 #include "shells.h"
 
 #include "base/geometry/math3.h"
+#include "conus/arrays.h"
 #include "test.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_SHELLS_H
 #define CONUS_TESTS_SUPPORT_SHELLS_H
 
-#include <conus/conus.h>
+#include "conus/atlas.h"
 
 enum { SHELLS_DIM = 64, CORE = 1, MIDDLE, OUTER };
 

@@ -3,6 +3,7 @@
 #include "test.h"
 
 #include "base/memory.h"
+#include "conus/atlas_info.h"
 #include "loaders/child/mesh_child.h"
 
 #include <errno.h>

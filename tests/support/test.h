@@ -14,7 +14,7 @@
 
 #include <cmocka.h>
 
-#include "conus/conus.h"
+#include "conus/atlas.h"
 
 #undef fail /* cmocka's; ours sets a message. Use fail_msg() to fail a test. */
 #undef fail_msg

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The scratch folders of test runs stay apart and go at the end. */
+#include "conus/file.h"
 #include "test.h"
 
 #include <stdio.h>

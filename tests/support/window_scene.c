@@ -2,6 +2,7 @@
 /* Opens a phantom in a window of which nothing is drawn. */
 #include "window_scene.h"
 
+#include "conus/phantom.h"
 #include "test.h"
 
 #include <stdio.h>

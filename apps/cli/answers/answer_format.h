@@ -3,6 +3,7 @@
 #ifndef CONUS_CLI_ANSWERS_ANSWER_FORMAT_H
 #define CONUS_CLI_ANSWERS_ANSWER_FORMAT_H
 
+#include "conus/report.h"
 #include "options/output.h"
 #include "options/outputs.h"
 #include "options/provenance.h"

@@ -4,6 +4,7 @@
 #ifndef CONUS_CLI_ANSWERS_ENDS_H
 #define CONUS_CLI_ANSWERS_ENDS_H
 
+#include "conus/report.h"
 #include "options/provenance.h"
 #include "settings/atlases.h"
 #include "settings/settings.h"

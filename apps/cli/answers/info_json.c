@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The JSON of conus info. */
 #include "cli/answers/info_json.h"
+#include "conus/space.h"
+#include "conus/streamlines.h"
+#include "conus/version.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -3,7 +3,8 @@
 #ifndef CONUS_CLI_ANSWERS_INFO_JSON_H
 #define CONUS_CLI_ANSWERS_INFO_JSON_H
 
-#include <conus/conus.h>
+#include "conus/atlas.h"
+#include "conus/catalogue.h"
 
 #include <jansson.h>
 #include <stddef.h>

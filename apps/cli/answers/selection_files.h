@@ -3,6 +3,9 @@
 #ifndef CONUS_CLI_ANSWERS_SELECTION_FILES_H
 #define CONUS_CLI_ANSWERS_SELECTION_FILES_H
 
+#include "conus/image.h"
+#include "conus/report.h"
+#include "conus/streamline_list.h"
 #include "options/outputs.h"
 #include "options/provenance.h"
 

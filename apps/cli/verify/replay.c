@@ -3,6 +3,8 @@
  */
 #include "cli/verify/replay.h"
 
+#include "conus/catalogue.h"
+#include "conus/version.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/progress.h"

@@ -3,6 +3,9 @@
 #include "cli/verify/verdict.h"
 
 #include "cli/verify/differ.h"
+#include "conus/file.h"
+#include "conus/image.h"
+#include "conus/version.h"
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"

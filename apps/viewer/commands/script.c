@@ -2,6 +2,7 @@
 /* The commands of scripts, and their run over frames. */
 #include "viewer/commands/script.h"
 
+#include "conus/file.h"
 #include "options/messages.h"
 #include "settings/settings.h"
 #include "viewer/commands/script_words.h"

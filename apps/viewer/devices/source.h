@@ -4,7 +4,7 @@
 #ifndef CONUS_VIEWER_DEVICES_SOURCE_H
 #define CONUS_VIEWER_DEVICES_SOURCE_H
 
-#include <conus/conus.h>
+#include "conus/pose.h"
 
 enum source_state {
     SOURCE_NONE = 0, /**< There is none: it was not asked for, or the program was built without it. */

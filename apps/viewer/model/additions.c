@@ -2,6 +2,8 @@
 /* Words of the command line that add a file to an atlas: made, taken apart, described and found again. */
 #include "viewer/model/additions.h"
 
+#include "conus/file.h"
+#include "conus/streamlines.h"
 #include "options/output.h"
 #include "viewer/model/session_file.h"
 

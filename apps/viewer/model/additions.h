@@ -4,7 +4,7 @@
 #ifndef CONUS_VIEWER_MODEL_ADDITIONS_H
 #define CONUS_VIEWER_MODEL_ADDITIONS_H
 
-#include <conus/conus.h>
+#include "conus/atlas.h"
 
 #include <jansson.h>
 #include <limits.h>

@@ -5,6 +5,7 @@
 #ifndef CONUS_VIEWER_MODEL_ATLAS_EDITS_H
 #define CONUS_VIEWER_MODEL_ATLAS_EDITS_H
 
+#include "conus/picture.h"
 #include "viewer/pictures/appearance.h"
 
 struct view_atlas;

@@ -2,6 +2,7 @@
 /* A table of columns: where each value lies in a result, and how it is written; files of results. */
 #include "viewer/model/columns.h"
 
+#include "conus/streamlines.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"

@@ -5,7 +5,6 @@
 #define CONUS_VIEWER_MODEL_HEMISPHERES_H
 
 #include "viewer/model/viewer.h"
-#include <conus/conus.h>
 #include <jansson.h>
 
 enum side { SIDE_BOTH = 0, SIDE_LEFT, SIDE_RIGHT, SIDE_COUNT };

@@ -3,7 +3,7 @@
 #ifndef CONUS_VIEWER_MODEL_SESSION_FILE_H
 #define CONUS_VIEWER_MODEL_SESSION_FILE_H
 
-#include <conus/conus.h>
+#include "conus/atlas.h"
 
 #include <jansson.h>
 #include <limits.h>

@@ -7,8 +7,6 @@
 
 #include "viewer/model/plan_list.h"
 
-#include <conus/conus.h>
-
 enum { LEVEL_LIMIT = 1024, STUDY_ERROR = 256 };
 enum study_kind {
     STUDY_NONE = 0,

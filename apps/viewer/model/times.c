@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Collects times and writes their medians. */
 #include "viewer/model/times.h"
+#include "conus/file.h"
 
 #include <stdio.h>
 #include <stdlib.h>

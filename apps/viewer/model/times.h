@@ -5,7 +5,7 @@
 
 #include "options/clock.h"
 
-#include <conus/conus.h>
+#include "conus/status.h"
 
 enum timed {
     TIMED_FRAME = 0, /**< Drawing the window, without waiting for the screen.                        */

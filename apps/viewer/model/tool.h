@@ -5,7 +5,7 @@
 #ifndef CONUS_VIEWER_MODEL_TOOL_H
 #define CONUS_VIEWER_MODEL_TOOL_H
 
-#include <conus/conus.h>
+#include "conus/pose.h"
 
 struct viewer;
 

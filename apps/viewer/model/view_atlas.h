@@ -4,6 +4,7 @@
 #ifndef CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 #define CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 
+#include "conus/picture.h"
 #include "viewer/model/tool.h"
 #include "viewer/pictures/answer.h"
 #include "viewer/pictures/appearance.h"

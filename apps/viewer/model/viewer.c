@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The viewer: creation, the cone, confirmed results, crosshair. */
 #include "viewer/model/viewer.h"
+#include "conus/file.h"
+#include "conus/score.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -3,6 +3,7 @@
  * place of what was open before. */
 #include "viewer/opening/open.h"
 
+#include "conus/streamlines.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "settings/atlas_input.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The panel of the cone: what moves it, its pose, shape and score, and what of its hits counts. */
+#include "conus/score.h"
 #include "settings/station_settings.h"
 #include "viewer/model/question.h"
 #include "viewer/panes/panels.h"

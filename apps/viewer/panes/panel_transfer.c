@@ -2,6 +2,7 @@
 /* Grey values of the context and values of pathways: what of them is seen. */
 #include "viewer/panes/panels.h"
 
+#include "conus/streamlines.h"
 #include "viewer/ui/ui_list.h"
 
 #include <math.h>

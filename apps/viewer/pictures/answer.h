@@ -3,7 +3,7 @@
 #ifndef CONUS_VIEWER_PICTURES_ANSWER_H
 #define CONUS_VIEWER_PICTURES_ANSWER_H
 
-#include <conus/conus.h>
+#include "conus/selection.h"
 
 struct answer;
 

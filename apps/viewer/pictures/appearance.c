@@ -2,6 +2,7 @@
 /* Background, opacities, pathways as haze, and colours of streamlines. */
 #include "viewer/pictures/appearance.h"
 
+#include "conus/streamlines.h"
 #include "viewer/pictures/sheet.h"
 
 #include <math.h>

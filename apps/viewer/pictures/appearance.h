@@ -3,7 +3,7 @@
 #ifndef CONUS_VIEWER_PICTURES_APPEARANCE_H
 #define CONUS_VIEWER_PICTURES_APPEARANCE_H
 
-#include <conus/conus.h>
+#include "conus/picture.h"
 
 /** The background behind the brain in 3-D. */
 enum backdrop { BACKDROP_LIGHT = 0, BACKDROP_WHITE, BACKDROP_BLACK, BACKDROP_TRANSPARENT, BACKDROP_COUNT };

@@ -5,7 +5,6 @@
 #define CONUS_VIEWER_PICTURES_CAMERA_H
 
 #include "link/station.h"
-#include <conus/conus.h>
 
 struct orbit {
     double centre[3];

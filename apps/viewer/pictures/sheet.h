@@ -3,7 +3,7 @@
 #ifndef CONUS_VIEWER_PICTURES_SHEET_H
 #define CONUS_VIEWER_PICTURES_SHEET_H
 
-#include <conus/conus.h>
+#include "conus/picture.h"
 
 enum { SHEET_SIDE_LIMIT = 16384, SHEET_MM_LIMIT = 10000, SHEET_DPI_LIMIT = 10000, SHEET_DPI_LEAST = 10 };
 

@@ -2,6 +2,7 @@
 /* Finds a free name by the time, and writes a session or picture there. */
 #include "viewer/session/save_file.h"
 
+#include "conus/file.h"
 #include "options/provenance.h"
 #include "viewer/model/columns.h"
 #include "viewer/model/studies.h"

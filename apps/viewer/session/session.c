@@ -3,6 +3,7 @@
  * context's colours, and what each atlas shows. */
 #include "viewer/session/session.h"
 
+#include "conus/file.h"
 #include "viewer/model/columns.h"
 #include "viewer/session/session_atlases.h"
 #include "viewer/session/session_fit.h"

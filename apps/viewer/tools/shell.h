@@ -4,7 +4,7 @@
 #ifndef CONUS_VIEWER_TOOLS_SHELL_H
 #define CONUS_VIEWER_TOOLS_SHELL_H
 
-#include <conus/conus.h>
+#include "conus/selection.h"
 
 enum { SHELL_POINTS = 64 };
 

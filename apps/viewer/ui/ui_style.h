@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
+#include <stdbool.h>
+
 /** @file How widgets look. */
 #ifndef CONUS_VIEWER_UI_UI_STYLE_H
 #define CONUS_VIEWER_UI_UI_STYLE_H

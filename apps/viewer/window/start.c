@@ -2,6 +2,7 @@
 /* Looks for what the start page can offer, and searches the catalogue by what is typed. */
 #include "viewer/window/start.h"
 
+#include "conus/phantom.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "viewer/window/state_file.h"

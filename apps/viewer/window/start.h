@@ -4,8 +4,8 @@
 #ifndef CONUS_VIEWER_WINDOW_START_H
 #define CONUS_VIEWER_WINDOW_START_H
 
+#include "conus/catalogue.h"
 #include "viewer/window/recent.h"
-#include <conus/conus.h>
 #include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>

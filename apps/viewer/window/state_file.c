@@ -2,7 +2,7 @@
 /* Finds, reads and writes the files of the window's state. */
 #include "viewer/window/state_file.h"
 
-#include <conus/conus.h>
+#include "conus/file.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Prints the version of the library, and the best area of a cone into the atlas that is given. */
-#include <conus/conus.h>
+#include "conus/selection.h"
+#include "conus/version.h"
 
 #include <stdio.h>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // As consumer.c, in C++, with the initialisers of options.
-#include <conus/conus.h>
+#include "conus/selection.h"
+#include "conus/version.h"
 
 #include <iostream>
 #include <memory>

@@ -4,7 +4,7 @@
 #include "atlas/atlas.h"
 #include "test.h"
 
-#include <conus/conus.h>
+#include "conus/streamlines.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 /* Atlases from arrays: they are what the same numbers in a file are; what is out of range is refused. */
 #include "test.h"
 
-#include <conus/conus.h>
+#include "conus/overlap.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,6 +3,7 @@
 #include "base/files/file.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
+#include "conus/atlas.h"
 #include "loaders/labels/label_words.h"
 #include "test.h"
 

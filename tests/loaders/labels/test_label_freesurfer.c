@@ -3,6 +3,8 @@
 #include "base/buffer.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
+#include "conus/atlas.h"
+#include "conus/file.h"
 #include "test.h"
 
 #include <stdio.h>

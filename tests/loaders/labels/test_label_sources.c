@@ -4,6 +4,8 @@
 #include "base/files/file.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
+#include "conus/file.h"
+#include "conus/manifest.h"
 #include "loaders/labels/label_cells.h"
 #include "test.h"
 

@@ -3,6 +3,8 @@
 #include "base/buffer.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
+#include "conus/file.h"
+#include "conus/manifest.h"
 #include "loaders/labels/label_volumes.h"
 #include "test.h"
 

@@ -2,6 +2,8 @@
 /* The manifest's parser, and what loading one gives and refuses. */
 #include "base/files/file.h"
 #include "builders/nifti_builder.h"
+#include "conus/file.h"
+#include "conus/phantom.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/volumes/volume_header.h"
 #include "test.h"

@@ -3,6 +3,8 @@
  * of 20 x 20 x 20 voxels; their values are functions of the place. */
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
+#include "conus/atlas_info.h"
+#include "conus/file.h"
 #include "test.h"
 
 #include <math.h>

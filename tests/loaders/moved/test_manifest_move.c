@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The transforms of a manifest: what they move, and which of them comes first. */
 #include "base/files/file.h"
+#include "conus/atlas_info.h"
+#include "conus/file.h"
+#include "conus/phantom.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -5,6 +5,8 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "builders/tiff_builder.h"
+#include "conus/file.h"
+#include "conus/manifest.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Atlases from files: where names come from, FSL atlases, pathways and contexts. */
 #include "base/files/file.h"
+#include "conus/atlas_info.h"
+#include "conus/file.h"
 #include "test.h"
 
 #include <math.h>

@@ -4,6 +4,7 @@
 #include "builders/cifti_builder.h"
 #include "builders/gifti_builder.h"
 #include "builders/nifti_builder.h"
+#include "conus/manifest.h"
 #include "loaders/volumes/volume_header.h"
 #include "test.h"
 

@@ -3,6 +3,9 @@
  * and the file that it is about, also where the load fails afterwards. */
 #include "atlas/atlas.h"
 #include "builders/nifti_builder.h"
+#include "conus/arrays.h"
+#include "conus/file.h"
+#include "conus/mesh.h"
 #include "test.h"
 
 #include <math.h>

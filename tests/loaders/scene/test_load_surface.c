@@ -3,6 +3,8 @@
 #include "base/memory.h"
 #include "builders/gifti_builder.h"
 #include "builders/nifti_builder.h"
+#include "conus/atlas_info.h"
+#include "conus/file.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -3,6 +3,9 @@
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/files/file.h"
+#include "conus/file.h"
+#include "conus/phantom.h"
+#include "conus/selection.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "test.h"
 

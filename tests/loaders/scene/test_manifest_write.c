@@ -3,6 +3,8 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "builders/gifti_builder.h"
+#include "conus/file.h"
+#include "conus/manifest.h"
 #include "loaders/manifest/manifest_scan.h"
 #include "loaders/volumes/nifti_write.h"
 #include "test.h"

@@ -5,6 +5,7 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "conus/file.h"
 #include "loaders/surfaces/mesh_format.h"
 #include "loaders/volumes/nifti_write.h"
 #include "render/colour/pathways.h"

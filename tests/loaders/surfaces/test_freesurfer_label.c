@@ -6,7 +6,6 @@
 #include "base/memory.h"
 #include "builders/gifti_builder.h"
 #include "builders/label_row.h"
-#include "conus/conus.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Numbers of vertices: written, read again, and what is refused. */
 #include "base/files/file.h"
+#include "conus/file.h"
 #include "loaders/surfaces/vertex_map.h"
 #include "test.h"
 

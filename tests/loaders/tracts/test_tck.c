@@ -2,6 +2,7 @@
 /* MRtrix's tractograms, and how the format of a file is found. */
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
+#include "conus/streamlines.h"
 #include "loaders/tracts/tract_file.h"
 #include "loaders/tracts/tract_formats.h"
 #include "test.h"

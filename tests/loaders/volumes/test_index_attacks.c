@@ -3,6 +3,7 @@
  * and what cannot be kept is no error. */
 #include "base/memory.h"
 #include "builders/series_builder.h"
+#include "conus/cache.h"
 #include "loaders/volumes/stored/stored_file.h"
 #include "test.h"
 

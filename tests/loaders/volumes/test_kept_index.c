@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "builders/series_builder.h"
+#include "conus/cache.h"
 #include "loaders/volumes/stored/stored_file.h"
 #include "loaders/volumes/volume_values.h"
 #include "test.h"

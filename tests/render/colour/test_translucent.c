@@ -2,6 +2,7 @@
 /* What lets light through (Eq. 8): translucent areas and meshes, and pathways as haze, against closed forms. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/file.h"
 #include "golden_picture.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"

@@ -4,6 +4,7 @@
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/picture.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
 #include "render/id/mesh_layer.h"

@@ -3,6 +3,7 @@
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/picture.h"
 #include "mesh_scene.h"
 #include "picture_scene.h"
 #include "render/flat/cut.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Shapes, text and legends on images. */
+#include "conus/file.h"
 #include "render/flat/draw.h"
 #include "render/flat/legend.h"
 #include "test.h"

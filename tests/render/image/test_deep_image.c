@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Deep images: OpenEXR's C++ library reads what was written. */
 #include "base/memory.h"
+#include "conus/file.h"
 #include "exr_oracle.h"
 #include "render/image/deep_image.h"
 #include "test.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* ID manifests: the bytes of OpenEXR's own encoder. */
 #include "base/memory.h"
+#include "conus/status.h"
 #include "exr_oracle.h"
 #include "test.h"
 

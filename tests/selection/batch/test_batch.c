@@ -3,6 +3,7 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
+#include "conus/batch.h"
 #include "scene.h"
 #include "selection/report/report.h"
 #include "test.h"

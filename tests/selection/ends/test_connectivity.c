@@ -3,6 +3,7 @@
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/report.h"
 #include "scene.h"
 #include "test.h"
 #include "tract_scene.h"

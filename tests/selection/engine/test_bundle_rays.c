@@ -5,6 +5,7 @@
 #include "atlas/tracts/capsule.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/selection.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
 #include "scene.h"

@@ -2,6 +2,7 @@
 /* What the gl engine sees first in volumes (Eq. 5 to Eq. 7) against what the rays engine sees. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/selection.h"
 #include "gl_pair.h"
 #include "render/gl/context.h"
 #include "scene.h"

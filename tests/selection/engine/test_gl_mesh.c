@@ -3,6 +3,7 @@
  * rounding. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/selection.h"
 #include "gl_edge.h"
 #include "gl_pair.h"
 #include "loaders/child/mesh_child.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers (Eq. 10) of meshes in the gl engine against those in the rays engine. */
 #include "base/geometry/math3.h"
+#include "conus/selection.h"
 #include "gl_edge.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers of surfaces whose answers are known in closed form (Eq. 10). */
 #include "base/geometry/math3.h"
+#include "conus/selection.h"
 #include "mesh_scene.h"
 #include "test.h"
 

@@ -2,6 +2,7 @@
 /* What is within a ball: distances to cells and surfaces against other ways to find them, volumes by Eq. 10. */
 #include "atlas/surface/mesh_near.h"
 #include "base/geometry/math3.h"
+#include "conus/image.h"
 #include "mesh_scene.h"
 #include "report_scene.h"
 #include "scene.h"

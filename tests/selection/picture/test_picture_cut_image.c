@@ -4,6 +4,8 @@
 #include "render/image/image_srgb.h"
 
 #include "builders/area_rows.h"
+#include "conus/phantom.h"
+#include "conus/picture.h"
 #include "test.h"
 
 #include <math.h>

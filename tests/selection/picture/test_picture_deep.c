@@ -2,6 +2,8 @@
 /* Deep images, read back with the OpenEXR library. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/image.h"
+#include "conus/version.h"
 #include "exr_oracle.h"
 #include "scene.h"
 #include "test.h"

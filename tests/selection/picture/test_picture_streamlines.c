@@ -3,6 +3,7 @@
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/picture.h"
 #include "render/image/image.h"
 #include "test.h"
 #include "test_gl.h"

@@ -5,6 +5,7 @@
 #include "base/files/file.h"
 #include "base/memory.h"
 #include "base/text_number.h"
+#include "conus/plan.h"
 #include "scene.h"
 #include "test.h"
 

@@ -4,6 +4,7 @@
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/plan.h"
 #include "scene.h"
 #include "selection/study/study.h"
 #include "test.h"

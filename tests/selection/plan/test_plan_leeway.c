@@ -5,6 +5,8 @@
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/clearance.h"
+#include "conus/plan.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"

@@ -3,6 +3,7 @@
  * one by one. Poses that are off are made here, from their ends. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "conus/plan.h"
 #include "scene.h"
 #include "test.h"
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reports on how far needles stay from objects, of boxes whose distances are arithmetic. */
 #include "atlas/atlas.h"
+#include "conus/report.h"
 #include "mesh_scene.h"
 #include "test.h"
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reports in other programs' formats: what they take, and that they survive a lack of memory. */
 #include "base/buffer.h"
+#include "conus/report.h"
 #include "report_scene.h"
 #include "test.h"
 

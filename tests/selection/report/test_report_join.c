@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reports on several atlases that are joined: their rows are those of each report, put together with a column. */
 #include "base/buffer.h"
+#include "conus/report.h"
 #include "report_scene.h"
 #include "test.h"
 

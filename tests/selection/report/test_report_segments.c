@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reports on what axes pass: the table for people, and shanks for SpikeGLX and Open Ephys, of boxes in each other. */
 #include "atlas/atlas.h"
+#include "conus/report.h"
 #include "mesh_scene.h"
 #include "test.h"
 

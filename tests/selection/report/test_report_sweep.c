@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reports on sweeps: what they take, and that they survive a lack of memory in every format. */
+#include "conus/report.h"
 #include "report_scene.h"
 #include "test.h"
 

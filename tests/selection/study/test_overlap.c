@@ -5,6 +5,7 @@
 #include "atlas/roi.h"
 #include "atlas/surface/mesh_lines.h"
 #include "base/geometry/math3.h"
+#include "conus/report.h"
 #include "mesh_scene.h"
 #include "region_scene.h"
 #include "scene.h"

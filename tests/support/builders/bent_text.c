@@ -2,6 +2,7 @@
 /* Text files of which one place is bent. */
 #include "builders/bent_text.h"
 
+#include "conus/status.h"
 #include "test.h"
 
 #include <string.h>

@@ -5,6 +5,8 @@
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "builders/nifti_builder.h"
+#include "conus/atlas_info.h"
+#include "conus/file.h"
 #include "test.h"
 
 #include <stdio.h>

@@ -4,6 +4,8 @@
 
 #include "builders/nifti_builder.h"
 
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <zlib.h>

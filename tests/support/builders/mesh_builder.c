@@ -2,6 +2,7 @@
 /* Builds streams of conus-mesh. */
 #include "builders/mesh_builder.h"
 
+#include <stdint.h>
 #include <string.h>
 
 static void append_number(struct buffer *out, uint64_t value, int size)

@@ -3,6 +3,7 @@
 #include "builders/series_builder.h"
 
 #include "builders/nifti_builder.h"
+#include "conus/cache.h"
 #include "loaders/volumes/stored/stored_file.h"
 #include "test.h"
 

@@ -5,6 +5,7 @@
 #include "builders/nifti_builder.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 static void put(struct trk_builder *builder, size_t offset, uint64_t bits, size_t size)

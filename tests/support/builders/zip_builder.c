@@ -4,6 +4,8 @@
 
 #include "test.h"
 
+#include <stdbool.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <zlib.h>
 

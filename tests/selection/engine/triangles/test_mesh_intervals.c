@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* From crossings to intervals (Eq. 10), with crossings made by hand. */
+#include "conus/selection.h"
 #include "mesh_scene.h"
 #include "test.h"
 
