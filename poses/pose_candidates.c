@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Candidates by their number: which entry, which target, which tilt (Eq. 22). */
+/* Candidates by their number: which entry, which target, which tilt, which turn (Eq. 22). */
 #include "poses/pose_candidates.h"
 
 #include "base/geometry/math3.h"
@@ -83,24 +83,37 @@ static conus_status count_rings(struct pose_candidates *out)
     return CONUS_OK;
 }
 
+static conus_status count_rolls(struct pose_candidates *out)
+{
+    double step = out->asked.roll_step;
+    if (step != 0 && !(step >= MATH3_PI / 18000 * (1 - ROUNDING) && step <= MATH3_PI * (1 + ROUNDING))) {
+        return fail(CONUS_ERROR_ARGUMENT, "roll: in steps of %g degrees, allowed are 0.01 to 180",
+                    degrees_from_radians(step));
+    }
+    out->rolls = step > 0 ? (uint64_t)ceil(2 * MATH3_PI / step - ROUNDING) : 1;
+    return CONUS_OK;
+}
+
 conus_status pose_candidates_init(struct pose_candidates *out, const conus_candidates *asked)
 {
     out->asked = *options_of(conus_candidates, asked);
     out->asked.target_count = out->asked.targets ? out->asked.target_count : 0;
     conus_status status = check(&out->asked);
     status = status ? status : count_rings(out);
+    status = status ? status : count_rolls(out);
     if (status) {
         return status;
     }
     uint64_t targets = out->asked.targets ? out->asked.target_count : 1;
     uint64_t tilts = out->rings[out->ring_count];
-    double count = (double)out->asked.entry_count * (double)targets * (double)tilts;
+    double count = (double)out->asked.entry_count * (double)targets * (double)tilts * (double)out->rolls;
     if (count > (double)CONUS_CANDIDATE_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT,
-                    "%zu entries, %zu targets and %zu tilts are %.3g candidates, allowed are %.3g",
-                    out->asked.entry_count, (size_t)targets, (size_t)tilts, count, (double)CONUS_CANDIDATE_LIMIT);
+                    "%zu entries, %zu targets, %zu tilts and %zu turns are %.3g candidates, allowed are %.3g",
+                    out->asked.entry_count, (size_t)targets, (size_t)tilts, (size_t)out->rolls, count,
+                    (double)CONUS_CANDIDATE_LIMIT);
     }
-    out->count = out->asked.entry_count * targets * tilts;
+    out->count = out->asked.entry_count * targets * tilts * out->rolls;
     return CONUS_OK;
 }
 
@@ -131,15 +144,31 @@ static conus_status tilt_pose(conus_pose *pose, const struct pose_candidates *ca
     return conus_pose_along(pose, m + 12, direction, NULL);
 }
 
-/* "e412-t77": parts of which there is one are left out, but not all of them. */
-static void write_id(char out[POSE_CANDIDATE_ID], const struct pose_candidates *candidates, const uint64_t numbers[3])
+/* Turns the device about its axis, its +y towards its +x. */
+static conus_status roll_pose(conus_pose *pose, const struct pose_candidates *candidates, uint64_t number)
 {
-    const uint64_t counts[3] = {candidates->asked.entry_count, candidates->asked.target_count,
-                                candidates->rings[candidates->ring_count]};
+    const double *m = pose->world_from_device;
+    double turn = 2 * MATH3_PI * (double)number / (double)candidates->rolls;
+    double axis[3];
+    double up[3];
+    if (!number) {
+        return CONUS_OK;
+    }
+    vec3_scale(axis, m + 8, -1);
+    vec3_scale(up, m + 4, cos(turn));
+    vec3_add_scaled(up, up, sin(turn), m);
+    return conus_pose_along(pose, m + 12, axis, up);
+}
+
+/* "e412-t77": parts of which there is one are left out, but not all of them. */
+static void write_id(char out[POSE_CANDIDATE_ID], const struct pose_candidates *candidates, const uint64_t numbers[4])
+{
+    const uint64_t counts[4] = {candidates->asked.entry_count, candidates->asked.target_count,
+                                candidates->rings[candidates->ring_count], candidates->rolls};
     size_t size = 0;
-    for (size_t i = 0; i < 3; i++) {
+    for (size_t i = 0; i < 4; i++) {
         if (counts[i] > 1 || (i == 0 && candidates->count == 1)) {
-            size += (size_t)snprintf(out + size, POSE_CANDIDATE_ID - size, "%s%c%llu", size ? "-" : "", "etk"[i],
+            size += (size_t)snprintf(out + size, POSE_CANDIDATE_ID - size, "%s%c%llu", size ? "-" : "", "etkr"[i],
                                      (unsigned long long)numbers[i]);
         }
     }
@@ -150,9 +179,11 @@ conus_status pose_candidates_row(conus_pose_row *out, char id[POSE_CANDIDATE_ID]
 {
     const conus_candidates *asked = &candidates->asked;
     uint64_t tilts = candidates->rings[candidates->ring_count];
-    uint64_t pair = index / tilts;
+    uint64_t tilt = index / candidates->rolls;
+    uint64_t pair = tilt / tilts;
     uint64_t targets = asked->targets ? asked->target_count : 1;
-    const uint64_t numbers[3] = {pair / targets + 1, pair % targets + 1, index % tilts + 1};
+    const uint64_t numbers[4] = {pair / targets + 1, pair % targets + 1, tilt % tilts + 1,
+                                 index % candidates->rolls + 1};
     const double *entry = asked->entries + 3 * (numbers[0] - 1);
     const double *target = asked->targets ? asked->targets + 3 * (numbers[1] - 1) : NULL;
     double inward[3];
@@ -170,5 +201,6 @@ conus_status pose_candidates_row(conus_pose_row *out, char id[POSE_CANDIDATE_ID]
         vec3_sub(way, target, entry);
         out->range[1] = vec3_length(way) + asked->beyond;
     }
-    return status ? status : tilt_pose(&out->pose, candidates, numbers[2] - 1);
+    status = status ? status : tilt_pose(&out->pose, candidates, numbers[2] - 1);
+    return status ? status : roll_pose(&out->pose, candidates, numbers[3] - 1);
 }

@@ -6,12 +6,13 @@
 #include "base/status.h"
 #include "conus/candidates.h"
 
-enum { POSE_CANDIDATE_ID = 72 }; /**< "e1-t1-k1", each number of at most 20 digits. */
+enum { POSE_CANDIDATE_ID = 96 }; /**< "e1-t1-k1-r1", each number of at most 20 digits. */
 
 struct pose_candidates {
     conus_candidates asked;
     uint64_t *rings;   /**< [ring_count + 1] Number of the first tilt of each ring, the untilted direction the first; */
     size_t ring_count; /**< behind the last one how many tilts there are. */
+    uint64_t rolls;    /**< Turns about the axis, 1 = none. */
     uint64_t count;    /**< 0 = there are none at all: the stream is of a file. */
 };
 

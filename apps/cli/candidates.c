@@ -43,6 +43,17 @@ const struct option candidate_options[] = {
      .help = "and rings of directions around each, up to MAX degrees, STEP degrees apart",
      .needs = "from",
      .role = OPTION_ASKS},
+    {.name = "roll",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(roll),
+     .value = "STEP",
+     .help = "and each turned about its axis, in steps of STEP degrees, 0.01 to 180",
+     .low = 0,
+     .high = 180,
+     .open = true,
+     .words = "turn, shanks, rotation",
+     .needs = "from",
+     .role = OPTION_ASKS},
     {.name = "depth",
      .type = OPTION_TEXT,
      .offset = FIELD(depth),
@@ -138,7 +149,7 @@ static bool read_depth(struct candidates *out, const char *text)
 int candidates_parse(struct candidates *out, const struct candidate_settings *settings,
                      const struct arguments *arguments)
 {
-    *out = (struct candidates){0};
+    *out = (struct candidates){.roll = settings->roll};
     bool is_file = option_given(arguments, "poses");
     if (!is_file && !settings->from) {
         return print_usage_error("no candidates given: --poses FILE, or --from FILE --toward WHAT");
@@ -340,6 +351,7 @@ int candidates_open(struct candidates *candidates, struct request *request, cons
     bool is_normal = strcmp(candidates->toward.path, "normal") == 0;
     conus_candidates asked = {.tilt_most = radians(candidates->tilt[0]),
                               .tilt_step = radians(candidates->tilt[1]),
+                              .roll_step = radians(candidates->roll),
                               .to_target = candidates->to_target,
                               .beyond = candidates->beyond};
     int code = load_entries(&candidates->from, request);
@@ -404,10 +416,28 @@ static bool have_usual_turns(const conus_plan *plan)
     return all;
 }
 
+/* The degrees that are read as just this angle, if there are some. */
+static double exact_degrees(double angle)
+{
+    double nearest = angle / radians(1);
+    for (int i = -4; i <= 4; i++) {
+        double degrees = nearest * (1 + i * 0x1p-53);
+        if (radians(degrees) == angle) {
+            return degrees;
+        }
+    }
+    return nearest;
+}
+
 static void put_table(FILE *out, const conus_plan *plan, const conus_frame *frame)
 {
     bool has_up = !have_usual_turns(plan);
-    fprintf(out, "query_id\tx\ty\tz\tdx\tdy\tdz%s\tnear\tfar\n", has_up ? "\tux\tuy\tuz" : "");
+    bool has_angle = false;
+    for (size_t i = 0; i < conus_plan_count(plan); i++) {
+        has_angle = has_angle || conus_plan_pose(plan, i)->has_angle;
+    }
+    fprintf(out, "query_id\tx\ty\tz\tdx\tdy\tdz%s\tnear\tfar%s\n", has_up ? "\tux\tuy\tuz" : "",
+            has_angle ? "\tangle" : "");
     for (size_t i = 0; i < conus_plan_count(plan); i++) {
         const conus_planned *pose = conus_plan_pose(plan, i);
         const double *m = pose->pose.world_from_device;
@@ -425,28 +455,52 @@ static void put_table(FILE *out, const conus_plan *plan, const conus_frame *fram
             conus_frame_direction_from_world(v, frame, m + 4);
             put_vector(out, v, "\t");
         }
-        fprintf(out, "\t%.17g\t%.17g\n", pose->near, pose->far);
+        fprintf(out, "\t%.17g\t%.17g", pose->near, pose->far);
+        if (has_angle && pose->has_angle) {
+            fprintf(out, "\t%.17g", exact_degrees(pose->angle));
+        } else if (has_angle) {
+            fputs("\tn/a", out);
+        }
+        fputc('\n', out);
     }
 }
 
-static void put_lines(FILE *out, const conus_plan *plan)
+/* One end of a shank: a control point in LPS. */
+static void put_end(FILE *out, const conus_planned *pose, const char *id, const double shank[2], double depth)
 {
+    const double *m = pose->pose.world_from_device;
+    double at[3];
+    for (int a = 0; a < 3; a++) {
+        double entry = m[12 + a] + shank[0] * m[a] + shank[1] * m[4 + a];
+        at[a] = (a < 2 ? -1 : 1) * (entry - depth * m[8 + a]);
+    }
+    fputs("{\"label\": ", out);
+    put_id(out, id, '\\');
+    fputs(", \"position\": [", out);
+    put_vector(out, at, ", ");
+    fputs("]}", out);
+}
+
+/* A line for each shank; of several, "e1-t2-s3" is the third. */
+static void put_lines(FILE *out, const conus_plan *plan, const struct constraints *constraints)
+{
+    static const double axis[1][2] = {{0, 0}};
+    const double(*shanks)[2] = constraints->shanks ? (const double(*)[2])constraints->shanks : axis;
+    size_t count = constraints->shanks ? constraints->shank_count : 1;
     fputs("{\"@schema\": \"https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/"
           "Schema/markups-schema-v1.0.3.json#\",\n \"markups\": [",
           out);
-    for (size_t i = 0; i < conus_plan_count(plan); i++) {
-        const conus_planned *pose = conus_plan_pose(plan, i);
-        const double *m = pose->pose.world_from_device;
-        fprintf(out, "%s\n  {\"type\": \"Line\", \"coordinateSystem\": \"LPS\", \"controlPoints\": [", i ? "," : "");
-        for (int end = 0; end < 2; end++) {
-            const double depth = end ? pose->far : 0;
-            const double point[3] = {depth * m[8] - m[12], depth * m[9] - m[13], m[14] - depth * m[10]};
-            fprintf(out, "%s{\"label\": ", end ? ", " : "");
-            put_id(out, pose->id, '\\');
-            fputs(", \"position\": [", out);
-            put_vector(out, point, ", ");
-            fputs("]}", out);
+    for (size_t i = 0; i < conus_plan_count(plan) * count; i++) {
+        const conus_planned *pose = conus_plan_pose(plan, i / count);
+        char id[320];
+        snprintf(id, sizeof id, "%s", pose->id);
+        if (count > 1) {
+            snprintf(id, sizeof id, "%s-s%zu", pose->id, i % count + 1);
         }
+        fprintf(out, "%s\n  {\"type\": \"Line\", \"coordinateSystem\": \"LPS\", \"controlPoints\": [", i ? "," : "");
+        put_end(out, pose, id, shanks[i % count], 0);
+        fputs(", ", out);
+        put_end(out, pose, id, shanks[i % count], pose->far);
         fputs("]}", out);
     }
     fputs("\n ]}\n", out);
@@ -460,7 +514,8 @@ static void put_matrix(FILE *out, const conus_plan *plan)
     }
 }
 
-int candidates_write(const char *path, const conus_plan *plan, const conus_frame *frame)
+int candidates_write(const char *path, const conus_plan *plan, const conus_frame *frame,
+                     const struct constraints *constraints)
 {
     char *text = NULL;
     size_t size = 0;
@@ -471,7 +526,7 @@ int candidates_write(const char *path, const conus_plan *plan, const conus_frame
     if (path_ends(path, ".tsv")) {
         put_table(out, plan, frame);
     } else if (path_ends(path, ".json")) {
-        put_lines(out, plan);
+        put_lines(out, plan, constraints);
     } else if (conus_plan_count(plan)) {
         put_matrix(out, plan);
     }

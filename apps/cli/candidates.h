@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Where the needles of a plan enter and where they lead: --from, --toward, --tilt, --depth; and files of the
- * poses that are listed. */
+/** @file Where the needles of a plan enter and where they lead: --from, --toward, --tilt, --roll, --depth; and files of
+ * the poses that are listed. */
 #ifndef CONUS_CLI_CANDIDATES_H
 #define CONUS_CLI_CANDIDATES_H
 
@@ -10,9 +10,10 @@
 
 struct candidate_settings {
     const char *from, *toward, *tilt, *depth;
+    double roll; /* degrees; 0 = none */
 };
 
-/** --from, --toward, --tilt and --depth. */
+/** --from, --toward, --tilt, --roll and --depth. */
 extern const struct option candidate_options[];
 
 /** Points, with what is asked of them behind commas. */
@@ -27,7 +28,8 @@ struct place {
 /** The candidates of --from and --toward. */
 struct candidates {
     struct place from, toward; /**< Of from a path of NULL: poses come from a file. */
-    double tilt[2];            /**< Degrees. */
+    double tilt[2];            /**< Degrees, */
+    double roll;               /**< and of --roll. */
     double far;                /**< mm, of --depth MM; else 0. */
     bool to_target;            /**< --depth target, */
     double beyond;             /**< and so many mm. */
@@ -46,8 +48,10 @@ int candidates_open(struct candidates *candidates, struct request *request, cons
 /** The files that the candidates come from, as inputs of the answer. */
 void candidates_list_inputs(struct provenance *out, const struct candidates *candidates);
 
-/** Writes the poses of a plan, in the order of its list: a table (.tsv), lines for 3D Slicer (.mrk.json), or the first
+/** Writes the poses of a plan, in the order of its list: a table (.tsv), lines for 3D Slicer, one for each
+ * shank (.mrk.json), or the first
  * one as a 4 x 4 matrix (.txt). Likewise. */
-int candidates_write(const char *path, const conus_plan *plan, const conus_frame *frame);
+int candidates_write(const char *path, const conus_plan *plan, const conus_frame *frame,
+                     const struct constraints *constraints);
 
 #endif

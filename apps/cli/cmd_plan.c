@@ -239,6 +239,7 @@ static const struct option_group groups[] = {
     {"What must hold, all of it", constraint_options, FIELD(constraints)},
     {"", entry_options, FIELD(constraints)},
     {"", contact_options, 0},
+    {"", shank_options, FIELD(constraints)},
     {"Measures of the cone", angle_options, REQUEST_FIELD(aim)},
     {"", pixel_options, REQUEST_FIELD(engine)},
     {"What is listed", list_options, 0},
@@ -381,6 +382,8 @@ static int try_poses(struct planning *planning)
         .entries = settings->map ? conus_sites_count(planning->candidates.from.sites) : 0,
         .jitter = settings->jitter ? &planning->jitter : NULL,
         .targets = settings->target_map ? conus_sites_count(planning->candidates.toward.sites) : 0,
+        .shanks = planning->constraints.shanks ? planning->constraints.shanks[0] : NULL,
+        .shank_count = planning->constraints.shank_count,
         .progress = show_tried,
         .progress_user = planning,
     };
@@ -638,7 +641,7 @@ static int write_all(struct planning *planning)
         code = rows_file_write(&planning->files[i], &provenance);
     }
     if (!code && settings->poses_out) {
-        code = candidates_write(settings->poses_out, planning->plan, &request->frame);
+        code = candidates_write(settings->poses_out, planning->plan, &request->frame, &planning->constraints);
     }
     code = code || !settings->map ? code : write_map(planning, settings->map, false);
     code = code || !settings->target_map ? code : write_map(planning, settings->target_map, true);

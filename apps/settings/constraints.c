@@ -83,28 +83,44 @@ const struct option entry_options[] = {
     {0},
 };
 
+const struct option shank_options[] = {
+    {.name = "shanks",
+     .type = OPTION_TEXT,
+     .offset = FIELD(shanks),
+     .value = "X,Y;X,Y;...",
+     .help = "the device has several parallel needles: where they are beside its axis, along its x and y, mm; "
+             "constraints are about any of them (--reach) or all, or what their key shank=any|all|N says",
+     .words = "probe, multi-shank, parallel",
+     .role = OPTION_ASKS},
+    {0},
+};
+
 /* A key behind the names of an option; of a REACH and an AVOID a measure in place of the length or margin. */
 static const struct key {
     conus_constraint_kind kind;
     const char *name;
     conus_measure measure;
     double high; /* of its number, from 0; 0 = it has none */
-    bool is_part;
+    enum { KEY_MEASURE = 0, KEY_PART, KEY_SHANK } sort;
 } keys[] = {
-    {CONUS_CONSTRAINT_REACH, "length", CONUS_MEASURE_LENGTH, 1e9, false},
-    {CONUS_CONSTRAINT_REACH, "tip", CONUS_MEASURE_TIP, 0, false},
-    {CONUS_CONSTRAINT_REACH, "crossed", CONUS_MEASURE_CROSSED, 0, false},
-    {CONUS_CONSTRAINT_REACH, "part", CONUS_MEASURE_LENGTH, 1e9, true},
-    {CONUS_CONSTRAINT_REACH, "contacts", CONUS_MEASURE_CONTACTS, 65536, false},
-    {CONUS_CONSTRAINT_REACH, "probability", CONUS_MEASURE_PROBABILITY, 1, false},
-    {CONUS_CONSTRAINT_REACH, "share", CONUS_MEASURE_SHARE, 1, false},
-    {CONUS_CONSTRAINT_REACH, "pierced", CONUS_MEASURE_PIERCED, 1, false},
-    {CONUS_CONSTRAINT_REACH, "volume", CONUS_MEASURE_VOLUME, 1e12, false},
-    {CONUS_CONSTRAINT_REACH, "fraction", CONUS_MEASURE_FRACTION, 1, false},
-    {CONUS_CONSTRAINT_REACH, "streamlines", CONUS_MEASURE_STREAMLINES, 1e12, false},
-    {CONUS_CONSTRAINT_AVOID, "margin", CONUS_MEASURE_LENGTH, 100, false},
-    {CONUS_CONSTRAINT_AVOID, "share", CONUS_MEASURE_SHARE, 1, false},
-    {CONUS_CONSTRAINT_AVOID, "pierced", CONUS_MEASURE_PIERCED, 1, false},
+    {CONUS_CONSTRAINT_REACH, "length", CONUS_MEASURE_LENGTH, 1e9, KEY_MEASURE},
+    {CONUS_CONSTRAINT_REACH, "tip", CONUS_MEASURE_TIP, 0, KEY_MEASURE},
+    {CONUS_CONSTRAINT_REACH, "crossed", CONUS_MEASURE_CROSSED, 0, KEY_MEASURE},
+    {CONUS_CONSTRAINT_REACH, "part", CONUS_MEASURE_LENGTH, 1e9, KEY_PART},
+    {CONUS_CONSTRAINT_REACH, "contacts", CONUS_MEASURE_CONTACTS, 65536, KEY_MEASURE},
+    {CONUS_CONSTRAINT_REACH, "probability", CONUS_MEASURE_PROBABILITY, 1, KEY_MEASURE},
+    {CONUS_CONSTRAINT_REACH, "share", CONUS_MEASURE_SHARE, 1, KEY_MEASURE},
+    {CONUS_CONSTRAINT_REACH, "pierced", CONUS_MEASURE_PIERCED, 1, KEY_MEASURE},
+    {CONUS_CONSTRAINT_REACH, "volume", CONUS_MEASURE_VOLUME, 1e12, KEY_MEASURE},
+    {CONUS_CONSTRAINT_REACH, "fraction", CONUS_MEASURE_FRACTION, 1, KEY_MEASURE},
+    {CONUS_CONSTRAINT_REACH, "streamlines", CONUS_MEASURE_STREAMLINES, 1e12, KEY_MEASURE},
+    {CONUS_CONSTRAINT_AVOID, "margin", CONUS_MEASURE_LENGTH, 100, KEY_MEASURE},
+    {CONUS_CONSTRAINT_AVOID, "share", CONUS_MEASURE_SHARE, 1, KEY_MEASURE},
+    {CONUS_CONSTRAINT_AVOID, "pierced", CONUS_MEASURE_PIERCED, 1, KEY_MEASURE},
+    {CONUS_CONSTRAINT_REACH, "shank", CONUS_MEASURE_LENGTH, 1, KEY_SHANK},
+    {CONUS_CONSTRAINT_AVOID, "shank", CONUS_MEASURE_LENGTH, 1, KEY_SHANK},
+    {CONUS_CONSTRAINT_APART, "shank", CONUS_MEASURE_LENGTH, 1, KEY_SHANK},
+    {CONUS_CONSTRAINT_FIRST, "shank", CONUS_MEASURE_LENGTH, 1, KEY_SHANK},
 };
 
 enum { KEYS = sizeof keys / sizeof keys[0] };
@@ -131,6 +147,19 @@ static const struct key *find_key(conus_constraint_kind kind, const char *text)
     return NULL;
 }
 
+static bool read_shank(conus_constraint *out, const char *option, const char *text)
+{
+    uint64_t number = 0;
+    bool is_word = strcmp(text, "any") == 0 || strcmp(text, "all") == 0;
+    if (out->shank || (!is_word && !(count_parse(text, INT32_MAX, &number) && number))) {
+        print_error_line("--%s: shank=%s %s", option, text,
+                         out->shank ? "is one shank too many" : "is neither any nor all nor a whole number above 0");
+        return false;
+    }
+    out->shank = number ? (int32_t)number : strcmp(text, "any") == 0 ? CONUS_SHANK_ANY : CONUS_SHANK_ALL;
+    return true;
+}
+
 /* Reads "key=value" or "key", the text after a comma. */
 static bool read_key(conus_constraint *out, bool *has_measure, char *text)
 {
@@ -145,9 +174,11 @@ static bool read_key(conus_constraint *out, bool *has_measure, char *text)
                          near ? near : "", near ? "?" : "");
     } else if ((key->high > 0) != (value != NULL)) {
         print_error_line("--%s: \"%s\" has %s number behind it", option, text, value ? "a" : "no");
-    } else if (key->is_part ? out->part[1] > 0 : *has_measure) {
+    } else if (value && key->sort == KEY_SHANK) {
+        return read_shank(out, option, value);
+    } else if (key->sort == KEY_PART ? out->part[1] > 0 : *has_measure) {
         print_error_line("--%s: \"%s\" is one measure too many, an option has one", option, text);
-    } else if (key->is_part) {
+    } else if (key->sort == KEY_PART) {
         if (numbers_parse(part, 2, value, ':') == 2 && part[0] >= 0 && part[0] < part[1]) {
             memcpy(out->part, part, sizeof part);
             return true;
@@ -163,20 +194,29 @@ static bool read_key(conus_constraint *out, bool *has_measure, char *text)
     return false;
 }
 
-/* NAMES with keys behind them, which are cut off from the end. */
+/* Cuts keys off the end of a text. */
+static bool read_keys(conus_constraint *out, char *text)
+{
+    bool has_measure = false;
+    for (char *comma; (comma = strrchr(text, ',')) && (strchr(comma, '=') || find_key(out->kind, comma + 1));) {
+        *comma = '\0';
+        if (!read_key(out, &has_measure, comma + 1)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* NAMES with keys behind them. */
 static bool read_structure(conus_constraint *out, char *text)
 {
     static const char *const numbers[] = {
         ",length=", ",part=",     ",margin=",      ",contacts=", ",probability=", ",share=", ",pierced=",
         ",volume=", ",fraction=", ",streamlines=", NULL};
     const char *option = constraint_options[out->kind].name;
-    bool has_measure = false;
     out->names = text;
-    for (char *comma; (comma = strrchr(text, ',')) && (strchr(comma, '=') || find_key(out->kind, comma + 1));) {
-        *comma = '\0';
-        if (!read_key(out, &has_measure, comma + 1)) {
-            return false;
-        }
+    if (!read_keys(out, text)) {
+        return false;
     }
     return *text ? !key_left_in_file(option, text, numbers)
                  : (print_error_line("--%s: there is no name of a structure", option), false);
@@ -210,6 +250,9 @@ static bool read_lean(conus_constraint *out, char *text)
 
 static bool read_apart(conus_constraint *out, char *text)
 {
+    if (!read_keys(out, text)) {
+        return false;
+    }
     char *comma = strrchr(text, ',');
     if (!comma || comma == text || !number_parse(comma + 1, &out->limit)) {
         print_error_line("--apart: \"%s\" is not FILE,MM", text);
@@ -252,6 +295,29 @@ bool constraints_are_given(const struct arguments *arguments)
     return any;
 }
 
+/* X,Y;X,Y... */
+static int read_shanks(struct constraints *out, const char *text)
+{
+    size_t count = 1;
+    for (const char *at = text; *at; at++) {
+        count += *at == ';';
+    }
+    free(out->shanks);
+    out->shank_count = count;
+    out->shanks = calloc(count, sizeof *out->shanks);
+    char *copy = strdup(text);
+    int code = out->shanks && copy ? EXIT_DONE : print_no_memory();
+    char *rest = copy;
+    for (size_t i = 0; i < count && !code; i++) {
+        const char *word = strsep(&rest, ";");
+        code = numbers_parse(out->shanks[i], 2, word, ',') == 2
+                   ? EXIT_DONE
+                   : print_usage_error("--shanks: \"%s\" is not two numbers X,Y", word);
+    }
+    free(copy);
+    return code;
+}
+
 int constraints_parse(struct constraints *out, const struct arguments *arguments)
 {
     *out = (struct constraints){.items = calloc(arguments->use_count + 1, sizeof *out->items),
@@ -263,6 +329,10 @@ int constraints_parse(struct constraints *out, const struct arguments *arguments
     for (size_t i = 0; i < arguments->use_count; i++) {
         const struct option_use *use = &arguments->uses[i];
         size_t kind = kind_of(use->option);
+        int code = use->option == shank_options ? read_shanks(out, use->value) : EXIT_DONE;
+        if (code) {
+            return code;
+        }
         if (constraint_options[kind].name || use->option == entry_options) {
             char *text = out->texts[out->count] = strdup(use->value);
             conus_constraint *item = &out->items[out->count++];
@@ -313,6 +383,7 @@ void constraints_finish(struct constraints *constraints)
         free(constraints->needles[i]);
     }
     free(constraints->items);
+    free(constraints->shanks);
     free((void *)constraints->texts);
     free((void *)constraints->needles);
     *constraints = (struct constraints){0};

@@ -11,16 +11,20 @@ struct constraints {
     char **texts;            /**< [count] Their options' values, cut at their commas. */
     double **needles;        /**< [count] Of --apart; else NULL. */
     size_t count;
+    double (*shanks)[2]; /**< [shank_count] Of --shanks, along the device's x and y, mm; NULL = not given. */
+    size_t shank_count;
 };
 
 extern const struct option constraint_options[]; /**< struct constraint_settings */
 extern const struct option entry_options[];      /**< Likewise, of candidates that have an entry. */
+extern const struct option shank_options[];      /**< Likewise: --shanks. */
 
 /** Only so that the parser keeps what it reads: constraints_parse() takes the uses, in their order. */
 struct constraint_settings {
     struct option_list reach, avoid, lean, apart, first;
     double length[2];
     double entry_angle;
+    const char *shanks;
 };
 
 /** Reads the options, of which there may be none; @p out is the caller's to constraints_finish() in any case. Returns

@@ -66,6 +66,7 @@ static const struct option_group groups[] = {
     {"", space_options, offsetof(struct view_settings, space)},
     {"A plan: what must hold, all of it, wherever the first tool is", constraint_options,
      offsetof(struct view_settings, constraints)},
+    {"", shank_options, offsetof(struct view_settings, constraints)},
     {"", needle_options, 0},
     {"A tracker that points", station_options_table, offsetof(struct view_settings, station)},
     {"A second tool", second_options_table, offsetof(struct view_settings, station)},

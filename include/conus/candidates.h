@@ -232,6 +232,8 @@ typedef struct conus_candidates {
                               from pi/18000 radians (0.01 degrees) to tilt_most. */
     bool to_target;        /**< Rows have a far end: the target's distance from the entry plus @p beyond. */
     double beyond;         /**< mm; below 0 it ends before the target. */
+    double roll_step; /**< Each is also turned about its axis: ceil(2 pi / roll_step) times, equally; from pi/18000 to
+                         pi radians; 0 = not turned. */
 } conus_candidates;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -240,14 +242,15 @@ typedef struct conus_candidates {
 /**
  * Makes a stream of all candidates, in the order of entries, of one entry in that of targets, of these two in that of
  * tilts: the direction itself, then rings at tilt_step, 2 tilt_step and so on up to tilt_most; a ring at the angle t
- * has ceil(2 pi sin(t) / tilt_step) directions, from the device's +y on towards its +x (Eq. 2). No memory grows with
- * their number. A row's id is "eI-tJ-kK" with the numbers of entry, target and tilt, from 1, without those of which
- * there is one; its line is its own number. An entry that is the target itself is a row with an error.
+ * has ceil(2 pi sin(t) / tilt_step) directions, from the device's +y on towards its +x (Eq. 2); of one tilt in that of
+ * turns, which move the device's +y towards its +x. No memory grows with their number. A row's id is "eI-tJ-kK-rR" with
+ * the numbers of entry, target, tilt and turn, from 1, without those of which there is one; its line is its own number.
+ * An entry that is the target itself is a row with an error.
  * @param[out] out The stream; end it with conus_pose_stream_destroy(). Its format is #CONUS_POSE_FORMAT_TABLE.
  * @param candidates Its arrays must outlive the stream.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for no entry or target, for one that is not finite, for a normal without
- * length, for none where they are needed, for tilts out of their range, for a far end at targets that there are not,
- * and for more candidates than #CONUS_CANDIDATE_LIMIT.
+ * length, for none where they are needed, for tilts and turns out of their range, for a far end at targets that there
+ * are not, and for more candidates than #CONUS_CANDIDATE_LIMIT.
  * @threads Any.
  * @since 0.1
  */

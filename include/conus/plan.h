@@ -66,7 +66,14 @@ typedef struct conus_constraint {
     size_t needle_count;     /**< APART: how many there are. */
     conus_contacts contacts; /**< REACH by #CONUS_MEASURE_CONTACTS or #CONUS_MEASURE_PROBABILITY: on the axis, counted
                                 from the far end; those before the near end are in nothing. */
+    int32_t shank;           /**< REACH, AVOID, APART, FIRST: the shank that it is about, from 1; #CONUS_SHANK_ANY or
+                                #CONUS_SHANK_ALL of them; 0 = any for REACH, all for the others. */
 } conus_constraint;
+
+/** conus_constraint.shank: it holds if it does for one shank. */
+#define CONUS_SHANK_ANY (-1)
+/** conus_constraint.shank: it holds if it does for each. */
+#define CONUS_SHANK_ALL (-2)
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_CONSTRAINT_INIT CONUS_INIT_(conus_constraint)
@@ -100,6 +107,9 @@ typedef struct conus_plan_options {
     const conus_jitter_options *jitter; /**< Errors of the poses, for the probabilities to hold (Eq. 14), of the listed
                                            ones and where p_ok is a key; progress is not used. NULL = none. Copied. */
     uint64_t targets;                   /**< Likewise of each target, for conus_plan_target(). */
+    const double *shanks; /**< [shank_count][2] Where the parallel needles of a device are beside its axis, along its
+                             x and y, mm, up to 1000. Copied. NULL = one, on the axis. */
+    size_t shank_count;   /**< With shanks 1 to 1000, else 0. */
 } conus_plan_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -117,6 +127,9 @@ typedef struct conus_verdict {
     double depth;    /**< mm from the apex: of a clearance where the axis is nearest, of a length or FIRST where it
                         enters; else, and where there is none, NaN. */
     uint32_t object; /**< Of a clearance the nearest object, of FIRST the first; else, and of none, 0. */
+    uint32_t shank;  /**< Number of the shank that all but the leeway is of, from 1: the one with the largest slack
+                        where any shank will do, the least where all have to hold; of equal ones the first. The leeway
+                        is the largest or the least of all theirs. */
     double p;        /**< Probability that it holds under jitter (Eq. 14); NaN without it, and of a miss. */
 } conus_verdict;
 
@@ -144,7 +157,8 @@ typedef struct conus_planned {
     uint64_t target;               /**< Likewise. */
     double entry_angle;            /**< Between the axis and the inward normal at the entry, radians; NaN without it. */
     double normal[3];              /**< Outward at its entry, as conus_pose_row has it. */
-    double p_ok; /**< Probability that all constraints hold under jitter (Eq. 14); NaN without it, and of a miss. */
+    double p_ok;    /**< Probability that all constraints hold under jitter (Eq. 14); NaN without it, and of a miss. */
+    bool has_angle; /**< The opening is the row's own. */
 } conus_planned;
 
 /** Rows that were no candidates. */
@@ -344,7 +358,8 @@ CONUS_API bool conus_plan_has_leeway(const conus_plan *plan, size_t index);
  * @param plan The plan.
  * @param pose Index in the list.
  * @param constraint Index of a REACH, AVOID or FIRST.
- * @param depth mm from the apex.
+ * @param depth mm from the apex. Of several shanks it is the nearest one's, but the farthest one's for a REACH or FIRST
+ * of all and an AVOID of any.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for an index or a depth that is none.
  * @threads One at a time for each @p plan.
  * @since 0.1

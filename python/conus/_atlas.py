@@ -752,6 +752,8 @@ class Selector:
         entries: Any = None,
         targets: Any = None,
         tilt: Any = None,
+        roll: Optional[float] = None,
+        shanks: Any = None,
         near: Any = None,
         depth: Any = None,
         length: Any = None,
@@ -796,6 +798,11 @@ class Selector:
             "spacing": 2}); "normal", against the entries' normals; an array or Poses.
         tilt
             (MAX, STEP) degrees: and rings of directions around each.
+        roll
+            Degrees: each is also turned about its axis in such steps.
+        shanks
+            (n, 2) mm along the device's x and y: where its parallel needles are beside its axis. The key "shank" of a
+            reach or avoid, {"length": 5, "shank": "all"}, is "any" (default of a reach), "all" (else) or a number from 1.
         near, depth
             Both ends of the needles, mm from the apex, one number or (n,); not given, those of the file, or of the
             selector's range. With entries, depth is one number, or "target+3".
@@ -834,17 +841,17 @@ class Selector:
         constraints = constraints_of(reach, avoid, length, lean, apart, first, entry_angle, contacts)
         errors: Mapping[int, str] = {}
         if entries is None:
-            if targets is not None or tilt is not None:
-                raise ArgumentError("targets and tilt have no effect without entries")
+            if targets is not None or tilt is not None or roll is not None:
+                raise ArgumentError("targets, tilt and roll have no effect without entries")
             array = self._poses(origins, directions, poses, None, None)
             stream, far, errors = stream_of(array, poses, near, depth), None, array.reasons
         else:
             if targets is None or not all(given is None for given in (poses, origins, directions, near)):
                 raise ArgumentError("entries: targets go with them, and no poses, origins, directions or near")
             far, beyond = depth_of(depth)
-            stream = candidates_stream(self, entries, targets, tilt, beyond, constraints.reached())
-        return plan_of(self, constraints, stream, errors, far, infeasible, top, threads, angle, (rank, score, pareto),
-                       jitter, samples)
+            stream = candidates_stream(self, entries, targets, tilt, roll, beyond, constraints.reached())
+        return plan_of(self, constraints, stream, errors, far, infeasible, top, threads, angle, shanks,
+                       (rank, score, pareto), jitter, samples)
 
     def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", **options: Any) -> pandas.DataFrame:
         """By how much needles may be off before a constraint breaks: :meth:`Plan.tolerance` of all given poses.

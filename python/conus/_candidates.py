@@ -112,8 +112,8 @@ def depth_of(depth: Any) -> tuple[Optional[float], Optional[float]]:
 
 
 @contextlib.contextmanager
-def candidates_stream(selector: Selector, entries: Any, targets: Any, tilt: Any, beyond: Optional[float],
-                      reached: Any) -> Iterator[Any]:
+def candidates_stream(selector: Selector, entries: Any, targets: Any, tilt: Any, roll: Any,
+                      beyond: Optional[float], reached: Any) -> Iterator[Any]:
     """A conus_pose_stream of all needles from the entries to the targets."""
     places = _entries(selector, entries), _targets(selector, targets, reached)
     asked, out = ffi.new("conus_candidates *"), ffi.new("conus_pose_stream **")
@@ -123,6 +123,7 @@ def candidates_stream(selector: Selector, entries: Any, targets: Any, tilt: Any,
         asked.targets, asked.target_count = lib.conus_sites_points(places[1]), lib.conus_sites_count(places[1])
     if tilt is not None:
         asked.tilt_most, asked.tilt_step = (math.radians(angle) for angle in vector("tilt", tilt, 2))
+    asked.roll_step = 0 if roll is None else math.radians(real("roll", roll))
     asked.to_target, asked.beyond = beyond is not None, beyond or 0
     check(lib.conus_candidates_open(out, asked))
     yield owned(out[0], lib.conus_pose_stream_destroy, *places)

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _FORMATS = {".tsv": "TSV", ".csv": "CSV", ".json": "JSON", ".ndjson": "NDJSON", ".jsonl": "NDJSON", ".txt": "TABLE"}
 
+_SHANKS = {"any": -1, "all": -2}  # CONUS_SHANK_ANY, CONUS_SHANK_ALL
 _POINTS = ("tip", "crossed")  # of an axis, without a number
 _OF_CONTACTS = ("contacts", "probability")
 _MEASURES = {"reach": (*_POINTS, *_OF_CONTACTS, "share", "pierced", "volume", "fraction", "streamlines"),
@@ -59,7 +60,10 @@ class Constraints:
             members: dict[str, Any] = {"names": utf8(kind, names)}
             keys = asked if isinstance(asked, Mapping) else {asked: None} if isinstance(asked, str) else {main: asked}
             for key, value in keys.items():
-                if key == "part" and kind == "reach":
+                if key == "shank":
+                    by_word = isinstance(value, str) and value in _SHANKS
+                    members["shank"] = _SHANKS[value] if by_word else whole(f"{kind}: shank", value, 1, 1000)
+                elif key == "part" and kind == "reach":
                     members["part"] = vector(f"{kind}: part", value, 2)
                 elif key in _MEASURES[kind] and "measure" not in members and (value is None) == (key in _POINTS):
                     members["measure"] = getattr(lib, f"CONUS_MEASURE_{key.upper()}")
@@ -280,8 +284,8 @@ class Plan:
 
 def plan_of(
     selector: Selector, constraints: Constraints, stream: ContextManager[Any], errors: Mapping[int, str],
-    far: Optional[float], infeasible: bool, top: Optional[int], threads: Optional[int], angle: Any, words: Sequence[Optional[str]],
-    jitter: Any, samples: int,
+    far: Optional[float], infeasible: bool, top: Optional[int], threads: Optional[int], angle: Any, shanks: Any,
+    words: Sequence[Optional[str]], jitter: Any, samples: int,
 ) -> Plan:
     """What :meth:`Selector.plan` gives; ``words`` are rank, score and pareto."""
     options, out = ffi.new("conus_plan_options *"), ffi.new("conus_plan **")
@@ -290,6 +294,11 @@ def plan_of(
     options.infeasible = flag("infeasible", infeasible)
     options.far = 0 if far is None else far
     options.angle = 0 if angle is None else math.radians(real("angle", angle))
+    if shanks is not None:
+        places = np.ascontiguousarray(numbers("shanks", shanks))
+        if places.ndim != 2 or places.shape[1] != 2:
+            raise ArgumentError(f"shanks: an array of shape {places.shape}, wanted is (n, 2)")
+        options.shanks, options.shank_count = ffi.from_buffer("double[]", places), len(places)
     texts = [optional(utf8, name, word) for name, word in zip(("rank", "score", "pareto"), words)]
     options.rank, options.score, options.pareto = texts
     errors_of_pose = _jitter_of(jitter, samples)

@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CONSTRAINT_LIMIT = 100, BLOCK = 32, DEFAULT_TOP = 20, SPARE = 16 };
+enum { CONSTRAINT_LIMIT = 100, SHANK_LIMIT = 1000, BLOCK = 32, DEFAULT_TOP = 20, SPARE = 16 };
 enum { MAPS_AFTER = 2048 }; /* poses, which take as long as making the maps does */
 
 /* A pose that is kept; its verdicts, keys and id stand behind it. */
@@ -87,6 +87,7 @@ enum { OF_ENTRY, OF_TARGET, BESTS };
 struct conus_plan {
     conus_selector *selector;
     conus_plan_options options; /* Defaults filled in; strings are not kept. */
+    double (*shanks)[2];        /* [options.shank_count] */
     struct plan_constraint *constraints;
     size_t count;
     struct plan_order order;
@@ -153,6 +154,26 @@ static conus_status init_block(struct block *block, const conus_plan *plan)
     return CONUS_OK;
 }
 
+static conus_status init_shanks(conus_plan *plan)
+{
+    static const double axis[2] = {0, 0};
+    const double *asked = plan->options.shanks ? plan->options.shanks : axis;
+    size_t count = plan->options.shanks ? plan->options.shank_count : 1;
+    if (!count || count > SHANK_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "shanks: %zu, allowed are 1 to %d", count, SHANK_LIMIT);
+    }
+    for (size_t i = 0; i < 2 * count; i++) {
+        if (!(fabs(asked[i]) <= SHANK_LIMIT)) {
+            return fail(CONUS_ERROR_ARGUMENT, "shanks: the one with number %zu is at %g,%g, allowed are up to %d mm",
+                        i / 2 + 1, asked[i / 2 * 2], asked[i / 2 * 2 + 1], SHANK_LIMIT);
+        }
+    }
+    plan->shanks = memory_copy(asked, count, sizeof *plan->shanks);
+    plan->options.shanks = NULL;
+    plan->options.shank_count = count;
+    return plan->shanks ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 /* Constraint `index` of an array of structs of the caller's size. */
 static conus_constraint constraint_at(const conus_constraint *constraints, size_t index)
 {
@@ -169,7 +190,7 @@ static conus_status init_constraints(conus_plan *plan, const conus_constraint *c
     conus_status status = plan->constraints ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < count && !status; i++) {
         const conus_constraint asked = constraint_at(constraints, i);
-        status = plan_constraint_init(&plan->constraints[i], plan->selector, &asked);
+        status = plan_constraint_init(&plan->constraints[i], plan->selector, &asked, plan->options.shank_count);
         plan->count++;
     }
     return status ? status : plan_constraints_check(plan->constraints, count, plan->selector->atlas);
@@ -217,7 +238,8 @@ conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const
     const conus_plan_options filled = *options_of(conus_plan_options, options);
     plan->selector = selector;
     plan->options = filled;
-    conus_status status = init_constraints(plan, constraints, count);
+    conus_status status = init_shanks(plan);
+    status = status ? status : init_constraints(plan, constraints, count);
     status = status ? status : plan_order_init(&plan->order, plan->constraints, plan->count, &filled);
     status = status ? status : init_options(plan, filled.jitter);
     if (!status) {
@@ -232,7 +254,8 @@ conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const
         status = init_bests(&plan->bests[k], k == OF_ENTRY ? filled.entries : filled.targets, plan->order.rank_count);
     }
     for (size_t i = 0; !status && i < plan->options.threads; i++) {
-        status = plan_judge_init(&plan->workers[i].judge, selector, plan->constraints);
+        status = plan_judge_init(&plan->workers[i].judge, selector, plan->constraints, (const double(*)[2])plan->shanks,
+                                 plan->options.shank_count);
         status = status ? status : init_bar(&plan->workers[i].bar, plan);
     }
     for (size_t i = 0; !status && i <= ring_slots(plan->options.threads); i++) {
@@ -271,6 +294,7 @@ void conus_plan_destroy(conus_plan *plan)
     finish_bar(&plan->bar);
     memory_free(plan->jitter.errors);
     memory_free(plan->constraints);
+    memory_free(plan->shanks);
     memory_free(plan->left);
     memory_free((void *)plan->misses);
     memory_free(plan->fronts);
@@ -298,6 +322,7 @@ static const char *take_needle(conus_planned *out, const conus_pose_row *row, co
                                   : plan->options.far > 0 ? plan->options.far
                                                           : range[1],
                            .angle = has_angle ? row->angle : plan->options.angle,
+                           .has_angle = has_angle,
                            .entry = row->entry,
                            .target = row->target,
                            .p_ok = NAN,

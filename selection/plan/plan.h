@@ -67,20 +67,29 @@ enum plan_care {
     PLAN_ALL
 };
 
+/** One of the parallel needles of the pose at hand. */
+struct plan_shank {
+    conus_pose pose;
+    struct needle needle;
+    bool is_followed;           /**< The layers are its. */
+    struct layers layers;       /**< What its axis passes, from the apex on, sorted. */
+    conus_selection *selection; /**< NULL = not needed yet. */
+};
+
 /** What one thread judges with, and the pose at hand. */
 struct plan_judge {
     const struct plan_constraint *constraints;
     conus_selector *selector; /**< Shares its engine with the other threads'. */
     const conus_planned *pose;
-    struct needle needle;
-    bool is_followed;           /**< The layers are the pose's. */
-    struct layers layers;       /**< What the axis passes, from the apex on, sorted. */
-    conus_selection *selection; /**< NULL = not needed yet. */
-    struct plan_leeway leeway;  /**< Its uses_maps is that of all questions. */
+    const double (*offsets)[2]; /**< [shank_count] Along the device's x and y, mm. */
+    struct plan_shank *shanks;  /**< [shank_count] */
+    size_t shank_count;
+    struct plan_shank *shank;  /**< The one at hand. */
+    struct plan_leeway leeway; /**< Its uses_maps is that of all questions. */
 };
 
 conus_status plan_judge_init(struct plan_judge *out, conus_selector *selector,
-                             const struct plan_constraint *constraints);
+                             const struct plan_constraint *constraints, const double (*offsets)[2], size_t shank_count);
 void plan_judge_finish(struct plan_judge *judge);
 
 /** Turns to another candidate. */
@@ -98,7 +107,7 @@ conus_status plan_judge_least(bool *out, struct plan_judge *judge, size_t index,
  * direction its slack, radians, by which the axis may turn. */
 conus_status plan_judge_leeway(double *out, struct plan_judge *judge, size_t index, double most);
 
-/** mm from the needle's axis to the structure of constraint @p index. */
+/** mm from the needle's axis to the structure of constraint @p index; of several as conus_plan_distance() says. */
 double plan_judge_distance(struct plan_judge *judge, size_t index);
 
 /* plan_jitter.c */

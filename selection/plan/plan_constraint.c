@@ -228,6 +228,23 @@ static conus_status check_numbers(const conus_constraint *asked)
     }
 }
 
+/* Which shanks it is about; what all have in common is asked of the first. */
+static conus_status find_shanks(struct plan_constraint *out, const conus_constraint *asked, size_t shank_count)
+{
+    bool is_same = asked->kind == CONUS_CONSTRAINT_LENGTH || asked->kind == CONUS_CONSTRAINT_LEAN ||
+                   asked->kind == CONUS_CONSTRAINT_ENTRY_ANGLE;
+    if (asked->shank < CONUS_SHANK_ALL || (asked->shank > 0 && (size_t)asked->shank > shank_count)) {
+        return fail(CONUS_ERROR_ARGUMENT, "shank: %d, allowed are any, all and 1 to %zu", (int)asked->shank,
+                    shank_count);
+    }
+    bool is_one = asked->shank > 0 && !is_same;
+    out->shanks[0] = is_one ? (size_t)asked->shank - 1 : 0;
+    out->shanks[1] = is_one || is_same ? out->shanks[0] + 1 : shank_count;
+    out->any_shank = out->shanks[1] - out->shanks[0] > 1 &&
+                     (asked->shank == CONUS_SHANK_ANY || (!asked->shank && asked->kind == CONUS_CONSTRAINT_REACH));
+    return CONUS_OK;
+}
+
 static conus_status fill(struct plan_constraint *out, const conus_selector *selector, const conus_constraint *asked)
 {
     if ((unsigned)asked->measure > CONUS_MEASURE_STREAMLINES || !(KINDS[asked->kind].measures >> asked->measure & 1)) {
@@ -265,12 +282,13 @@ static conus_status fill(struct plan_constraint *out, const conus_selector *sele
 }
 
 conus_status plan_constraint_init(struct plan_constraint *out, const conus_selector *selector,
-                                  const conus_constraint *asked)
+                                  const conus_constraint *asked, size_t shank_count)
 {
     if ((unsigned)asked->kind >= KIND_COUNT) {
         return fail(CONUS_ERROR_ARGUMENT, "constraint: kind %d is unknown", (int)asked->kind);
     }
     conus_status status = fill(out, selector, asked);
+    status = status ? status : find_shanks(out, asked, shank_count);
     return status == CONUS_ERROR_ARGUMENT ? fail_in(status, KINDS[asked->kind].name) : status;
 }
 
@@ -313,9 +331,20 @@ static bool is_within(const uint32_t *inner, const uint32_t *outer, const conus_
 static bool is_same(const struct plan_constraint *a, const struct plan_constraint *b, const conus_atlas *atlas)
 {
     bool is_alike = a->asked.kind == b->asked.kind && a->asked.measure == b->asked.measure &&
-                    a->asked.part[0] == b->asked.part[0] && a->asked.part[1] == b->asked.part[1];
+                    a->asked.shank == b->asked.shank && a->asked.part[0] == b->asked.part[0] &&
+                    a->asked.part[1] == b->asked.part[1];
     return is_alike && (a->asked.kind == CONUS_CONSTRAINT_LENGTH || a->asked.kind == CONUS_CONSTRAINT_ENTRY_ANGLE ||
                         (a->has && is_within(a->has, b->has, atlas) && is_within(b->has, a->has, atlas)));
+}
+
+/* Whether a shank of which a constraint holds would have to be one of which the other holds, too. */
+static bool share_shank(const struct plan_constraint *a, const struct plan_constraint *b)
+{
+    size_t first = a->shanks[0] > b->shanks[0] ? a->shanks[0] : b->shanks[0];
+    size_t end = a->shanks[1] < b->shanks[1] ? a->shanks[1] : b->shanks[1];
+    const struct plan_constraint *any = a->any_shank ? a : b->any_shank ? b : NULL;
+    size_t needed = any ? any->shanks[1] - any->shanks[0] : 1;
+    return !(a->any_shank && b->any_shank) && end >= first + needed;
 }
 
 conus_status plan_constraints_check(const struct plan_constraint *constraints, size_t count, const conus_atlas *atlas)
@@ -328,7 +357,8 @@ conus_status plan_constraints_check(const struct plan_constraint *constraints, s
                 return fail(CONUS_ERROR_ARGUMENT, "%s: constraints %zu and %zu are of the same",
                             KINDS[a->asked.kind].name, i + 1, j + 1);
             }
-            if (a->asked.kind == CONUS_CONSTRAINT_REACH && plan_is_clearance(b) && is_within(a->has, b->has, atlas)) {
+            if (a->asked.kind == CONUS_CONSTRAINT_REACH && plan_is_clearance(b) && share_shank(a, b) &&
+                is_within(a->has, b->has, atlas)) {
                 return fail(CONUS_ERROR_ARGUMENT, "constraint %zu avoids all that constraint %zu reaches", j + 1,
                             i + 1);
             }

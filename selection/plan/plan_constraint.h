@@ -25,11 +25,13 @@ struct plan_constraint {
     struct plan_part *parts;
     size_t part_count;
     bool has_leeway;
+    size_t shanks[2]; /**< It is about those from the first to before the second, from 0: */
+    bool any_shank;   /**< any of these; else each. */
 };
 
 /** Fills a zeroed one; it can be finished after a failure, too. */
 conus_status plan_constraint_init(struct plan_constraint *out, const conus_selector *selector,
-                                  const conus_constraint *asked);
+                                  const conus_constraint *asked, size_t shank_count);
 void plan_constraint_finish(struct plan_constraint *constraint);
 
 /** Makes the maps of a constraint that keeps a distance, or that has a leeway. */

@@ -35,16 +35,17 @@ static void move(conus_planned *out, const conus_planned *pose, const struct pla
     out->entry_angle = isnan(pose->entry_angle) ? NAN : vec3_angle(out->pose.world_from_device + 8, pose->normal);
 }
 
-/* By how many mm the points of the axis are off at most, at equal depth: the most is at one of its ends. */
-static double most_off(const conus_planned *a, const conus_planned *b)
+/* By how many mm the points of the shanks are off at most, at equal depth: the most is at an end of one. */
+static double most_off(const conus_planned *a, const conus_planned *b, const struct plan_judge *judge)
 {
-    const double depths[2] = {a->near, a->far};
     double most = 0;
-    for (int i = 0; i < 2; i++) {
-        double off[3];
-        for (int k = 0; k < 3; k++) {
-            off[k] = b->pose.world_from_device[12 + k] - a->pose.world_from_device[12 + k] -
-                     depths[i] * (b->pose.world_from_device[8 + k] - a->pose.world_from_device[8 + k]);
+    for (size_t i = 0; i < 2 * judge->shank_count; i++) {
+        const double *shank = judge->offsets[i / 2];
+        const double at[4] = {shank[0], shank[1], i % 2 ? -a->far : -a->near, 1};
+        double off[3] = {0};
+        for (int k = 0; k < 4; k++) {
+            vec3_add_scaled(off, off, at[k], b->pose.world_from_device + 4 * k);
+            vec3_add_scaled(off, off, -at[k], a->pose.world_from_device + 4 * k);
         }
         most = fmax(most, vec3_length(off));
     }
@@ -65,7 +66,7 @@ conus_status plan_jitter_ask(conus_planned *pose, conus_verdict *verdicts, struc
         bool holds_all = true;
         move(&moved, pose, jitter, i);
         plan_judge_turn(judge, &moved);
-        double off = has_bounds ? most_off(pose, &moved) : INFINITY;
+        double off = has_bounds ? most_off(pose, &moved, judge) : INFINITY;
         for (size_t k = 0; k < count && !status && (holds_all || is_whole); k++) {
             conus_verdict verdict = {.holds = verdicts[k].leeway > off};
             status = verdict.holds ? CONUS_OK : plan_judge(&verdict, judge, k, PLAN_HOLDS);

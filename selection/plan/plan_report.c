@@ -81,6 +81,11 @@ static void say_constraint(struct buffer *out, const struct report_constraint *c
         buffer_format(out, "at most %.9g degrees between axis and inward normal", degrees_from_radians(asked->limit));
         break;
     }
+    if (asked->shank > 0) {
+        buffer_format(out, ", shank %d", (int)asked->shank);
+    } else if (asked->shank) {
+        buffer_text(out, asked->shank == CONUS_SHANK_ANY ? ", any shank" : ", all shanks");
+    }
 }
 
 static const char ASKED[] = "asked is ";

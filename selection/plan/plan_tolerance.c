@@ -70,8 +70,27 @@ static void move(conus_planned *out, const struct motion *motion, double s)
     }
 }
 
-static conus_status init_motion(struct motion *out, const conus_planned *pose, const conus_tolerance *row,
-                                const conus_tolerance_options *options)
+/* mm that a point of a needle moves at most by a turn of 1: both its ends are looked at. */
+static double find_lever(const struct motion *motion, struct plan_judge *judge)
+{
+    double lever = 0;
+    plan_judge_turn(judge, motion->from);
+    for (size_t i = 0; i < judge->shank_count; i++) {
+        const struct needle *needle = &judge->shanks[i].needle;
+        for (int end = 0; end < 2; end++) {
+            double at[3];
+            double across[3];
+            needle_point(at, needle, end ? needle->far : needle->near);
+            vec3_sub(at, at, motion->pivot);
+            vec3_cross(across, at, motion->along);
+            lever = fmax(lever, vec3_length(across));
+        }
+    }
+    return lever;
+}
+
+static conus_status init_motion(struct motion *out, struct plan_judge *judge, const conus_planned *pose,
+                                const conus_tolerance *row, const conus_tolerance_options *options)
 {
     static const double up[3] = {0, 0, 1};
     const double *m = pose->pose.world_from_device;
@@ -81,7 +100,6 @@ static conus_status init_motion(struct motion *out, const conus_planned *pose, c
         .from = pose, .is_turn = freedom >= CONUS_FREEDOM_PITCH, .is_depth = freedom == CONUS_FREEDOM_DEPTH};
     out->unit = out->is_turn ? radians_from_degrees(1) : 1;
     out->most = out->is_turn ? TURN_LIMIT : SHIFT_LIMIT;
-    out->lever = 1;
     switch (freedom) {
     case CONUS_FREEDOM_X:
     case CONUS_FREEDOM_Y:
@@ -112,11 +130,7 @@ static conus_status init_motion(struct motion *out, const conus_planned *pose, c
     vec3_scale(out->along, out->along, row->negative ? -1 : 1);
     double pivot = options->pivot_at_tip ? pose->far : options->pivot;
     vec3_add_scaled(out->pivot, m + 12, pivot, direction);
-    if (out->is_turn) {
-        double across[3];
-        vec3_cross(across, direction, out->along);
-        out->lever = fmax(fabs(pose->near - pivot), fabs(pose->far - pivot)) * vec3_length(across);
-    }
+    out->lever = out->is_turn ? find_lever(out, judge) : 1;
     return CONUS_OK;
 }
 
@@ -233,7 +247,7 @@ static conus_status describe(conus_tolerance *row, struct plan_judge *judge, siz
     row->constraint = index;
     row->object = verdict.object;
     row->depth = verdict.depth;
-    needle_point(row->at, &judge->needle, verdict.depth);
+    needle_point(row->at, &judge->shanks[verdict.shank - 1].needle, verdict.depth);
     return status;
 }
 
@@ -295,7 +309,7 @@ conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan *plan, const 
                                     .constraint = SIZE_MAX,
                                     .depth = NAN,
                                     .at = {NAN, NAN, NAN}};
-        status = init_motion(&motion, pose, &rows[i], &filled);
+        status = init_motion(&motion, judge, pose, &rows[i], &filled);
         if (!status) {
             status = pose->feasible ? follow(&rows[i], judge, courses, count, &motion)
                                     : describe(&rows[i], judge, pose->broken, &motion);

@@ -12,9 +12,9 @@ static const double LOOK = 1e-5; /* mm: closer to its limit, a measure is taken 
 static const double FAR = 1e7;   /* mm: as far as a clearance is measured */
 
 conus_status plan_judge_init(struct plan_judge *out, conus_selector *selector,
-                             const struct plan_constraint *constraints)
+                             const struct plan_constraint *constraints, const double (*offsets)[2], size_t shank_count)
 {
-    *out = (struct plan_judge){.constraints = constraints};
+    *out = (struct plan_judge){.constraints = constraints, .offsets = offsets, .shank_count = shank_count};
     conus_status status = selector_prepare_axis(selector);
     status = status ? status : selector_prepare_clearance(selector);
     status = status ? status : selector_share(&out->selector, selector);
@@ -22,36 +22,46 @@ conus_status plan_judge_init(struct plan_judge *out, conus_selector *selector,
         out->selector->inside_only = true;
         status = selector_prepare_clearance(out->selector);
     }
-    return status;
+    out->shanks = memory_zeroed(shank_count, sizeof *out->shanks);
+    return status || out->shanks ? status : CONUS_ERROR_MEMORY;
 }
 
 void plan_judge_finish(struct plan_judge *judge)
 {
-    conus_selection_destroy(judge->selection);
+    for (size_t i = 0; judge->shanks && i < judge->shank_count; i++) {
+        conus_selection_destroy(judge->shanks[i].selection);
+        layers_finish(&judge->shanks[i].layers);
+    }
+    memory_free(judge->shanks);
     conus_selector_destroy(judge->selector);
-    layers_finish(&judge->layers);
     plan_leeway_finish(&judge->leeway);
 }
 
 void plan_judge_turn(struct plan_judge *judge, const conus_planned *pose)
 {
-    const double *device = pose->pose.world_from_device;
     judge->pose = pose;
-    judge->needle = (struct needle){.near = pose->near, .far = pose->far};
-    memcpy(judge->needle.origin, device + 12, sizeof judge->needle.origin);
-    vec3_scale(judge->needle.direction, device + 8, -1);
-    judge->is_followed = false;
-    conus_selection_destroy(judge->selection);
-    judge->selection = NULL;
+    for (size_t i = 0; i < judge->shank_count; i++) {
+        struct plan_shank *shank = &judge->shanks[i];
+        double *device = shank->pose.world_from_device;
+        shank->pose = pose->pose;
+        vec3_add_scaled(device + 12, device + 12, judge->offsets[i][0], device);
+        vec3_add_scaled(device + 12, device + 12, judge->offsets[i][1], device + 4);
+        shank->needle = (struct needle){.near = pose->near, .far = pose->far};
+        memcpy(shank->needle.origin, device + 12, sizeof shank->needle.origin);
+        vec3_scale(shank->needle.direction, device + 8, -1);
+        shank->is_followed = false;
+        conus_selection_destroy(shank->selection);
+        shank->selection = NULL;
+    }
 }
 
 static conus_status follow(struct plan_judge *judge)
 {
     conus_status status = CONUS_OK;
-    if (!judge->is_followed) {
-        layers_clear(&judge->layers);
-        status = axis_follow(&judge->layers, judge->selector, &judge->pose->pose);
-        judge->is_followed = !status;
+    if (!judge->shank->is_followed) {
+        layers_clear(&judge->shank->layers);
+        status = axis_follow(&judge->shank->layers, judge->selector, &judge->shank->pose);
+        judge->shank->is_followed = !status;
     }
     return status;
 }
@@ -74,8 +84,8 @@ static void measure_length(conus_verdict *out, const struct plan_judge *judge, c
     find_window(range, judge, constraint);
     out->value = 0;
     out->depth = NAN;
-    for (size_t i = 0; i < judge->layers.count && range[1] > range[0]; i++) {
-        conus_interval interval = judge->layers.intervals[i];
+    for (size_t i = 0; i < judge->shank->layers.count && range[1] > range[0]; i++) {
+        conus_interval interval = judge->shank->layers.intervals[i];
         if (!constraint->has[interval.object] || !axis_clip(&interval, judge->selector->atlas, range)) {
             continue;
         }
@@ -95,8 +105,8 @@ static void measure_length(conus_verdict *out, const struct plan_judge *judge, c
 static bool is_inside(const struct plan_judge *judge, const struct plan_constraint *constraint, double depth)
 {
     bool is = false;
-    for (size_t i = 0; i < judge->layers.count && !is; i++) {
-        const conus_interval *interval = &judge->layers.intervals[i];
+    for (size_t i = 0; i < judge->shank->layers.count && !is; i++) {
+        const conus_interval *interval = &judge->shank->layers.intervals[i];
         is = constraint->has[interval->object] && interval->entry <= depth && interval->exit > depth;
     }
     return is;
@@ -107,7 +117,7 @@ static double probability_at(const struct plan_judge *judge, const struct plan_c
 {
     double point[3];
     double sum = 0;
-    needle_point(point, &judge->needle, depth);
+    needle_point(point, &judge->shank->needle, depth);
     for (size_t i = 0; i < constraint->part_count; i++) {
         const struct volume *volume = constraint->parts[i].volume;
         size_t voxel;
@@ -182,10 +192,10 @@ static double sum_values(const struct volume *volume, const struct needle *needl
 static void measure_probability(conus_verdict *out, const struct plan_judge *judge,
                                 const struct plan_constraint *constraint)
 {
-    double length = judge->needle.far - judge->needle.near;
+    double length = judge->shank->needle.far - judge->shank->needle.near;
     out->value = 0;
     for (size_t i = 0; i < constraint->part_count && length > 0; i++) {
-        out->value += sum_values(constraint->parts[i].volume, &judge->needle) / length;
+        out->value += sum_values(constraint->parts[i].volume, &judge->shank->needle) / length;
     }
 }
 
@@ -198,8 +208,8 @@ static void measure_crossing(conus_verdict *out, const struct plan_judge *judge,
     out->value = 0;
     out->depth = NAN;
     out->object = 0;
-    for (size_t i = 0; i < judge->layers.count; i++) {
-        conus_interval interval = judge->layers.intervals[i];
+    for (size_t i = 0; i < judge->shank->layers.count; i++) {
+        conus_interval interval = judge->shank->layers.intervals[i];
         if ((!is_first && !constraint->has[interval.object]) || !axis_clip(&interval, judge->selector->atlas, range)) {
             continue;
         }
@@ -218,7 +228,7 @@ static int look_farther(const struct plan_judge *judge, const struct plan_constr
     int farther = 1;
     for (size_t i = 0; i < constraint->part_count && farther >= 0; i++) {
         const struct plan_map *map = constraint->parts[i].map;
-        int is = map ? plan_map_is_farther(map, &judge->needle, distance) : 0;
+        int is = map ? plan_map_is_farther(map, &judge->shank->needle, distance) : 0;
         farther = is < farther ? is : farther;
     }
     return farther;
@@ -228,7 +238,7 @@ static int look_farther(const struct plan_judge *judge, const struct plan_constr
 static int look_longer(const struct plan_judge *judge, const struct plan_constraint *constraint)
 {
     double range[2];
-    struct needle needle = judge->needle;
+    struct needle needle = judge->shank->needle;
     const struct plan_map *map = constraint->part_count == 1 ? constraint->parts[0].map : NULL;
     find_window(range, judge, constraint);
     needle.near = range[0];
@@ -259,7 +269,7 @@ static void measure_clearance(conus_verdict *out, struct plan_judge *judge, cons
                                                 .tracts = judge->selector->tract_index,
                                                 .groups = constraint->has,
                                                 .limit = limit};
-    clearance_take(clearance, &question, &judge->needle);
+    clearance_take(clearance, &question, &judge->shank->needle);
     out->value = INFINITY;
     out->depth = NAN;
     out->object = 0;
@@ -283,7 +293,7 @@ static void measure_apart(conus_verdict *out, const struct plan_judge *judge, co
         const double *ends = constraint->asked.needles + 6 * i;
         double depth;
         double point[3];
-        double distance = needle_segment(&depth, point, &judge->needle, ends, ends + 3);
+        double distance = needle_segment(&depth, point, &judge->shank->needle, ends, ends + 3);
         if (distance < out->value) {
             out->value = distance;
             out->depth = depth;
@@ -320,8 +330,8 @@ static void sum_results(conus_verdict *out, const struct plan_judge *judge, cons
     conus_measure measure = constraint->asked.measure;
     double whole = 0;
     out->value = 0;
-    for (size_t i = 0; i < conus_selection_count(judge->selection); i++) {
-        const conus_result *result = conus_selection_result(judge->selection, i);
+    for (size_t i = 0; i < conus_selection_count(judge->shank->selection); i++) {
+        const conus_result *result = conus_selection_result(judge->shank->selection, i);
         if (constraint->reported[result->object]) {
             out->value += measure == CONUS_MEASURE_SHARE         ? result->share
                           : measure == CONUS_MEASURE_STREAMLINES ? (double)result->streamlines
@@ -339,16 +349,17 @@ static void sum_results(conus_verdict *out, const struct plan_judge *judge, cons
 static conus_status measure_cone(conus_verdict *out, struct plan_judge *judge, const struct plan_constraint *constraint)
 {
     const double range[2] = {judge->pose->near, judge->pose->far};
-    if (!judge->selection) {
+    if (!judge->shank->selection) {
         conus_status status = conus_selector_set_range(judge->selector, range);
-        status =
-            status ? status : conus_select(&judge->selection, judge->selector, &judge->pose->pose, judge->pose->angle);
+        status = status
+                     ? status
+                     : conus_select(&judge->shank->selection, judge->selector, &judge->shank->pose, judge->pose->angle);
         if (status) {
             return status;
         }
     }
     if (constraint->asked.measure == CONUS_MEASURE_PIERCED) {
-        out->value = measure_pierced(judge->selection, constraint);
+        out->value = measure_pierced(judge->shank->selection, constraint);
     } else {
         sum_results(out, judge, constraint);
     }
@@ -390,7 +401,7 @@ static conus_status measure(conus_verdict *out, struct plan_judge *judge, const 
         out->value = judge->pose->far - judge->pose->near;
         break;
     case CONUS_CONSTRAINT_LEAN:
-        out->value = vec3_angle(judge->needle.direction, asked->direction);
+        out->value = vec3_angle(judge->shank->needle.direction, asked->direction);
         break;
     case CONUS_CONSTRAINT_APART:
         measure_apart(out, judge, constraint);
@@ -442,13 +453,13 @@ static conus_status ask_leeway(struct plan_judge *judge, const struct plan_const
 {
     double range[2];
     find_window(range, judge, constraint);
-    judge->leeway.needle = judge->needle;
+    judge->leeway.needle = judge->shank->needle;
     judge->leeway.needle.near = range[0];
     judge->leeway.needle.far = range[1];
     judge->leeway.is_tip = constraint->asked.measure == CONUS_MEASURE_TIP;
     judge->leeway.length = fmax(constraint->asked.limit, AXIS_TOUCH); /* so much is crossed, too */
     conus_status status = follow(judge);
-    return status ? status : plan_leeway_ask(&judge->leeway, constraint, judge->selector->atlas, &judge->layers);
+    return status ? status : plan_leeway_ask(&judge->leeway, constraint, judge->selector->atlas, &judge->shank->layers);
 }
 
 static conus_status find_leeway(conus_verdict *out, struct plan_judge *judge, const struct plan_constraint *constraint)
@@ -462,9 +473,9 @@ static conus_status find_leeway(conus_verdict *out, struct plan_judge *judge, co
     return status ? status : plan_leeway_find(&out->leeway, &judge->leeway);
 }
 
-conus_status plan_judge(conus_verdict *out, struct plan_judge *judge, size_t index, enum plan_care care)
+static conus_status judge_shank(conus_verdict *out, struct plan_judge *judge, const struct plan_constraint *constraint,
+                                enum plan_care care)
 {
-    const struct plan_constraint *constraint = &judge->constraints[index];
     double radius = judge->selector->options.radius;
     double settled = (radius + constraint->asked.limit) * (1 + 1e-9) + 1e-9; /* mm: farther, the margin is kept */
     *out = (conus_verdict){.slack = NAN, .leeway = NAN, .depth = NAN, .p = NAN};
@@ -481,10 +492,40 @@ conus_status plan_judge(conus_verdict *out, struct plan_judge *judge, size_t ind
     return care == PLAN_ALL ? find_leeway(out, judge, constraint) : CONUS_OK;
 }
 
-conus_status plan_judge_least(bool *out, struct plan_judge *judge, size_t index, enum plan_quantity quantity,
-                              double least)
+conus_status plan_judge(conus_verdict *out, struct plan_judge *judge, size_t index, enum plan_care care)
 {
     const struct plan_constraint *constraint = &judge->constraints[index];
+    bool any = constraint->any_shank;
+    conus_status status = CONUS_OK;
+    for (size_t i = constraint->shanks[0]; i < constraint->shanks[1]; i++) {
+        judge->shank = &judge->shanks[i];
+        conus_verdict verdict;
+        bool is_first = i == constraint->shanks[0];
+        status = judge_shank(&verdict, judge, constraint, care);
+        if (status) {
+            break;
+        }
+        double leeway = is_first ? verdict.leeway
+                        : any    ? fmax(out->leeway, verdict.leeway)
+                                 : fmin(out->leeway, verdict.leeway);
+        bool counts = is_first || (care == PLAN_HOLDS ? verdict.holds == any
+                                   : any              ? verdict.slack > out->slack
+                                                      : verdict.slack < out->slack);
+        if (counts) {
+            *out = verdict;
+            out->shank = (uint32_t)i + 1;
+        }
+        out->leeway = leeway;
+        if (care == PLAN_HOLDS && out->holds == any) {
+            break;
+        }
+    }
+    return status;
+}
+
+static conus_status has_least(bool *out, struct plan_judge *judge, const struct plan_constraint *constraint,
+                              enum plan_quantity quantity, double least)
+{
     conus_status status = CONUS_OK;
     *out = true;
     if (plan_is_clearance(constraint)) {
@@ -504,9 +545,23 @@ conus_status plan_judge_least(bool *out, struct plan_judge *judge, size_t index,
     return status;
 }
 
-conus_status plan_judge_leeway(double *out, struct plan_judge *judge, size_t index, double most)
+conus_status plan_judge_least(bool *out, struct plan_judge *judge, size_t index, enum plan_quantity quantity,
+                              double least)
 {
     const struct plan_constraint *constraint = &judge->constraints[index];
+    for (size_t i = constraint->shanks[0]; i < constraint->shanks[1]; i++) {
+        judge->shank = &judge->shanks[i];
+        conus_status status = has_least(out, judge, constraint, quantity, least);
+        if (status || *out == constraint->any_shank) {
+            return status;
+        }
+    }
+    return CONUS_OK;
+}
+
+static conus_status guess_leeway(double *out, struct plan_judge *judge, const struct plan_constraint *constraint,
+                                 double most)
+{
     double radius = judge->selector->options.radius;
     conus_verdict verdict = {0};
     if (constraint->asked.kind == CONUS_CONSTRAINT_REACH) {
@@ -519,9 +574,36 @@ conus_status plan_judge_leeway(double *out, struct plan_judge *judge, size_t ind
     return status;
 }
 
+conus_status plan_judge_leeway(double *out, struct plan_judge *judge, size_t index, double most)
+{
+    const struct plan_constraint *constraint = &judge->constraints[index];
+    bool any = constraint->any_shank;
+    conus_status status = CONUS_OK;
+    *out = any ? 0 : most;
+    for (size_t i = constraint->shanks[0]; i < constraint->shanks[1]; i++) {
+        judge->shank = &judge->shanks[i];
+        double leeway = 0;
+        status = guess_leeway(&leeway, judge, constraint, any ? most : *out);
+        *out = any ? fmax(*out, leeway) : leeway;
+        if (status || *out == (any ? most : 0)) {
+            break;
+        }
+    }
+    return status;
+}
+
 double plan_judge_distance(struct plan_judge *judge, size_t index)
 {
-    conus_verdict verdict;
-    measure_clearance(&verdict, judge, &judge->constraints[index], FAR);
-    return verdict.value;
+    const struct plan_constraint *constraint = &judge->constraints[index];
+    size_t count = constraint->shanks[1] - constraint->shanks[0];
+    bool is_avoid = constraint->asked.kind == CONUS_CONSTRAINT_AVOID;
+    bool takes_farthest = count > 1 && constraint->any_shank == is_avoid;
+    double distance = takes_farthest ? 0 : INFINITY;
+    for (size_t i = constraint->shanks[0]; i < constraint->shanks[1]; i++) {
+        judge->shank = &judge->shanks[i];
+        conus_verdict verdict;
+        measure_clearance(&verdict, judge, constraint, FAR);
+        distance = takes_farthest ? fmax(distance, verdict.value) : fmin(distance, verdict.value);
+    }
+    return distance;
 }

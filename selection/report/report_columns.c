@@ -552,6 +552,12 @@ static struct cell get_chance(const conus_report *report, const struct report_ro
         "name", NULL, "names of the objects of its structure", NAMED(get_constraint_name)                              \
     }
 
+static struct cell get_shank(const conus_report *report, const struct report_row *row)
+{
+    (void)report;
+    return integer_cell(verdict_of(row)->shank);
+}
+
 static const struct report_column constraint_columns[] = {
     {"query", NULL, "query_id of the pose, else its number from 1", NAMED(get_query)},
     {"constraint", NULL, "number of the constraint on the command line, from 1", NAMED(get_number)},
@@ -564,6 +570,7 @@ static const struct report_column constraint_columns[] = {
     {"holds", NULL, "1 if it holds, else 0", .get = get_holds},
     {"leeway_mm", "mm", "no point of the axis may be off by so much that it breaks", .get = get_leeway},
     {"p_holds", NULL, "probability that it holds, of a pose with errors", .get = get_chance},
+    {"shank", NULL, "number of the parallel needle that has these values, from 1", .get = get_shank},
 };
 
 static struct cell get_profile_clearance(const conus_report *report, const struct report_row *row)

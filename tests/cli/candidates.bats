@@ -66,6 +66,24 @@ cells() {
     [ "$(join a b | awk '$2 != $3' | wc -l)" -eq 0 ]
 }
 
+# Turned by 90 degrees, the second shank is above, beside, below and on the other side of the first.
+@test "turned candidates, written and read again, and the opening of a row" {
+    needles
+    local shanks='--shanks 0,0;0,20'
+    conus $P --depth target+4 --roll 90 $shanks --avoid Ball,shank=2 -q --top all -o plan.tsv --poses-out poses.tsv
+    [ "$(cut -f 1 plan.tsv | grep -c '^e1-t1-r[1-4]$')" -eq 4 ]
+    conus $U --avoid Ball,shank=2 --poses poses.tsv $shanks -q --top all -o again.tsv
+    cut -f 1,2,4,5,8- plan.tsv >a
+    cut -f 1,2,4,5,8- again.tsv >b
+    cmp a b
+    printf 'query_id x y z dx dy dz far angle\na 40 0 5 -1 0 0 30 12.3\nb 40 0 5 -1 0 0 30 n/a\n' | tr ' ' '\t' >open.tsv
+    conus plan u-shape.nii.gz --reach U,share=0.01 --poses open.tsv --angle 20 -q -o plan.tsv --force --poses-out poses.tsv
+    [ "$(awk -F '\t' 'NR > 1 { print $1, $10 }' poses.tsv | tr -d '"' | sort | tr '\n' ';')" = "a 12.300000000000001;b n/a;" ]
+    fails 2 '--roll has no effect without --from' $U --poses targets.txt --depth 9 --roll 9
+    fails 2 'roll: in steps of 0.001 degrees' $P --depth 9 --roll 0.001
+    fails 2 '--roll' $P --depth 9 --roll 181
+}
+
 @test "poses for 3D Slicer, and the first as a matrix" {
     needles
     conus $P --depth target+4 -q -o plan.tsv --poses-out lines.mrk.json

@@ -104,7 +104,7 @@ columns() {
     needles
     answers $U --reach U,length=5 --avoid Ball,margin=3 -q -o plan.tsv --constraints rows.tsv --profile profile.tsv,step=20
     output=$(<rows.tsv)
-    [ "$(head -1 rows.tsv | tr '\t' ' ')" = "query constraint kind index name value limit slack holds leeway_mm p_holds" ]
+    [ "$(head -1 rows.tsv | tr '\t' ' ')" = "query constraint kind index name value limit slack holds leeway_mm p_holds shank" ]
     [ "$(columns query constraint kind index name value limit slack holds leeway_mm)" = \
         "b 1 reach 1 U 8 5 3 1 2.5;b 2 avoid 1 Ball 9 3 5 1 5;a 1 reach 1 U 10 5 5 1 2.5;a 2 avoid 1 Ball 5 3 1 1 1;" ]
     output=$(<profile.tsv)
@@ -277,6 +277,39 @@ END
     fails 2 'neither a number nor entry nor tip' $U --reach U --tolerance - --pivot middle
     fails 2 'pivot' $U --reach U --pivot tip
     fails 2 'both on standard output' $U --reach U --tolerance - --constraints -
+}
+
+# Of a needle along -x the device's y is the world's z, its x the world's y. Shanks at y = 0 and 30: the second passes
+# nothing.
+@test "several shanks: any of them reaches, all keep clear, or one is asked" {
+    needles
+    local two='--shanks 0,0;30,0'
+    answers $U --reach U,length=5 --avoid Ball,margin=3 $two -q --format tsv -o one.tsv --constraints rows.tsv
+    answers $U --reach U,length=5 --avoid Ball,margin=3 -q --format tsv -o none.tsv
+    cmp one.tsv none.tsv # what the axis has is the best of the reach, and the worst of what is avoided
+    [ "$(cut -f 12 rows.tsv | sort | uniq -c | tr -s ' \n' ' ')" = " 4 1 1 shank " ]
+    answers $U --reach U,shank=2 $two -q --infeasible --constraints - --format tsv
+    [ "$(columns query holds value shank)" = "a 0 0 2;b 0 0 2;c 0 0 2;d 0 0 2;" ]
+    answers $U --avoid Ball,shank=2 --reach U,shank=1,length=5 --first U,shank=any $two -q --format tsv --rank depth
+    [ "$(columns query)" = "c;a;b;" ]
+    run -0 --separate-stderr conus $U --reach U,length=5,shank=all $two
+    [[ "$stderr" == *"none has at least 5 mm of the axis in U, all shanks"* ]]
+    answers $U --reach U,shank=1 --avoid U,shank=2 $two -q --format tsv
+    [ "$(columns query | tr ';' '\n' | wc -l)" -eq 4 ]
+    conus $U --reach U $two -q -o plan.tsv --poses-out lines.mrk.json --force
+    [ "$(jq -r '[.markups[].controlPoints[1].label] | sort | join(" ")' lines.mrk.json)" = "a-s1 a-s2 b-s1 b-s2 c-s1 c-s2 d-s1 d-s2" ]
+    [ "$(jq '.markups | length' lines.mrk.json)" -eq 8 ]
+    [ "$(jq -r '[.markups[].controlPoints[0].position[1] | fabs] | unique | join(" ")' lines.mrk.json)" = "0 30" ]
+    answers verify plan.tsv
+    fails 2 '"1" is not two numbers X,Y' $U --reach U --shanks '0,0;1'
+    fails 2 'is not two numbers X,Y' $U --reach U --shanks '0,0;'
+    fails 2 'is not two numbers X,Y' $U --reach U --shanks 0,nan
+    fails 2 'is at 0,1001, allowed are up to 1000 mm' $U --reach U --shanks 0,1001
+    fails 2 'shank: 3, allowed are any, all and 1 to 2' $U --reach U,shank=3 $two
+    fails 2 'shank=0 is neither any nor all' $U --reach U,shank=0 $two
+    fails 2 'one shank too many' $U --reach U,shank=1,shank=any $two
+    fails 2 'is not four numbers' $U --reach U --lean 0,0,1,3,shank=1
+    fails 2 'avoids all that' $U --reach U --avoid U $two
 }
 
 # Rows of other commands about the same needles have the same numbers, byte for byte. A reach of several segments is

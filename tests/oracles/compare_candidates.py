@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""conus plan --from, --toward and --tilt against candidates that are made here (Eq. 22).
+"""conus plan --from, --toward, --tilt and --roll against candidates that are made here (Eq. 22).
 
 Every candidate is listed, since the only constraint is a length that all have. Entries are made anew from an icosphere
 (as GIFTI, with a label file of its vertices), the border voxels of a mask and a table of points: normals, what spacing,
@@ -133,8 +133,8 @@ def tilts(axis, most, step):
     return found
 
 
-def candidates(entries, normals, targets, tilt=(0, 0), beyond=None):
-    """{(entry, target, tilt), from 1: (position, direction, far, entry angle in degrees)}"""
+def candidates(entries, normals, targets, tilt=(0, 0), beyond=None, rolls=1):
+    """{(entry, target, tilt, turn), from 1: (position, direction, far, entry angle in degrees, device's y)}"""
     made = {}
     for e, entry in enumerate(entries):
         for t, target in enumerate([None] if targets is None else targets):
@@ -145,7 +145,10 @@ def candidates(entries, normals, targets, tilt=(0, 0), beyond=None):
                 angle = np.nan
                 if normals is not None:
                     angle = np.degrees(np.arctan2(np.linalg.norm(np.cross(turned, -normals[e])), turned @ -normals[e]))
-                made[e + 1, t + 1, k + 1] = entry, turned, far, angle
+                x, y = frame(turned)
+                for r in range(rolls):  # +y towards +x
+                    phi = 2 * np.pi * r / rolls
+                    made[e + 1, t + 1, k + 1, r + 1] = entry, turned, far, angle, np.cos(phi) * y + np.sin(phi) * x
     return made
 
 
@@ -154,11 +157,21 @@ def cell(text):
 
 
 def numbers_of(name, wanted):
-    """"e3-t7-k2": what does not vary is left out."""
+    """"e3-t7-k2-r4": what does not vary is left out."""
     given = {part[0]: int(part[1:]) for part in name.split("-") if part}
-    most = [max(key[k] for key in wanted) for k in range(3)]
-    assert set(given) == {letter for letter, count in zip("etk", most) if count > 1} or set(given) >= {"e"}, name
-    return tuple(given.get(letter, 1) for letter in "etk")
+    most = [max(key[k] for key in wanted) for k in range(4)]
+    assert set(given) == {letter for letter, count in zip("etkr", most) if count > 1} or set(given) >= {"e"}, name
+    return tuple(given.get(letter, 1) for letter in "etkr")
+
+
+def check_turns(name, path, wanted):
+    """The table says how each device is turned, unless all are as their axes alone say."""
+    with open(path, encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file, delimiter="\t"))
+    assert ("ux" in rows[0]) == (max(key[3] for key in wanted) > 1), (name, rows[0])
+    for row in rows:
+        up = wanted[numbers_of(row["query_id"], wanted)][4]
+        assert "ux" not in row or abs(np.array([float(row[column]) for column in ("ux", "uy", "uz")]) - up).max() < 1e-9, (name, row, up)
 
 
 def compare(name, conus, atlas, folder, options, wanted, fixed=None):
@@ -174,7 +187,7 @@ def compare(name, conus, atlas, folder, options, wanted, fixed=None):
     seen = set()
     for row in rows:
         key = numbers_of(row["query"], wanted)
-        position, axis, far, angle = wanted[key]
+        position, axis, far, angle, _ = wanted[key]
         seen.add(key)
         given = np.array([float(row[column]) for column in ("x", "y", "z", "dx", "dy", "dz")])
         assert abs(given[:3] - position).max() < 2e-6 and abs(given[3:] - axis).max() < 1e-6, (name, row, position, axis)
@@ -182,6 +195,7 @@ def compare(name, conus, atlas, folder, options, wanted, fixed=None):
         assert np.isnan(angle) == (row["entry_angle_deg"] == "n/a"), (name, row, angle)
         assert np.isnan(angle) or abs(cell(row["entry_angle_deg"]) - angle) < 2e-6, (name, row, angle)
     assert seen == set(wanted), name
+    check_turns(name, poses, wanted)
     subprocess.run([conus, "plan", atlas, "--poses", poses, "--length", "0,1000", "--top", "all", "--rank", "depth", "-o", plan,
                     "--force", "-q"], check=True)
     with open(plan, encoding="utf-8", newline="") as file:
@@ -222,6 +236,8 @@ def main():
             candidates(points[chosen], normals[chosen], [centroid], beyond=0))
         ask("against the normal, tilted", ["--from", f"{surface},spacing=15", "--toward", "normal", "--tilt", "10,5"],
             candidates(points[chosen], normals[chosen], None, (10, 5)), 40)
+        ask("tilted and turned", ["--from", f"{surface},spacing=15", "--toward", "normal", "--tilt", "10,10", "--roll", "40"],
+            candidates(points[chosen], normals[chosen], None, (10, 10), rolls=9), 40)
         ask("turned normals", ["--from", f"{surface},spacing=15,flip", "--toward", "normal"],
             candidates(points[chosen], -normals[chosen], None), 40)
         chosen = np.flatnonzero(parts != 0)

@@ -19,6 +19,7 @@ import sys
 import tempfile
 
 from compare_query import nibabel  # or skips
+from compare_candidates import frame
 from compare_clearance import AAL, ALLEN, GRIDS, LONG, as_kept, blobs, save, tolerance
 from compare_scenes import brainglobe
 import needles as by
@@ -131,6 +132,53 @@ def write_table(path, table):
         file.write("\t".join(COLUMNS.split()) + "\n")
         for number, row in enumerate(table, 1):
             file.write("\t".join([f"n{number}", *(repr(float(cell)) for cell in row)]) + "\n")
+
+
+class Shanks(Question):
+    """Parallel needles: each is a needle of its own, of which any, all, or one count."""
+
+    def __init__(self, question, shanks, rules):
+        """shanks: (n, 2) mm; rules: of each constraint "", "any", "all" or a number from 1."""
+        super().__init__(question.conus, question.atlas, question.constraints, question.structures, 0.0,
+                         question.options, question.objects)
+        self.radius, self.shanks, self.rules = question.radius, np.array(shanks), rules
+        self.options = [*self.options, "--shanks", ";".join(f"{x!r},{y!r}" for x, y in shanks)]
+
+    def arguments(self):
+        words = super().arguments()
+        values = [k for k in range(1, len(words), 2) if words[k - 1] not in ("--length", "--lean")]
+        for k, rule in zip(values, [rule for rule, one in zip(self.rules, self.constraints) if one[0] not in ("length", "lean")]):
+            words[k] += f",shank={rule}" if rule else ""
+        return words
+
+    def counted_shanks(self, constraint):
+        """(which ones count, whether any of them will do)"""
+        rule = self.rules[self.constraints.index(constraint)]
+        if isinstance(rule, int):
+            return [rule - 1], False
+        return range(len(self.shanks)), (rule or ("any" if constraint[0] in ("reach", "part", "tip") else "all")) == "any"
+
+    def shank_lines(self, line):
+        x, y = frame(line.axis)
+        return [line._replace(origin=line.origin + a * x + b * y) for a, b in self.shanks]
+
+    def verdict(self, constraint, line):
+        which, is_any = self.counted_shanks(constraint)
+        lines = self.shank_lines(line)
+        verdicts = [super(Shanks, self).verdict(constraint, lines[k]) for k in which]
+        return (max if is_any else min)(verdicts, key=lambda one: one[1])
+
+    def check_leeway(self, constraint, line, leeway, slack):
+        """The largest or the least: as one shank has it, and no other has more, or less."""
+        which, is_any = self.counted_shanks(constraint)
+        lines = [self.shank_lines(line)[k] for k in which]
+        slacks = [super(Shanks, self).verdict(constraint, one) for one in lines]
+        fits = [super(Shanks, self).check_leeway(constraint, one, leeway, verdict[1])
+                for one, verdict in zip(lines, slacks) if verdict[2]]
+        if constraint[0] == "avoid":
+            held = [verdict[1] for verdict in slacks if verdict[2]]
+            return abs(leeway - (max if is_any else min)(held)) <= tolerance(leeway)
+        return any(fits)
 
 
 def number(cell):
@@ -394,6 +442,7 @@ def check_grid(conus, random, folder, name, count):
     rows = compare(f"grid {name}", question, table, folder)
     check_answers(question, table, folder, ("avoid", "9", 0.5))
     check_leeways(question, table, rows, folder, random, 10000 if LONG else 500)
+    check_shanks(question, table, folder, f"grid {name}")
     question.constraints = [("first", "3,4", None), ("reach", "3,4", 0.0)]
     compare(f"grid {name}, first", question, table, folder)
     others, walk = os.path.join(folder, "others.tsv"), os.path.join(folder, "walks.tck")
@@ -405,6 +454,16 @@ def check_grid(conus, random, folder, name, count):
     question.constraints = [("avoid", "walks", 0.1), ("apart", others, (0.75, (ends[:, 0], ends[:, 1])))]
     rows = compare(f"grid {name}, apart", question, table, folder)
     check_leeways(question, table, rows, folder, random, 10000 if LONG else 500)
+
+
+def check_shanks(question, table, folder, targets):
+    """Four shanks: what any of them reaches and all keep clear of; others, by their numbers."""
+    kept = question.constraints
+    for rules in (["", "", "any", ""], [2, "all", 1, "all"]):
+        question.constraints = kept
+        probe = Shanks(question, [(-1.5, 0.0), (-0.5, 0.0), (0.5, 0.25), (1.5, 0.0)], rules)
+        compare(f"{targets}, shanks {rules}", probe, table, folder)
+        check_equal(probe, table, folder)
 
 
 def check_surfaces(conus, random, folder, path):

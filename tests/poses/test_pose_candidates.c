@@ -148,6 +148,36 @@ static void rings_surround_the_direction(void **state)
     conus_pose_stream_destroy(stream);
 }
 
+/* Three turns of each tilt, 120 degrees apart, +y towards +x, about the same axis. */
+static void turns_about_the_axis(void **state)
+{
+    (void)state;
+    conus_candidates asked = pairs;
+    asked.entry_count = asked.target_count = 1;
+    asked.tilt_most = asked.tilt_step = MATH3_PI / 2; /* 5 directions */
+    asked.roll_step = 2 * MATH3_PI / 3;
+    conus_pose_stream *stream = open_candidates(asked);
+    for (int tilt = 1; tilt <= 5; tilt++) {
+        double first[16];
+        for (int turn = 0; turn < 3; turn++) {
+            conus_pose_row row;
+            char id[16];
+            assert_true(read_one(&row, stream));
+            snprintf(id, sizeof id, "k%d-r%d", tilt, turn + 1);
+            assert_string_equal(row.id, id);
+            const double *m = row.pose.world_from_device;
+            memcpy(first, turn ? first : m, sizeof first);
+            assert_near(vec3_dot(m + 8, first + 8), 1, 1e-12);
+            assert_memory_equal(m + 12, first + 12, 3 * sizeof *m);
+            double angle = atan2(vec3_dot(m + 4, first), vec3_dot(m + 4, first + 4));
+            assert_near(remainder(angle - turn * 2 * MATH3_PI / 3, 2 * MATH3_PI), 0, 1e-12);
+        }
+    }
+    conus_pose_row row;
+    assert_false(read_one(&row, stream));
+    conus_pose_stream_destroy(stream);
+}
+
 static void one_candidate_has_an_id(void **state)
 {
     (void)state;
@@ -217,6 +247,8 @@ static void what_cannot_be_is_refused(void **state)
         {{.entries = entries[0], .entry_count = 1, .normals = flat, .tilt_most = 2, .tilt_step = 1}, "tilt: up to"},
         {{.entries = entries[0], .entry_count = 1, .normals = flat, .tilt_most = NAN, .tilt_step = 1}, "tilt: up to"},
         {{.entries = entries[0], .entry_count = 1, .normals = flat, .beyond = NAN}, "beyond"},
+        {{.entries = entries[0], .entry_count = 1, .normals = flat, .roll_step = 4}, "roll: in steps of"},
+        {{.entries = entries[0], .entry_count = 1, .normals = flat, .roll_step = NAN}, "roll: in steps of"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_pose_stream *stream = NULL;
@@ -275,6 +307,7 @@ TEST_GROUP(pose_candidates)
         cmocka_unit_test(rows_passed_over_are_counted),
         cmocka_unit_test(without_targets_the_normal_leads_in),
         cmocka_unit_test(rings_surround_the_direction),
+        cmocka_unit_test(turns_about_the_axis),
         cmocka_unit_test(one_candidate_has_an_id),
         cmocka_unit_test(an_entry_at_its_target_is_no_pose),
         cmocka_unit_test(a_pose_is_made_of_its_own_axis_again),

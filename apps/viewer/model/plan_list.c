@@ -84,12 +84,15 @@ static conus_status write_text(struct plan_list *out, conus_plan *plan, const co
 conus_status plan_list_fill(struct plan_list *out, const struct plan_task *task, conus_selector *selector,
                             const conus_atlas *atlas, const conus_frame *frame, conus_progress progress, void *user)
 {
-    const conus_plan_options options = {.progress = progress, .progress_user = user};
+    const struct constraints *asked = &task->constraints;
+    const conus_plan_options options = {.shanks = asked->shanks ? asked->shanks[0] : NULL,
+                                        .shank_count = asked->shank_count,
+                                        .progress = progress,
+                                        .progress_user = user};
     const conus_pose_options pose_options = {.frame = frame};
     conus_plan *plan = NULL;
     conus_pose_stream *stream = NULL;
-    conus_status status =
-        conus_plan_create(&plan, selector, task->constraints.items, task->constraints.count, &options);
+    conus_status status = conus_plan_create(&plan, selector, asked->items, asked->count, &options);
     status = status ? status : conus_pose_stream_open(&stream, task->poses, &pose_options);
     status = status ? status : conus_plan_run(plan, stream, UINT64_MAX);
     status = status ? status : take_rows(out, plan, atlas);

@@ -34,7 +34,9 @@ static conus_status prepare_live(struct viewer *viewer)
 {
     struct plan_state *state = &viewer->plan;
     const conus_selector_options options = find_options(viewer);
-    const conus_plan_options plan_options = {.threads = 1};
+    const struct constraints *asked = &state->task.constraints;
+    const conus_plan_options plan_options = {
+        .threads = 1, .shanks = asked->shanks ? asked->shanks[0] : NULL, .shank_count = asked->shank_count};
     if (state->live && selector_options_are_same(&state->made_with, &options)) {
         return CONUS_OK;
     }
@@ -42,8 +44,7 @@ static conus_status prepare_live(struct viewer *viewer)
     state->made_with = options;
     conus_status status = conus_selector_create(&state->selector, viewer->atlases->atlas, &options);
     return status ? status
-                  : conus_plan_create(&state->live, state->selector, state->task.constraints.items,
-                                      state->task.constraints.count, &plan_options);
+                  : conus_plan_create(&state->live, state->selector, asked->items, asked->count, &plan_options);
 }
 
 int plans_open(struct viewer *viewer, const struct arguments *arguments, const char *poses, double depth, double radius)

@@ -55,6 +55,7 @@ static const struct option_group groups[] = {
     {"", more_atlas_options, offsetof(struct view_settings, atlas)},
     {"", space_options, offsetof(struct view_settings, space)},
     {"", constraint_options, offsetof(struct view_settings, constraints)},
+    {"", shank_options, offsetof(struct view_settings, constraints)},
     {"", needle_options, 0},
     {"", plain_options, offsetof(struct view_settings, common)}, /* which options_parse() asks for */
     {0},

@@ -378,6 +378,61 @@ static void a_pose_tried_by_itself(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Three shanks beside an axis at y = 13, z = 13 along x to 18: of usual turns (Eq. 2) the device's y is the world's z
+ * and its x the world's -y. They lie at z = 13, 15 and 30: 3 mm, 1 mm inside of box 1, and outside of it; the last is
+ * 14 mm above it from x = 10 on. */
+static const double shanks[3][2] = {{0, 0}, {0, 2}, {0, 17}};
+
+static conus_planned try_shanks(struct answer *answer, const conus_atlas *atlas, const conus_constraint *want)
+{
+    conus_pose_row row = {.id = "probe", .range = {NAN, 18}};
+    const conus_planned *tried = NULL;
+    assert_ok(conus_pose_along(&row.pose, (double[]){0, 13, 13}, (double[]){1, 0, 0}, NULL));
+    assert_ok(conus_selector_create(&answer->selector, atlas, &(conus_selector_options){.radius = 0.5}));
+    assert_ok(conus_plan_create(&answer->plan, answer->selector, want, 1,
+                                &(conus_plan_options){.threads = 1, .shanks = shanks[0], .shank_count = 3}));
+    assert_ok(conus_plan_try(&tried, answer->plan, &row));
+    return *tried;
+}
+
+static void any_all_or_one_shank(void **state)
+{
+    (void)state;
+    static const struct {
+        conus_constraint want;
+        bool holds;
+        double value, slack, leeway;
+        uint32_t shank;
+    } cases[] = {
+        /* [10 + d, 18] and the face at 20 leave 10 - 2 d from d = 2 on; the sides are 3 and 1 mm away */
+        {{.names = "1", .limit = 5}, true, 8, 3, 2.5, 1},
+        {{.names = "1", .limit = 5, .shank = 1}, true, 8, 3, 2.5, 1},
+        {{.names = "1", .limit = 5, .shank = 2}, true, 8, 3, 1, 2},
+        {{.names = "1", .limit = 5, .shank = 3}, false, 0, -5, 0, 3},
+        {{.names = "1", .limit = 5, .shank = CONUS_SHANK_ALL}, false, 0, -5, 0, 3},
+        {{.names = "1", .measure = CONUS_MEASURE_TIP}, true, 1, 0, 2, 1}, /* 2 mm before the face at 20 */
+        {{.names = "1", .measure = CONUS_MEASURE_TIP, .shank = 2}, true, 1, 0, 1, 2},
+        {{.kind = CONUS_CONSTRAINT_AVOID, .names = "1", .limit = 1}, false, 0, -1.5, 0, 1},
+        {{.kind = CONUS_CONSTRAINT_AVOID, .names = "1", .limit = 1, .shank = 3}, true, 14, 12.5, 12.5, 3},
+        {{.kind = CONUS_CONSTRAINT_AVOID, .names = "1", .limit = 1, .shank = CONUS_SHANK_ANY}, true, 14, 12.5, 12.5, 3},
+        {{.kind = CONUS_CONSTRAINT_AVOID, .names = "3", .limit = 1}, true, 2, 0.5, 0.5, 1}, /* from 18 to 20 */
+        {{.kind = CONUS_CONSTRAINT_LENGTH, .most = 20}, true, 18, 2, NAN, 1},
+        {{.kind = CONUS_CONSTRAINT_LEAN, .limit = 1, .direction = {1, 0, 0}, .shank = 2}, true, 0, 1, NAN, 1},
+        {{.kind = CONUS_CONSTRAINT_FIRST, .names = "1"}, false, 0, -1, NAN, 3},
+        {{.kind = CONUS_CONSTRAINT_FIRST, .names = "1", .shank = CONUS_SHANK_ANY}, true, 1, 0, NAN, 1},
+    };
+    conus_atlas *atlas = boxes();
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct answer answer = {0};
+        const conus_planned planned = try_shanks(&answer, atlas, &cases[i].want);
+        check(planned.verdicts[0], cases[i].holds, cases[i].value, cases[i].slack, cases[i].leeway);
+        assert_int_equal(planned.verdicts[0].shank, cases[i].shank);
+        assert_int_equal(planned.feasible, cases[i].holds);
+        end(&answer);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 enum { NEEDLES = 400, MANY = 2500 };
 
 /* Needles from round the boxes towards them. */
@@ -489,6 +544,38 @@ static void same_of_many(void **state)
         asked.options = ways[way];
         struct answer answer = ask(&asked);
         describe(&texts[way], &answer, 3);
+        end(&answer);
+        assert_string_equal(texts[way].data, texts[0].data);
+    }
+    for (int way = 0; way < 3; way++) {
+        buffer_finish(&texts[way]);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* With shanks, too, pruning and threads change nothing. */
+static void same_of_many_shanks(void **state)
+{
+    (void)state;
+    const conus_constraint wants[4] = {
+        {.names = "1", .limit = 2},
+        {.names = "1,3", .limit = 1, .shank = CONUS_SHANK_ALL},
+        {.kind = CONUS_CONSTRAINT_AVOID, .names = "2", .limit = 1},
+        {.kind = CONUS_CONSTRAINT_AVOID, .names = "3", .limit = 0.25, .shank = CONUS_SHANK_ANY}};
+    static const double pair[2][2] = {{-1, 0}, {1, 0.5}};
+    conus_atlas *atlas = boxes();
+    struct asked asked = {.atlas = atlas,
+                          .selector = {.radius = 0.3},
+                          .constraints = wants,
+                          .count = 4,
+                          .path = write_random("shanks.tsv", MANY)};
+    struct buffer texts[3] = {0};
+    for (int way = 0; way < 3; way++) {
+        asked.options = (conus_plan_options){
+            .top = 5, .no_pruning = way == 0, .threads = 1 + (uint32_t)way, .shanks = pair[0], .shank_count = 2};
+        struct answer answer = ask(&asked);
+        describe(&texts[way], &answer, 4);
+        assert_int_equal(conus_plan_count(answer.plan), 5);
         end(&answer);
         assert_string_equal(texts[way].data, texts[0].data);
     }
@@ -659,6 +746,8 @@ static void bad_arguments(void **state)
         {.kind = CONUS_CONSTRAINT_LEAN, .limit = 1},
         {.kind = CONUS_CONSTRAINT_LEAN, .limit = 4, .direction = {1}},
         {.kind = CONUS_CONSTRAINT_APART, .limit = 1},
+        {.names = "1", .shank = 2},
+        {.names = "1", .shank = -3},
     };
     static const struct {
         conus_constraint pair[2];
@@ -670,10 +759,17 @@ static void bad_arguments(void **state)
         {{{.names = "1"}, {.names = "1", .part = {0, 1}}}, true},
         {{{.kind = CONUS_CONSTRAINT_LENGTH, .most = 1}, {.kind = CONUS_CONSTRAINT_LENGTH, .most = 2}}, false},
     };
+    static const double beyond[4] = {0, 0, 0, 1001};
     static const conus_plan_options options[] = {
-        {.rank = "depht"}, {.rank = "reach2"}, {.rank = "depth/0"}, {.rank = "depth*2"}, {.rank = ""},
-        {.rank = "share"}, {.score = "2 *"},   {.score = "score"},  {.pareto = "size"},  {.pareto = "depth/2"},
-        {.rank = "score"}, {.far = -1},        {.far = NAN},        {.angle = 4},        {.threads = 100000},
+        {.rank = "depht"},   {.rank = "reach2"},
+        {.rank = "depth/0"}, {.rank = "depth*2"},
+        {.rank = ""},        {.rank = "share"},
+        {.score = "2 *"},    {.score = "score"},
+        {.pareto = "size"},  {.pareto = "depth/2"},
+        {.rank = "score"},   {.far = -1},
+        {.far = NAN},        {.shanks = beyond, .shank_count = 2},
+        {.shanks = beyond},  {.angle = 4},
+        {.threads = 100000},
     };
     conus_atlas *atlas = boxes();
     conus_selector *selector = NULL;
@@ -774,6 +870,8 @@ TEST_GROUP(plan)
         cmocka_unit_test(measures_of_a_cylinder),
         cmocka_unit_test(rows_without_a_needle),
         cmocka_unit_test(a_pose_tried_by_itself),
+        cmocka_unit_test(any_all_or_one_shank),
+        cmocka_unit_test(same_of_many_shanks),
         cmocka_unit_test(same_with_any_threads_and_pruning),
         cmocka_unit_test(same_of_many),
         cmocka_unit_test(stricter_is_fewer),

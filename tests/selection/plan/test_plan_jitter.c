@@ -152,6 +152,49 @@ static void probabilities_are_integrals(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Of needles 1 mm long and 14 mm apart a tilt moves the outer one along itself: it begins 1 mm before the box's end at
+ * y = 16, or 2.2 mm behind it. Each of its poses is tried by itself; the inner one is far from the box. */
+static void an_outer_shank_moves_farther(void **state)
+{
+    (void)state;
+    static const double shanks[2][2] = {{0, 0}, {14, 0}};
+    static const conus_constraint wants[2] = {{.names = "1", .limit = 0.5},
+                                              {.kind = CONUS_CONSTRAINT_AVOID, .names = "1", .limit = 1}};
+    const conus_jitter_options errors = {.samples = 1024, .tilt = 0.1};
+    conus_atlas *atlas = box();
+    for (int is_avoid = 0; is_avoid < 2; is_avoid++) {
+        const double outer[7] = {15, is_avoid ? 18.2 : 15, 13, 0, 1, 0, 1};
+        const conus_plan_options options = {.threads = 1, .jitter = &errors, .shanks = shanks[0], .shank_count = 2};
+        conus_selector *selector = NULL;
+        conus_plan *single = NULL;
+        conus_plan *plan = NULL;
+        const conus_planned *tried = try_needle(&single, &selector, atlas, &wants[is_avoid], 1, NULL, outer);
+        conus_pose_row row = {.id = "fork", .range = {0, 1}, .pose = tried->pose};
+        double *m = row.pose.world_from_device;
+        vec3_add_scaled(m + 12, m + 12, -14, m);
+        assert_ok(conus_plan_create(&plan, selector, &wants[is_avoid], 1, &options));
+        assert_ok(conus_plan_try(&tried, plan, &row));
+        double held = 0;
+        for (uint32_t i = 0; i < errors.samples; i++) {
+            const conus_planned *needle = NULL;
+            conus_pose_row shank = row;
+            double error[JITTER_DIMENSIONS];
+            double far = 1;
+            jitter_sample(error, i);
+            jitter_needle(&shank.pose, &far, &row.pose, &errors, error);
+            m = shank.pose.world_from_device;
+            vec3_add_scaled(m + 12, m + 12, 14, m);
+            assert_ok(conus_plan_try(&needle, single, &shank));
+            held += needle->feasible;
+        }
+        assert_near(tried->verdicts[0].p, held / errors.samples, 0);
+        assert_true(held > 0.5 * errors.samples && held < 0.99 * errors.samples);
+        conus_plan_destroy(single);
+        end(plan, selector);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 /* Rows of two from 1 mm before the far end on, 3 mm apart: depths 24, 21, 18, 15, and one at 12; the box is from 10 to
  * 20. */
 static void contacts_are_counted(void **state)
@@ -307,8 +350,8 @@ TEST_GROUP(plan_jitter)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ends_are_off_by_their_errors), cmocka_unit_test(probabilities_are_integrals),
-        cmocka_unit_test(contacts_are_counted),         cmocka_unit_test(probabilities_along_an_axis),
-        cmocka_unit_test(what_cannot_be_is_refused),
+        cmocka_unit_test(an_outer_shank_moves_farther), cmocka_unit_test(contacts_are_counted),
+        cmocka_unit_test(probabilities_along_an_axis),  cmocka_unit_test(what_cannot_be_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -85,15 +85,19 @@ static void turn(double v[3], const double axis[3], double angle)
     vec3_add_scaled(v, v, 2 * sin(angle / 2) * sin(angle / 2), twice);
 }
 
-/* The verdict on the needle that is off by `s`. */
-static bool holds(struct trial *trial, const conus_tolerance *row, double s)
+/* The verdict on the device that is off by `s`: its shanks are tried by a plan of single needles. One of them reaches,
+ * and each keeps clear. */
+static bool holds(const struct trial *trial, conus_plan *single, const double (*shanks)[2], size_t count,
+                  const conus_tolerance *row, double s)
 {
     const double *m = trial->row.pose.world_from_device;
     conus_pose_row moved = trial->row;
     double axis[3] = {-m[8], -m[9], -m[10]};
     double at[3] = {m[12], m[13], m[14]};
+    double sides[2][3] = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}};
     double about[3] = {0, 0, 1};
-    const conus_planned *tried = NULL;
+    bool reaches = false;
+    bool is_clear = true;
     s *= row->negative ? -1 : 1;
     if (row->freedom <= CONUS_FREEDOM_Z) {
         at[row->freedom] += s;
@@ -110,11 +114,21 @@ static bool holds(struct trial *trial, const conus_tolerance *row, double s)
         }
         vec3_add_scaled(at, at, depth, axis);
         turn(axis, about, s);
+        turn(sides[0], about, s);
+        turn(sides[1], about, s);
         vec3_add_scaled(at, at, -depth, axis);
     }
-    assert_ok(conus_pose_along(&moved.pose, at, axis, NULL));
-    assert_ok(conus_plan_try(&tried, trial->plan, &moved));
-    return tried->feasible;
+    for (size_t i = 0; i < count; i++) {
+        const conus_planned *tried = NULL;
+        double entry[3];
+        vec3_add_scaled(entry, at, shanks[i][0], sides[0]);
+        vec3_add_scaled(entry, entry, shanks[i][1], sides[1]);
+        assert_ok(conus_pose_along(&moved.pose, entry, axis, NULL));
+        assert_ok(conus_plan_try(&tried, single, &moved));
+        reaches = reaches || tried->verdicts[0].holds;
+        is_clear = is_clear && tried->verdicts[1].holds;
+    }
+    return reaches && is_clear;
 }
 
 static double unit_of(const conus_tolerance *row)
@@ -349,9 +363,11 @@ static conus_atlas *blobs(uint64_t *seed)
     return scene_parcellation(&grid, labels);
 }
 
+/* Needles, and devices of three that lie beside the axis. */
 static void random_needles(void **state)
 {
     (void)state;
+    static const double places[2][3][2] = {{{0, 0}}, {{18, -9}, {16, -9.5}, {19, -6}}};
     uint64_t seed = 23;
     size_t found = 0;
     const conus_constraint wants[2] = {{.names = "1", .limit = 0.4},
@@ -361,6 +377,11 @@ static void random_needles(void **state)
         const conus_planned *tried = NULL;
         conus_atlas *atlas = blobs(&seed);
         struct trial trial = begin(atlas, 0.05, wants, 2);
+        conus_plan *single = trial.plan;
+        const double(*shanks)[2] = places[t % 2];
+        const conus_plan_options options = {.threads = 1, .shanks = shanks[0], .shank_count = t % 2 ? 3 : 1};
+        double *m = trial.row.pose.world_from_device;
+        assert_ok(conus_plan_create(&trial.plan, trial.selector, wants, 2, &options));
         do { /* until one is feasible */
             double ends[2][3];
             double along[3];
@@ -373,6 +394,8 @@ static void random_needles(void **state)
             }
             vec3_sub(along, ends[1], ends[0]);
             aim(&trial, ends[0], along, 0.1 * vec3_length(along), vec3_length(along));
+            vec3_add_scaled(m + 12, m + 12, -shanks[0][0], m);
+            vec3_add_scaled(m + 12, m + 12, -shanks[0][1], m + 4);
             assert_ok(conus_plan_try(&tried, trial.plan, &trial.row));
         } while (!tried->feasible);
         trial.options.pivot = test_random(&seed, 0, 1) * trial.row.range[1];
@@ -380,15 +403,17 @@ static void random_needles(void **state)
         for (size_t i = t % 3; i < CONUS_TOLERANCE_COUNT; i += 3) {
             const conus_tolerance *row = &rows[i];
             for (int k = 0; k <= PLACES; k++) {
-                assert_true(holds(&trial, row, row->holds_to * k / PLACES));
+                double s = row->holds_to * k / PLACES;
+                assert_true(holds(&trial, single, shanks, options.shank_count, row, s));
             }
             assert_int_equal(row->method, CONUS_TOLERANCE_EXACT);
             if (!isnan(row->fails_at)) {
-                assert_false(holds(&trial, row, row->fails_at));
+                assert_false(holds(&trial, single, shanks, options.shank_count, row, row->fails_at));
                 assert_true(row->fails_at - row->holds_to <= 1.001e-6 * unit_of(row));
                 found++;
             }
         }
+        conus_plan_destroy(single);
         end(&trial);
         conus_atlas_destroy(atlas);
     }
