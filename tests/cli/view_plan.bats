@@ -3,12 +3,12 @@
 load helpers
 load window
 
-# Needles of plan.bats: b is the best one, then a.
+# Needles of plan.bats: b is the best one, then a. The device's first shank is far from all.
 needles() {
     conus phantom u-shape -o .
     printf '%s\t40\t0\t5\t-1\t0\t0\t%s\n' query_id far a 30 b 26 c 36 d 20 |
         sed '1s/.*/query_id\tx\ty\tz\tdx\tdy\tdz\tfar/' >needles.tsv
-    plan=(--reach 'U,length=5' --avoid 'Ball,margin=3' --radius 1)
+    plan=(--shanks '30,0;0,0' --reach 'U,length=5,shank=2' --avoid 'Ball,margin=3' --radius 1)
 }
 
 @test "constraints and candidates that cannot be are refused before there is a window" {

@@ -165,6 +165,36 @@ def test_candidates(atlas, tmp_path):
     assert (np.sign(outward.poses[:, :3, 2]) == -np.sign(outward.poses[:, :3, 3])).all()
 
 
+def test_shanks_are_single_needles(atlas):
+    shanks = np.array([(0.5, -1), (6, 2), (-3, 9)])
+    asked = dict(reach={"right": {"length": 4}}, avoid={"left": 3}, radius=1, depth=25, infeasible=True, top=None)
+    probe = atlas.plan(entries=[(0.0, 0, 0), (-16, 0, 3)], targets=[(20.0, 0, 0)], tilt=(60, 30), roll=100, shanks=shanks,
+                       **asked)
+    assert probe.candidates % 4 == 0 and any(name.endswith("-r4") for name in probe.ids)
+    table = probe.verdicts()
+    for kind, best in (("reach", np.argmax), ("avoid", np.argmin)):
+        singles = []
+        for x, y in shanks:
+            poses = probe.poses.copy()
+            poses[:, :3, 3] += x * poses[:, :3, 0] + y * poses[:, :3, 1]
+            rows = atlas.plan(poses=poses, **asked).verdicts()
+            singles.append(rows[rows.kind == kind].astype({"query": int}).sort_values("query"))
+        of_probe = table[table.kind == kind]
+        slacks, leeways = (np.array([rows[name] for rows in singles], float) for name in ("slack", "leeway_mm"))
+        assert of_probe.shank.tolist() == (best(slacks, axis=0) + 1).tolist() and of_probe.shank.nunique() > 1
+        assert np.allclose(of_probe.slack, np.take_along_axis(slacks, best(slacks, axis=0)[None], 0)[0], atol=1e-9)
+        of_all = leeways.max(axis=0) if kind == "reach" else leeways.min(axis=0)
+        held = probe.to_dataframe().feasible.to_numpy() == 1
+        assert held.any() and np.allclose(of_probe.leeway_mm[held].astype(float), of_all[held], atol=2e-6)
+    both = atlas.plan({"right": {"length": 4, "shank": "all"}}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS,
+                      shanks=[(0, 0), (0, 900)])
+    assert both.funnel == [0]
+    for given, said in (({"shanks": [1, 2]}, "wanted is"), ({"shanks": [(0, 1001)]}, "allowed are up to 1000"),
+                        ({"reach": {"right": {"shank": 2}}}, "allowed are any"), ({"roll": 9}, "without entries")):
+        with pytest.raises(conus.ArgumentError, match=said):
+            atlas.plan(**{"reach": "right", "origins": ORIGINS, "directions": DIRECTIONS, "depth": DEPTHS, **given})
+
+
 def test_candidates_that_cannot_be(atlas):
     point = [(0.0, 0, 0)]
     for arguments, said in (
