@@ -266,7 +266,8 @@ static conus_status fill(struct plan_constraint *out, const conus_selector *sele
     out->asked.names = NULL;
     out->asked.needles = NULL;
     out->has_leeway = plan_is_clearance(out) || asked->kind == CONUS_CONSTRAINT_APART;
-    bool may_have = asked->kind == CONUS_CONSTRAINT_REACH && asked->measure <= CONUS_MEASURE_CROSSED;
+    bool may_have = asked->kind == CONUS_CONSTRAINT_REACH &&
+                    (asked->measure <= CONUS_MEASURE_CROSSED || asked->measure == CONUS_MEASURE_CONTACTS);
     for (size_t i = 0; i < out->part_count && may_have; i++) {
         const struct mesh *mesh = out->parts[i].mesh;
         out->has_leeway = out->has_leeway || !mesh || mesh->shape.closed;

@@ -428,7 +428,24 @@ static conus_status leave_tubes(struct plan_leeway *leeway, const struct plan_si
     return status;
 }
 
-/* By how many mm more than the length is left, where bodies up to delta are gathered; of a tip 1 or -1. */
+/* How many contacts are in what is left. */
+static double count_left(const struct plan_leeway *leeway)
+{
+    const conus_contacts *contacts = &leeway->contacts;
+    double count = 0;
+    for (uint32_t k = 0; k < contacts->count; k++) {
+        uint32_t row = k / contacts->columns;
+        double depth = leeway->needle.far - contacts->tip - row * contacts->pitch;
+        bool is_in = false;
+        for (size_t i = 0; i < leeway->left.count && !is_in; i++) {
+            is_in = leeway->left.items[i].entry <= depth && depth <= leeway->left.items[i].exit;
+        }
+        count += is_in;
+    }
+    return count;
+}
+
+/* By how many mm or contacts more than the least is left, where bodies up to delta are gathered. */
 static conus_status measure_rest(double *out, struct plan_leeway *leeway, double delta)
 {
     conus_status status = CONUS_OK;
@@ -445,7 +462,7 @@ static conus_status measure_rest(double *out, struct plan_leeway *leeway, double
         sum += fmax(span->exit - fmax(span->entry, reached), 0);
         reached = fmax(reached, span->exit);
     }
-    *out = !leeway->is_tip ? sum - leeway->length : reached >= leeway->needle.far ? 1 : -1;
+    *out = (leeway->contacts.count ? count_left(leeway) : sum) - leeway->least;
     return status;
 }
 
@@ -472,7 +489,7 @@ static double most_left(const struct plan_leeway *leeway, double delta)
 
 conus_status plan_leeway_is(bool *out, struct plan_leeway *leeway, double delta)
 {
-    if (!leeway->is_tip && most_left(leeway, delta) < leeway->length) {
+    if (!leeway->contacts.count && most_left(leeway, delta) < leeway->least) {
         *out = false;
         return CONUS_OK;
     }
@@ -505,7 +522,7 @@ static double look_between(const struct bracket *at)
 
 conus_status plan_leeway_guess(double *out, struct plan_leeway *leeway, double most)
 {
-    while (!leeway->is_tip && most > ROUNDING && most_left(leeway, most) < leeway->length) {
+    while (!leeway->contacts.count && most > ROUNDING && most_left(leeway, most) < leeway->least) {
         most /= 2;
     }
     double rest = -1;
@@ -521,7 +538,7 @@ conus_status plan_leeway_guess(double *out, struct plan_leeway *leeway, double m
 
 conus_status plan_leeway_find(double *out, struct plan_leeway *leeway)
 {
-    struct bracket at = {.more = leeway->is_tip ? 1 : most_left(leeway, 0) - leeway->length};
+    struct bracket at = {.more = leeway->contacts.count ? 1 : most_left(leeway, 0) - leeway->least};
     for (size_t i = 0; i < leeway->side_count; i++) {
         const struct plan_part *part = leeway->sides[i].part;
         double size = part->volume ? leeway->sides[i].cells.reach : part->mesh ? 1 : part->tractogram->radius;

@@ -19,11 +19,11 @@ struct plan_spans {
 
 /** Scratch, kept between questions. A zeroed one is ready. */
 struct plan_leeway {
-    struct needle needle; /**< The part of the axis that counts. */
-    const uint32_t *has;  /**< The structure's objects. */
-    bool is_tip;          /**< Its far end is to stay in the structure. */
-    bool uses_maps;       /**< The parts' maps, where they have some, may be looked at. */
-    double length;        /**< Else so many mm of it are. */
+    struct needle needle;    /**< The part of the axis that counts. */
+    const uint32_t *has;     /**< The structure's objects. */
+    conus_contacts contacts; /**< Points of it, where there are some: of them `least` are to stay in the structure, */
+    double least;            /**< else so many mm. */
+    bool uses_maps;          /**< The parts' maps, where they have some, may be looked at. */
     struct plan_side *sides;
     size_t side_count, side_capacity;
     struct plan_body *bodies; /**< What is not the structure, side by side. */
@@ -35,8 +35,8 @@ struct plan_leeway {
 
 void plan_leeway_finish(struct plan_leeway *leeway);
 
-/** Asks about a constraint with a leeway, a REACH, and an axis that passes @p layers; leeway->needle, is_tip and length
- * are set. */
+/** Asks about a constraint with a leeway, a REACH, and an axis that passes @p layers; leeway->needle, contacts and
+ * least are set. */
 conus_status plan_leeway_ask(struct plan_leeway *leeway, const struct plan_constraint *constraint,
                              const conus_atlas *atlas, const struct layers *layers);
 

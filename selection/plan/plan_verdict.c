@@ -456,8 +456,11 @@ static conus_status ask_leeway(struct plan_judge *judge, const struct plan_const
     judge->leeway.needle = judge->shank->needle;
     judge->leeway.needle.near = range[0];
     judge->leeway.needle.far = range[1];
-    judge->leeway.is_tip = constraint->asked.measure == CONUS_MEASURE_TIP;
-    judge->leeway.length = fmax(constraint->asked.limit, AXIS_TOUCH); /* so much is crossed, too */
+    judge->leeway.contacts = constraint->asked.measure == CONUS_MEASURE_TIP ? (conus_contacts){.count = 1, .columns = 1}
+                             /* at the far end */
+                             : constraint->asked.measure == CONUS_MEASURE_CONTACTS ? constraint->asked.contacts
+                                                                                   : (conus_contacts){0};
+    judge->leeway.least = fmax(constraint->asked.limit, AXIS_TOUCH); /* so much is crossed, too */
     conus_status status = follow(judge);
     return status ? status : plan_leeway_ask(&judge->leeway, constraint, judge->selector->atlas, &judge->shank->layers);
 }
@@ -595,9 +598,8 @@ conus_status plan_judge_leeway(double *out, struct plan_judge *judge, size_t ind
 double plan_judge_distance(struct plan_judge *judge, size_t index)
 {
     const struct plan_constraint *constraint = &judge->constraints[index];
-    size_t count = constraint->shanks[1] - constraint->shanks[0];
     bool is_avoid = constraint->asked.kind == CONUS_CONSTRAINT_AVOID;
-    bool takes_farthest = count > 1 && constraint->any_shank == is_avoid;
+    bool takes_farthest = constraint->any_shank == is_avoid;
     double distance = takes_farthest ? 0 : INFINITY;
     for (size_t i = constraint->shanks[0]; i < constraint->shanks[1]; i++) {
         judge->shank = &judge->shanks[i];

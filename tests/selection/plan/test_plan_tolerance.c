@@ -363,11 +363,11 @@ static conus_atlas *blobs(uint64_t *seed)
     return scene_parcellation(&grid, labels);
 }
 
-/* Needles, and devices of three that lie beside the axis. */
+/* Needles, and devices of three of which the last is aimed. */
 static void random_needles(void **state)
 {
     (void)state;
-    static const double places[2][3][2] = {{{0, 0}}, {{18, -9}, {16, -9.5}, {19, -6}}};
+    static const double places[2][3][2] = {{{0, 0}}, {{0, 0}, {16, -9.5}, {18, -9}}};
     uint64_t seed = 23;
     size_t found = 0;
     const conus_constraint wants[2] = {{.names = "1", .limit = 0.4},
@@ -394,8 +394,8 @@ static void random_needles(void **state)
             }
             vec3_sub(along, ends[1], ends[0]);
             aim(&trial, ends[0], along, 0.1 * vec3_length(along), vec3_length(along));
-            vec3_add_scaled(m + 12, m + 12, -shanks[0][0], m);
-            vec3_add_scaled(m + 12, m + 12, -shanks[0][1], m + 4);
+            vec3_add_scaled(m + 12, m + 12, -shanks[options.shank_count - 1][0], m);
+            vec3_add_scaled(m + 12, m + 12, -shanks[options.shank_count - 1][1], m + 4);
             assert_ok(conus_plan_try(&tried, trial.plan, &trial.row));
         } while (!tried->feasible);
         trial.options.pivot = test_random(&seed, 0, 1) * trial.row.range[1];
@@ -418,6 +418,57 @@ static void random_needles(void **state)
         conus_atlas_destroy(atlas);
     }
     assert_true(found > 5);
+}
+
+/* The leeway of four contacts of seven is the fourth largest of as many tips': needles that end at them are tried. */
+static void contacts_are_as_many_tips(void **state)
+{
+    (void)state;
+    static const conus_contacts contacts = {7, 2, 0.9, 0.3};
+    const conus_constraint wants[2] = {
+        {.names = "1", .measure = CONUS_MEASURE_CONTACTS, .limit = 4, .contacts = contacts},
+        {.names = "1", .measure = CONUS_MEASURE_TIP}};
+    uint64_t seed = 29;
+    size_t held = 0;
+    for (size_t t = 0; t < test_trials(12); t++) {
+        conus_atlas *atlas = blobs(&seed);
+        struct trial trial = begin(atlas, 0, wants, 1);
+        struct trial tip = begin(atlas, 0, wants + 1, 1);
+        const conus_planned *tried = NULL;
+        double leeways[7];
+        double ends[2][3];
+        for (int e = 0; e < 2; e++) {
+            double voxel[3];
+            for (int a = 0; a < 3; a++) {
+                voxel[a] = (a ? 4 : 3) + test_random(&seed, -2, 2);
+            }
+            mat4_point(ends[e], atlas->volumes[0].info.world_from_voxel, voxel);
+        }
+        vec3_sub(ends[0], ends[1], ends[0]);
+        vec3_add_scaled(ends[1], ends[1], -8 / vec3_length(ends[0]), ends[0]);
+        aim(&trial, ends[1], ends[0], 6, test_random(&seed, 8, 11));
+        tip.row = trial.row;
+        tip.row.range[0] = 0;
+        for (int k = 0; k < 7; k++) {
+            const int of_two = k / 2;
+            tip.row.range[1] = trial.row.range[1] - 0.3 - of_two * 0.9;
+            assert_ok(conus_plan_try(&tried, tip.plan, &tip.row));
+            bool counts = tried->feasible && tried->far >= trial.row.range[0];
+            int at = k; /* the largest first */
+            for (; at && leeways[at - 1] < (counts ? tried->leeway : 0); at--) {
+                leeways[at] = leeways[at - 1];
+            }
+            leeways[at] = counts ? tried->leeway : 0;
+        }
+        assert_ok(conus_plan_try(&tried, trial.plan, &trial.row));
+        assert_int_equal(tried->feasible, leeways[3] > 0);
+        assert_near(tried->verdicts[0].leeway, leeways[3], 2e-6);
+        held += tried->feasible;
+        end(&trial);
+        end(&tip);
+        conus_atlas_destroy(atlas);
+    }
+    assert_true(held > 3);
 }
 
 struct asked {
@@ -463,9 +514,13 @@ static void failing_allocations_are_survived(void **state)
 TEST_GROUP(plan_tolerance)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(length_in_a_box),   cmocka_unit_test(beside_a_wall),
-        cmocka_unit_test(other_constraints), cmocka_unit_test(grazed_and_broken),
-        cmocka_unit_test(random_needles),    cmocka_unit_test(failing_allocations_are_survived),
+        cmocka_unit_test(length_in_a_box),
+        cmocka_unit_test(beside_a_wall),
+        cmocka_unit_test(other_constraints),
+        cmocka_unit_test(grazed_and_broken),
+        cmocka_unit_test(random_needles),
+        cmocka_unit_test(contacts_are_as_many_tips),
+        cmocka_unit_test(failing_allocations_are_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
