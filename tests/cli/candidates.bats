@@ -80,7 +80,8 @@ cells() {
     conus plan u-shape.nii.gz --reach U,share=0.01 --poses open.tsv --angle 20 -q -o plan.tsv --force --poses-out poses.tsv
     [ "$(awk -F '\t' 'NR > 1 { print $1, $10 }' poses.tsv | tr -d '"' | sort | tr '\n' ';')" = "a 12.300000000000001;b n/a;" ]
     fails 2 '--roll has no effect without --from' $U --poses targets.txt --depth 9 --roll 9
-    fails 2 'roll: in steps of 0.001 degrees' $P --depth 9 --roll 0.001
+    fails 2 '--roll' $P --depth 9 --roll 0.001
+    [ "$(conus $P --depth 26 --roll 180 -q --top all --format tsv --infeasible | grep -c -- '^e[1-3]-t[12]-r[12]')" -eq 12 ]
     fails 2 '--roll' $P --depth 9 --roll 181
 }
 
