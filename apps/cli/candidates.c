@@ -380,12 +380,6 @@ void candidates_list_inputs(struct provenance *out, const struct candidates *can
     }
 }
 
-/* 17 digits are those of one double. */
-static void put_vector(FILE *out, const double v[3], const char *between)
-{
-    fprintf(out, "%.17g%s%.17g%s%.17g", v[0], between, v[1], between, v[2]);
-}
-
 /* Between quotation marks, those in it with `mark` in front. */
 static void put_id(FILE *out, const char *id, char mark)
 {
@@ -428,6 +422,7 @@ static double exact_degrees(double angle)
     return nearest;
 }
 
+/* 17 digits are those of one double. */
 static void put_table(FILE *out, const conus_plan *plan, const conus_frame *frame)
 {
     bool has_up = !have_usual_turns(plan);
@@ -441,18 +436,13 @@ static void put_table(FILE *out, const conus_plan *plan, const conus_frame *fram
         const conus_planned *pose = conus_plan_pose(plan, i);
         const double *m = pose->pose.world_from_device;
         const double axis[3] = {-m[8], -m[9], -m[10]};
-        double v[3];
+        double v[3][3];
+        conus_frame_from_world(v[0], frame, m + 12);
+        conus_frame_direction_from_world(v[1], frame, axis);
+        conus_frame_direction_from_world(v[2], frame, m + 4);
         put_id(out, pose->id, '"');
-        fputc('\t', out);
-        conus_frame_from_world(v, frame, m + 12);
-        put_vector(out, v, "\t");
-        fputc('\t', out);
-        conus_frame_direction_from_world(v, frame, axis);
-        put_vector(out, v, "\t");
-        if (has_up) {
-            fputc('\t', out);
-            conus_frame_direction_from_world(v, frame, m + 4);
-            put_vector(out, v, "\t");
+        for (int k = 0; k < (has_up ? 9 : 6); k++) {
+            fprintf(out, "\t%.17g", v[k / 3][k % 3]);
         }
         fprintf(out, "\t%.17g\t%.17g", pose->near, pose->far);
         if (has_angle && pose->has_angle) {
@@ -475,16 +465,14 @@ static void put_end(FILE *out, const conus_planned *pose, const char *id, const 
     }
     fputs("{\"label\": ", out);
     put_id(out, id, '\\');
-    fputs(", \"position\": [", out);
-    put_vector(out, at, ", ");
-    fputs("]}", out);
+    fprintf(out, ", \"position\": [%.17g, %.17g, %.17g]}", at[0], at[1], at[2]);
 }
 
 /* A line for each shank; of several, "e1-t2-s3" is the third. */
 static void put_lines(FILE *out, const conus_plan *plan, const struct constraints *constraints)
 {
-    static const double axis[1][2] = {{0, 0}};
-    const double(*shanks)[2] = constraints->shanks ? (const double(*)[2])constraints->shanks : axis;
+    static const double axis[2] = {0, 0};
+    const double *shanks = constraints->shanks ? constraints->shanks : axis;
     size_t count = constraints->shanks ? constraints->shank_count : 1;
     fputs("{\"@schema\": \"https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/"
           "Schema/markups-schema-v1.0.3.json#\",\n \"markups\": [",
@@ -497,9 +485,9 @@ static void put_lines(FILE *out, const conus_plan *plan, const struct constraint
             snprintf(id, sizeof id, "%s-s%zu", pose->id, i % count + 1);
         }
         fprintf(out, "%s\n  {\"type\": \"Line\", \"coordinateSystem\": \"LPS\", \"controlPoints\": [", i ? "," : "");
-        put_end(out, pose, id, shanks[i % count], 0);
+        put_end(out, pose, id, shanks + 2 * (i % count), 0);
         fputs(", ", out);
-        put_end(out, pose, id, shanks[i % count], pose->far);
+        put_end(out, pose, id, shanks + 2 * (i % count), pose->far);
         fputs("]}", out);
     }
     fputs("\n ]}\n", out);

@@ -382,7 +382,7 @@ static int try_poses(struct planning *planning)
         .entries = settings->map ? conus_sites_count(planning->candidates.from.sites) : 0,
         .jitter = settings->jitter ? &planning->jitter : NULL,
         .targets = settings->target_map ? conus_sites_count(planning->candidates.toward.sites) : 0,
-        .shanks = planning->constraints.shanks ? planning->constraints.shanks[0] : NULL,
+        .shanks = planning->constraints.shanks,
         .shank_count = planning->constraints.shank_count,
         .progress = show_tried,
         .progress_user = planning,

@@ -211,8 +211,8 @@ static bool read_keys(conus_constraint *out, char *text)
 static bool read_structure(conus_constraint *out, char *text)
 {
     static const char *const numbers[] = {
-        ",length=", ",part=",     ",margin=",      ",contacts=", ",probability=", ",share=", ",pierced=",
-        ",volume=", ",fraction=", ",streamlines=", NULL};
+        ",length=",  ",part=",   ",margin=",   ",contacts=",    ",probability=", ",share=",
+        ",pierced=", ",volume=", ",fraction=", ",streamlines=", ",shank=",       NULL};
     const char *option = constraint_options[out->kind].name;
     out->names = text;
     if (!read_keys(out, text)) {
@@ -304,13 +304,13 @@ static int read_shanks(struct constraints *out, const char *text)
     }
     free(out->shanks);
     out->shank_count = count;
-    out->shanks = calloc(count, sizeof *out->shanks);
+    out->shanks = calloc(count, 2 * sizeof *out->shanks);
     char *copy = strdup(text);
     int code = out->shanks && copy ? EXIT_DONE : print_no_memory();
     char *rest = copy;
     for (size_t i = 0; i < count && !code; i++) {
         const char *word = strsep(&rest, ";");
-        code = numbers_parse(out->shanks[i], 2, word, ',') == 2
+        code = numbers_parse(out->shanks + 2 * i, 2, word, ',') == 2
                    ? EXIT_DONE
                    : print_usage_error("--shanks: \"%s\" is not two numbers X,Y", word);
     }

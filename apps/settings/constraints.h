@@ -11,7 +11,7 @@ struct constraints {
     char **texts;            /**< [count] Their options' values, cut at their commas. */
     double **needles;        /**< [count] Of --apart; else NULL. */
     size_t count;
-    double (*shanks)[2]; /**< [shank_count] Of --shanks, along the device's x and y, mm; NULL = not given. */
+    double *shanks; /**< [shank_count][2] Of --shanks, along the device's x and y, mm; NULL = not given. */
     size_t shank_count;
 };
 

@@ -85,10 +85,8 @@ conus_status plan_list_fill(struct plan_list *out, const struct plan_task *task,
                             const conus_atlas *atlas, const conus_frame *frame, conus_progress progress, void *user)
 {
     const struct constraints *asked = &task->constraints;
-    const conus_plan_options options = {.shanks = asked->shanks ? asked->shanks[0] : NULL,
-                                        .shank_count = asked->shank_count,
-                                        .progress = progress,
-                                        .progress_user = user};
+    const conus_plan_options options = {
+        .shanks = asked->shanks, .shank_count = asked->shank_count, .progress = progress, .progress_user = user};
     const conus_pose_options pose_options = {.frame = frame};
     conus_plan *plan = NULL;
     conus_pose_stream *stream = NULL;

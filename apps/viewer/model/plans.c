@@ -35,8 +35,7 @@ static conus_status prepare_live(struct viewer *viewer)
     struct plan_state *state = &viewer->plan;
     const conus_selector_options options = find_options(viewer);
     const struct constraints *asked = &state->task.constraints;
-    const conus_plan_options plan_options = {
-        .threads = 1, .shanks = asked->shanks ? asked->shanks[0] : NULL, .shank_count = asked->shank_count};
+    const conus_plan_options plan_options = {.threads = 1, .shanks = asked->shanks, .shank_count = asked->shank_count};
     if (state->live && selector_options_are_same(&state->made_with, &options)) {
         return CONUS_OK;
     }
