@@ -2,9 +2,6 @@
 // What conus-mesh may be asked: every voxel lies in the box of its area, and nothing shorter is a request, too.
 #include "mesh/request.hpp"
 
-#include <stddef.h>
-#include <stdbool.h>
-#include <stdint.h>
 #include <cstdlib>
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
