@@ -162,7 +162,7 @@ static struct course start_course(const struct plan_constraint *constraint, cons
 static conus_status is_held(bool *out, struct plan_judge *judge, size_t index, const struct motion *motion, double s)
 {
     conus_planned moved;
-    conus_verdict verdict;
+    conus_verdict verdict = {0};
     move(&moved, motion, s);
     plan_judge_turn(judge, &moved);
     conus_status status = plan_judge(&verdict, judge, index, PLAN_HOLDS);
@@ -244,11 +244,14 @@ static conus_status describe(conus_tolerance *row, struct plan_judge *judge, siz
     move(&moved, motion, row->fails_at);
     plan_judge_turn(judge, &moved);
     conus_status status = plan_judge(&verdict, judge, index, PLAN_SLACKS);
+    if (status) {
+        return status;
+    }
     row->constraint = index;
     row->object = verdict.object;
     row->depth = verdict.depth;
     needle_point(row->at, &judge->shanks[verdict.shank - 1].needle, verdict.depth);
-    return status;
+    return CONUS_OK;
 }
 
 /* Follows all constraints along a motion, always the one that is known to hold least far. */
