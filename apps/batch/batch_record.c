@@ -57,26 +57,14 @@ static bool hash_settings(struct sha256_ctx *context, const char *sidecar)
     return text;
 }
 
-int batch_fingerprint(char out[65], conus_batch *batch, const struct atlases *atlases,
-                      const struct batch_settings *settings, const char *const *sources)
+int batch_fingerprint(char out[65], const char *sidecar, const struct atlases *atlases, const char *const *sources)
 {
-    const char *text = NULL;
-    size_t size = 0;
     struct sha256_ctx context;
     char line[64];
-    conus_status status = conus_batch_sidecar(&text, &size, batch);
-    if (status) {
-        return print_status(status);
-    }
     sha256_init(&context);
-    if (!hash_settings(&context, text)) {
+    if (!hash_settings(&context, sidecar)) {
         return print_no_memory();
     }
-    snprintf(line, sizeof line, "%.17g", settings->aim.angle);
-    hash_text(&context, line);
-    settings_pose_text(line, &settings->file);
-    hash_text(&context, line);
-    hash_text(&context, conus_batch_header(batch));
     for (; *sources; sources++) {
         hash_text(&context, *sources);
     }

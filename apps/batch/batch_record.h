@@ -27,10 +27,9 @@ struct batch_record {
     bool has_ranges;               /**< or have ranges of their own. */
 };
 
-/** Fingerprint of a batch: of its sidecar, header row, the atlases' objects, how poses are read, and what they are read
- * from: the texts of @p sources up to NULL. */
-int batch_fingerprint(char out[65], conus_batch *batch, const struct atlases *atlases,
-                      const struct batch_settings *settings, const char *const *sources);
+/** Fingerprint of rows: of their sidecar, which is a JSON object, without what differs between machines; the texts of
+ * @p sources up to NULL; and the atlases' objects. */
+int batch_fingerprint(char out[65], const char *sidecar, const struct atlases *atlases, const char *const *sources);
 
 /** Writes the sidecar: @p text, a JSON object, with the record in it, and with @p command as the command line. Of a
  * merged batch, @p question is NULL: that of the first shard stays. */

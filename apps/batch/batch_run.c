@@ -236,15 +236,26 @@ static int identify(struct batch_run *run)
     bool has_file_name = run->format == CONUS_FORMAT_AFNI;
     const conus_volume_info *info = has_file_name ? conus_atlas_volume(atlas, 0) : NULL;
     const char *first = has_file_name ? conus_atlas_file(atlas, 0) : NULL;
-    const char *const sources[] = {run->pose_hash,
+    const char *sidecar = NULL;
+    size_t size = 0;
+    char angle[32], reading[64];
+    snprintf(angle, sizeof angle, "%.17g", settings->aim.angle);
+    settings_pose_text(reading, &settings->file);
+    conus_status status = conus_batch_sidecar(&sidecar, &size, run->batch);
+    const char *const sources[] = {angle,
+                                   reading,
+                                   conus_batch_header(run->batch),
+                                   run->pose_hash,
                                    conus_pose_stream_space(run->poses),
                                    conus_pose_stream_coordsystem_sha256(run->poses),
                                    format,
                                    info ? file_name(info->path) : "",
                                    first && strcmp(first, asked) == 0 ? file_name(asked) : NULL,
                                    NULL};
-    int code = run->piped ? EXIT_DONE : provenance_hash_file(run->pose_hash, settings->poses);
-    return code ? code : batch_fingerprint(run->fingerprint, run->batch, &run->atlases, settings, sources);
+    int code = status       ? print_status(status)
+               : run->piped ? EXIT_DONE
+                            : provenance_hash_file(run->pose_hash, settings->poses);
+    return code ? code : batch_fingerprint(run->fingerprint, sidecar, &run->atlases, sources);
 }
 
 /* Whether an earlier run has written all of it; takes over what that run counted. */
@@ -340,8 +351,7 @@ void batch_run_say_astray(const struct batch_run *run)
     aim_notes_say(run->aimed, run->atlases.count, settings_poses_name(run->settings->poses), &run->settings->common);
 }
 
-/* The command line that resumes this batch; NULL without memory. */
-static char *command_to_resume(const struct arguments *arguments)
+char *batch_resuming(const struct arguments *arguments)
 {
     static char resume[] = "--resume";
     struct arguments changed = *arguments;
@@ -363,7 +373,7 @@ static char *command_to_resume(const struct arguments *arguments)
 
 int batch_run_interrupted(const struct batch_run *run, int signal)
 {
-    char *command = run->output && !run->piped ? command_to_resume(run->arguments) : NULL;
+    char *command = run->output && !run->piped ? batch_resuming(run->arguments) : NULL;
     print_error_line("interrupted after %" PRIu64 " poses%s%s", run->file.poses, command ? "; continue with: " : "",
                      command ? command : "");
     free(command);

@@ -69,6 +69,9 @@ void batch_run_find_astray(struct batch_run *run);
 /** Prints it. */
 void batch_run_say_astray(const struct batch_run *run);
 
+/** The command line that resumes what @p arguments began, for the caller to free; NULL without memory. */
+char *batch_resuming(const struct arguments *arguments);
+
 /** Prints that @p signal ended the run, and which command resumes it. */
 int batch_run_interrupted(const struct batch_run *run, int signal);
 

@@ -183,11 +183,12 @@ static int shard_of_slurm(struct shard *out)
 
 int batch_shard(struct shard *out, const struct batch_settings *settings)
 {
-    const char *text = settings->shard;
     *out = (struct shard){0, 1};
-    if (!text) {
-        return shard_of_slurm(out);
-    }
+    return settings->shard ? shard_parse(out, settings->shard) : shard_of_slurm(out);
+}
+
+int shard_parse(struct shard *out, const char *text)
+{
     char index[32];
     const char *slash = strchr(text, '/');
     size_t length = slash ? (size_t)(slash - text) : 0;

@@ -43,6 +43,9 @@ bool batch_format(conus_format *out, const struct batch_settings *settings, cons
  * 0. */
 int batch_shard(struct shard *out, const struct batch_settings *settings);
 
+/** Reads "I/N". Likewise. */
+int shard_parse(struct shard *out, const char *text);
+
 /** Where the shard of @p total things begins and how many it has. Shards differ by one at most; the first have more. */
 void shard_range(uint64_t *first, uint64_t *count, struct shard shard, uint64_t total);
 

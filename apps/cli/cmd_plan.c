@@ -1,9 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus plan: which poses reach some structures and stay clear of others, and how far they may be off. */
+#include "batch/batch_run.h"
 #include "cli/answers/ends.h"
 #include "cli/candidates.h"
 #include "cli/commands.h"
+#include "cli/plan_journal.h"
 #include "cli/request.h"
+#include "options/interrupt.h"
 #include "options/messages.h"
 #include "options/progress.h"
 #include "settings/constraints.h"
@@ -22,6 +25,7 @@ struct plan_settings {
     const char *rank, *score, *pareto;
     const char *constraint_rows, *profile, *tolerance, *pivot;
     const char *jitter, *contacts;
+    struct journal_settings journal;
     uint32_t threads, samples;
     const char *map, *target_map, *structure;
     size_t progress; /* enum progress_kind */
@@ -250,6 +254,7 @@ static const struct option_group groups[] = {
     {"", best_map_options, 0},
     {"", rows_options, 0},
     {"How it runs", run_options, 0},
+    {"", journal_options, FIELD(journal)},
     {"", quiet_options, REQUEST_FIELD(common)},
     {0},
 };
@@ -265,6 +270,7 @@ struct planning {
     struct request request;
     struct constraints constraints;
     struct candidates candidates;
+    struct plan_journal journal;
     struct rows_file files[ROWS_FILES]; /* --constraints, --profile, --tolerance */
     uint64_t top;
     conus_tolerance_options pivot;
@@ -361,7 +367,42 @@ static bool show_tried(void *user, size_t done, size_t total)
     struct planning *planning = user;
     (void)total;
     progress_update(&planning->request.progress, done, 0);
-    return true;
+    planning->journal.code = plan_journal_write(&planning->journal, planning->plan, interrupt_signal());
+    return !planning->journal.code && !interrupt_signal();
+}
+
+static void list_inputs(struct provenance *out, const struct planning *planning)
+{
+    request_list_inputs(out, &planning->request);
+    for (size_t i = 0; i < planning->constraints.count; i++) {
+        bool has_file = planning->constraints.items[i].kind == CONUS_CONSTRAINT_APART;
+        provenance_add_input(out, has_file ? planning->constraints.texts[i] : NULL);
+    }
+    candidates_list_inputs(out, &planning->candidates);
+}
+
+static int run_all(struct planning *planning)
+{
+    struct request *request = &planning->request;
+    struct plan_journal *journal = &planning->journal;
+    conus_plan *plan = planning->plan;
+    if (journal->path) {
+        interrupt_catch(request->stream);
+    }
+    conus_status status = conus_plan_run(plan, request->stream, journal->count);
+    interrupt_release();
+    int code = journal->code;
+    code = code || status ? code : plan_journal_write(journal, plan, journal->next > 0);
+    int signal = interrupt_signal();
+    progress_finish(&request->progress, conus_plan_left(plan, 0), conus_plan_rejected(plan).count);
+    if (!code && signal) {
+        char *command = batch_resuming(request->arguments);
+        print_error_line("interrupted after %llu poses; continue with: %s",
+                         (unsigned long long)conus_plan_left(plan, 0), command ? command : "--resume");
+        free(command);
+        return 128 + signal;
+    }
+    return code ? code : status ? print_status(status) : EXIT_DONE;
 }
 
 static int try_poses(struct planning *planning)
@@ -392,13 +433,20 @@ static int try_poses(struct planning *planning)
     if (status) {
         return print_status(status);
     }
+    struct provenance inputs = {0};
+    list_inputs(&inputs, planning);
+    int code = plan_journal_open(&planning->journal, planning->plan, request, &inputs);
+    if (code) {
+        return code;
+    }
     progress_start(progress, (enum progress_kind)settings->progress, settings->request.common.quiet, "poses", 0);
-    if (progress_is_shown(progress) && conus_pose_stream_count(&progress->total, request->stream)) {
+    progress->before = conus_plan_left(planning->plan, 0);
+    progress->total = planning->journal.count;
+    if (progress->total == UINT64_MAX &&
+        (!progress_is_shown(progress) || conus_pose_stream_count(&progress->total, request->stream))) {
         progress->total = 0;
     }
-    status = conus_plan_run(planning->plan, request->stream, UINT64_MAX);
-    progress_finish(progress, conus_plan_left(planning->plan, 0), conus_plan_rejected(planning->plan).count);
-    return status ? print_status(status) : EXIT_DONE;
+    return run_all(planning);
 }
 
 /* "1,043,216" */
@@ -487,6 +535,9 @@ static int check_candidates(struct planning *planning)
     const char *path = from ? from : settings_poses_name(request->settings->aim.pose);
     uint64_t tried = conus_plan_left(planning->plan, 0);
     uint64_t rows = tried + faults.count;
+    if (!tried && planning->journal.shard.count > 1) { /* others may have some */
+        return EXIT_DONE;
+    }
     if (!tried && !faults.count) {
         return print_usage_error("%s: no candidate: no poses in it", path);
     }
@@ -627,12 +678,7 @@ static int write_all(struct planning *planning)
     struct request *request = &planning->request;
     const struct plan_settings *settings = planning->settings;
     struct provenance provenance = {0};
-    request_list_inputs(&provenance, request);
-    for (size_t i = 0; i < planning->constraints.count; i++) {
-        bool has_file = planning->constraints.items[i].kind == CONUS_CONSTRAINT_APART;
-        provenance_add_input(&provenance, has_file ? planning->constraints.texts[i] : NULL);
-    }
-    candidates_list_inputs(&provenance, &planning->candidates);
+    list_inputs(&provenance, planning);
     provenance.question.region = settings->request.engine.radius > 0                                       ? "cylinder"
                                  : constraints_last_measure(&planning->constraints) >= CONUS_MEASURE_SHARE ? "cone"
                                                                                                            : "axis";
@@ -647,9 +693,13 @@ static int write_all(struct planning *planning)
     code = code || !settings->target_map ? code : write_map(planning, settings->target_map, true);
     provenance.question.rows = "plan";
     provenance_add_outputs(&provenance, request->arguments);
-    return code || is_replaced(planning) ? code
+    code = code || is_replaced(planning) ? code
                                          : answer_write(request->answerers[0].report, settings->request.answer.output,
                                                         request->sidecar, &provenance);
+    if (!code) {
+        plan_journal_end(&planning->journal);
+    }
+    return code;
 }
 
 static int answer_plan(struct planning *planning)
@@ -694,7 +744,8 @@ static int answer_plan(struct planning *planning)
 
 static int run_plan(const void *given, const struct arguments *arguments)
 {
-    const struct plan_settings *settings = given;
+    struct plan_settings own = *(const struct plan_settings *)given;
+    const struct plan_settings *settings = &own;
     struct planning planning = {.settings = settings};
     int code = constraints_parse(&planning.constraints, arguments);
     code = code ? code : candidates_parse(&planning.candidates, &settings->candidates, arguments);
@@ -713,6 +764,9 @@ static int run_plan(const void *given, const struct arguments *arguments)
                 settings_check_space(arguments, &settings->request.aim.space);
     code = code || fits ? code : EXIT_USAGE;
     code = code ? code : request_init(&planning.request, &settings->request, arguments);
+    bool replaces = false;
+    code = code ? code : plan_journal_init(&planning.journal, &replaces, &settings->journal, &planning.request);
+    own.request.answer.force = own.request.answer.force || replaces;
     code = code ? code : start_rows(&planning);
     code = code ? code : answer_plan(&planning);
     for (size_t i = 0; i < ROWS_FILES; i++) {
@@ -722,6 +776,7 @@ static int run_plan(const void *given, const struct arguments *arguments)
     constraints_finish(&planning.constraints);
     request_finish(&planning.request);
     candidates_finish(&planning.candidates);
+    plan_journal_finish(&planning.journal);
     return code;
 }
 

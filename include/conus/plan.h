@@ -367,6 +367,34 @@ CONUS_API bool conus_plan_has_leeway(const conus_plan *plan, size_t index);
 CONUS_CHECKED conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, size_t constraint,
                                                double depth);
 
+/**
+ * Writes how far a run has come: which rows were read, how many candidates hold the first constraints, and the numbers
+ * of those from which all else that is kept can be found again. conus_plan_options.progress may ask for it, during the
+ * run.
+ * @param[out] text Lines of words and numbers. Borrowed from the plan until the next call.
+ * @param[out] size Its bytes.
+ * @param plan A plan that is run, or was.
+ * @return #CONUS_OK; #CONUS_ERROR_MEMORY.
+ * @threads One at a time for each @p plan.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_plan_state(const char **text, size_t *size, conus_plan *plan);
+
+/**
+ * Takes over what another plan, of the same atlas, selector, constraints and options, knows of rows of the same poses.
+ * conus_plan_run() passes them over, but for the candidates that are kept, and all is as if it had tried them. Of these
+ * options only the threads and the pruning may differ, and entries and targets may be 0.
+ * @param[out] end Number of the row behind those that are known, from 0.
+ * @param plan Not run before. The stream that it will run is at the first row of its first state.
+ * @param text [size] From conus_plan_state(). Its rows follow those of the state added before.
+ * @param size Its bytes.
+ * @return #CONUS_OK; #CONUS_ERROR_DATA for what is no state or does not fit; #CONUS_ERROR_ARGUMENT for a plan that was
+ * run. conus_plan_run() gives #CONUS_ERROR_DATA where the rows are not those of its poses.
+ * @threads One at a time for each @p plan.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_plan_add_state(uint64_t *end, conus_plan *plan, const char *text, size_t size);
+
 /** @name Tolerance
  * How far a pose may be off along one degree of freedom, to either side, before a constraint breaks (Eq. 23).
  * @{ */

@@ -10,6 +10,7 @@
 #include "poses/rows/pose_row.h"
 #include "selection/batch/ring.h"
 #include "selection/batch/worker.h"
+#include "selection/plan/plan_known.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -17,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CONSTRAINT_LIMIT = 100, SHANK_LIMIT = 1000, BLOCK = 32, DEFAULT_TOP = 20, SPARE = 16 };
+enum { SHANK_LIMIT = 1000, BLOCK = 32, DEFAULT_TOP = 20, SPARE = 16 };
 enum { MAPS_AFTER = 2048 }; /* poses, which take as long as making the maps does */
 
 /* A pose that is kept; its verdicts, keys and id stand behind it. */
@@ -52,6 +53,7 @@ struct trial {
     double *bar; /* [rank_count] What it has to be better than, where it has a bar: the last of a full list, or
                     the best of its entry or target so far where that is less. */
     bool has_bar;
+    bool is_known;    /* a state has it, and has counted it */
     bool is_measured; /* all of this is whole */
     bool is_lone;     /* it breaks planned.broken and nothing else */
 };
@@ -64,10 +66,10 @@ struct block {
     struct buffer strings;
     struct entry *listed; /* in place of the trials, once the list is known */
     struct rejected {
-        uint64_t count;
-        size_t line;
-        char why[256];
+        uint64_t count, line;
+        char why[PLAN_WHY];
     } rejected;
+    uint64_t end; /* position of the stream behind its rows */
 };
 
 struct worker {
@@ -98,17 +100,22 @@ struct conus_plan {
     struct entries list;       /* Feasible poses during a run, then all that is listed. */
     struct entries infeasible; /* The first ones. */
     struct entry **misses;     /* [count] */
-    double *fronts;            /* [feasible][pareto_count] Keys of all feasible poses. */
-    size_t front_capacity, feasible;
+    double *fronts;            /* [feasible][pareto_count] Keys of all feasible poses, */
+    uint64_t *front_poses;     /* [feasible] and their numbers */
+    size_t front_capacity, pose_capacity, feasible;
     struct bests bests[BESTS];
     struct bar bar;
     pthread_mutex_t lock; /* of the bar, during a run */
     struct worker *workers;
     struct block *blocks;     /* [ring_slots + 1] The last one is conus_plan_try()'s. */
     conus_pose_stream *poses; /* of the run */
-    uint64_t start;           /* its position at first */
+    uint64_t start, done;     /* its positions at first, and behind what was delivered */
     uint64_t rows;            /* still to be read */
     size_t asked;             /* listed poses that are asked for their chances */
+    uint64_t known;           /* position behind the rows of states; 0 = there are none */
+    struct plan_numbers kept; /* candidates of theirs, to be tried again, */
+    size_t next;              /* and the first that is not read yet */
+    struct buffer state;      /* conus_plan_state()'s */
 };
 
 static void finish_entries(struct entries *entries)
@@ -183,8 +190,8 @@ static conus_constraint constraint_at(const conus_constraint *constraints, size_
 
 static conus_status init_constraints(conus_plan *plan, const conus_constraint *constraints, size_t count)
 {
-    if (!count || count > CONSTRAINT_LIMIT) {
-        return fail(CONUS_ERROR_ARGUMENT, "constraints: %zu, allowed is 1 to %d", count, CONSTRAINT_LIMIT);
+    if (!count || count > PLAN_CONSTRAINTS) {
+        return fail(CONUS_ERROR_ARGUMENT, "constraints: %zu, allowed is 1 to %d", count, PLAN_CONSTRAINTS);
     }
     plan->constraints = memory_zeroed(count, sizeof *plan->constraints);
     conus_status status = plan->constraints ? CONUS_OK : CONUS_ERROR_MEMORY;
@@ -298,12 +305,15 @@ void conus_plan_destroy(conus_plan *plan)
     memory_free(plan->left);
     memory_free((void *)plan->misses);
     memory_free(plan->fronts);
+    memory_free(plan->front_poses);
     for (size_t k = 0; k < BESTS; k++) {
         memory_free(plan->bests[k].items);
         memory_free(plan->bests[k].keys);
     }
     memory_free(plan->workers);
     memory_free(plan->blocks);
+    memory_free(plan->kept.items);
+    buffer_finish(&plan->state);
     memory_free(plan);
 }
 
@@ -350,6 +360,13 @@ static void reject(struct rejected *rejected, size_t line, const char *why)
     }
 }
 
+static void add_rejected(struct rejected *sum, const struct rejected *more)
+{
+    uint64_t before = sum->count;
+    *sum = before ? *sum : *more;
+    sum->count = before + more->count;
+}
+
 static conus_status make_maps(conus_plan *plan)
 {
     conus_status status = CONUS_OK;
@@ -360,6 +377,26 @@ static conus_status make_maps(conus_plan *plan)
     pthread_mutex_lock(&plan->lock);
     plan->bar.has_maps = !status;
     pthread_mutex_unlock(&plan->lock);
+    return status;
+}
+
+static conus_status fail_known(const conus_plan *plan)
+{
+    return fail(CONUS_ERROR_DATA, "a state of rows %llu to %llu, which are not those of these poses",
+                (unsigned long long)plan->start + 1, (unsigned long long)plan->known);
+}
+
+/* Passes over known rows, up to the next candidate that is kept. */
+static conus_status pass_known(conus_plan *plan)
+{
+    uint64_t at = pose_stream_position(plan->poses);
+    uint64_t to = plan->next < plan->kept.count ? plan->kept.items[plan->next++] - 1 : plan->known;
+    uint64_t passed = to > at ? to - at : 0;
+    conus_status status = passed ? conus_pose_stream_skip(plan->poses, passed) : CONUS_OK;
+    if (!status && (passed > plan->rows || pose_stream_position(plan->poses) != at + passed)) {
+        status = fail_known(plan);
+    }
+    plan->rows -= status ? 0 : passed;
     return status;
 }
 
@@ -374,17 +411,27 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
     block->rejected = (struct rejected){0};
     buffer_clear(&block->strings);
     while (block->count < BLOCK && plan->rows && count && !status) {
-        size_t wanted = BLOCK - block->count;
+        status = pass_known(plan);
         uint64_t number = pose_stream_position(plan->poses);
-        status = conus_pose_stream_read(rows, &count, plan->poses, wanted < plan->rows ? wanted : (size_t)plan->rows);
-        plan->rows -= status ? 0 : count;
+        bool is_known = number < plan->known;
+        size_t wanted = is_known ? 1 : BLOCK - block->count;
+        wanted = wanted < plan->rows ? wanted : (size_t)plan->rows;
+        count = 0;
+        status = status || !wanted ? status : conus_pose_stream_read(rows, &count, plan->poses, wanted);
+        status = !status && is_known && !count ? fail_known(plan) : status;
+        plan->rows -= count;
         for (size_t i = 0; i < count && !status; i++) {
             struct trial *trial = &block->trials[block->count];
             const char *why = take_needle(&trial->planned, &rows[i], plan);
+            if (why && is_known) {
+                status = fail_known(plan);
+                continue;
+            }
             if (why) {
                 reject(&block->rejected, rows[i].line, why);
                 continue;
             }
+            trial->is_known = is_known;
             trial->planned.candidate = number + i + 1;
             trial->planned.verdicts = trial->verdicts;
             trial->id = block->strings.size;
@@ -393,6 +440,7 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
         }
     }
     *may_follow = count && plan->rows;
+    block->end = pose_stream_position(plan->poses);
     if (!status && !plan->options.no_pruning && !plan->was_mapped &&
         pose_stream_position(plan->poses) - plan->start >= MAPS_AFTER) {
         status = make_maps(plan);
@@ -628,7 +676,7 @@ static void take_best(conus_plan *plan, const struct trial *trial, size_t kind)
     if (!best) {
         return;
     }
-    best->feasible++;
+    best->feasible += !trial->is_known;
     if (trial->is_measured && (!best->candidate || plan_keys_compare(trial->keys, keys, count) > 0)) {
         const conus_planned *planned = &trial->planned;
         size_t reach = 0;
@@ -652,9 +700,11 @@ static conus_status take_feasible(conus_plan *plan, const struct trial *trial, c
     size_t keys = plan->order.pareto_count;
     conus_status status = CONUS_OK;
     if (keys) {
-        if (!memory_reserve(&plan->fronts, &plan->front_capacity, (plan->feasible + 1) * keys, sizeof *plan->fronts)) {
+        if (!memory_reserve(&plan->fronts, &plan->front_capacity, (plan->feasible + 1) * keys, sizeof *plan->fronts) ||
+            !memory_reserve(&plan->front_poses, &plan->pose_capacity, plan->feasible + 1, sizeof *plan->front_poses)) {
             return CONUS_ERROR_MEMORY;
         }
+        plan->front_poses[plan->feasible] = trial->planned.candidate;
         memcpy(plan->fronts + plan->feasible * keys, trial->pareto, keys * sizeof *plan->fronts);
     }
     plan->bar.has_feasible = true;
@@ -708,16 +758,13 @@ static conus_status deliver_block(void *user, size_t slot)
     for (size_t i = 0; i < block->count && !status; i++) {
         const struct trial *trial = &block->trials[i];
         for (size_t k = 0; k <= plan->count && (k == 0 || trial->planned.broken > k - 1); k++) {
-            plan->left[k]++;
+            plan->left[k] += !trial->is_known;
         }
         status = trial->planned.feasible ? take_feasible(plan, trial, block) : take_infeasible(plan, trial, block);
     }
     pthread_mutex_unlock(&plan->lock);
-    if (block->rejected.count && !plan->rejected.count) {
-        plan->rejected = block->rejected;
-    } else {
-        plan->rejected.count += block->rejected.count;
-    }
+    add_rejected(&plan->rejected, &block->rejected);
+    plan->done = block->end;
     return status ? status : report_progress(plan);
 }
 
@@ -802,7 +849,11 @@ conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t
     plan->was_run = true;
     plan->poses = poses;
     plan->rows = limit;
-    plan->start = pose_stream_position(poses);
+    plan->done = pose_stream_position(poses);
+    if (plan->known && plan->done != plan->start) {
+        return fail_known(plan);
+    }
+    plan->start = plan->done;
     pthread_mutex_init(&plan->lock, NULL);
     conus_status status = ring_run(&(const struct ring){.user = plan,
                                                         .workers = plan->options.threads,
@@ -815,6 +866,138 @@ conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t
     status = status ? status : complete(plan);
     status = status ? status : add_chances(plan);
     plan->is_done = !status;
+    return status;
+}
+
+/* Whether a state may follow those that were taken over. */
+static conus_status check_state(const conus_plan *plan, const struct plan_known *state)
+{
+    const uint64_t from = state->lines[PLAN_ROWS].items[0];
+    if (plan->was_run) {
+        return fail(CONUS_ERROR_ARGUMENT, "a plan that was run takes no state");
+    }
+    if (state->lines[PLAN_LEFT].count != plan->count + 1 || (plan->known && from != plan->known)) {
+        return fail(CONUS_ERROR_DATA, "a state of %zu constraints from row %llu on, expected are %zu from row %llu on",
+                    state->lines[PLAN_LEFT].count - 1, (unsigned long long)from + 1, plan->count,
+                    (unsigned long long)plan->known + 1);
+    }
+    for (size_t k = 0; k < BESTS; k++) {
+        size_t count = state->lines[PLAN_ENTRIES + k].count;
+        if (plan->bests[k].count && count != plan->bests[k].count) {
+            return fail(CONUS_ERROR_DATA, "a state with the best poses of %zu %s, needed are those of %llu", count,
+                        k == OF_ENTRY ? "entries" : "targets", (unsigned long long)plan->bests[k].count);
+        }
+    }
+    return CONUS_OK;
+}
+
+conus_status conus_plan_add_state(uint64_t *end, conus_plan *plan, const char *text, size_t size)
+{
+    struct plan_known state;
+    const struct plan_numbers *lines = state.lines;
+    conus_status status = plan_known_parse(&state, text, size);
+    status = status ? status : check_state(plan, &state);
+    size_t count = status ? 0 : plan->kept.count + lines[PLAN_KEPT].count;
+    uint64_t *kept = status ? NULL : memory_resize(plan->kept.items, count + 1, sizeof *kept);
+    if (kept) {
+        struct rejected rejected = {lines[PLAN_NONE].items[0], lines[PLAN_NONE].items[1], ""};
+        memcpy(rejected.why, state.why, sizeof rejected.why);
+        add_rejected(&plan->rejected, &rejected);
+        if (lines[PLAN_KEPT].count) {
+            memcpy(kept + plan->kept.count, lines[PLAN_KEPT].items, lines[PLAN_KEPT].count * sizeof *kept);
+        }
+        plan->kept = (struct plan_numbers){kept, count};
+        plan->start = plan->known ? plan->start : lines[PLAN_ROWS].items[0];
+        plan->known = lines[PLAN_ROWS].items[1];
+        for (size_t i = 0; i <= plan->count; i++) {
+            plan->left[i] += lines[PLAN_LEFT].items[i];
+        }
+        for (size_t k = 0; k < BESTS; k++) {
+            for (size_t i = 0; i < plan->bests[k].count; i++) {
+                plan->bests[k].items[i].feasible += lines[PLAN_ENTRIES + k].items[i];
+            }
+        }
+        plan->bar.has_feasible = plan->left[plan->count] > 0;
+        *end = plan->known;
+    }
+    plan_known_finish(&state);
+    return status || kept ? status : CONUS_ERROR_MEMORY;
+}
+
+static int by_number(const void *a, const void *b)
+{
+    const uint64_t *x = a;
+    const uint64_t *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+/* Appends the numbers of all candidates that matter for what follows, and of those that are known and were not tried
+ * yet; `out` has room for them. */
+static void list_kept(struct plan_numbers *out, const conus_plan *plan)
+{
+    const struct entries *const lists[] = {&plan->list, &plan->infeasible};
+    uint64_t *all = out->items;
+    size_t count = 0;
+    for (size_t l = 0; l < 2; l++) {
+        for (size_t i = 0; i < lists[l]->count; i++) {
+            const struct entry *entry = lists[l]->items[i]; /* NULL where a complete list has taken it over */
+            all[count++] = entry ? entry->planned.candidate : 0;
+        }
+    }
+    for (size_t i = 0; i < plan->count; i++) {
+        bool is_told = plan->misses[i] && !plan->left[plan->count];
+        all[count++] = is_told ? plan->misses[i]->planned.candidate : 0;
+    }
+    for (size_t k = 0; k < BESTS; k++) {
+        for (size_t i = 0; i < plan->bests[k].count; i++) {
+            all[count++] = plan->bests[k].items[i].candidate;
+        }
+    }
+    for (size_t i = 0; i < plan->feasible && plan->order.pareto_count; i++) {
+        all[count++] = plan->front_poses[i];
+    }
+    for (size_t i = 0; i < plan->kept.count; i++) {
+        all[count++] = plan->kept.items[i] > plan->done ? plan->kept.items[i] : 0;
+    }
+    qsort(all, count, sizeof *all, by_number);
+    for (size_t i = 0; i < count; i++) {
+        if (all[i] > (out->count ? all[out->count - 1] : 0)) {
+            all[out->count++] = all[i];
+        }
+    }
+}
+
+conus_status conus_plan_state(const char **text, size_t *size, conus_plan *plan)
+{
+    uint64_t rows[] = {plan->start, plan->done > plan->known ? plan->done : plan->known};
+    uint64_t none[] = {plan->rejected.count, plan->rejected.line};
+    size_t sites = (size_t)plan->bests[OF_ENTRY].count + (size_t)plan->bests[OF_TARGET].count;
+    size_t most = plan->list.count + plan->infeasible.count + plan->count + sites + plan->feasible + plan->kept.count;
+    uint64_t *numbers = memory_raw(most + sites, sizeof *numbers);
+    uint64_t *feasible = numbers;
+    if (!numbers) {
+        return CONUS_ERROR_MEMORY;
+    }
+    struct plan_known state = {.lines = {[PLAN_ROWS] = {rows, 2},
+                                         [PLAN_LEFT] = {plan->left, plan->count + 1},
+                                         [PLAN_NONE] = {none, 2},
+                                         [PLAN_KEPT] = {numbers + sites, 0}}};
+    memcpy(state.why, plan->rejected.why, sizeof state.why);
+    list_kept(&state.lines[PLAN_KEPT], plan);
+    for (size_t k = 0; k < BESTS; k++) {
+        state.lines[PLAN_ENTRIES + k] = (struct plan_numbers){feasible, (size_t)plan->bests[k].count};
+        for (size_t i = 0; i < plan->bests[k].count; i++) {
+            *feasible++ = plan->bests[k].items[i].feasible;
+        }
+    }
+    buffer_clear(&plan->state);
+    plan_known_format(&plan->state, &state);
+    memory_free(numbers);
+    conus_status status = buffer_status(&plan->state);
+    if (!status) {
+        *text = plan->state.data;
+        *size = plan->state.size;
+    }
     return status;
 }
 
@@ -850,7 +1033,7 @@ uint64_t conus_plan_left(const conus_plan *plan, size_t constraints)
 
 const conus_planned *conus_plan_miss(const conus_plan *plan, size_t index)
 {
-    bool has_miss = plan->is_done && !plan->feasible && index < plan->count && plan->misses[index];
+    bool has_miss = plan->is_done && !plan->left[plan->count] && index < plan->count && plan->misses[index];
     return has_miss ? &plan->misses[index]->planned : NULL;
 }
 

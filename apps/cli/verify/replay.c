@@ -425,7 +425,8 @@ static void put_words(struct writing *out)
     if (replay->engine && option_find(replay->command, "engine")) {
         put_option(out, "engine", replay->engine);
     }
-    if (option_find(replay->command, "shard")) { /* always, since Slurm's environment may say another one */
+    const struct option *of_batch = option_find(replay->command, "shard");
+    if (of_batch && of_batch->role == OPTION_OF_RUN) { /* always, since Slurm's environment may say another one */
         snprintf(shard, sizeof shard, "%lld/%lld", (long long)replay->record->shard[0],
                  (long long)replay->record->shard[1]);
         put_option(out, "shard", shard);

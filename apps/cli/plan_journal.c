@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The journal of a plan: written now and then, resumed, and joined with those of other shards. */
+#include "cli/plan_journal.h"
+
+#include "batch/batch_record.h"
+#include "options/clock.h"
+#include "options/input_file.h"
+#include "options/messages.h"
+#include "options/output.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define FIELD(member) offsetof(struct journal_settings, member)
+
+static const char mark[] = "conus-plan 1 ";
+static const double PAUSE = 1000; /* ms between two times of writing, of which writing takes a twentieth at most */
+
+const struct option journal_options[] = {
+    {.name = "shard",
+     .type = OPTION_TEXT,
+     .offset = FIELD(shard),
+     .value = "I/N",
+     .help = "try part I (from 0) of N equal parts of the poses; --merge joins them",
+     .words = "split, cluster, array",
+     .role = OPTION_KEPT},
+    {.name = "resume",
+     .type = OPTION_FLAG,
+     .offset = FIELD(resume),
+     .help = "resume an interrupted run with the same settings; begin if there was none",
+     .words = "continue",
+     .role = OPTION_OF_RUN,
+     .excludes = "force"},
+    {.name = "merge",
+     .type = OPTION_LIST,
+     .offset = FIELD(merge),
+     .value = "FILE",
+     .help = "take over what the shard that wrote the list FILE has found; of each shard, in place of trying the poses",
+     .words = "join",
+     .role = OPTION_OF_RUN,
+     .excludes = "shard,resume"},
+    {0},
+};
+
+/* A journal that was read. */
+struct journal {
+    char *text;
+    char *fingerprint, *state;
+    size_t state_size;
+    struct shard shard;
+    uint64_t rows;
+};
+
+static char *path_beside(const char *list)
+{
+    char *path = NULL;
+    return asprintf(&path, "%s.journal", list) < 0 ? NULL : path;
+}
+
+/* Behind the first line, of which the last word is their SHA-256, stand the command line and the state. */
+static bool take_apart(struct journal *out, size_t size)
+{
+    char sum[SHA256_TEXT];
+    char *rest = out->text;
+    char *line = strsep(&rest, "\n");
+    if (!line || !rest || strncmp(line, mark, sizeof mark - 1) != 0) {
+        return false;
+    }
+    provenance_hash(sum, rest, size - (size_t)(rest - out->text));
+    line += sizeof mark - 1;
+    out->fingerprint = strsep(&line, " ");
+    const char *index = line ? strsep(&line, "/") : "";
+    const char *count = line ? strsep(&line, " ") : "";
+    const char *rows = line ? strsep(&line, " ") : "";
+    bool fits = line && strcmp(line, sum) == 0 && count_parse(index, UINT32_MAX, &out->shard.index) &&
+                count_parse(count, UINT32_MAX, &out->shard.count) && count_parse(rows, INT64_MAX, &out->rows) &&
+                out->shard.index < out->shard.count;
+    strsep(&rest, "\n"); /* the command line, for people */
+    out->state = rest;
+    out->state_size = rest ? size - (size_t)(rest - out->text) : 0;
+    return fits && rest;
+}
+
+static int load(struct journal *out, const char *list)
+{
+    size_t size = 0;
+    char *path = path_beside(list);
+    *out = (struct journal){0};
+    int code = path ? input_file_read(&out->text, &size, path, INPUT_FILE, UINT64_C(1) << 34) : print_no_memory();
+    if (!code && !take_apart(out, size)) {
+        print_error_line("%s: is no journal of a plan, or not whole", path);
+        code = EXIT_DATA;
+    }
+    free(path);
+    return code;
+}
+
+/* Whether there is a file that begins as journals do, or another one. */
+static bool is_there(bool *is_other, const char *path)
+{
+    char begin[sizeof mark] = "";
+    FILE *file = fopen(path, "re");
+    bool found = file;
+    if (file) {
+        size_t size = fread(begin, 1, sizeof mark - 1, file);
+        fclose(file);
+        *is_other = size && strncmp(begin, mark, sizeof mark - 1) != 0;
+    }
+    return found;
+}
+
+bool plan_journal_is_of(const char *list)
+{
+    bool is_other = false;
+    char *path = path_beside(list);
+    bool found = path && is_there(&is_other, path);
+    free(path);
+    return found && !is_other;
+}
+
+int plan_journal_init(struct plan_journal *out, bool *replaces, const struct journal_settings *settings,
+                      const struct request *request)
+{
+    const char *output = request->settings->answer.output;
+    const char *poses = request->settings->aim.pose;
+    const char *option = settings->shard         ? "shard"
+                         : settings->resume      ? "resume"
+                         : settings->merge.count ? "merge"
+                                                 : NULL;
+    bool is_file = !output_is_no_file(output);
+    bool is_piped = poses && output_is_no_file(poses);
+    bool is_other = false;
+    *out = (struct plan_journal){
+        .settings = settings, .command = request->command_line, .shard = {0, 1}, .count = UINT64_MAX};
+    if (option && is_piped) {
+        return print_usage_error("--%s needs a file of poses, not %s", option,
+                                 output_is_stdout(poses) ? "standard input" : "a pipe");
+    }
+    if (option && !settings->merge.count && !is_file) {
+        return print_usage_error("--%s has no effect without a file for --output", option);
+    }
+    for (size_t i = 0; i < settings->merge.count; i++) {
+        if (is_file && paths_equal(output, settings->merge.items[i])) {
+            return print_usage_error("--output would overwrite the shard %s", output);
+        }
+    }
+    int code = settings->shard ? shard_parse(&out->shard, settings->shard) : EXIT_DONE;
+    if (code || settings->merge.count || is_piped || !is_file) {
+        return code;
+    }
+    out->path = path_beside(output);
+    if (!out->path) {
+        return print_no_memory();
+    }
+    bool found = is_there(&is_other, out->path);
+    if (found && is_other) {
+        return print_usage_error("%s: there is a file that is no journal of a plan", out->path);
+    }
+    if (found && !settings->resume && !request->settings->answer.force) {
+        return print_usage_error("%s: a plan has begun there; --resume continues it, --force begins anew", output);
+    }
+    *replaces = found;
+    return EXIT_DONE;
+}
+
+/* Hashes all that the list depends on but paths, threads and the shard. */
+static int identify(struct plan_journal *out, const struct request *request, const struct provenance *inputs)
+{
+    conus_report_options options = request_report_options(request);
+    conus_report *report = NULL;
+    const char *sidecar = NULL;
+    char *text = NULL;
+    size_t size = 0;
+    int code = EXIT_DONE;
+    options.rows = CONUS_ROWS_PLAN;
+    options.format = CONUS_FORMAT_TSV;
+    options.command = NULL;
+    FILE *asked = open_memstream(&text, &size);
+    if (!asked) {
+        return print_no_memory();
+    }
+    for (size_t i = 0; i < request->arguments->use_count; i++) {
+        const struct option_use *use = &request->arguments->uses[i];
+        if (use->option->role == OPTION_PLAIN || use->option->role == OPTION_ASKS ||
+            use->option->role == OPTION_READS) {
+            fprintf(asked, "%s=%s\n", use->option->name, use->value ? use->value : "");
+        }
+    }
+    for (size_t i = 0; i < inputs->input_count && !code; i++) {
+        char sum[SHA256_TEXT];
+        code = provenance_hash_file(sum, inputs->inputs[i]);
+        fprintf(asked, "%s\n", code ? "" : sum);
+    }
+    bool failed = fclose(asked);
+    conus_status status = conus_report_create(&report, request->answerers[0].selector, &options);
+    status = status ? status : conus_report_sidecar(&sidecar, &size, report);
+    code = code ? code : failed ? print_no_memory() : status ? print_status(status) : EXIT_DONE;
+    code = code ? code : batch_fingerprint(out->fingerprint, sidecar, &request->atlases, (const char *[]){text, NULL});
+    conus_report_destroy(report);
+    free(text);
+    return code;
+}
+
+/* Has the plan take over what a journal knows, if it is of the same plan; `end` is the row behind. */
+static int take_over(uint64_t *end, conus_plan *plan, const struct journal *journal, const struct plan_journal *own,
+                     const char *list)
+{
+    if (strcmp(journal->fingerprint, own->fingerprint) != 0 || journal->shard.count != own->shard.count) {
+        return print_usage_error("%s: its journal was written with other settings, poses, atlas, shards or version%s",
+                                 list, own->path ? "; --force begins anew" : "");
+    }
+    conus_status status = conus_plan_add_state(end, plan, journal->state, journal->state_size);
+    if (status) {
+        print_error_line("%s.journal: %s", list, conus_message());
+    }
+    return status ? exit_code_of(status) : EXIT_DONE;
+}
+
+static int resume(struct plan_journal *own, conus_plan *plan, const char *list)
+{
+    struct journal journal;
+    uint64_t end;
+    int code = load(&journal, list);
+    if (!code && journal.shard.index != own->shard.index) {
+        code = print_usage_error("%s: its journal is of shard %" PRIu64 "/%" PRIu64 "; --force begins anew", list,
+                                 journal.shard.index, journal.shard.count);
+    }
+    code = code ? code : take_over(&end, plan, &journal, own, list);
+    free(journal.text);
+    return code;
+}
+
+/* The journal of shard `index`; NULL, after an error message, where not one has it. */
+static const struct journal *find_shard(const struct journal *journals, const struct option_list *lists, uint64_t index)
+{
+    const struct journal *found = NULL;
+    for (size_t i = 0; i < lists->count; i++) {
+        if (journals[i].shard.index == index && found) {
+            print_error_line("%s and %s are both shard %" PRIu64 " of %" PRIu64, lists->items[found - journals],
+                             lists->items[i], index, found->shard.count);
+            return NULL;
+        }
+        found = journals[i].shard.index == index ? &journals[i] : found;
+    }
+    if (!found) {
+        print_error_line("shard %" PRIu64 " of %" PRIu64 " is missing (%s is one of them)", index,
+                         journals[0].shard.count, lists->items[0]);
+    }
+    return found;
+}
+
+static int join(struct plan_journal *own, conus_plan *plan, uint64_t rows)
+{
+    const struct option_list *lists = &own->settings->merge;
+    struct journal *journals = calloc(lists->count, sizeof *journals);
+    int code = EXIT_DONE;
+    if (!journals) {
+        return print_no_memory();
+    }
+    for (size_t i = 0; i < lists->count && !code; i++) {
+        code = load(&journals[i], lists->items[i]);
+    }
+    uint64_t count = code ? 0 : journals[0].shard.count;
+    own->shard.count = count;
+    for (uint64_t index = 0; index < count && !code; index++) {
+        const struct journal *journal = find_shard(journals, lists, index);
+        uint64_t end, first, wanted;
+        if (!journal) {
+            code = EXIT_DATA;
+            continue;
+        }
+        const char *list = lists->items[journal - journals];
+        code = take_over(&end, plan, journal, own, list);
+        shard_range(&first, &wanted, (struct shard){index, count}, rows);
+        if (!code && (end != first + wanted || journal->rows != rows)) {
+            print_error_line("%s: this shard is not finished; --resume continues it", list);
+            code = EXIT_DATA;
+        }
+    }
+    own->shard = (struct shard){0, 1};
+    for (size_t i = 0; i < lists->count; i++) {
+        free(journals[i].text);
+    }
+    free(journals);
+    return code;
+}
+
+int plan_journal_open(struct plan_journal *journal, conus_plan *plan, const struct request *request,
+                      const struct provenance *inputs)
+{
+    bool is_part = journal->shard.count > 1;
+    bool is_merged = journal->settings->merge.count;
+    const char *list = request->settings->answer.output;
+    uint64_t first = 0;
+    if (!journal->path && !is_merged) {
+        return EXIT_DONE;
+    }
+    int code = identify(journal, request, inputs);
+    conus_status status =
+        code || !(is_part || is_merged) ? CONUS_OK : conus_pose_stream_count(&journal->rows, request->stream);
+    if (!code && !status && is_part) {
+        shard_range(&first, &journal->count, journal->shard, journal->rows);
+        status = first ? conus_pose_stream_skip(request->stream, first) : CONUS_OK;
+    }
+    if (code || status) {
+        return code ? code : print_status(status);
+    }
+    journal->next = clock_ms() + (journal->settings->shard || journal->settings->resume ? 0 : PAUSE);
+    return is_merged                                                   ? join(journal, plan, journal->rows)
+           : journal->settings->resume && !access(journal->path, F_OK) ? resume(journal, plan, list)
+                                                                       : EXIT_DONE;
+}
+
+int plan_journal_write(struct plan_journal *journal, conus_plan *plan, bool now)
+{
+    double begun = clock_ms();
+    const char *state = NULL;
+    size_t size = 0;
+    char *body = NULL;
+    char *text = NULL;
+    char sum[SHA256_TEXT];
+    if (!journal->path || !(now || begun >= journal->next)) {
+        return EXIT_DONE;
+    }
+    conus_status status = conus_plan_state(&state, &size, plan);
+    if (status) {
+        return print_status(status);
+    }
+    int length = asprintf(&body, "%s\n%s", journal->command, state);
+    if (length >= 0) {
+        provenance_hash(sum, body, (size_t)length);
+        length = asprintf(&text, "%s%s %" PRIu64 "/%" PRIu64 " %" PRIu64 " %s\n%s", mark, journal->fingerprint,
+                          journal->shard.index, journal->shard.count, journal->rows, sum, body);
+        free(body);
+    }
+    int code = length < 0 ? print_no_memory() : output_write(journal->path, text, (size_t)length);
+    if (length >= 0) {
+        free(text);
+    }
+    journal->next = clock_ms() + PAUSE + 20 * (clock_ms() - begun);
+    return code;
+}
+
+void plan_journal_end(const struct plan_journal *journal)
+{
+    if (journal->path && !journal->settings->shard && !journal->settings->resume) {
+        unlink(journal->path);
+    }
+}
+
+void plan_journal_finish(struct plan_journal *journal)
+{
+    free(journal->path);
+    *journal = (struct plan_journal){0};
+}

@@ -1,0 +1,79 @@
+#!/usr/bin/env bats
+# conus plan in parts: shards that are joined and plans that are resumed write what one run writes.
+
+load helpers
+
+needles() {
+    conus phantom u-shape -o .
+    printf '40 0 5\n40 5 5\n40 -6 8\n0 40 5\n' >entries.txt
+    ask="plan u-shape.nii.gz --reach U,length=2 --from entries.txt --depth target+4 --radius 1"
+    few="$ask --toward voxels,spacing=6 --avoid Ball,margin=0.5"
+}
+
+@test "shards that are joined are the plan of one run: list, rows, map, what is said" {
+    needles
+    for more in '--infeasible --pareto leeway,-depth --avoid Ball,margin=2' '--length 1,2 --top 60 --shanks 0,0;0.5,0 --roll 180'; do
+        rm -f shard.*
+        conus $ask --toward voxels,spacing=6 $more -o whole.tsv --constraints rows.tsv \
+            --target-map whole.nii.gz --force 2>said
+        for i in 0 1 2; do
+            conus $ask --toward voxels,spacing=6 $more --target-map part.nii.gz --shard $i/3 -o shard.$i.tsv -q --force
+        done
+        conus $ask --toward voxels,spacing=6 $more --merge shard.2.tsv --merge shard.0.tsv --merge shard.1.tsv \
+            -o merged.tsv --constraints merged_rows.tsv --target-map merged.nii.gz --threads 2 --force 2>merged
+        cmp whole.tsv merged.tsv
+        cmp rows.tsv merged_rows.tsv
+        cmp whole.nii.gz merged.nii.gz
+        cmp said merged
+    done
+    [ ! -e merged.tsv.journal ]
+    [ ! -e whole.tsv.journal ]
+    answers verify shard.1.tsv
+    answers verify merged.tsv
+}
+
+# Pruning changes no byte, and makes what is resumed quick.
+@test "a plan that is killed or interrupted is resumed, and may be resumed again" {
+    needles
+    local own="$ask --toward voxels --avoid Ball,margin=0.5 --top 30"
+    conus $own -o whole.tsv -q
+    for signal in KILL INT; do
+        rm -f plan.*
+        background "$CONUS" $own --no-pruning --threads 1 --resume -o plan.tsv -q
+        wait_until "$child" [ -s plan.tsv.journal ]
+        kill -$signal "$child"
+        run wait "$child"
+        [ ! -e plan.tsv ]
+        fails 2 'a plan has begun there; --resume continues it' $own -o plan.tsv -q
+        fails 2 'other settings, poses, atlas' $own --rank depth --resume -o plan.tsv -q
+        conus $own --resume -o plan.tsv -q
+        cmp plan.tsv whole.tsv
+        conus $own --resume -o plan.tsv -q
+        cmp plan.tsv whole.tsv
+    done
+}
+
+@test "what is no journal, or not of this plan, is refused with a line" {
+    needles
+    conus $few --shard 0/2 -o a.tsv -q
+    conus $few --shard 1/2 -o b.tsv -q
+    fails 3 'shard 1 of 2 is missing (a.tsv is one of them)' $few --merge a.tsv -q
+    fails 3 'a.tsv and a.tsv are both shard 0 of 2' $few --merge a.tsv --merge a.tsv -q
+    fails 2 'other settings, poses, atlas' $few --top 7 --merge a.tsv --merge b.tsv -q
+    fails 3 'no.tsv.journal' $few --merge no.tsv -q
+    fails 2 '--output would overwrite the shard a.tsv' $few --merge a.tsv --merge b.tsv -o a.tsv -q
+    fails 2 '--merge FILE' merge a.tsv b.tsv -o c.tsv
+    fails 2 'I from 0 to N - 1' $few --shard 2/2 -o c.tsv -q
+    fails 2 '--shard has no effect without a file for --output' $few --shard 0/2 -q
+    fails 2 '--resume has no effect without a file for --output' $few --resume -q
+    fails 2 '--shard needs a file of poses, not standard input' plan u-shape.nii.gz --reach U --poses - --shard 0/2 -o c.tsv
+    fails 2 'exclude each other' $few --merge a.tsv --shard 0/2 -o c.tsv
+    head -c -1 a.tsv.journal >cut && mv cut a.tsv.journal
+    fails 3 'a.tsv.journal: is no journal of a plan, or not whole' $few --merge a.tsv --merge b.tsv -q
+    fails 3 'a.tsv.journal: is no journal of a plan, or not whole' $few --shard 0/2 -o a.tsv --resume -q
+    conus $few --shard 0/2 -o a.tsv --force -q
+    conus $few --merge a.tsv --merge b.tsv -o c.tsv -q
+    echo mine >d.tsv.journal
+    fails 2 'd.tsv.journal: there is a file that is no journal of a plan' $few -o d.tsv -q --force
+    [ "$(cat d.tsv.journal)" = mine ]
+}
