@@ -585,16 +585,28 @@ static conus_plan_best *best_of(double **keys, const conus_plan *plan, const str
     return &bests->items[site - 1];
 }
 
-static void set_bar(struct trial *trial, const conus_plan *plan)
+/* Sets the bar of pose `index` of a block: of the list, and of its entry and target, to which poses before it in the
+ * block may come, too. */
+static void set_bar(struct block *block, size_t index, const conus_plan *plan)
 {
+    struct trial *trial = &block->trials[index];
     size_t count = plan->order.rank_count;
     const double *least = plan->bar.keys;
     trial->has_bar = plan->bar.is_full;
     for (size_t k = 0; k < BESTS && trial->has_bar; k++) {
         double *keys = NULL;
         const conus_plan_best *best = best_of(&keys, plan, trial, k);
-        trial->has_bar = !best || best->candidate;
-        least = trial->has_bar && best && plan_keys_compare(keys, least, count) < 0 ? keys : least;
+        const double *most = best && best->candidate ? keys : NULL;
+        for (size_t i = 0; i < index && best; i++) {
+            const struct trial *before = &block->trials[i];
+            double *own = NULL;
+            if (before->planned.feasible && before->is_measured && best_of(&own, plan, before, k) == best &&
+                (!most || plan_keys_compare(before->keys, most, count) > 0)) {
+                most = before->keys;
+            }
+        }
+        trial->has_bar = !best || most;
+        least = most && plan_keys_compare(most, least, count) < 0 ? most : least;
     }
     memcpy(trial->bar, least, count * sizeof *least);
 }
@@ -604,14 +616,12 @@ static conus_status answer_block(void *user, size_t slot, size_t worker, const a
     conus_plan *plan = user;
     struct block *block = &plan->blocks[slot];
     conus_status status = CONUS_OK;
-    pthread_mutex_lock(&plan->lock);
-    copy_bar(&plan->workers[worker].bar, &plan->bar, plan);
-    for (size_t i = 0; i < block->count; i++) {
-        set_bar(&block->trials[i], plan);
-    }
-    pthread_mutex_unlock(&plan->lock);
-    plan->workers[worker].judge.leeway.uses_maps = plan->workers[worker].bar.has_maps;
     for (size_t i = 0; i < block->count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {
+        pthread_mutex_lock(&plan->lock);
+        copy_bar(&plan->workers[worker].bar, &plan->bar, plan);
+        set_bar(block, i, plan);
+        pthread_mutex_unlock(&plan->lock);
+        plan->workers[worker].judge.leeway.uses_maps = plan->workers[worker].bar.has_maps;
         status = try_pose(&block->trials[i], &plan->workers[worker], plan);
     }
     return status;

@@ -28,10 +28,12 @@ enum { STEP_LIMIT = 60 };
 struct plan_body {
     double corner[2][3];
     size_t triangle;
-    double bound;         /* mm from its centre to its farthest point */
-    double depth, beside; /* of its centre: along the axis, and off it */
-    double idle;          /* delta up to which it takes nothing of the structure */
+    double bound;                   /* mm from its centre to its farthest point */
+    struct plan_span taken, widest; /* where it is nearer than delta, for the last one and for one that is larger */
 };
+
+/* What a body takes that takes nothing of the structure. */
+static const struct plan_span NOTHING = {INFINITY, -INFINITY};
 
 /* A part of the structure, as the axis sees it. */
 struct plan_side {
@@ -41,6 +43,8 @@ struct plan_side {
     double toward[3];            /* and what an offset of a voxel is along the axis, mm */
     size_t first_body, body_end; /* bodies are of one side after the other */
     size_t first_inside, inside_end;
+    size_t first_taken, taken_end;
+    size_t first_sure, sure_end;
 };
 
 void plan_leeway_finish(struct plan_leeway *leeway)
@@ -49,6 +53,7 @@ void plan_leeway_finish(struct plan_leeway *leeway)
     memory_free(leeway->bodies);
     memory_free(leeway->inside.items);
     memory_free(leeway->taken.items);
+    memory_free(leeway->sure.items);
     memory_free(leeway->left.items);
     *leeway = (struct plan_leeway){0};
 }
@@ -69,11 +74,22 @@ static int by_entry(const void *a, const void *b)
     return (x->entry > y->entry) - (x->entry < y->entry);
 }
 
-static void sort(struct plan_spans *spans)
+/* Sorts spans from `first` on, and joins those that overlap. */
+static void join(struct plan_spans *spans, size_t first)
 {
-    if (spans->count) {
-        qsort(spans->items, spans->count, sizeof *spans->items, by_entry);
+    size_t count = first;
+    if (spans->count > first) {
+        qsort(spans->items + first, spans->count - first, sizeof *spans->items, by_entry);
     }
+    for (size_t i = first; i < spans->count; i++) {
+        struct plan_span span = spans->items[i];
+        if (count > first && span.entry <= spans->items[count - 1].exit) {
+            spans->items[count - 1].exit = fmax(spans->items[count - 1].exit, span.exit);
+        } else {
+            spans->items[count++] = span;
+        }
+    }
+    spans->count = count;
 }
 
 static conus_status add_side(struct plan_leeway *leeway, const struct plan_part *part)
@@ -144,10 +160,10 @@ static conus_status add_body(struct plan_leeway *leeway, const struct plan_body 
     if (!memory_reserve(&leeway->bodies, &leeway->body_capacity, leeway->body_count + 1, sizeof *leeway->bodies)) {
         return CONUS_ERROR_MEMORY;
     }
-    leeway->bodies[leeway->body_count] = *body;
-    leeway->bodies[leeway->body_count].idle = -1;
-    leeway->bodies[leeway->body_count].depth = depth;
-    leeway->bodies[leeway->body_count++].beside = beside;
+    struct plan_body *added = &leeway->bodies[leeway->body_count++];
+    double half = sqrt((reach - beside) * (reach + beside)) * WIDER + ROUNDING;
+    *added = *body;
+    added->widest = (struct plan_span){depth - half, depth + half};
     return CONUS_OK;
 }
 
@@ -371,34 +387,34 @@ static bool has_inside(const struct plan_leeway *leeway, const struct plan_side 
 /* Adds where the axis is nearer than delta to a body. */
 static conus_status take(struct plan_leeway *leeway, const struct plan_side *side, struct plan_body *body, double delta)
 {
-    double reach = delta + body->bound;
-    if (delta <= body->idle || body->beside > reach) {
-        return CONUS_OK;
-    }
-    double half = sqrt((reach - body->beside) * (reach + body->beside)) * WIDER + ROUNDING;
-    double entry = body->depth - half;
-    double exit = body->depth + half;
+    double entry = body->widest.entry;
+    double exit = body->widest.exit;
+    body->taken = NOTHING;
     if (has_inside(leeway, side, entry, exit) && approach(&entry, leeway, side, body, delta, 1) &&
         approach(&exit, leeway, side, body, delta, -1) && has_inside(leeway, side, entry, exit)) {
+        body->taken = (struct plan_span){entry, exit};
         return add_span(&leeway->taken, entry, exit);
     }
-    body->idle = delta;
     return CONUS_OK;
 }
 
 /* Adds what of the needle is in the side's objects and delta or more from all of its bodies. */
-static conus_status leave(struct plan_leeway *leeway, const struct plan_side *side, double delta)
+static conus_status leave(struct plan_leeway *leeway, struct plan_side *side, double delta)
 {
     conus_status status = CONUS_OK;
-    leeway->taken.count = 0;
+    side->first_taken = leeway->taken.count;
+    for (size_t i = side->first_sure; i < side->sure_end && !status; i++) {
+        status = add_span(&leeway->taken, leeway->sure.items[i].entry, leeway->sure.items[i].exit);
+    }
     for (size_t i = side->first_body; i < side->body_end && !status; i++) {
         status = take(leeway, side, &leeway->bodies[i], delta);
     }
-    sort(&leeway->taken);
+    join(&leeway->taken, side->first_taken);
+    side->taken_end = leeway->taken.count;
     for (size_t i = side->first_inside; i < side->inside_end && !status; i++) {
         double from = leeway->inside.items[i].entry;
         double to = leeway->inside.items[i].exit;
-        for (size_t k = 0; k < leeway->taken.count && from <= to && !status; k++) {
+        for (size_t k = side->first_taken; k < side->taken_end && from <= to && !status; k++) {
             const struct plan_span *taken = &leeway->taken.items[k];
             if (taken->entry > from) {
                 status = add_span(&leeway->left, from, fmin(taken->entry, to));
@@ -449,18 +465,15 @@ static double count_left(const struct plan_leeway *leeway)
 static conus_status measure_rest(double *out, struct plan_leeway *leeway, double delta)
 {
     conus_status status = CONUS_OK;
-    leeway->left.count = 0;
+    leeway->taken.count = leeway->left.count = 0;
     for (size_t i = 0; i < leeway->side_count && !status; i++) {
-        const struct plan_side *side = &leeway->sides[i];
+        struct plan_side *side = &leeway->sides[i];
         status = side->part->tractogram ? leave_tubes(leeway, side, delta) : leave(leeway, side, delta);
     }
-    sort(&leeway->left);
+    join(&leeway->left, 0);
     double sum = 0;
-    double reached = -INFINITY;
     for (size_t i = 0; i < leeway->left.count; i++) {
-        const struct plan_span *span = &leeway->left.items[i];
-        sum += fmax(span->exit - fmax(span->entry, reached), 0);
-        reached = fmax(reached, span->exit);
+        sum += leeway->left.items[i].exit - leeway->left.items[i].entry;
     }
     *out = (leeway->contacts.count ? count_left(leeway) : sum) - leeway->least;
     return status;
@@ -509,6 +522,47 @@ struct bracket {
     double first, longest; /* widths: at first, and that it may have now */
 };
 
+/* Whether all that a body may still take is taken without it. */
+static bool is_settled(const struct plan_leeway *leeway, const struct plan_side *side, const struct plan_body *body)
+{
+    bool settled = body->widest.entry > body->widest.exit;
+    for (size_t i = side->first_sure; i < side->sure_end && !settled; i++) {
+        const struct plan_span *sure = &leeway->sure.items[i];
+        settled = sure->entry <= body->widest.entry && body->widest.exit <= sure->exit;
+    }
+    return settled;
+}
+
+/* Narrows what is asked next to deltas above the last one where that left enough (`is_low`), else to those below it:
+ * what was taken there is taken from now on, or is the most that is. Bodies that make no difference any more are left
+ * out. */
+static void narrow(struct plan_leeway *leeway, bool is_low)
+{
+    size_t count = 0;
+    if (is_low) {
+        const struct plan_spans sure = leeway->taken;
+        leeway->taken = leeway->sure;
+        leeway->sure = sure;
+    }
+    for (size_t s = 0; s < leeway->side_count; s++) {
+        struct plan_side *side = &leeway->sides[s];
+        bool has_tubes = side->part->tractogram;
+        size_t first = count;
+        side->first_sure = is_low ? side->first_taken : side->first_sure;
+        side->sure_end = is_low ? side->taken_end : side->sure_end;
+        for (size_t i = side->first_body; i < side->body_end; i++) {
+            struct plan_body body = leeway->bodies[i];
+            body.widest = is_low || has_tubes ? body.widest : body.taken;
+            if (has_tubes || !is_settled(leeway, side, &body)) {
+                leeway->bodies[count++] = body;
+            }
+        }
+        side->first_body = first;
+        side->body_end = count;
+    }
+    leeway->body_count = count;
+}
+
 /* Where to look next: a little nearer to the middle than the secant's root, so that it comes to lie on its other side,
  * and so near that one step more than by halves is enough (Oliveira and Takahashi, ACM TOMS 47, 2021). */
 static double look_between(const struct bracket *at)
@@ -530,6 +584,9 @@ conus_status plan_leeway_guess(double *out, struct plan_leeway *leeway, double m
     conus_status status = gather(leeway, most);
     while (!status && most > ROUNDING && rest < 0) {
         status = measure_rest(&rest, leeway, most);
+        if (!status) {
+            narrow(leeway, rest >= 0);
+        }
         *out = rest >= 0 ? most : 0;
         most /= 2;
     }
@@ -548,6 +605,9 @@ conus_status plan_leeway_find(double *out, struct plan_leeway *leeway)
     for (int i = 0; i < STEP_LIMIT && at.less >= 0 && !status; i++) { /* nothing is endless: once, nothing is left */
         status = gather(leeway, at.high);
         status = status ? status : measure_rest(&at.less, leeway, at.high);
+        if (!status) {
+            narrow(leeway, at.less >= 0);
+        }
         if (at.less >= 0) {
             at.more = at.less;
             at.low = at.high;
@@ -560,6 +620,9 @@ conus_status plan_leeway_find(double *out, struct plan_leeway *leeway)
         double rest = 0;
         double delta = look_between(&at);
         status = measure_rest(&rest, leeway, delta);
+        if (!status) {
+            narrow(leeway, rest >= 0);
+        }
         *(rest >= 0 ? &at.low : &at.high) = delta;
         *(rest >= 0 ? &at.more : &at.less) = rest;
         at.longest /= 2;

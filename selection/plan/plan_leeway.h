@@ -29,7 +29,8 @@ struct plan_leeway {
     struct plan_body *bodies; /**< What is not the structure, side by side. */
     size_t body_count, body_capacity;
     struct plan_spans inside; /**< Where the needle is in the structure, side by side; */
-    struct plan_spans taken;  /**< where one side's bodies are nearer than delta; */
+    struct plan_spans taken;  /**< where bodies are nearer than delta, and where they are for a smaller one, */
+    struct plan_spans sure;   /**< likewise; */
     struct plan_spans left;   /**< what that leaves. */
 };
 
