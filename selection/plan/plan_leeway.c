@@ -143,13 +143,24 @@ conus_status plan_leeway_ask(struct plan_leeway *leeway, const struct plan_const
     return status;
 }
 
-/* Adds a body, unless it is surely farther than `radius` from the needle. */
-static conus_status add_body(struct plan_leeway *leeway, const struct plan_body *body, const double centre[3],
-                             double radius)
+/* A search for the bodies of one side that are near the needle. */
+struct body_search {
+    struct plan_leeway *leeway;
+    struct needle needle;
+    const struct plan_part *part;
+    const struct plan_side *side;
+    const uint32_t *has;
+    double radius;
+    conus_status status;
+};
+
+/* Adds a body, unless it is surely farther than the radius from the needle. */
+static conus_status add_body(const struct body_search *search, const struct plan_body *body, const double centre[3])
 {
-    const struct needle *needle = &leeway->needle;
+    struct plan_leeway *leeway = search->leeway;
+    const struct needle *needle = &search->needle;
     double away[3];
-    double reach = radius + body->bound;
+    double reach = search->radius + body->bound;
     vec3_sub(away, centre, needle->origin);
     double depth = vec3_dot(away, needle->direction);
     vec3_add_scaled(away, away, -depth, needle->direction);
@@ -166,16 +177,6 @@ static conus_status add_body(struct plan_leeway *leeway, const struct plan_body 
     added->widest = (struct plan_span){depth - half, depth + half};
     return CONUS_OK;
 }
-
-/* A search for the bodies of one side. */
-struct body_search {
-    struct plan_leeway *leeway;
-    const struct plan_part *part;
-    const struct plan_side *side;
-    const uint32_t *has;
-    double radius;
-    conus_status status;
-};
 
 static bool is_border(const struct body_search *search, const size_t at[3], int axis, int step)
 {
@@ -202,7 +203,7 @@ static void add_faces(struct body_search *search, const size_t at[3])
                 body.corner[1][a] = middle[a] + (a == axis ? 0 : 0.5);
             }
             mat4_point(centre, search->part->volume->info.world_from_voxel, middle);
-            search->status = add_body(search->leeway, &body, centre, search->radius);
+            search->status = add_body(search, &body, centre);
         }
     }
 }
@@ -221,7 +222,7 @@ static void face_row(void *user, const struct volume *volume, const size_t at[3]
 /* The faces between the structure's cells and others. */
 static void gather_faces(struct body_search *search)
 {
-    const struct needle *needle = &search->leeway->needle;
+    const struct needle *needle = &search->needle;
     double wide = (search->radius + search->side->cells.reach) * WIDER;
     struct region around = {
         .shape = REGION_CYLINDER, .cosine = 1, .radius = wide, .far = needle->far - needle->near + 2 * wide};
@@ -251,7 +252,7 @@ static void gather_triangles(struct body_search *search)
             vec3_sub(corner[c], corner[c], centre);
             body.bound = fmax(body.bound, vec3_length(corner[c]) * WIDER);
         }
-        search->status = add_body(search->leeway, &body, centre, search->radius);
+        search->status = add_body(search, &body, centre);
     }
 }
 
@@ -260,7 +261,7 @@ static enum tract_answer is_box_near(void *user, const double low[3], const doub
     const struct body_search *search = user;
     struct needle_frame frame;
     double depth;
-    needle_frame_init(&frame, &search->leeway->needle, NULL);
+    needle_frame_init(&frame, &search->needle, NULL);
     return needle_box(&depth, &frame, low, high) > search->radius * WIDER ? TRACT_OUTSIDE : TRACT_PERHAPS;
 }
 
@@ -288,7 +289,7 @@ static void add_segments(void *user, const struct tract_run *run, bool inside)
         vec3_sub(centre, body.corner[1], body.corner[0]);
         body.bound = vec3_length(centre) / 2 * WIDER;
         vec3_add_scaled(centre, body.corner[0], 0.5, centre);
-        search->status = add_body(search->leeway, &body, centre, search->radius);
+        search->status = add_body(search, &body, centre);
     }
 }
 
@@ -300,8 +301,18 @@ static conus_status gather(struct plan_leeway *leeway, double radius)
     leeway->body_count = 0;
     for (size_t i = 0; i < leeway->side_count && !status; i++) {
         struct plan_side *side = &leeway->sides[i];
-        struct body_search search = {
-            .leeway = leeway, .part = side->part, .side = side, .has = leeway->has, .radius = radius};
+        struct body_search search = {.leeway = leeway,
+                                     .needle = leeway->needle,
+                                     .part = side->part,
+                                     .side = side,
+                                     .has = leeway->has,
+                                     .radius = radius};
+        search.needle.near = INFINITY;
+        search.needle.far = 0;
+        for (size_t k = side->first_inside; k < side->inside_end; k++) { /* what is beside the rest, takes nothing */
+            search.needle.near = fmin(search.needle.near, leeway->inside.items[k].entry);
+            search.needle.far = fmax(search.needle.far, leeway->inside.items[k].exit);
+        }
         side->first_body = leeway->body_count;
         if (side->first_inside == side->inside_end) { /* the needle is not in it at all */
         } else if (side->part->volume) {
@@ -384,15 +395,29 @@ static bool has_inside(const struct plan_leeway *leeway, const struct plan_side 
     return false;
 }
 
-/* Adds where the axis is nearer than delta to a body. */
-static conus_status take(struct plan_leeway *leeway, const struct plan_side *side, struct plan_body *body, double delta)
+static bool is_within(const struct plan_span *inner, const struct plan_span *outer)
+{
+    return outer->entry <= inner->entry && inner->exit <= outer->exit;
+}
+
+/* Adds where the axis is nearer than delta to a body, unless it is so already; `cover` is a long span of what is. */
+static conus_status take(struct plan_leeway *leeway, const struct plan_side *side, struct plan_body *body, double delta,
+                         struct plan_span *cover)
 {
     double entry = body->widest.entry;
     double exit = body->widest.exit;
+    body->taken = body->widest;
+    if (is_within(&body->widest, cover)) {
+        return CONUS_OK;
+    }
     body->taken = NOTHING;
     if (has_inside(leeway, side, entry, exit) && approach(&entry, leeway, side, body, delta, 1) &&
         approach(&exit, leeway, side, body, delta, -1) && has_inside(leeway, side, entry, exit)) {
         body->taken = (struct plan_span){entry, exit};
+        bool is_joined = entry <= cover->exit && cover->entry <= exit;
+        *cover = is_joined ? (struct plan_span){fmin(entry, cover->entry), fmax(exit, cover->exit)}
+                 : exit - entry > cover->exit - cover->entry ? body->taken
+                                                             : *cover;
         return add_span(&leeway->taken, entry, exit);
     }
     return CONUS_OK;
@@ -402,12 +427,13 @@ static conus_status take(struct plan_leeway *leeway, const struct plan_side *sid
 static conus_status leave(struct plan_leeway *leeway, struct plan_side *side, double delta)
 {
     conus_status status = CONUS_OK;
+    struct plan_span cover = NOTHING;
     side->first_taken = leeway->taken.count;
     for (size_t i = side->first_sure; i < side->sure_end && !status; i++) {
         status = add_span(&leeway->taken, leeway->sure.items[i].entry, leeway->sure.items[i].exit);
     }
     for (size_t i = side->first_body; i < side->body_end && !status; i++) {
-        status = take(leeway, side, &leeway->bodies[i], delta);
+        status = take(leeway, side, &leeway->bodies[i], delta, &cover);
     }
     join(&leeway->taken, side->first_taken);
     side->taken_end = leeway->taken.count;
@@ -527,8 +553,7 @@ static bool is_settled(const struct plan_leeway *leeway, const struct plan_side 
 {
     bool settled = body->widest.entry > body->widest.exit;
     for (size_t i = side->first_sure; i < side->sure_end && !settled; i++) {
-        const struct plan_span *sure = &leeway->sure.items[i];
-        settled = sure->entry <= body->widest.entry && body->widest.exit <= sure->exit;
+        settled = is_within(&body->widest, &leeway->sure.items[i]);
     }
     return settled;
 }

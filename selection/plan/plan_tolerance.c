@@ -221,9 +221,9 @@ static conus_status advance(bool *grazes, struct course *course, struct plan_jud
         move(&moved, motion, course->proven);
         plan_judge_turn(judge, &moved);
         conus_status status = must_jump ? CONUS_OK : plan_judge_leeway(&leeway, judge, index, course->guess);
-        leeway = fmax(leeway - TOUCH, 0);
         double before = course->proven;
-        course->guess = fmax(2 * leeway, RESOLUTION);
+        course->guess = fmax(leeway < course->guess ? leeway : 2 * leeway, RESOLUTION);
+        leeway = fmax(leeway - TOUCH, 0);
         course->proven += leeway / course->rate;
         if (!status && leeway < next * course->rate) {
             double proven = course->proven;
