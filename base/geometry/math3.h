@@ -78,6 +78,18 @@ static inline double vec3_angle(const double a[3], const double b[3])
     return atan2(vec3_length(cross), vec3_dot(a, b));
 }
 
+/** Turns a vector about a unit axis by the right-hand rule (Rodrigues); @p out may be @p v. */
+static inline void vec3_turn(double out[3], const double v[3], const double axis[3], double angle)
+{
+    double across[3];
+    double sum[3];
+    double along = vec3_dot(axis, v) * (1 - cos(angle));
+    vec3_cross(across, axis, v);
+    vec3_scale(sum, v, cos(angle));
+    vec3_add_scaled(sum, sum, sin(angle), across);
+    vec3_add_scaled(out, sum, along, axis);
+}
+
 static inline bool vec3_is_finite(const double a[3])
 {
     return isfinite(a[0]) && isfinite(a[1]) && isfinite(a[2]);

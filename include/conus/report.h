@@ -240,7 +240,8 @@ CONUS_API const char *conus_report_constraint(const conus_report *report, size_t
 CONUS_CHECKED conus_status conus_report_add_profile(conus_report *report, conus_plan *plan, double step);
 
 /**
- * Adds how far the poses that a plan lists may be off: a row for each side of each degree of freedom (Eq. 23).
+ * Adds how far the poses that a plan lists may be off: a row for each side of each degree of freedom, and with a box
+ * one of all at once (Eq. 23).
  * @param report Of #CONUS_ROWS_TOLERANCE. Nothing else is added to it.
  * @param plan As for conus_report_add_plan().
  * @param options Where the pivot is; shifts are along the axes of the report's space, whatever these say. NULL =

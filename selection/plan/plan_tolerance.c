@@ -39,17 +39,6 @@ struct course {
     double fails;  /* and breaks here; NaN = not yet known */
 };
 
-/* Turns a vector about a unit axis (Rodrigues). */
-static void turn(double out[3], const double v[3], const double axis[3], double angle)
-{
-    double across[3];
-    double sum[3];
-    vec3_cross(across, axis, v);
-    vec3_scale(sum, v, cos(angle));
-    vec3_add_scaled(sum, sum, sin(angle), across);
-    vec3_add_scaled(out, sum, vec3_dot(axis, v) * (1 - cos(angle)), axis);
-}
-
 /* The pose that is off by `s`. */
 static void move(conus_planned *out, const struct motion *motion, double s)
 {
@@ -61,10 +50,10 @@ static void move(conus_planned *out, const struct motion *motion, double s)
         vec3_add_scaled(m + 12, m + 12, s, motion->along);
     } else {
         for (int column = 0; column < 3; column++) {
-            turn(m + 4 * column, m + 4 * column, motion->along, s);
+            vec3_turn(m + 4 * column, m + 4 * column, motion->along, s);
         }
         vec3_sub(m + 12, m + 12, motion->pivot);
-        turn(m + 12, m + 12, motion->along, s);
+        vec3_turn(m + 12, m + 12, motion->along, s);
         vec3_add_scaled(m + 12, m + 12, 1, motion->pivot);
         out->entry_angle = isnan(out->entry_angle) ? NAN : vec3_angle(m + 8, out->normal);
     }
@@ -89,8 +78,8 @@ static double find_lever(const struct motion *motion, struct plan_judge *judge)
     return lever;
 }
 
-static conus_status init_motion(struct motion *out, struct plan_judge *judge, const conus_planned *pose,
-                                const conus_tolerance *row, const conus_tolerance_options *options)
+static void init_motion(struct motion *out, struct plan_judge *judge, const conus_planned *pose,
+                        const conus_tolerance *row, const conus_tolerance_options *options)
 {
     static const double up[3] = {0, 0, 1};
     const double *m = pose->pose.world_from_device;
@@ -104,7 +93,7 @@ static conus_status init_motion(struct motion *out, struct plan_judge *judge, co
     case CONUS_FREEDOM_X:
     case CONUS_FREEDOM_Y:
     case CONUS_FREEDOM_Z:
-        memcpy(out->along, options->shifts[freedom], sizeof out->along);
+        memcpy(out->along, options->shifts[freedom], sizeof out->along); /* of length 1 */
         break;
     case CONUS_FREEDOM_DEPTH:
         out->along[0] = 1;
@@ -124,14 +113,11 @@ static conus_status init_motion(struct motion *out, struct plan_judge *judge, co
         memcpy(out->along, m + 4 * ((freedom - CONUS_FREEDOM_SIDE) % 2), sizeof out->along);
         break;
     }
-    if (!vec3_normalise(out->along, out->along)) {
-        return fail(CONUS_ERROR_ARGUMENT, "tolerance: a shift without a direction");
-    }
+    vec3_normalise(out->along, out->along);
     vec3_scale(out->along, out->along, row->negative ? -1 : 1);
     double pivot = options->pivot_at_tip ? pose->far : options->pivot;
     vec3_add_scaled(out->pivot, m + 12, pivot, direction);
     out->lever = out->is_turn ? find_lever(out, judge) : 1;
-    return CONUS_OK;
 }
 
 static struct course start_course(const struct plan_constraint *constraint, const struct motion *motion,
@@ -237,12 +223,11 @@ static conus_status advance(bool *grazes, struct course *course, struct plan_jud
     }
 }
 
-static conus_status describe(conus_tolerance *row, struct plan_judge *judge, size_t index, const struct motion *motion)
+conus_status plan_tolerance_describe(conus_tolerance *row, struct plan_judge *judge, size_t index,
+                                     const conus_planned *moved)
 {
-    conus_planned moved;
     conus_verdict verdict;
-    move(&moved, motion, row->fails_at);
-    plan_judge_turn(judge, &moved);
+    plan_judge_turn(judge, moved);
     conus_status status = plan_judge(&verdict, judge, index, PLAN_SLACKS);
     if (status) {
         return status;
@@ -252,6 +237,13 @@ static conus_status describe(conus_tolerance *row, struct plan_judge *judge, siz
     row->depth = verdict.depth;
     needle_point(row->at, &judge->shanks[verdict.shank - 1].needle, verdict.depth);
     return CONUS_OK;
+}
+
+static conus_status describe(conus_tolerance *row, struct plan_judge *judge, size_t index, const struct motion *motion)
+{
+    conus_planned moved;
+    move(&moved, motion, row->fails_at);
+    return plan_tolerance_describe(row, judge, index, &moved);
 }
 
 /* Follows all constraints along a motion, always the one that is known to hold least far. */
@@ -286,25 +278,38 @@ static conus_status follow(conus_tolerance *row, struct plan_judge *judge, struc
     return status;
 }
 
+conus_status plan_tolerance_fill(conus_tolerance_options *out, const conus_tolerance_options *options)
+{
+    static const double axes[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    *out = *options_of(conus_tolerance_options, options);
+    bool has_shifts = false;
+    for (int i = 0; i < 9; i++) {
+        has_shifts = has_shifts || out->shifts[i / 3][i % 3] != 0;
+    }
+    if (!has_shifts) {
+        memcpy(out->shifts, axes, sizeof axes);
+    }
+    for (int a = 0; a < 3; a++) {
+        if (!vec3_normalise(out->shifts[a], out->shifts[a])) {
+            return fail(CONUS_ERROR_ARGUMENT, "tolerance: a shift without a direction");
+        }
+    }
+    return isfinite(out->pivot) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "tolerance: a pivot at %g mm", out->pivot);
+}
+
 conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan *plan, const conus_planned *pose,
                                   const conus_tolerance_options *options)
 {
-    static const double axes[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    conus_tolerance_options filled = *options_of(conus_tolerance_options, options);
     struct plan_judge *judge = plan_judge_of(plan);
     size_t count = conus_plan_constraint_count(plan);
     conus_tolerance rows[CONUS_TOLERANCE_COUNT];
-    double *shifts = filled.shifts[0];
-    bool has_shifts = false;
-    for (int i = 0; i < 9; i++) {
-        has_shifts = has_shifts || shifts[i] != 0;
-    }
-    memcpy(shifts, has_shifts ? shifts : axes, sizeof axes);
-    if (!isfinite(filled.pivot)) {
-        return fail(CONUS_ERROR_ARGUMENT, "tolerance: a pivot at %g mm", filled.pivot);
+    conus_tolerance_options filled;
+    conus_status status = plan_tolerance_fill(&filled, options);
+    if (status) {
+        return status;
     }
     struct course *courses = memory_raw(count, sizeof *courses);
-    conus_status status = courses ? CONUS_OK : CONUS_ERROR_MEMORY;
+    status = courses ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (int i = 0; i < CONUS_TOLERANCE_COUNT && !status; i++) {
         struct motion motion;
         rows[i] = (conus_tolerance){.freedom = (conus_freedom)(i / 2),
@@ -312,11 +317,9 @@ conus_status conus_plan_tolerance(conus_tolerance *out, conus_plan *plan, const 
                                     .constraint = SIZE_MAX,
                                     .depth = NAN,
                                     .at = {NAN, NAN, NAN}};
-        status = init_motion(&motion, judge, pose, &rows[i], &filled);
-        if (!status) {
-            status = pose->feasible ? follow(&rows[i], judge, courses, count, &motion)
-                                    : describe(&rows[i], judge, pose->broken, &motion);
-        }
+        init_motion(&motion, judge, pose, &rows[i], &filled);
+        status = pose->feasible ? follow(&rows[i], judge, courses, count, &motion)
+                                : describe(&rows[i], judge, pose->broken, &motion);
     }
     memory_free(courses);
     if (!status) {

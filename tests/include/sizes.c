@@ -82,7 +82,7 @@ SIZE(conus_verdict, 56);
 SIZE(conus_planned, 320);
 SIZE(conus_plan_faults, 24);
 SIZE(conus_tolerance, 80);
-SIZE(conus_tolerance_options, 96);
+SIZE(conus_tolerance_options, 136);
 #endif
 
 extern int sizes_are_known;
