@@ -146,9 +146,13 @@ static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PA
 static size_t add_bar(struct legend_row rows[MARKS], char words[MARKS][TEXT_SIZE], struct picture_legend *out,
                       double low, double high)
 {
+    double step = (high - low) / (MARKS - 1);
+    double largest = fmax(fabs(low), fabs(high));
+    int decimals = step > 0 ? (int)fmax(2 - floor(log10(step)), 0) : 0;
+    bool is_plain = step > 0 && largest < 1e6 && decimals < 6; /* as many decimals at each mark */
     for (int i = 0; i < MARKS; i++) {
         double part = 1 - i / (MARKS - 1.0);
-        snprintf(words[i], TEXT_SIZE, "%.4g", low + part * (high - low));
+        snprintf(words[i], TEXT_SIZE, is_plain ? "%.*f" : "%.*g", is_plain ? decimals : 4, low + part * (high - low));
         rows[i] = (struct legend_row){.name = words[i], .mark = true};
         for (int k = 0; k < LEGEND_BAR && i; k++) {
             tube_scalar_colour(out->bars[i - 1][k], part + (1 - (k + 0.5) / LEGEND_BAR) / (MARKS - 1));

@@ -342,7 +342,7 @@ static void colours_of_a_number_have_a_bar(void **state)
 {
     (void)state;
     need_font();
-    static const char *const words[] = {"0.75", "0.625", "0.5", "0.375", "0.25"};
+    static const char *const words[] = {"0.750", "0.625", "0.500", "0.375", "0.250"};
     static const double colours[][3] = {{250, 230, 80}, {138, 204, 84}, {40, 156, 128}, {36, 104, 142}, {34, 46, 110}};
     uint8_t bars[5][LEGEND_BAR][3];
     char texts[3][2][TEXT];
