@@ -454,18 +454,23 @@ static void put_table(FILE *out, const conus_plan *plan, const conus_frame *fram
     }
 }
 
+/* A point of a shank, RAS. */
+static void find_point(double out[3], const conus_planned *pose, const double shank[2], double depth)
+{
+    const double *m = pose->pose.world_from_device;
+    for (int a = 0; a < 3; a++) {
+        out[a] = m[12 + a] + shank[0] * m[a] + shank[1] * m[4 + a] - depth * m[8 + a];
+    }
+}
+
 /* One end of a shank: a control point in LPS. */
 static void put_end(FILE *out, const conus_planned *pose, const char *id, const double shank[2], double depth)
 {
-    const double *m = pose->pose.world_from_device;
     double at[3];
-    for (int a = 0; a < 3; a++) {
-        double entry = m[12 + a] + shank[0] * m[a] + shank[1] * m[4 + a];
-        at[a] = (a < 2 ? -1 : 1) * (entry - depth * m[8 + a]);
-    }
+    find_point(at, pose, shank, depth);
     fputs("{\"label\": ", out);
     put_id(out, id, '\\');
-    fprintf(out, ", \"position\": [%.17g, %.17g, %.17g]}", at[0], at[1], at[2]);
+    fprintf(out, ", \"position\": [%.17g, %.17g, %.17g]}", -at[0], -at[1], at[2]);
 }
 
 /* A line for each shank; of several, "e1-t2-s3" is the third. */
@@ -493,6 +498,31 @@ static void put_lines(FILE *out, const conus_plan *plan, const struct constraint
     fputs("\n ]}\n", out);
 }
 
+/* The same as polylines, which have the leeway of their pose. */
+static void put_polylines(FILE *out, const conus_plan *plan, const struct constraints *constraints)
+{
+    static const double axis[2] = {0, 0};
+    const double *shanks = constraints->shanks ? constraints->shanks : axis;
+    size_t count = constraints->shanks ? constraints->shank_count : 1;
+    size_t lines = conus_plan_count(plan) * count;
+    fprintf(out, "# vtk DataFile Version 3.0\nconus plan; SPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS %zu double\n",
+            2 * lines);
+    for (size_t i = 0; i < 2 * lines; i++) {
+        const conus_planned *pose = conus_plan_pose(plan, i / 2 / count);
+        double at[3];
+        find_point(at, pose, shanks + 2 * (i / 2 % count), i % 2 ? pose->far : 0);
+        fprintf(out, "%.17g %.17g %.17g\n", at[0], at[1], at[2]);
+    }
+    fprintf(out, "LINES %zu %zu\n", lines, 3 * lines);
+    for (size_t i = 0; i < lines; i++) {
+        fprintf(out, "2 %zu %zu\n", 2 * i, 2 * i + 1);
+    }
+    fprintf(out, "CELL_DATA %zu\nSCALARS leeway_mm double 1\nLOOKUP_TABLE default\n", lines);
+    for (size_t i = 0; i < lines; i++) {
+        fprintf(out, "%.9g\n", conus_plan_pose(plan, i / count)->leeway);
+    }
+}
+
 static void put_matrix(FILE *out, const conus_plan *plan)
 {
     const double *m = conus_plan_pose(plan, 0)->pose.world_from_device;
@@ -514,6 +544,8 @@ int candidates_write(const char *path, const conus_plan *plan, const conus_frame
         put_table(out, plan, frame);
     } else if (path_ends(path, ".json")) {
         put_lines(out, plan, constraints);
+    } else if (path_ends(path, ".vtk")) {
+        put_polylines(out, plan, constraints);
     } else if (conus_plan_count(plan)) {
         put_matrix(out, plan);
     }

@@ -136,10 +136,10 @@ static const struct option list_options[] = {
      .offset = FIELD(poses_out),
      .value = "FILE",
      .help = "write the listed poses: a table (.tsv) that is read as the same poses again, lines for 3D Slicer "
-             "(.mrk.json), or the first one as a 4 x 4 matrix (.txt)",
-     .words = "export, slicer",
+             "(.mrk.json) or as --streamlines of conus render (.vtk), or the first one as a 4 x 4 matrix (.txt)",
+     .words = "export, slicer, paraview",
      .role = OPTION_WRITES,
-     .endings = ".tsv .mrk.json .txt"},
+     .endings = ".tsv .mrk.json .vtk .txt"},
     {0},
 };
 

@@ -92,10 +92,15 @@ cells() {
     output=$(sort plan.tsv) && a=$(cut -f 8-10 plan.tsv | sort)
     [ "$(cut -f 8-10 again.tsv | sort)" = "$a" ]
     [ "$(jq '.markups | length' lines.mrk.json)" -eq 6 ]
+    conus $P --depth target+4 -q -o plan.tsv --force --poses-out lines.vtk
+    [ "$(sed -n '6,/LINES/p' lines.vtk | awk 'NF == 3 && $1 != "LINES" { printf "%.5f %.5f %.5f%s", $1, $2, $3, NR % 2 ? " " : "\n" }')" = \
+        "$(awk -F '\t' 'NR > 1 { for (i = 8; i < 17; i += i == 10 ? 4 : 1) printf "%.5f%s", $i, i < 16 ? " " : "\n" }' plan.tsv)" ]
+    [ "$(sed -n '/LOOKUP/,$p' lines.vtk | tail -n +2)" = "$(awk -F '\t' 'NR > 1 { print $19 }' plan.tsv)" ]
+    conus info u-shape.nii.gz --streamlines lines.vtk,name=Needles | grep -q 'streamlines  6 with 12 points'
     conus $P --depth target+4 -q -o best.tsv --force --poses-out best.txt
     conus $U --poses best.txt --depth 30 --infeasible -q --format tsv >again.tsv
     [ "$(sed -n 2p best.tsv | cut -f 8-13)" = "$(sed -n 2p again.tsv | cut -f 8-13)" ]
-    fails 2 'does not end in .tsv, .mrk.json or .txt' $P --depth 30 --poses-out best.csv
+    fails 2 'does not end in .tsv, .mrk.json, .vtk or .txt' $P --depth 30 --poses-out best.csv
 }
 
 # The normal of a corner of the box has the signs of the corner: inward it leads towards the middle.
