@@ -770,6 +770,7 @@ class Selector:
         jitter: Any = None,
         samples: int = 0,
         contacts: Any = None,
+        maps: bool = False,
         threads: Optional[int] = None,
     ) -> Plan:
         """Lists the poses of needles that reach some structures and stay clear of others: ``conus plan``.
@@ -830,6 +831,8 @@ class Selector:
         contacts
             (count, columns, pitch, tip): so many on the axis, in rows of so many, mm from row to row, and from the far
             end to the first.
+        maps
+            Keeps the best pose of each entry and target, for :meth:`Plan.map`, which takes longer.
         threads
             None = as many as processors.
 
@@ -838,20 +841,21 @@ class Selector:
         ArgumentError
             For names that are unknown, numbers out of their ranges, and no candidate at all.
         """
+        sources: Optional[dict[str, Array]] = {} if flag("maps", maps) else None
         constraints = constraints_of(reach, avoid, length, lean, apart, first, entry_angle, contacts)
         errors: Mapping[int, str] = {}
         if entries is None:
-            if targets is not None or tilt is not None or roll is not None:
-                raise ArgumentError("targets, tilt and roll have no effect without entries")
+            if targets is not None or tilt is not None or roll is not None or maps:
+                raise ArgumentError("targets, tilt, roll and maps have no effect without entries")
             array = self._poses(origins, directions, poses, None, None)
             stream, far, errors = stream_of(array, poses, near, depth), None, array.reasons
         else:
             if targets is None or not all(given is None for given in (poses, origins, directions, near)):
                 raise ArgumentError("entries: targets go with them, and no poses, origins, directions or near")
             far, beyond = depth_of(depth)
-            stream = candidates_stream(self, entries, targets, tilt, roll, beyond, constraints.reached())
+            stream = candidates_stream(self, entries, targets, tilt, roll, beyond, constraints.reached(), sources)
         return plan_of(self, constraints, stream, errors, far, infeasible, top, threads, angle, shanks,
-                       (rank, score, pareto), jitter, samples)
+                       (rank, score, pareto), jitter, samples, sources)
 
     def tolerance(self, reach: Any = (), avoid: Any = (), *, pivot: Any = "entry", box: Any = None,
                   **options: Any) -> pandas.DataFrame:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterator, Optional
 
 import numpy as np
 
+from ._answers import Array
 from ._conus import ffi, lib
 from ._library import ArgumentError, check, flag, numbers, owned, path_of, real, shown, text, utf8, vector
 from ._pose_file import Poses
@@ -113,9 +114,13 @@ def depth_of(depth: Any) -> tuple[Optional[float], Optional[float]]:
 
 @contextlib.contextmanager
 def candidates_stream(selector: Selector, entries: Any, targets: Any, tilt: Any, roll: Any,
-                      beyond: Optional[float], reached: Any) -> Iterator[Any]:
-    """A conus_pose_stream of all needles from the entries to the targets."""
+                      beyond: Optional[float], reached: Any, sources: Optional[dict[str, Array]]) -> Iterator[Any]:
+    """A conus_pose_stream of all needles from the entries to the targets; ``sources`` gets the numbers of these."""
     places = _entries(selector, entries), _targets(selector, targets, reached)
+    if sources is not None:
+        for of, sites in zip(("entries", "targets"), places):
+            count = lib.conus_sites_count(sites)
+            sources[of] = np.array([lib.conus_sites_source(sites, i) for i in range(count)], np.uint64)
     asked, out = ffi.new("conus_candidates *"), ffi.new("conus_pose_stream **")
     asked.entries, asked.normals = lib.conus_sites_points(places[0]), lib.conus_sites_normals(places[0])
     asked.entry_count = lib.conus_sites_count(places[0])

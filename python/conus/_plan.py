@@ -161,6 +161,10 @@ def stream_of(array: PoseArray, poses: Any, near: Any, far: Any) -> Iterator[Any
         yield owned(out[0], lib.conus_pose_stream_destroy)
 
 
+_MAPS = {"leeway_mm": "leeway", "slack_mm": "slack", "depth_mm": "far", "entry_angle_deg": "entry_angle",
+         "reach1": "reach", "feasible": "feasible", "candidate": "candidate"}
+
+
 class Plan:
     """The poses that break no constraint, the best first: the rows of ``conus plan``.
 
@@ -171,7 +175,7 @@ class Plan:
     that breaks it alone, by the least, where none is feasible, else None. A plan is a list to be checked.
     """
 
-    def __init__(self, selector: Selector, plan: Any, errors: Mapping[int, str]) -> None:
+    def __init__(self, selector: Selector, plan: Any, errors: Mapping[int, str], sources: Mapping[str, Array]) -> None:
         self._selector, self._p = selector, plan
         rows = [lib.conus_plan_pose(plan, i) for i in range(lib.conus_plan_count(plan))]
         count = lib.conus_plan_constraint_count(plan)
@@ -189,6 +193,7 @@ class Plan:
         missed = [lib.conus_plan_miss(plan, i) for i in range(count)]
         self.misses: list[Optional[str]] = [text(pose.id) if pose else None for pose in missed]
         self.errors = dict(errors)  #: why a pose of a file is none, by its index
+        self.sources = dict(sources)  #: of "entries" and "targets" of maps, their numbers in what they are of, from 0
 
     def __len__(self) -> int:
         return len(self.ids)
@@ -276,6 +281,23 @@ class Plan:
             options.box = [*extents[:3], *np.radians(extents[3:])]
         return self._table("TOLERANCE", options)
 
+    def map(self, key: str, of: str = "entries") -> Array:
+        """A number of the best pose of each entry, or target, listed or not: the values of ``--map``.
+
+        ``key`` is "leeway_mm", "slack_mm", "depth_mm", "entry_angle_deg", "reach1" (what the first reach measures) or
+        "candidate", its number: NaN, or 0, where none is feasible; or "feasible", how many poses are. ``sources[of]``
+        has the vertex of the surface, or the voxel (x fastest), that each is of. Needs a plan with ``maps=True``.
+        """
+        if key not in _MAPS:
+            raise ArgumentError(f"map: {shown(key)}, wanted is one of {', '.join(_MAPS)}")
+        if of not in self.sources or not len(self.sources[of]):
+            raise ArgumentError(f"map: no {shown(of)}; wanted are entries or targets, of a plan with maps=True")
+        best = lib.conus_plan_entry if of == "entries" else lib.conus_plan_target
+        member, is_count = _MAPS[key], key in ("feasible", "candidate")
+        values = [getattr(best(self._p, i + 1), member) for i in range(len(self.sources[of]))]
+        found: Array = np.array(values, np.uint64 if is_count else float)
+        return found * (180 / math.pi) if member == "entry_angle" else found
+
     def save(self, path: Any) -> None:
         """Writes the rows; the ending says the format: .tsv, .csv, .json, .ndjson or, for people, .txt."""
         ending = os.path.splitext(os.fspath(path))[1]
@@ -291,9 +313,12 @@ class Plan:
 def plan_of(
     selector: Selector, constraints: Constraints, stream: ContextManager[Any], errors: Mapping[int, str],
     far: Optional[float], infeasible: bool, top: Optional[int], threads: Optional[int], angle: Any, shanks: Any,
-    words: Sequence[Optional[str]], jitter: Any, samples: int,
+    words: Sequence[Optional[str]], jitter: Any, samples: int, sources: Optional[Mapping[str, Array]],
 ) -> Plan:
-    """What :meth:`Selector.plan` gives; ``words`` are rank, score and pareto."""
+    """What :meth:`Selector.plan` gives; ``words`` are rank, score and pareto, ``sources`` what has maps.
+
+    The stream is what fills ``sources``.
+    """
     options, out = ffi.new("conus_plan_options *"), ffi.new("conus_plan **")
     options.threads = 0 if threads is None else whole("threads", threads)
     options.top = 2**64 - 1 if top is None else whole("top", top, 1, 2**64 - 1)
@@ -310,11 +335,13 @@ def plan_of(
     errors_of_pose = _jitter_of(jitter, samples)
     options.jitter = errors_of_pose
     rows = constraints.array()
-    selector._call(lib.conus_plan_create, out, selector._p, rows, len(constraints.rows), options)
-    plan = owned(out[0], lib.conus_plan_destroy, selector._p)
     with stream as poses:
+        if sources is not None:
+            options.entries, options.targets = len(sources["entries"]), len(sources["targets"])
+        selector._call(lib.conus_plan_create, out, selector._p, rows, len(constraints.rows), options)
+        plan = owned(out[0], lib.conus_plan_destroy, selector._p)
         selector._call(lib.conus_plan_run, plan, poses, 2**64 - 1)
     faults = lib.conus_plan_rejected(plan)
     if not lib.conus_plan_left(plan, 0):
         raise ArgumentError(f"poses: no candidate{f': {text(faults.why)}' if faults.count else ''}")
-    return Plan(selector, plan, errors)
+    return Plan(selector, plan, errors, sources or {})

@@ -140,6 +140,31 @@ def test_no_candidate(atlas):
         atlas.plan(["right"], origins=ORIGINS, directions=DIRECTIONS)
 
 
+def test_maps_are_of_the_best_pose_of_each_site(atlas):
+    entries = np.array([(0.0, y, 0) for y in range(4)] + [(0.0, 60, 0)])
+    targets = [(20.0, 0, 0), (20, 3, 2), (-20, 0, 0)]
+    asked = dict(entries=entries, targets=targets, depth="target+5", top=None)
+    plan = atlas.plan({"right": 4}, maps=True, **asked)
+    assert plan.map("feasible").tolist() == [np.sum(plan.entries == i + 1) for i in range(5)]
+    table = plan.to_dataframe()
+    for of, sites in (("entries", plan.entries), ("targets", plan.targets)):
+        count = len(entries if of == "entries" else targets)
+        assert plan.sources[of].tolist() == list(range(count))
+        best = [next(iter(np.nonzero(sites == i + 1)[0]), None) for i in range(count)]  # by the rank
+        columns = {"leeway_mm": "leeway_mm", "slack_mm": "slack_mm", "depth_mm": "far_mm", "reach1": "reach1_mm"}
+        for key, column in columns.items():
+            expected = [math.nan if i is None else float(table[column][i]) for i in best]
+            np.testing.assert_allclose(plan.map(key, of), expected, rtol=1e-8)
+        assert [number == 0 for number in plan.map("candidate", of)] == [i is None for i in best]
+    assert np.isnan(plan.map("leeway_mm", "targets")[2])  # it is in the other plate
+    with pytest.raises(conus.ArgumentError, match="wanted is one of leeway_mm"):
+        plan.map("leeway")
+    with pytest.raises(conus.ArgumentError, match="maps=True"):
+        atlas.plan({"right": 4}, **asked).map("leeway_mm")
+    with pytest.raises(conus.ArgumentError, match="no effect without entries"):
+        atlas.plan({"right": 4}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS, maps=True)
+
+
 def test_candidates(atlas, tmp_path):
     # From x = 0 to the right plate, 20 mm away, and 5 mm on.
     entries, targets = np.array([(0.0, 0, 0), (0, 1, 0)]), [(20.0, 0, 0), (20, 1, 0)]
