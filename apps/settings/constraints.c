@@ -173,7 +173,10 @@ static bool read_key(conus_constraint *out, bool *has_measure, char *text)
         print_error_line("--%s: there is no key \"%s\"%s%s%s", option, text, near ? "; did you mean " : "",
                          near ? near : "", near ? "?" : "");
     } else if ((key->high > 0) != (value != NULL)) {
-        print_error_line("--%s: \"%s\" has %s number behind it", option, text, value ? "a" : "no");
+        print_error_line("--%s: \"%s\" has %s behind it", option, text,
+                         value                    ? "a number"
+                         : key->sort == KEY_SHANK ? "neither any nor all nor a number"
+                                                  : "no number");
     } else if (value && key->sort == KEY_SHANK) {
         return read_shank(out, option, value);
     } else if (key->sort == KEY_PART ? out->part[1] > 0 : *has_measure) {

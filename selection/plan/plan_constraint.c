@@ -234,8 +234,10 @@ static conus_status find_shanks(struct plan_constraint *out, const conus_constra
     bool is_same = asked->kind == CONUS_CONSTRAINT_LENGTH || asked->kind == CONUS_CONSTRAINT_LEAN ||
                    asked->kind == CONUS_CONSTRAINT_ENTRY_ANGLE;
     if (asked->shank < CONUS_SHANK_ALL || (asked->shank > 0 && (size_t)asked->shank > shank_count)) {
-        return fail(CONUS_ERROR_ARGUMENT, "shank: %d, allowed are any, all and 1 to %zu", (int)asked->shank,
-                    shank_count);
+        return shank_count == 1
+                   ? fail(CONUS_ERROR_ARGUMENT, "shank: %d, but the device has one shank", (int)asked->shank)
+                   : fail(CONUS_ERROR_ARGUMENT, "shank: %d, allowed are any, all and 1 to %zu", (int)asked->shank,
+                          shank_count);
     }
     bool is_one = asked->shank > 0 && !is_same;
     out->shanks[0] = is_one ? (size_t)asked->shank - 1 : 0;

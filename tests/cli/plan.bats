@@ -315,6 +315,8 @@ END
     fails 2 'is not two numbers X,Y' $U --reach U --shanks 0,nan
     fails 2 'is at 0,1001, allowed are up to 1000 mm' $U --reach U --shanks 0,1001
     fails 2 'shank: 3, allowed are any, all and 1 to 2' $U --reach U,shank=3 $two
+    fails 2 'shank: 2, but the device has one shank' $U --reach U,shank=2
+    fails 2 '"shank" has neither any nor all nor a number behind it' $U --reach U,shank $two
     fails 2 'shank=0 is neither any nor all' $U --reach U,shank=0 $two
     fails 2 'one shank too many' $U --reach U,shank=1,shank=any $two
     fails 2 'is not four numbers' $U --reach U --lean 0,0,1,3,shank=1

@@ -395,7 +395,7 @@ def check_aal(conus, random, folder):
     question = Question(conus, AAL, constraints, found, 0.65)
     voxels = np.argwhere(labels == names["Hippocampus_L"])
     targets = voxels @ image.affine[:3, :3].T + image.affine[:3, 3] + random.uniform(-0.5, 0.5, voxels.shape)
-    table = needles_towards(random, targets, 892 if LONG else 30, 40, 80, 15)
+    table = needles_towards(random, targets, 2000 if LONG else 30, 40, 80, 15)
     rows = compare("AAL", question, table, folder)
     best = [row for row in rows if row["feasible"] == "1"]
     spacious = max(best, key=lambda row: number(row["slack_mm"]))
@@ -437,7 +437,7 @@ def check_grid(conus, random, folder, name, count):
     constraints = [("reach", "3,4", 1.5), ("avoid", "6", 0.5), ("avoid", "7,8", 0.0), ("avoid", "Vessels", 0.3)]
     question = Question(conus, path, constraints, found, 0.2, ["--pathway", f"{image},threshold=0.5,name=Vessels"], objects)
     voxels = np.argwhere(np.isin(labels, [3, 4]))
-    table = needles_towards(random, voxels @ affine[:3, :3].T + affine[:3, 3], 100 if LONG else count, 5, 30, 8)
+    table = needles_towards(random, voxels @ affine[:3, :3].T + affine[:3, 3], 500 if LONG else count, 5, 30, 8)
     table += table[:3]  # equal poses are listed in their order
     rows = compare(f"grid {name}", question, table, folder)
     check_answers(question, table, folder, ("avoid", "9", 0.5))
@@ -472,7 +472,7 @@ def check_surfaces(conus, random, folder, path):
     found = {str(label): structures.SurfaceStructure({label: areas[label]}),
              ",".join(map(str, avoided)): structures.SurfaceStructure({one: areas[one] for one in avoided})}
     question = Question(conus, path, [("reach", str(label), 0.05), ("avoid", ",".join(map(str, avoided)), 0.1)], found, 0.035)
-    table = needles_towards(random, areas[label].mean(1), 100 if LONG else 12, 3, 8, 1)
+    table = needles_towards(random, areas[label].mean(1), 500 if LONG else 12, 3, 8, 1)
     rows = compare("Allen", question, table, folder)
     check_leeways(question, table, rows, folder, random, 10000 if LONG else 300)
 
