@@ -290,17 +290,16 @@ static int join(struct plan_journal *own, conus_plan *plan, uint64_t rows)
 int plan_journal_open(struct plan_journal *journal, conus_plan *plan, const struct request *request,
                       const struct provenance *inputs)
 {
-    bool is_part = journal->shard.count > 1;
     bool is_merged = journal->settings->merge.count;
+    bool is_counted = is_merged || journal->settings->shard || journal->settings->resume;
     const char *list = request->settings->answer.output;
     uint64_t first = 0;
     if (!journal->path && !is_merged) {
         return EXIT_DONE;
     }
     int code = identify(journal, request, inputs);
-    conus_status status =
-        code || !(is_part || is_merged) ? CONUS_OK : conus_pose_stream_count(&journal->rows, request->stream);
-    if (!code && !status && is_part) {
+    conus_status status = code || !is_counted ? CONUS_OK : conus_pose_stream_count(&journal->rows, request->stream);
+    if (!code && !status && is_counted) {
         shard_range(&first, &journal->count, journal->shard, journal->rows);
         status = first ? conus_pose_stream_skip(request->stream, first) : CONUS_OK;
     }

@@ -46,6 +46,7 @@ needles() {
         [ ! -e plan.tsv ]
         fails 2 'a plan has begun there; --resume continues it' $own -o plan.tsv -q
         fails 2 'other settings, poses, atlas' $own --rank depth --resume -o plan.tsv -q
+        fails 3 'plan.tsv: this shard is not finished; --resume continues it' $own --merge plan.tsv -q
         conus $own --resume -o plan.tsv -q
         cmp plan.tsv whole.tsv
         conus $own --resume -o plan.tsv -q
@@ -68,11 +69,19 @@ needles() {
     fails 2 '--resume has no effect without a file for --output' $few --resume -q
     fails 2 '--shard needs a file of poses, not standard input' plan u-shape.nii.gz --reach U --poses - --shard 0/2 -o c.tsv
     fails 2 'exclude each other' $few --merge a.tsv --shard 0/2 -o c.tsv
+    fails 2 'a.tsv: its journal is of shard 0/2; --force begins anew' $few --shard 1/2 -o a.tsv --resume -q
+    printf '40 0 5\n' >entries.txt # half as many: the shard was of others
+    fails 2 'other settings, poses, atlas' $few --merge a.tsv --merge b.tsv -q
+    needles
     head -c -1 a.tsv.journal >cut && mv cut a.tsv.journal
     fails 3 'a.tsv.journal: is no journal of a plan, or not whole' $few --merge a.tsv --merge b.tsv -q
     fails 3 'a.tsv.journal: is no journal of a plan, or not whole' $few --shard 0/2 -o a.tsv --resume -q
     conus $few --shard 0/2 -o a.tsv --force -q
     conus $few --merge a.tsv --merge b.tsv -o c.tsv -q
+    conus $few --shard 0/1 -o one.tsv -q
+    conus $few --merge one.tsv -o d.tsv -q
+    cmp c.tsv d.tsv
+    rm d.*
     echo mine >d.tsv.journal
     fails 2 'd.tsv.journal: there is a file that is no journal of a plan' $few -o d.tsv -q --force
     [ "$(cat d.tsv.journal)" = mine ]
