@@ -507,7 +507,7 @@ static conus_status measure_rest(double *out, struct plan_leeway *leeway, double
 
 /* mm that are delta or more from both ends of each stretch in the structure, which are at its border but where the
  * needle ends; as far as a map tells, also from the rest of the border. No more is left. */
-static double most_left(const struct plan_leeway *leeway, double delta)
+static double most_left(const struct plan_leeway *leeway, double delta, bool uses_maps)
 {
     double sum = 0;
     for (size_t i = 0; i < leeway->side_count; i++) {
@@ -519,7 +519,7 @@ static double most_left(const struct plan_leeway *leeway, double delta)
             }
             double from = span.entry > leeway->needle.near ? span.entry + delta : span.entry;
             double to = span.exit < leeway->needle.far ? span.exit - delta : span.exit;
-            const struct plan_map *map = leeway->uses_maps ? leeway->sides[i].part->map : NULL;
+            const struct plan_map *map = uses_maps ? leeway->sides[i].part->map : NULL;
             sum += map ? plan_map_most(map, &leeway->needle, from, to, delta) : fmax(to - from, 0);
         }
     }
@@ -528,7 +528,7 @@ static double most_left(const struct plan_leeway *leeway, double delta)
 
 conus_status plan_leeway_is(bool *out, struct plan_leeway *leeway, double delta)
 {
-    if (!leeway->contacts.count && most_left(leeway, delta) < leeway->least) {
+    if (!leeway->contacts.count && most_left(leeway, delta, leeway->uses_maps) < leeway->least) {
         *out = false;
         return CONUS_OK;
     }
@@ -601,7 +601,7 @@ static double look_between(const struct bracket *at)
 
 conus_status plan_leeway_guess(double *out, struct plan_leeway *leeway, double most)
 {
-    while (!leeway->contacts.count && most > ROUNDING && most_left(leeway, most) < leeway->least) {
+    while (!leeway->contacts.count && most > ROUNDING && most_left(leeway, most, leeway->uses_maps) < leeway->least) {
         most /= 2;
     }
     double rest = -1;
@@ -620,7 +620,8 @@ conus_status plan_leeway_guess(double *out, struct plan_leeway *leeway, double m
 
 conus_status plan_leeway_find(double *out, struct plan_leeway *leeway)
 {
-    struct bracket at = {.more = leeway->contacts.count ? 1 : most_left(leeway, 0) - leeway->least};
+    /* without maps: where it looks, and so its last digits, are the same with them and without */
+    struct bracket at = {.more = leeway->contacts.count ? 1 : most_left(leeway, 0, false) - leeway->least};
     for (size_t i = 0; i < leeway->side_count; i++) {
         const struct plan_part *part = leeway->sides[i].part;
         double size = part->volume ? leeway->sides[i].cells.reach : part->mesh ? 1 : part->tractogram->radius;

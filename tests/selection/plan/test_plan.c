@@ -1016,6 +1016,47 @@ static void parts_make_the_whole(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* After 2,048 poses maps decide what is not measured. The leeways of all are the same doubles as without. */
+static void pruning_changes_no_digit(void **state)
+{
+    (void)state;
+    enum { SIDE = 54 };
+    const conus_constraint wants[] = {reach("1", 0.5), avoid("2", 1)};
+    double entries[SIDE][3];
+    double targets[SIDE][3];
+    uint64_t seed = 31;
+    char *told[2];
+    conus_atlas *atlas = boxes();
+    conus_selector *selector = NULL;
+    for (size_t i = 0; i < SIDE; i++) {
+        memcpy(entries[i], (double[]){test_random(&seed, 0, 30), test_random(&seed, 0, 25), -3}, sizeof entries[i]);
+        memcpy(targets[i], (double[]){test_random(&seed, 8, 30), test_random(&seed, 8, 20), 13}, sizeof targets[i]);
+    }
+    assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.radius = 0.2}));
+    for (int no_pruning = 0; no_pruning < 2; no_pruning++) {
+        const conus_plan_options options = {.threads = 1, .top = UINT64_MAX, .no_pruning = no_pruning};
+        conus_plan *plan = NULL;
+        conus_pose_stream *stream = NULL;
+        assert_ok(conus_candidates_open(&stream, &(conus_candidates){.entries = entries[0],
+                                                                     .entry_count = SIDE,
+                                                                     .targets = targets[0],
+                                                                     .target_count = SIDE,
+                                                                     .to_target = true,
+                                                                     .beyond = 3}));
+        assert_ok(conus_plan_create(&plan, selector, wants, 2, &options));
+        assert_ok(conus_plan_run(plan, stream, UINT64_MAX));
+        assert_true(conus_plan_count(plan) > 200);
+        told[no_pruning] = tell(plan, &options);
+        conus_pose_stream_destroy(stream);
+        conus_plan_destroy(plan);
+    }
+    assert_string_equal(told[0], told[1]);
+    memory_free(told[0]);
+    memory_free(told[1]);
+    conus_selector_destroy(selector);
+    conus_atlas_destroy(atlas);
+}
+
 static void states_that_are_none(void **state)
 {
     (void)state;
@@ -1111,6 +1152,7 @@ TEST_GROUP(plan)
         cmocka_unit_test(every_failing_allocation_is_survived),
         cmocka_unit_test(progress_ends_a_run),
         cmocka_unit_test(parts_make_the_whole),
+        cmocka_unit_test(pruning_changes_no_digit),
         cmocka_unit_test(states_that_are_none),
         cmocka_unit_test(every_failing_allocation_of_a_state),
     };
