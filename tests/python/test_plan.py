@@ -220,7 +220,7 @@ def test_shanks_are_single_needles(atlas):
                       shanks=[(0, 0), (0, 900)])
     assert both.funnel == [0]
     for given, said in (({"shanks": [1, 2]}, "wanted is"), ({"shanks": [(0, 1001)]}, "allowed are up to 1000"),
-                        ({"reach": {"right": {"shank": 2}}}, "allowed are any"), ({"roll": 9}, "without entries")):
+                        ({"reach": {"right": {"shank": 2}}}, "one shank"), ({"roll": 9}, "without entries")):
         with pytest.raises(conus.ArgumentError, match=said):
             atlas.plan(**{"reach": "right", "origins": ORIGINS, "directions": DIRECTIONS, "depth": DEPTHS, **given})
 
