@@ -221,7 +221,7 @@ static int take_over(uint64_t *end, conus_plan *plan, const struct journal *jour
 static int resume(struct plan_journal *own, conus_plan *plan, const char *list)
 {
     struct journal journal;
-    uint64_t end;
+    uint64_t end = 0;
     int code = load(&journal, list);
     if (!code && journal.shard.index != own->shard.index) {
         code = print_usage_error("%s: its journal is of shard %" PRIu64 "/%" PRIu64 "; --force begins anew", list,
@@ -266,7 +266,7 @@ static int join(struct plan_journal *own, conus_plan *plan, uint64_t rows)
     own->shard.count = count;
     for (uint64_t index = 0; index < count && !code; index++) {
         const struct journal *journal = find_shard(journals, lists, index);
-        uint64_t end, first, wanted;
+        uint64_t end = 0, first, wanted;
         if (!journal) {
             code = EXIT_DATA;
             continue;
