@@ -5,18 +5,33 @@
 
 #include "base/buffer.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "loaders/labels/label_cells.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum column { INDEX, NAME, ABBREVIATION, COLOUR, RED, GREEN, BLUE, HEMISPHERE, PARENT, RIVAL, COLUMN_COUNT };
-enum { NO_COLUMN = -1, SYNONYM_COUNT = 6, FIELD_LIMIT = 1024 };
+enum column {
+    INDEX,
+    NAME,
+    ABBREVIATION,
+    COLOUR,
+    RED,
+    GREEN,
+    BLUE,
+    HEMISPHERE,
+    PARENT,
+    IDENTIFIER, /* what parent_identifier refers to, where that is not the label's number */
+    PARENT_IDENTIFIER,
+    RIVAL,
+    COLUMN_COUNT
+};
+enum { NO_COLUMN = -1, SYNONYM_COUNT = 7, FIELD_LIMIT = 1024 };
 
 /* The names that a column may have, the preferred one first. A rival is a second column that could be the index. */
 static const char *const names[COLUMN_COUNT][SYNONYM_COUNT] = {
-    [INDEX] = {"index", "LabelValue", "id", "key", "ROIid", "label"},
+    [INDEX] = {"index", "LabelValue", "annotation_value", "id", "key", "ROIid", "label"},
     [NAME] = {"name", "region", "structure", "ROIname", "label"},
     [ABBREVIATION] = {"abbreviation", "acronym", "abbr", "ROIabbr"},
     [COLOUR] = {"color", "colour", "color_hex_triplet", "hex"},
@@ -25,6 +40,8 @@ static const char *const names[COLUMN_COUNT][SYNONYM_COUNT] = {
     [BLUE] = {"Color_B", "blue", "b"},
     [HEMISPHERE] = {"hemisphere", "hemi"},
     [PARENT] = {"parent_structure_id", "parent_id"},
+    [IDENTIFIER] = {"identifier"},
+    [PARENT_IDENTIFIER] = {"parent_identifier"},
 };
 
 struct header {
@@ -156,8 +173,9 @@ static conus_status fill_label(struct label *label, const struct text cells[COLU
         status = notes_warn(notes, "label table, %s: hemisphere \"%.*s\" is none of L, R, B: taken as not given", where,
                             hemisphere.size < 40 ? (int)hemisphere.size : 40, hemisphere.data);
     }
-    if (!status && cells[PARENT].size) {
-        status = label_cell_number(&label->parent, cells[PARENT], where);
+    const struct text parent = cells[cells[PARENT].size ? PARENT : PARENT_IDENTIFIER];
+    if (!status && parent.size) {
+        status = label_cell_number(&label->parent, parent, where);
         label->has_parent = label->parent != 0;
     }
     status = status ? status : set_cell(&label->name, cells[NAME]);
@@ -175,8 +193,61 @@ static conus_status note_rival_column(struct header *header, uint32_t number, st
     header->disputed = true;
     return notes_warn(notes,
                       "label table, %s: two columns could be the label's number, %u and %llu: %u is used, by the order "
-                      "index, LabelValue, id, key, label",
+                      "index, LabelValue, annotation_value, id, key, label",
                       where, number, (unsigned long long)other, number);
+}
+
+/* The numbers of labels by what the table identifies them with. */
+struct identifiers {
+    struct identifier {
+        uint32_t identifier, number;
+    } *list;
+    size_t count, capacity;
+};
+
+static int compare_identifiers(const void *a, const void *b)
+{
+    return compare_u32(&((const struct identifier *)a)->identifier, &((const struct identifier *)b)->identifier);
+}
+
+static conus_status keep_identifier(struct identifiers *identifiers, struct text cell, uint32_t number,
+                                    const char *where)
+{
+    uint32_t identifier;
+    conus_status status = label_cell_number(&identifier, cell, where);
+    if (!status && !memory_reserve(&identifiers->list, &identifiers->capacity, identifiers->count + 1,
+                                   sizeof *identifiers->list)) {
+        status = CONUS_ERROR_MEMORY;
+    }
+    if (!status) {
+        identifiers->list[identifiers->count++] = (struct identifier){identifier, number};
+    }
+    return status;
+}
+
+/* Makes parents, which are identifiers, numbers of labels. An identifier that no row has is no parent. */
+static conus_status find_parents(struct label_table *table, size_t first, struct identifiers *identifiers,
+                                 struct notes *notes)
+{
+    conus_status status = CONUS_OK;
+    if (identifiers->count) {
+        qsort(identifiers->list, identifiers->count, sizeof *identifiers->list, compare_identifiers);
+    }
+    for (size_t i = first; !status && i < table->count; i++) {
+        struct label *label = &table->entries[i];
+        const struct identifier wanted = {label->parent, 0};
+        const struct identifier *found = !label->has_parent || !identifiers->count
+                                             ? NULL
+                                             : bsearch(&wanted, identifiers->list, identifiers->count,
+                                                       sizeof *identifiers->list, compare_identifiers);
+        if (label->has_parent && !found) {
+            status = notes_warn(notes, "label table: %s has the parent_identifier %u, which no row has: no parent",
+                                label->name ? label->name : "a row", label->parent);
+        }
+        label->parent = found ? found->number : 0;
+        label->has_parent = label->parent != 0;
+    }
+    return status;
 }
 
 /* Parses the rows below the header, which is line `number`. */
@@ -184,6 +255,10 @@ static conus_status parse_below(struct label_table *out, struct header *header, 
                                 struct notes *notes)
 {
     struct text line;
+    struct identifiers identifiers = {0};
+    size_t first = out->count;
+    bool is_identified = header->at[IDENTIFIER] != NO_COLUMN && header->at[PARENT_IDENTIFIER] != NO_COLUMN &&
+                         header->at[PARENT] == NO_COLUMN;
     conus_status status = CONUS_OK;
     while (!status && next_line(&text, &number, &line)) {
         char where[32];
@@ -193,8 +268,13 @@ static conus_status parse_below(struct label_table *out, struct header *header, 
         status = read_cells(cells, header, line, where);
         status = status ? status : fill_label(&label, cells, where, notes);
         status = status ? status : note_rival_column(header, label.number, cells[RIVAL], where, notes);
+        if (!status && is_identified) {
+            status = keep_identifier(&identifiers, cells[IDENTIFIER], label.number, where);
+        }
         status = label_keep(out, &label, status, notes);
     }
+    status = status || !is_identified ? status : find_parents(out, first, &identifiers, notes);
+    memory_free(identifiers.list);
     return status;
 }
 
@@ -307,7 +387,7 @@ conus_status label_columns_refuse(struct text text)
     if (!status && count > 1) {
         status = fail(CONUS_ERROR_DATA,
                       "not a label table of a known format: its columns are %s; needed are a label (index, LabelValue, "
-                      "id, key, ROIid, label) and a name (name, region, structure, ROIname, label), or "
+                      "annotation_value, id, key, ROIid, label) and a name (name, region, structure, ROIname, label), or "
                       "FILE,label=COLUMN,name=COLUMN",
                       columns.data);
     }

@@ -8,6 +8,7 @@
 #include "base/buffer.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
+#include "loaders/brainglobe/brainglobe_atlas.h"
 #include "loaders/file_kind.h"
 #include "loaders/labels/fsl_atlas.h"
 #include "loaders/manifest/manifest.h"
@@ -16,6 +17,7 @@
 #include "loaders/scene/load_manifest.h"
 #include "loaders/scene/load_parcellation.h"
 #include "loaders/scene/load_progress.h"
+#include "loaders/scene/plan_brainglobe.h"
 #include "loaders/scene/plan_cifti.h"
 #include "loaders/surfaces/foreign/mesh_foreign.h"
 #include "loaders/surfaces/mesh_file.h"
@@ -267,6 +269,59 @@ static conus_status note_hemispheres(conus_atlas *atlas, const char *folder)
     return status;
 }
 
+/* The folder of BrainGlobe's third release that `path` means: it, the newest version in it, or that of the manifest.json
+ * that it is; NULL where it is none. The caller's to memory_free(); ends in '/'. */
+static conus_status find_brainglobe(char **out, const char *path)
+{
+    static const char manifest[] = "manifest.json";
+    size_t length = strlen(path);
+    struct buffer folder = {0};
+    struct names versions = {0};
+    bool is = false;
+    if (strcmp(path_base(path), manifest) == 0) {
+        length -= strlen(manifest);
+        buffer_append(&folder, path, length);
+        buffer_text(&folder, length ? "" : "./");
+    } else {
+        buffer_format(&folder, "%s%s", path, path[length - 1] == '/' ? "" : "/");
+    }
+    conus_status status = buffer_status(&folder);
+    status = status ? status : brainglobe_atlas_is(&is, folder.data);
+    if (!status && !is && length == strlen(path)) {
+        status = brainglobe_versions(&versions, folder.data);
+        if (!status && versions.count) {
+            buffer_format(&folder, "%s/", versions.names[versions.count - 1]);
+            status = buffer_status(&folder);
+            is = true;
+        }
+    }
+    names_finish(&versions);
+    *out = !status && is ? folder.data : NULL;
+    if (!*out) {
+        buffer_finish(&folder);
+    }
+    return status;
+}
+
+/* Loads the atlas whose manifest.json is in `folder`. */
+static conus_status load_brainglobe(conus_atlas **out, const char *folder, struct load_progress *progress)
+{
+    struct manifest manifest = {0};
+    struct file_sums read = {0};
+    struct notes notes = {.sink = &progress->sink};
+    conus_atlas *atlas = NULL;
+    char *root = NULL;
+    conus_status status = plan_brainglobe(&manifest, &root, folder, &read, &notes);
+    status = status ? status : manifest_load_made(&atlas, &manifest, root, "terminology.csv", progress);
+    status = status ? status : notes_move(&atlas->notes, &notes);
+    status = status ? status : file_sums_move(&atlas->files, &read);
+    notes_finish(&notes);
+    file_sums_finish(&read);
+    manifest_finish(&manifest);
+    memory_free(root);
+    return give_atlas(out, atlas, status);
+}
+
 static conus_status load_folder(conus_atlas **out, const char *path, struct load_progress *progress)
 {
     struct buffer folder = {0};
@@ -354,14 +409,22 @@ conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_l
     }
     struct load_progress progress = load_progress_of(path, options);
     struct probe probe = {0};
-    conus_status status;
-    if (file_is_folder(path) && !volume_zarr_is(path)) {
+    char *brainglobe = NULL;
+    bool is_folder = file_is_folder(path) && !volume_zarr_is(path);
+    conus_status status = CONUS_OK;
+    if (is_folder || strcmp(path_base(path), "manifest.json") == 0) {
+        status = find_brainglobe(&brainglobe, path);
+    }
+    if (status || brainglobe) {
+        status = status ? status : load_brainglobe(&atlas, brainglobe, &progress);
+    } else if (is_folder) {
         status = load_folder(&atlas, path, &progress);
     } else {
         status = probe_open(&probe, path);
         status = status ? status : load_opened(&atlas, &probe, path, &progress);
         probe_close(&probe);
     }
+    memory_free(brainglobe);
     if (!status) {
         status = check_whole(atlas, path, &progress);
         conus_atlas_destroy(status ? atlas : NULL);

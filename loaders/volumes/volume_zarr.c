@@ -226,7 +226,8 @@ conus_status volume_zarr_open(struct volume_zarr *out, struct volume_header *hea
         status ? status : zarr_array_parse(&array, (struct text){(const char *)search.array.data, search.array.size});
     status = status ? status : make_header(header, &array, &search, level, selector);
     if (!status) {
-        *out = (struct volume_zarr){search.folder, array};
+        *out = (struct volume_zarr){search.folder, array, ""};
+        memcpy(out->orientation, search.ome.orientation, sizeof out->orientation);
         search.folder = NULL;
     } else {
         status = fail_in(status, search.folder ? search.folder : path);

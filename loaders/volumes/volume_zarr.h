@@ -11,6 +11,7 @@
 struct volume_zarr {
     char *folder; /**< Of the array; NULL = there is none. */
     struct zarr_array array;
+    char orientation[4]; /**< Where OME's metadata say that its axes start, "asr"; empty = they do not. */
 };
 
 /** Whether @p path is the folder of a group or an array of Zarr. */
