@@ -228,7 +228,10 @@ static int cite_atlas(struct citing *citing)
     citing->names[0] = found.atlas ? strdup(found.atlas->name) : stem_of(found.path);
     const conus_volume_info *info = conus_atlas_volume(citing->atlases.items[0].atlas, 0);
     const char *path = info && found.atlas ? info->path : found.path;
-    references_find(&atlas->references, path);
+    references_find(&atlas->references, found.path);
+    if (!atlas->references.count && path != found.path) {
+        references_find(&atlas->references, path);
+    }
     citing->citation.version = conus_version();
     atlas->name = citing->names[0];
     for (size_t i = 0; i < conus_atlas_volume_count(citing->atlases.items[0].atlas) && !atlas->sha256; i++) {

@@ -186,10 +186,15 @@ conus_status brainglobe_versions(struct names *out, const char *folder)
     conus_status status = names_list(&all, folder, "");
     for (size_t i = 0; !status && i < all.count; i++) {
         bool is = false;
-        char *path = is_version(all.names[i]) ? join(folder, all.names[i], "/") : NULL;
-        status = path ? brainglobe_atlas_is(&is, path) : is_version(all.names[i]) ? CONUS_ERROR_MEMORY : CONUS_OK;
+        struct buffer path = {0};
+        if (!is_version(all.names[i])) {
+            continue;
+        }
+        buffer_format(&path, "%s/%s/", folder, all.names[i]);
+        status = buffer_status(&path);
+        status = status ? status : brainglobe_atlas_is(&is, path.data);
         status = status || !is ? status : names_add(out, all.names[i]);
-        memory_free(path);
+        buffer_finish(&path);
     }
     if (out->count) {
         qsort(out->names, out->count, sizeof *out->names, compare_versions);

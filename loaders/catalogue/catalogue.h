@@ -70,10 +70,15 @@ struct folder_rule {
     const char *const *patterns; /**< For names of labelled volumes, NULL at the end; NULL: volume_marks.h decides. */
     const char *cut;             /**< Ending of a name without the file's that is no part of it; NULL = none. */
     bool subjects;               /**< It holds subjects of FreeSurfer. */
+    bool versions;               /**< It holds atlases of BrainGlobe's third release. */
 };
 
 /** Adds the labelled volumes, manifests, FSL atlases and BrainGlobe folders in a folder and in those below it. */
 conus_status folder_look(conus_catalogue *catalogue, const char *folder, const struct folder_rule *rule);
+
+/** Adds the atlases of BrainGlobe's third release in @p folder: of each the newest version by its name, and the others
+ * with "_v1.1" behind it, by which the newest is known, too. */
+conus_status brainglobe_look(conus_catalogue *catalogue, const char *folder);
 
 /** Adds, of each subject in @p folder, the segmentations in mri/ ("bert.aseg", with FreeSurfer's table of labels if
  * there is one) and the annotations in label/ on the pial surface of their side ("bert.lh.aparc"), or the white one.

@@ -2,8 +2,10 @@
 /* Walks a folder: its files first, then the folders in it. */
 #include "loaders/catalogue/catalogue.h"
 
+#include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/memory.h"
+#include "loaders/brainglobe/brainglobe_atlas.h"
 #include "loaders/catalogue/volume_marks.h"
 
 #include <ctype.h>
@@ -86,6 +88,68 @@ static conus_status add_brainglobe(conus_catalogue *catalogue, const char *name,
     found->alias = alias;
     conus_status status = name[length] && !alias ? CONUS_ERROR_MEMORY : catalogue_add(catalogue, found);
     memory_free(alias);
+    return status;
+}
+
+/* The edges of its voxels, which the list shows; none where manifest.json is damaged, as loading it says. */
+static conus_status find_spacing(double out[3], const char *folder)
+{
+    struct brainglobe_atlas atlas = {0};
+    struct file_sums read = {0};
+    char *root = NULL;
+    char *path = catalogue_join(folder, "");
+    conus_status status = path ? brainglobe_atlas_read(&atlas, &root, path, &read) : CONUS_ERROR_MEMORY;
+    for (size_t axis = 0; !status && axis < 3; axis++) {
+        out[axis] = atlas.metadata.resolution[2 - axis] / 1000; /* i is the last axis */
+    }
+    brainglobe_atlas_finish(&atlas);
+    file_sums_finish(&read);
+    memory_free(root);
+    memory_free(path);
+    return status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
+}
+
+/* Adds the versions of the atlas in `folder`, called `name`, the newest first. */
+static conus_status add_versions(conus_catalogue *catalogue, const char *folder, const char *name)
+{
+    struct names versions = {0};
+    conus_status status = brainglobe_versions(&versions, folder);
+    for (size_t i = versions.count; !status && i-- > 0;) {
+        struct stat info;
+        struct buffer numbered = {0};
+        bool is_newest = i + 1 == versions.count;
+        char *path = catalogue_join(folder, versions.names[i]);
+        buffer_format(&numbered, "%s_v%s", name, versions.names[i]);
+        status = path ? buffer_status(&numbered) : CONUS_ERROR_MEMORY;
+        if (!status && stat(path, &info) == 0) {
+            for (char *c = numbered.data + strlen(name) + 2; *c; c++) {
+                *c = *c == '_' ? '.' : *c; /* 1_10 is the version 1.10 */
+            }
+            struct catalogue_found found = {.name = is_newest ? name : numbered.data,
+                                            .alias = is_newest ? numbered.data : NULL,
+                                            .kind = "volume",
+                                            .path = path,
+                                            .id = catalogue_id_of(&info)};
+            status = find_spacing(found.spacing, path);
+            status = status ? status : catalogue_add(catalogue, &found);
+        }
+        memory_free(path);
+        buffer_finish(&numbered);
+    }
+    names_finish(&versions);
+    return status;
+}
+
+conus_status brainglobe_look(conus_catalogue *catalogue, const char *folder)
+{
+    struct names names = {0};
+    conus_status status = catalogue_list(&names, catalogue, folder);
+    for (size_t i = 0; !status && i < names.count; i++) {
+        char *path = catalogue_join(folder, names.names[i]);
+        status = path ? add_versions(catalogue, path, names.names[i]) : CONUS_ERROR_MEMORY;
+        memory_free(path);
+    }
+    names_finish(&names);
     return status;
 }
 

@@ -14,12 +14,14 @@
 #include <string.h>
 #include <unistd.h>
 
-/** A rule begins with a variable, which may hold several folders with ':' between them, or with "(program)", which is
- * the folder of a program of $PATH. */
+/** A rule begins with a variable, which may hold several folders with ':' between them, with "(program)", which is the
+ * folder of a program of $PATH, or with "(bg_config.conf)", the folder that BrainGlobe's settings name. */
 struct place {
     const char *source, *rule;
     struct folder_rule how;
 };
+
+enum { SETTINGS_LIMIT = 1 << 16 };
 
 static const char *const segmentations[] = {"*_dseg.nii.gz", "*_dseg.nii", NULL};
 
@@ -32,6 +34,9 @@ static const struct place places[] = {
     {"freesurfer", "$SUBJECTS_DIR", {.subjects = true}},
     {"freesurfer", "$FREESURFER_HOME/subjects", {.subjects = true}},
     {"brainglobe", "$HOME/.brainglobe", {.depth = 1}},
+    {"brainglobe", "$HOME/.brainglobe/brainglobe-atlasapi/atlases", {.versions = true}},
+    {"brainglobe", "(bg_config.conf)", {.depth = 1}},
+    {"brainglobe", "(bg_config.conf)/brainglobe-atlasapi/atlases", {.versions = true}},
     {"templateflow", "$TEMPLATEFLOW_HOME", {.depth = 2, .patterns = segmentations, .cut = "_dseg"}},
     {"templateflow", "$XDG_CACHE_HOME/templateflow", {.depth = 2, .patterns = segmentations, .cut = "_dseg"}},
     {"afni", "$AFNI_ATLAS_PATH", {0}},
@@ -85,12 +90,57 @@ static void append_program_folder(struct buffer *out, struct text program)
     }
 }
 
+/* The value of the key in the section of an INI file; the last, as Python's configparser takes it. */
+static struct text find_setting(struct text text, const char *section, const char *key)
+{
+    struct text found = {0};
+    struct text line;
+    bool inside = false;
+    while (text_line(&text, &line)) {
+        line = text_trim(line);
+        size_t at = 0;
+        while (at < line.size && line.data[at] != '=' && line.data[at] != ':') {
+            at++;
+        }
+        if (line.size && line.data[0] == '[') {
+            inside = text_equal(line, section);
+        } else if (inside && at < line.size && text_equal_ignoring_case(text_trim((struct text){line.data, at}), key)) {
+            found = text_trim((struct text){line.data + at + 1, line.size - at - 1});
+        }
+    }
+    return found;
+}
+
+/* The folder that BrainGlobe's settings name; nothing where there are none. */
+static void append_brainglobe_folder(struct buffer *out)
+{
+    struct bytes bytes = {0};
+    struct buffer path = {0};
+    struct text own = variable(text_from("BRAINGLOBE_CONFIG_DIR"));
+    struct text home = variable(text_from("HOME"));
+    buffer_append(&path, own.size ? own.data : home.data, own.size ? own.size : home.size);
+    buffer_text(&path, own.size ? "/bg_config.conf" : "/.config/brainglobe/bg_config.conf");
+    if (!buffer_status(&path) && file_exists(path.data) && !file_read(&bytes, path.data, SETTINGS_LIMIT)) {
+        struct text folder = find_setting(text_from_bytes(bytes.data, bytes.size), "[default_dirs]", "brainglobe_dir");
+        bool in_home = text_starts(folder, "~/");
+        buffer_append(out, home.data, in_home ? home.size : 0);
+        buffer_append(out, folder.data + in_home, folder.size - in_home);
+    }
+    out->failed = out->failed || path.failed;
+    buffer_finish(&path);
+    bytes_finish(&bytes);
+}
+
 /* Expands the beginning of the rule to folders with ':' between them; *rest is the remainder. */
 static void expand_rule(struct buffer *out, const char **rest, const char *rule)
 {
     size_t length = rule[0] == '(' ? strcspn(rule, ")") : strcspn(rule, "/");
     struct text name = {rule + 1, length - 1};
     *rest = rule + length + (rule[0] == '(');
+    if (text_equal(name, "bg_config.conf")) {
+        append_brainglobe_folder(out);
+        return;
+    }
     if (rule[0] == '(') {
         append_program_folder(out, name);
         return;
@@ -136,6 +186,7 @@ static conus_status look_in_all(conus_catalogue *catalogue, const struct place *
             status = status ? (buffer_finish(&path), status) : note_place(catalogue, place, path.data);
             status = status                ? status
                      : place->how.subjects ? freesurfer_look(catalogue, kept)
+                     : place->how.versions ? brainglobe_look(catalogue, kept)
                                            : folder_look(catalogue, kept, &place->how);
         }
     }

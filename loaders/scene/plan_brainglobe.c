@@ -22,13 +22,14 @@ static char *join(const char *root, const char *place, const char *name)
 }
 
 /* Whether chunks were downloaded: those of "c/0/0/0" make a folder. */
-static bool has_chunks(const struct volume_zarr *zarr)
+static conus_status has_chunks(bool *out, const struct volume_zarr *zarr)
 {
     struct buffer path = {0};
     buffer_format(&path, "%s/c", zarr->folder);
-    bool has = !zarr->array.prefixed || zarr->array.separator != '/' || (!path.failed && file_is_folder(path.data));
+    conus_status status = buffer_status(&path);
+    *out = !status && (!zarr->array.prefixed || zarr->array.separator != '/' || file_is_folder(path.data));
     buffer_finish(&path);
-    return has;
+    return status;
 }
 
 static conus_status check_array(const struct volume_zarr *zarr, const struct volume_header *header,
@@ -62,7 +63,7 @@ static conus_status find_array(bool *there, const char *path, const struct brain
     }
     conus_status status = volume_zarr_open(&zarr, &header, path, &selector, &read);
     status = status ? status : check_array(&zarr, &header, metadata);
-    *there = !status && has_chunks(&zarr);
+    status = status ? status : has_chunks(there, &zarr);
     volume_zarr_finish(&zarr);
     file_sums_finish(&read);
     return status;

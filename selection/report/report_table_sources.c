@@ -11,7 +11,8 @@
 
 enum { NAMED_LIMIT = 3 };
 
-/* The last part of a path; a folder's may end in '/'. A file's name may hold anything. */
+/* The last part of a path; a folder's may end in '/'. One of digits is a version, so the part before it stands with it.
+ * A file's name may hold anything. */
 static void write_file_of(struct buffer *out, const char *path)
 {
     size_t end = strlen(path);
@@ -20,6 +21,10 @@ static void write_file_of(struct buffer *out, const char *path)
     }
     size_t start = end;
     while (start > 0 && path[start - 1] != '/') {
+        start--;
+    }
+    bool is_version = strspn(path + start, "0123456789_") == end - start;
+    for (start -= is_version && start > 1; start > 0 && path[start - 1] != '/';) {
         start--;
     }
     char *name = text_to_utf8((struct text){path + start, end - start});

@@ -7,7 +7,7 @@ alone() {
     local name
     for name in CONUS_ATLAS_PATH FSLDIR SUBJECTS_DIR FREESURFER_HOME TEMPLATEFLOW_HOME AFNI_ATLAS_PATH \
         AFNI_SUPP_ATLAS_DIR AFNI_PLUGINPATH SPM_DIR NILEARN_DATA NILEARN_SHARED_DATA MRICROGL_DIR XDG_DATA_HOME \
-        XDG_CACHE_HOME; do
+        XDG_CACHE_HOME BRAINGLOBE_CONFIG_DIR; do
         unset "$name"
     done
     export HOME=$PWD/home XDG_DATA_DIRS=$PWD/usr/share
@@ -212,6 +212,58 @@ END
     # Two versions: the name without one means neither.
     cp -r $atlas home/.brainglobe/example_mouse_100um_v1.10
     fails 2 'example_mouse_100um: 2 atlases have that name' info example_mouse_100um
+}
+
+# third FOLDER VERSION [NAME]: an atlas of BrainGlobe's third release of 2 x 2 x 2 voxels, of which half are of area 8,
+# in the folder brainglobe-atlasapi of FOLDER.
+third() {
+    local root=$1/brainglobe-atlasapi version=$2 name=${3:-toy_mouse}
+    local store=$root/annotation-sets/$name/$version/annotations_compressed.ome.zarr
+    write "$root/atlases/${name}_1000um/$version/manifest.json" '{"name": "'"$name"'", "resolution": [1000, 1000, 1000],
+        "shape": [2, 2, 2], "orientation": "asr", "citation": "Someone 2026", "atlas_link": "https://example.org/toy",
+        "annotation_set": {"location": "/annotation-sets/'"$name/$version"'"},
+        "terminology": {"location": "/terminologies/'"$name/$version"'"}}'
+    write "$root/terminologies/$name/$version/terminology.csv" \
+        'identifier,parent_identifier,annotation_value,name\n997,,997,root\n8,997,8,area of '"$version"'\n'
+    write "$store/zarr.json" '{"attributes": {"ome": {"multiscales": [{"axes": [{"unit": "millimeter"},
+        {"unit": "millimeter"}, {"unit": "millimeter"}], "datasets": [{"path": "s0", "coordinateTransformations":
+        [{"type": "scale", "scale": [1, 1, 1]}]}]}]}}}'
+    write "$store/s0/zarr.json" '{"zarr_format": 3, "node_type": "array", "attributes": {}, "shape": [2, 2, 2],
+        "data_type": "uint8", "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": [2, 2, 2]}},
+        "chunk_key_encoding": {"name": "default"}, "fill_value": 0, "codecs": [{"name": "bytes"}]}'
+    write "$store/s0/c/0/0/0" '\010\010\010\010\0\0\0\0'
+}
+
+@test "BrainGlobe's third release: the newest version, others by their number, and the folder of its settings" {
+    third home/.brainglobe 1_0
+    third home/.brainglobe 1_9
+    third home/.brainglobe 1_10
+    lists "brainglobe toy_mouse_1000um" "brainglobe toy_mouse_1000um_v1.9" "brainglobe toy_mouse_1000um_v1.0"
+    conus atlases --format tsv | grep -qP '^toy_mouse_1000um\tbrainglobe\tvolume\t1\t.*/atlases/toy_mouse_1000um/1_10'
+    conus info toy_mouse_1000um --format tsv | grep -q 'area of 1_10'
+    conus info toy_mouse_1000um_v1.10 --format tsv | grep -q 'area of 1_10'
+    conus info toy_mouse_1000um_v1.9 --format tsv | grep -q 'area of 1_9'
+    conus query toy_mouse_1000um --origin=-1,9,-1 --toward=-1,0,-1 --angle 5 | grep -q '^atlas toy_mouse_1000um/1_10, placed'
+    conus cite toy_mouse_1000um >cited
+    grep -q 'Someone 2026' cited
+    grep -q 'https://example.org/toy' cited
+    # Somewhere else, as bg_config.conf says; [default_dirs] is the section that counts.
+    third elsewhere 1_1 other
+    write settings/bg_config.conf "[x]\nbrainglobe_dir = /nowhere\n[default_dirs]\nbrainglobe_dir = $PWD/elsewhere\n"
+    BRAINGLOBE_CONFIG_DIR=$PWD/settings conus info other_1000um --format tsv | grep -q 'area of 1_1'
+    write home/.config/brainglobe/bg_config.conf "[default_dirs]\nbrainglobe_dir : ~/../elsewhere\n"
+    conus info other_1000um --format tsv | grep -q 'area of 1_1'
+}
+
+@test "BrainGlobe's third release: an annotation that was not downloaded is no empty brain" {
+    third home/.brainglobe 1_0
+    rm -r home/.brainglobe/brainglobe-atlasapi/annotation-sets/toy_mouse/1_0/*/s0/c
+    fails 3 'the annotation of 1000 micrometres was not downloaded; python3 -c' info toy_mouse_1000um
+    rm -r home/.brainglobe/brainglobe-atlasapi/annotation-sets
+    fails 3 'the annotation of 1000 micrometres was not downloaded; python3 -c' info toy_mouse_1000um
+    # A manifest.json of another program is nobody's atlas.
+    write web/manifest.json '{"name": "page"}'
+    fails 3 'no surfaces in this folder' info web
 }
 
 @test "TemplateFlow: segmentations that were fetched" {

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""compare_brainglobe.py CONUS: a whole BrainGlobe folder against the NIfTI volume that it is made of.
+"""compare_brainglobe.py CONUS SHARED_DATA: a whole BrainGlobe folder against the NIfTI volume that it is made of.
 
 AAL at 2 mm becomes annotation.tiff, reference.tiff, structures.json, metadata.json and meshes/ID.obj, in several
 orientations. BrainGlobe puts a point of c micrometres into voxel int(c / resolution) (brainglobe_atlasapi, core.py,
@@ -8,6 +8,9 @@ _idx_from_coords): c counts from the corner of the grid, and voxel n's centre is
 starts at the letter's side, has its voxel n at sign * (n + 1/2) * resolution / 1000 mm. A NIfTI of the same array, whose
 affine numpy makes of that, must get the same answer of every cone, voxel for voxel; the meshes, which here are the faces
 of the voxels, the same first hits.
+
+Then the samples of the third release, which another program wrote: names, parents, colours and voxels of areas as their
+expected.json and terminology.csv say, and the answers of a stack of the equal NIfTI's voxels; one that leads outside is refused.
 
 Exit 77 = skipped."""
 
@@ -31,6 +34,7 @@ AAL = "/usr/share/mricron/templates/aal.nii.gz"
 ROOT, LEFT, RIGHT = 9000, 9001, 9002
 UM = np.array([2000.0, 2500.0, 1500.0])  # along x, y, z: no two alike, and in mm exact in NIfTI's float32
 SIDES = {"L": (0, 1), "R": (0, -1), "P": (1, 1), "A": (1, -1), "I": (2, 1), "S": (2, -1)}
+WORDS = ("query", "kind", "rank", "index", "name", "abbreviation", "parent", "hemisphere")
 ORIENTATIONS = ("asr", "ras", "lpi", "sal", "ipr")
 
 
@@ -118,14 +122,14 @@ def run(conus, *arguments):
     return done.stdout
 
 
-def write_aims(base, aims):
-    """A table for --pose of (goal, way). Devices are 300 mm away, outside the brain: a mesh, unlike voxels, begins
+def write_aims(base, aims, away=300):
+    """A table for --pose of (goal, way). Devices are that far away, outside the brain: a mesh, unlike voxels, begins
     where it is entered."""
     path = os.path.join(base, "aims.tsv")
     with open(path, "w", encoding="utf-8") as file:
         file.write("x\ty\tz\ttx\tty\ttz\n")
         for goal, way in aims:
-            file.write("\t".join(f"{x:.3f}" for x in [*(goal - 300 * way), *goal]) + "\n")
+            file.write("\t".join(f"{x:.3f}" for x in [*(goal - away * way), *goal]) + "\n")
     return path
 
 
@@ -152,13 +156,13 @@ def differences(a, b, tolerances):
     return wrong
 
 
-def poses(volume, affine_xyz):
+def poses(volume, affine_xyz, count=8, jitter=1):
     generator = np.random.default_rng(3)
     filled = np.argwhere(volume > 0)
-    for _ in range(8):
+    for _ in range(count):
         way = generator.normal(size=3)
         goal = affine_xyz(filled[generator.integers(len(filled))])
-        yield np.round(goal + generator.uniform(-1, 1, 3), 3), way / np.linalg.norm(way)
+        yield np.round(goal + generator.uniform(-jitter, jitter, 3), 3), way / np.linalg.norm(way)
 
 
 def check(conus, base, orientation, volume, labels, meshes):
@@ -178,8 +182,7 @@ def check(conus, base, orientation, volume, labels, meshes):
         return both[1], [line for pair in zip(*both) for line in differences(*pair, tolerances(pair[0][0]))]
 
     def measured(row):
-        names = ("query", "rank", "index", "name", "abbreviation", "parent", "hemisphere")
-        return {key: 1e-9 for key in row if key not in names}
+        return {key: 1e-9 for key in row if key not in WORDS}
 
     wrong = []
     aims = list(poses(volume, world))
@@ -213,8 +216,55 @@ def check(conus, base, orientation, volume, labels, meshes):
     return wrong
 
 
+def check_third(conus, base, shared):
+    samples = os.path.join(shared, "files-2026")
+    if not os.path.isdir(samples):
+        print(f"skipped: the samples of the third release: {samples} is not there")
+        return []
+    wrong = []
+    with open(os.path.join(samples, "brainglobe/expected.json"), encoding="utf-8") as file:
+        expected = json.load(file)
+    for path, wanted in expected.items():
+        manifest = os.path.join(samples, "brainglobe", path)
+        version = os.path.dirname(manifest)
+        root = os.path.abspath(os.path.join(version, "../../.."))
+        with open(manifest, encoding="utf-8") as file:
+            terminology = root + json.load(file)["terminology"]["location"] + "/terminology.csv"
+        with open(terminology, encoding="utf-8", newline="") as file:
+            colours = {row["annotation_value"]: row["color_hex_triplet"].lower() for row in csv.DictReader(file)}
+        info = json.loads(run(conus, "info", version, "--format", "json"))
+        found = {str(o["index"]): o for o in info["objects"]}
+        assert {n: o["name"] for n, o in found.items()} == wanted["names"], found
+        assert {n: o["parent"] for n, o in found.items()} == wanted["parents"], found
+        assert {n: o["color"].lower() for n, o in found.items()} == colours, found
+        voxels = {n: count for n, count in wanted["voxels_by_label"].items() if n != "0"}
+        assert {n: o["voxels"] for n, o in found.items() if o["voxels"]} == voxels, found
+        nifti = os.path.join(samples, "brainglobe", wanted["equal_to"])
+        image = nibabel.load(nifti)
+        array = np.asarray(image.dataobj)
+        aims = poses(array, lambda v, a=image.affine: nibabel.affines.apply_affine(a, v), 200, 0.1)
+        table = write_aims(base, aims, 4)
+        stack = os.path.join(base, "third.tiff")  # 100 micrometres exactly, which NIfTI's matrix of 24 bits has not
+        tifffile.imwrite(stack, array.T.astype("u4"), photometric="minisblack")
+        stack += f",resolution={wanted['resolution_um'][0]},orientation=asr"
+        for more in ([], ["--layers", "all"]):
+            other = answers(conus, stack, table, "--labels", terminology, *more)
+            hit = {row["name"] for answer in other for row in answer}
+            assert len(other) == 200 and hit >= {wanted["names"][n] for n in voxels}, hit
+            for one in (version, os.path.dirname(version), manifest):
+                rows = answers(conus, one, table, *more)
+                assert len(rows) == len(other)
+                keys = {key: 0 for key in rows[0][0] if key not in WORDS}
+                wrong += [f"{one}: {line}" for pair in zip(rows, other) for line in differences(*pair, keys)]
+    outside = os.path.join(samples, "zarr_hostile/escape_brainglobe/brainglobe-atlasapi/atlases/toy_mouse_100um")
+    done = subprocess.run([conus, "info", outside], capture_output=True, text=True, check=False)
+    assert done.returncode == 3 and "is no folder below the one that holds atlases/" in done.stderr, done.stderr
+    print(f"third release: {len(expected)} samples, {len(wrong)} differ")
+    return wrong
+
+
 def main():
-    conus = sys.argv[1]
+    conus, shared = sys.argv[1:3]
     if not os.path.exists(AAL):
         print("skipped: no mricron-data")
         sys.exit(77)
@@ -227,6 +277,7 @@ def main():
         os.environ["XDG_CACHE_HOME"] = base
         for orientation in ORIENTATIONS:
             wrong += check(conus, base, orientation, volume, labels, meshes)
+        wrong += check_third(conus, base, shared)
     print("\n".join(wrong[:20]), end="\n" if wrong else "")
     sys.exit(1 if wrong else 0)
 

@@ -92,6 +92,9 @@ static void read_brainglobe(struct references *out, const char *path, size_t fol
 {
     static const char *const keys[] = {"citation", "atlas_link", NULL};
     read_keys(out, path_in(path, folder, "metadata.json"), "orientation", keys);
+    if (!out->count) {
+        read_keys(out, path_in(path, folder, "manifest.json"), "annotation_set", keys);
+    }
 }
 
 static void read_bids(struct references *out, const char *path, const char *name)
@@ -131,7 +134,8 @@ void references_find(struct references *out, const char *path)
     if (is_folder && !out->count) {
         read_brainglobe(out, path, length);
     }
-    if ((is_folder || path_ends(path, ".tif") || path_ends(path, ".tiff")) && !out->count) {
+    bool is_beside = path_ends(path, ".tif") || path_ends(path, ".tiff") || path_ends(path, "manifest.json");
+    if ((is_folder || is_beside) && !out->count) {
         read_brainglobe(out, path, folder_of(path, length)); /* beside the stack; of FOLDER/meshes, in FOLDER */
     }
     if (!out->count) {

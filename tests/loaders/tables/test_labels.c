@@ -202,7 +202,7 @@ static void a_header_of_other_words_is_named(void **state)
     assert_refused(
         "Nr;Bezeichnung\n1;Hippokampus\n",
         "not a label table of a known format: its columns are \"Nr\", \"Bezeichnung\"; needed are a label (index, "
-        "LabelValue, id, key, ROIid, label) and a name (name, region, structure, ROIname, label), or "
+        "LabelValue, annotation_value, id, key, ROIid, label) and a name (name, region, structure, ROIname, label), or "
         "FILE,label=COLUMN,name=COLUMN");
     assert_refused("no,title,x\n1,a,2\n", "its columns are \"no\", \"title\", \"x\"; needed");
     assert_refused("About this atlas\n", "(known: ");
