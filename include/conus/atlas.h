@@ -61,7 +61,7 @@ typedef struct conus_load_options {
  *  - a manifest NAME.atlas.json, which joins parcellations, surfaces, pathways and a context;
  *  - a surface (GIFTI, FreeSurfer and those of other programs), cut by the labels of its vertices if there are any;
  *  - CIFTI labels (.dlabel.nii) of surfaces that lie beside the file, and of voxels;
- *  - a folder of surfaces, or a BrainGlobe folder.
+ *  - a folder of surfaces, or a BrainGlobe folder, or the manifest.json of an atlas of its third release.
  *
  * Values must be whole numbers from 0 to 4294967295; 0 is background. docs/formats.md says how the label table is
  * found, and how an image is told from labels.
