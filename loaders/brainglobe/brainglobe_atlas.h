@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * BrainGlobe's folders since its third release: atlases/NAME/1_2/manifest.json says which annotation, names and template
- * an atlas has, and several atlases may share them. Their places count from the folder that holds atlases/, the root. */
+ * BrainGlobe's folders since its third release: atlases/NAME/1_2/manifest.json says which annotation, names and
+ * template an atlas has, and several atlases may share them. Their places count from the folder that holds atlases/,
+ * the root. */
 #ifndef CONUS_LOADERS_BRAINGLOBE_BRAINGLOBE_ATLAS_H
 #define CONUS_LOADERS_BRAINGLOBE_BRAINGLOBE_ATLAS_H
 
@@ -23,9 +24,9 @@ conus_status brainglobe_atlas_is(bool *out, const char *folder);
 /** Parses @p text. A place that leaves the root, by ".." or otherwise, is CONUS_ERROR_DATA. */
 conus_status brainglobe_atlas_parse(struct brainglobe_atlas *out, struct text text);
 
-/** Reads manifest.json in @p folder, which ends in '/'; it joins @p read. *root gets the real path of the root, with '/'
- * at its end, the caller's to memory_free(). A place from where a link leaves the root is CONUS_ERROR_DATA. Errors carry
- * the path. */
+/** Reads manifest.json in @p folder, which ends in '/'; it joins @p read. *root gets the real path of the root, with
+ * '/' at its end, the caller's to memory_free(). A place from where a link leaves the root is CONUS_ERROR_DATA. Errors
+ * carry the path. */
 conus_status brainglobe_atlas_read(struct brainglobe_atlas *out, char **root, const char *folder,
                                    struct file_sums *read);
 void brainglobe_atlas_finish(struct brainglobe_atlas *atlas);

@@ -201,7 +201,7 @@ static conus_status note_rival_column(struct header *header, uint32_t number, st
 struct identifiers {
     struct identifier {
         uint32_t identifier, number;
-    } *list;
+    } * list;
     size_t count, capacity;
 };
 
@@ -385,11 +385,12 @@ conus_status label_columns_refuse(struct text text)
     size_t count = list_columns(&columns, line, best_separator(line));
     conus_status status = buffer_status(&columns);
     if (!status && count > 1) {
-        status = fail(CONUS_ERROR_DATA,
-                      "not a label table of a known format: its columns are %s; needed are a label (index, LabelValue, "
-                      "annotation_value, id, key, ROIid, label) and a name (name, region, structure, ROIname, label), or "
-                      "FILE,label=COLUMN,name=COLUMN",
-                      columns.data);
+        status =
+            fail(CONUS_ERROR_DATA,
+                 "not a label table of a known format: its columns are %s; needed are a label (index, LabelValue, "
+                 "annotation_value, id, key, ROIid, label) and a name (name, region, structure, ROIname, label), or "
+                 "FILE,label=COLUMN,name=COLUMN",
+                 columns.data);
     }
     buffer_finish(&columns);
     return status;

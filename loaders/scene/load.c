@@ -269,8 +269,8 @@ static conus_status note_hemispheres(conus_atlas *atlas, const char *folder)
     return status;
 }
 
-/* The folder of BrainGlobe's third release that `path` means: it, the newest version in it, or that of the manifest.json
- * that it is; NULL where it is none. The caller's to memory_free(); ends in '/'. */
+/* The folder of BrainGlobe's third release that `path` means: it, the newest version in it, or that of the
+ * manifest.json that it is; NULL where it is none. The caller's to memory_free(); ends in '/'. */
 static conus_status find_brainglobe(char **out, const char *path)
 {
     static const char manifest[] = "manifest.json";

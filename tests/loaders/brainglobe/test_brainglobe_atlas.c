@@ -171,10 +171,10 @@ static void what_was_not_downloaded_is_no_empty_brain(void **state)
 static void an_array_of_another_shape_is_refused(void **state)
 {
     (void)state;
-    static const char other[] = "{\"name\":\"toy\",\"resolution\":[1000,2000,4000],\"shape\":[2,3,5]," ANNOTATION "," NAMES
-                                "}";
-    static const char finer[] = "{\"name\":\"toy\",\"resolution\":[500,1000,2000],\"shape\":[2,3,4]," ANNOTATION "," NAMES
-                                "}";
+    static const char other[] =
+        "{\"name\":\"toy\",\"resolution\":[1000,2000,4000],\"shape\":[2,3,5]," ANNOTATION "," NAMES "}";
+    static const char finer[] =
+        "{\"name\":\"toy\",\"resolution\":[500,1000,2000],\"shape\":[2,3,4]," ANNOTATION "," NAMES "}";
     conus_atlas *atlas;
     write_atlas(true, true);
     write_file("root/atlases/toy_1000um/1_10", "manifest.json", other, strlen(other));
