@@ -30,7 +30,7 @@ struct context_surface {
     double opacity;   /**< Above 0 to 1. */
     char hemisphere;  /**< 'L', 'R', 'B' where the file says so, else 0. */
     float *values;    /**< [vertices] Of its map, NaN = none; NULL without a map. Owned. */
-    char *map_name;   /**< Of the map's array; owned. */
+    char *map_name;   /**< Name of the map's array; owned. */
     double low, high; /**< The range of its colours. */
 };
 

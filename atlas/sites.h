@@ -12,8 +12,8 @@ struct conus_sites {
     double (*normals)[3]; /**< NULL = there are none. */
     uint64_t *sources;
     size_t count, capacity;
-    size_t vertex_count;  /**< Of the surface that they are of; 0 = of none. */
-    conus_grid_view grid; /**< Of the one volume whose voxels they are, without data; count is 0 of others. */
+    size_t vertex_count;  /**< Vertices of their surface; 0 = there is none. */
+    conus_grid_view grid; /**< Grid of the one volume whose voxels they are, without data; else its count is 0. */
     char *path;           /**< Its file. */
     struct notes notes;
 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What AddressSanitizer does unless ASAN_OPTIONS says otherwise, in every program of a build with it.
+/* Defaults of AddressSanitizer, which ASAN_OPTIONS may change, in every program of a build with it.
  *
  * GCC 12's libasan may take the thread-local memory of a driver (Mesa's) for that of an old glibc, and reads the size
  * of the block from its own bookkeeping. LeakSanitizer then follows an address that is none and ends the program with

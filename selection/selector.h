@@ -14,7 +14,7 @@
 struct conus_selector {
     const conus_atlas *atlas;
     conus_selector_options options; /**< Defaults filled in; strings are not kept (score is parsed). */
-    double range[2];                /**< Of what is asked next: that of the options, or a query's own. */
+    double range[2];                /**< Range of the next question: the options', or a query's own. */
     struct ranking ranking;
     bool *on_border;  /**< [object_count + 1] All false between rankings; NULL unless ranking.needs_border. */
     double box[2][3]; /**< Around the areas and pathways, world; only where ranking.needs_box. */

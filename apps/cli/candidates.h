@@ -27,7 +27,7 @@ struct place {
 
 /** The candidates of --from and --toward. */
 struct candidates {
-    struct place from, toward; /**< Of from a path of NULL: poses come from a file. */
+    struct place from, toward; /**< from.path is NULL where poses come from a file. */
     double tilt[2];            /**< Degrees, */
     double roll;               /**< and of --roll. */
     double far;                /**< mm, of --depth MM; else 0. */

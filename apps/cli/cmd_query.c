@@ -351,7 +351,7 @@ static conus_status start_query(struct query *query)
     report.all_voxels = settings->voxels_of == 1;
     report.no_voxels = !settings->voxels;
     report.order = (conus_order)settings->axis.order;
-    /* What is at a point, without a radius: by distance. */
+    /* The areas at a point, without a radius: by distance. */
     const struct arguments *arguments = request->arguments;
     bool is_of_nearest =
         option_given(arguments, "point") && !option_given(arguments, "radius") && !option_given(arguments, "order");

@@ -22,9 +22,9 @@ struct plan_journal {
     const char *command;
     char fingerprint[65]; /**< SHA-256 of all that the list depends on but the shard. */
     struct shard shard;
-    uint64_t rows, count; /**< Of all shards, and of this one. */
+    uint64_t rows, count; /**< All shards' number of rows, and this one's. */
     double next;          /**< When it is written again, by clock_ms(). */
-    int code;             /**< Of writing. */
+    int code;             /**< Exit code of writing. */
 };
 
 /* Functions that return an int return the exit code, and print an error unless it is 0. */

@@ -343,7 +343,7 @@ static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *
     return code;
 }
 
-/* What the command line adds to an atlas. */
+/* The command line's additions to an atlas. */
 struct additions {
     struct pathway_option *pathways;        /* [settings->pathways.count] */
     struct streamlines_option *streamlines; /* [settings->streamlines.count] */

@@ -125,7 +125,7 @@ void help_scores(FILE *out);
 struct rows_kind {
     const char *option; /**< That names the file. */
     conus_rows rows;
-    const char *word; /**< Of the sidecar's question. */
+    const char *word; /**< Its name in the sidecar's question. */
 };
 
 /** Those about the axis of a device. */

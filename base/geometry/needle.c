@@ -5,7 +5,7 @@
 
 #include "base/geometry/math3.h"
 
-/* What runs along something within so many mm per mm runs along it. */
+/* Two directions are parallel where they part by at most so many mm per mm. */
 static const double ALONG = 1e-12;
 
 void needle_point(double out[3], const struct needle *needle, double depth)

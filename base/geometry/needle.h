@@ -16,7 +16,7 @@ void needle_point(double out[3], const struct needle *needle, double depth);
 /** A needle as boxes along the axes of another frame see it. The axes count as perpendicular. */
 struct needle_frame {
     double at[3];     /**< The origin, in the frame's units.                                               */
-    double step[3];   /**< What a mm along the needle adds. 0 below 1e-12 of a mm: the needle is along the others. */
+    double step[3];   /**< Steps per mm along the needle. 0 below 1e-12 of a mm: the needle is along the others. */
     double per[3];    /**< 1 / step; 0 where that is 0.                                                    */
     double square[3]; /**< (step scale)^2.                                                                 */
     double scale[3];  /**< mm per unit.                                                                    */

@@ -183,7 +183,7 @@ typedef struct conus_context_map_options {
     size_t struct_size;  /**< Its size, as #CONUS_CONTEXT_MAP_OPTIONS_INIT sets it; 0 = that of this version. */
     const char *array;   /**< Name of the file's array, or its number from 0; NULL = "0". */
     double range[2];     /**< Values at the ends of the colours, the lower first; both 0 = the least and the largest. */
-    double opacity;      /**< Of the surface, from now on, above 0 to 1; 0 = 1. */
+    double opacity;      /**< Opacity of the surface from now on, above 0 to 1; 0 = 1. */
     uint64_t max_memory; /**< As conus_load_options.max_memory. */
     conus_log log;       /**< As conus_load_options.log. */
     void *log_user;      /**< Passed to @p log. */

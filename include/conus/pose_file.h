@@ -94,7 +94,7 @@ typedef struct conus_pose_row {
     double error_mm;   /**< Column error_mm: how far off the position may be, mm; NaN if absent. */
     double range[2];   /**< Columns near and far, mm, as for conus_selector_set_range(); NaN if absent. */
     const char *error; /**< NULL, or why the row is no pose; then only id and line have a meaning. */
-    uint64_t entry;    /**< Of conus_candidates_open() the number of the entry, from 1; 0 of a file's row. */
+    uint64_t entry;    /**< Number of the entry, from 1, with conus_candidates_open(); 0 in a file's row. */
     uint64_t target;   /**< Likewise of the target; 0 without one. */
     double normal[3];  /**< Outward at the entry, world, of length 1; NaN where it has none. */
 } conus_pose_row;

@@ -22,7 +22,7 @@ struct cifti_model {
     const struct cifti_structure *structure; /**< Static.                                                        */
     bool is_surface;
     size_t offset, count; /**< Its grayordinates.                                                                */
-    size_t vertex_count;  /**< Of the whole surface.                                                             */
+    size_t vertex_count;  /**< Vertices of the whole surface.                                                    */
     uint32_t *indices;    /**< [count] vertices, ascending; or [count] voxels of the volume, i fastest; owned.   */
 };
 
@@ -41,7 +41,7 @@ struct cifti {
     const void *values; /**< [count][map_count], borrowed from the file's bytes. */
     int datatype;
     bool swapped;
-    size_t dim[3];               /**< Of the volume in which the voxels lie; 0 if there is none. */
+    size_t dim[3];               /**< Size of the volume in which the voxels lie; 0 if there is none. */
     double world_from_voxel[16]; /**< RAS mm. */
 };
 

@@ -42,7 +42,7 @@ conus_status cifti_choice_voxels(uint32_t **labels, struct label_table *table, c
 struct cifti_file {
     char *path;         /**< Without what chooses the map. */
     struct bytes bytes; /**< Unpacked. */
-    char sha256[65];    /**< Of the file as it is stored. */
+    char sha256[65];    /**< SHA-256 of the file as it is stored. */
     struct cifti_choice choice;
 };
 

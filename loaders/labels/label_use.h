@@ -20,7 +20,7 @@ struct label_use {
     label_header_read *header; /**< For the image that an FSL atlas XML counts its voxels in; NULL: it is not read. */
     const char *path;          /**< The table's file, or NULL. */
     uint64_t max_memory;       /**< For the table's file and what it becomes; 0 = 8 GiB. */
-    struct text columns[2];    /**< What a header row calls number and name; empty: the
+    struct text columns[2];    /**< A header row's names for number and name; empty: the
                                   usual words.                                              */
     struct file_sums *read;    /**< Gets the files that the table is of; may be NULL. */
 };

@@ -251,7 +251,7 @@ conus_status conus_vertex_maps_write(const char *path, const conus_vertex_map *m
     return status;
 }
 
-/* Of each vertex the site whose numbers it has; SIZE_MAX = none. */
+/* The site whose numbers each vertex has; SIZE_MAX = none. */
 static conus_status find_sites(size_t *out, const conus_sites *sites, double fill)
 {
     struct mesh mesh = {0};

@@ -10,7 +10,7 @@
 struct vertex_map {
     float *values; /**< [count] NaN where there is none, also where the file has an infinity; owned. */
     size_t count;
-    char *name;      /**< Of the array, else what was asked for; owned. */
+    char *name;      /**< The array's name, else the one that was asked for; owned. */
     char hemisphere; /**< 'L', 'R', 'B' where the file says so, else 0. */
 };
 

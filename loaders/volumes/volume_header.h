@@ -34,7 +34,7 @@ struct volume_header {
     uint64_t offset;    /**< Bytes before the first volume in the file of the voxels. */
     size_t volume_size; /**< Bytes of one volume.                                                             */
     int intent_code;
-    struct text_volume *text; /**< What a header of text says beyond that (volume_text.h), owned; else NULL. */
+    struct text_volume *text; /**< Further facts of a text header (volume_text.h), owned; else NULL. */
 };
 
 /** Bytes of a voxel of the NIfTI type @p code, 0 for a type that conus does not read. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a volume's file says about labels: 3D Slicer's segments, extensions of NIfTI, text ahead of the voxels. */
+/* Labels in a volume's own file: 3D Slicer's segments, extensions of NIfTI, text ahead of the voxels. */
 #include "loaders/volumes/volume_table.h"
 
 #include "base/memory.h"

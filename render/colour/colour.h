@@ -49,7 +49,7 @@ struct colour_pass {
     float *shown;         /**< The same for the last picture.                                                  */
     float *opacity;       /**< [1 + object_count + around_count] of the last picture.                          */
     float *around;        /**< [around_count] opacities of the surfaces around the areas.                      */
-    float mapped_opacity; /**< Of the one that has a map. */
+    float mapped_opacity; /**< Opacity of the surface that has a map. */
     double (*content)[3]; /**< [content_count] world points around everything visible. */
     size_t content_count;
     size_t object_points; /**< The first of them, which come from voxels. */

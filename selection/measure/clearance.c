@@ -13,7 +13,7 @@
 
 /* Tubes are looked for round the needle, each time so many times as far as before. */
 static const double WIDER = 2;
-/* What rounding may do to a bound, mm, and as a part of it. */
+/* Rounding may change a bound by so many mm, and by this part of it. */
 static const double ROUNDING = 1e-9;
 
 conus_status clearance_prepare(struct clearance *clearance, const conus_atlas *atlas)

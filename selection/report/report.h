@@ -36,18 +36,18 @@ struct report_planned {
     double depth, distance;    /**< mm from the apex; of the axis there from the structure. */
     double at[3];              /**< The far end, or the point of the axis at the depth; world. */
     double axis[3];            /**< Direction in the report's space. */
-    conus_tolerance tolerance; /**< Of one side of a degree of freedom. */
+    conus_tolerance tolerance; /**< Tolerance of one side of a degree of freedom. */
 };
 
 /** A constraint of a plan. */
 struct report_constraint {
     const conus_constraint *asked;
     const char *kind, *measure; /**< Words; the latter is NULL of constraints without one. */
-    const char *name;           /**< Of its structure, or NULL. */
+    const char *name;           /**< Name of its structure, or NULL. */
     size_t index;               /**< From 1 among those of its kind. */
     uint64_t left;              /**< How many candidates hold it and those before it. */
     const conus_planned *miss;  /**< The one that breaks it alone; NULL = none. */
-    const char *words;          /**< What it asks. */
+    const char *words;          /**< The constraint in words. */
 };
 
 /** A plan, with the columns of its constraints. */

@@ -12,7 +12,7 @@
 struct rows_file {
     const struct rows_kind *kind;
     const char *path; /**< NULL = none. */
-    double within;    /**< Of clearances, mm. */
+    double within;    /**< Clearances up to so many mm. */
     conus_format format;
     char *sidecar;          /**< Path; NULL if there is none to write. */
     conus_report **reports; /**< [count] That of the first atlas has the rows of all. */

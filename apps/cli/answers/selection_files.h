@@ -19,7 +19,7 @@ struct selection_file_settings {
 
 extern const struct option selection_file_options[];
 
-/** What the files need of the selection, until they are written. A zeroed one is nothing. */
+/** The selection's data that its files need, until they are written. Zeroed: nothing. */
 struct selection_files {
     const struct selection_file_settings *settings;
     conus_image *image;

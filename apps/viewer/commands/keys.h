@@ -7,15 +7,15 @@
 
 struct key {
     const char *key;                    /**< As window->press gets it. */
-    const char *help;                   /**< What it does; NULL = another row's says it. */
+    const char *help;                   /**< Tells its effect; NULL: another row tells it. */
     void (*act)(struct window *window); /**< Without one, nor `move`, it sets the next value of a property. */
     void (*move)(struct window *window, const int by[3]);
     int by[3];             /**< For `move`. */
-    enum property_id sets; /**< Of the state's table (0 = none), also where it acts: its tip names the key. */
+    enum property_id sets; /**< Row of the state's table (0 = none), also where it acts: its tip names the key. */
     const char *shown;     /**< How the list calls it, with those of the next rows; NULL = as it is. */
     bool is_anywhere;      /**< It needs no atlas. */
     bool is_of_wand;       /**< It is one only where a tool is moved as a wand. */
-    bool ends_column;      /**< Of the list. */
+    bool ends_column;      /**< The last key in its column of the list. */
 };
 
 /** The rows of the table of keys; NULL = no more. */

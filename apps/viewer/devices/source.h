@@ -22,7 +22,7 @@ enum source_press { SOURCE_HOLD = 1, SOURCE_RESET = 2, SOURCE_CONFIRM = 4 };
 
 enum { SOURCE_FROZEN_S = 5, SOURCE_VALUES = 16 };
 
-/** What a source said since it was asked last. All 0 is none. */
+/** A source's events since it was asked last. All 0: none. */
 struct source_update {
     enum source_state state;
     bool has_pose;

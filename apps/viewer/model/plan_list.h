@@ -7,7 +7,7 @@
 
 enum { PLAN_ID = 64, PLAN_NAME = 96, PLAN_SAYS = 256 };
 
-/** What is asked of needles, and the file of those that are tried. */
+/** The constraints on needles, and the file of those that are tried. */
 struct plan_task {
     struct constraints constraints; /**< None = there is no plan. */
     char *poses;                    /**< NULL = no candidates. */

@@ -7,7 +7,7 @@
 
 enum { PLAN_TEXT = 256, PLAN_LINE = 320, PLAN_DETAILS = 2048 };
 
-/** What the constraints of a plan say of the first tool. */
+/** The verdict of a plan's constraints on the first tool. */
 struct plan_verdict {
     enum { PLAN_UNKNOWN = 0, PLAN_HOLDS, PLAN_BREAKS, PLAN_FAILED } state;
     char text[PLAN_TEXT];       /**< "holds, 1.8 mm to Insula_L"; */
@@ -19,8 +19,8 @@ struct plan_verdict {
 struct plan_state {
     struct plan_task task;            /**< Does not change. */
     double depth;                     /**< Far end of candidates that have none; 0 = none. */
-    struct study_state list;          /**< Of candidates, by kind STUDY_PLAN; without a file of them STUDY_NONE. */
-    conus_selector *selector;         /**< Of the plan that tries the tool; */
+    struct study_state list;          /**< The candidates' study: STUDY_PLAN, or STUDY_NONE without a file of them. */
+    conus_selector *selector;         /**< Selects for the plan that tries the tool; */
     conus_plan *live;                 /**< NULL = to be made. */
     conus_selector_options made_with; /**< That selector. */
     struct plan_verdict verdict;

@@ -14,7 +14,7 @@ int plans_open(struct viewer *viewer, const struct arguments *arguments, const c
 
 /** Whether there is a plan. */
 bool plans_is_on(const struct viewer *viewer);
-/** What the constraints say of the first tool as it is now. Costs nothing where it has not changed. */
+/** The verdict of the constraints on the first tool as it is now. Costs nothing where it has not changed. */
 const struct plan_verdict *plans_verdict(struct viewer *viewer);
 /** That in one line. A tracked tool that is held is elsewhere than its device, which the line then says. */
 void plans_line(char out[PLAN_LINE], struct viewer *viewer, bool with_leeway);

@@ -43,7 +43,7 @@ struct study_question {
     double angle; /**< For jitter: full opening; 0 = a cylinder. */
     conus_frame frame;
     unsigned atlas_number;        /**< Grows when an atlas changes. */
-    const struct plan_task *plan; /**< Of a plan, which must outlive the question; else NULL. */
+    const struct plan_task *plan; /**< A plan's task, which must outlive the question; else NULL. */
 };
 
 /** Whether both have the same answer. */
@@ -72,7 +72,7 @@ struct study_answer {
     size_t angle_count;
     struct study_table *tables; /**< [atlas_count] */
     size_t atlas_count;
-    struct plan_list plan;   /**< Of a plan, in the first atlas. */
+    struct plan_list plan;   /**< A plan's poses, in the first atlas. */
     char *text;              /**< As conus sweep --format tsv prints it; NULL where it failed: */
     char error[STUDY_ERROR]; /**< why. */
 };

@@ -79,7 +79,7 @@ struct viewer {
 
     struct pin pins[PIN_LIMIT];
     size_t pin_count;
-    char message[MESSAGE_SIZE_LIMIT]; /**< What the status line said last. */
+    char message[MESSAGE_SIZE_LIMIT]; /**< The status line's last text. */
     struct painter *painter;
     unsigned atlas_number; /**< Grows when the atlas changes: what was made for it must be made anew. */
     unsigned scene_number; /**< Grows with what the painter draws otherwise than before from the same place. */

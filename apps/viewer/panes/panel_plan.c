@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the constraints of a plan say of the first tool, and the list of planned poses. */
+/* The verdict of a plan's constraints on the first tool, and the list of planned poses. */
 #include "viewer/panes/panels.h"
 
 #include "viewer/ui/ui_list.h"

@@ -20,7 +20,7 @@ static inline ui_colour panel_verdict_colour(const struct plan_verdict *verdict)
     static const enum theme_text colours[] = {THEME_HINT, THEME_GREEN, THEME_ORANGE, THEME_ORANGE};
     return theme_texts[colours[verdict->state]];
 }
-/** What the constraints of a plan say of the first tool, and the planned poses; nothing without a plan. */
+/** The verdict of a plan's constraints on the first tool, and the planned poses; nothing without a plan. */
 void panel_plan(struct window *window);
 void panel_results(struct window *window);
 /** The button that chooses the columns of the lists. */

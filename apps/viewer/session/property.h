@@ -104,23 +104,23 @@ enum property_change {
 enum { PROPERTY_NUMBERS = 16, PROPERTY_REASON = 256 };
 
 struct property {
-    const char *object; /**< Of a session, in which it is; NULL = the session itself. */
+    const char *object; /**< Object of the session that has it; NULL = the session itself. */
     const char *name;
-    const char *help; /**< What it is, with its unit. */
+    const char *help; /**< Names the value and its unit. */
     enum property_type type;
-    bool is_negated;   /**< Of a bool: the window keeps the opposite. */
+    bool is_negated;   /**< A bool whose opposite the window keeps. */
     bool of_window;    /**< The offset is in struct window, not in struct viewer. */
     bool is_set_apart; /**< A session sets it by a function of its own (session.c). */
     size_t offset, size;
-    size_t count;                     /**< Of its numbers: 0 stands for 1. */
-    double low, high;                 /**< Of each number that a session or a script may say. */
+    size_t count;                     /**< How many numbers it has: 0 stands for 1. */
+    double low, high;                 /**< Range of each number that a session or a script may give. */
     const char *const *names;         /**< [high - low + 1] Of PROPERTY_NAME; NULL = it may not be that. */
     const char *(*name_of)(size_t i); /**< In their place. */
     enum property_presence presence;
     enum property_undo undo;
     enum property_change change;
     const char *const *says; /**< [high - low + 1] What the status line says once it is that; NULL = nothing. */
-    const char *tip;         /**< Of its widget, where it says more than @e help. */
+    const char *tip;         /**< Tip of its widget, where it says more than @e help. */
 };
 
 /** [PROPERTY_COUNT] */

@@ -19,7 +19,7 @@ struct session_atlases {
     bool **hidden;            /**< [count][object_count + 1]; NULL of an atlas = as it is. */
     double **thresholds;      /**< [count][object_count + 1] Likewise. */
     struct appearance *looks; /**< [count] Of no objects = as it is. */
-    size_t count;             /**< Of the viewer's atlases. */
+    size_t count;             /**< Number of the viewer's atlases. */
     size_t drawn;             /**< Index of the one to be drawn. */
 };
 

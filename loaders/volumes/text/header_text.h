@@ -43,7 +43,7 @@ struct header_row {
     const char *names; /**< With '/' between them; messages use the first. */
     enum header_kind kind;
     size_t place;        /**< Offset in the struct. */
-    const char *missing; /**< What the message says where the key is missing; NULL: it may be. */
+    const char *missing; /**< The message where the key is missing; NULL: it may be missing. */
     const struct header_word *words;
     const char *allowed;  /**< "allowed are ...": of words. */
     conus_status refused; /**< The status for a word that is not in the table; 0 = CONUS_ERROR_DATA. */
