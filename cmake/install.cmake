@@ -29,12 +29,12 @@ install(FILES ${PROJECT_BINARY_DIR}/conus.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}
 
 # ---- Programs -------------------------------------------------------------------------------------------------------
 # Each that has tables of options writes its man pages and completions.
-foreach(program IN ITEMS conus_cli conus-view conus-mpi conus-mesh)
+foreach(program IN ITEMS conus_cli conus-view conus-mpi conus-mesh conus-hdf5)
   if(NOT TARGET ${program})
     continue()
   endif()
   install(TARGETS ${program} COMPONENT runtime)
-  if(program STREQUAL conus-mesh) # started by conus; the command for people is conus mesh
+  if(program MATCHES "mesh|hdf5") # started by conus, no commands for people
     continue()
   endif()
   set(name $<TARGET_FILE_BASE_NAME:${program}>)

@@ -1,118 +1,80 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds conus-mesh, starts it, sends the request and takes its frames. */
+/* Sends conus-mesh a request and takes its frames. */
 #include "loaders/child/mesh_child.h"
 
-#include "base/files/file.h"
-#include "base/memory.h"
+#include "base/child/child.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
-#include <poll.h>
-#include <signal.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
-enum { PATH_SIZE = 4096, WORDS_SIZE = 512, REQUEST_DESCRIPTOR = 3, READ_SIZE = 1 << 20 };
-
-static const char program[] = "conus-mesh";
-
-/* Monotonic: setting the date does not move a deadline. */
-static double seconds_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static bool is_program(const char *path)
-{
-    return file_exists(path) && access(path, X_OK) == 0;
-}
-
-/* "folder/conus-mesh" if it is there. NULL in *found otherwise. */
-static conus_status look_in(char **found, const char *folder, size_t length)
-{
-    struct buffer path = {0};
-    buffer_append(&path, folder, length);
-    buffer_format(&path, "/%s", program);
-    conus_status status = buffer_status(&path);
-    if (!status && length && is_program(path.data)) {
-        *found = path.data;
-        return CONUS_OK;
-    }
-    buffer_finish(&path);
-    return status;
-}
+static const struct child_program program = {"conus-mesh", "CONUS_MESH", "VTK"};
 
 conus_status mesh_child_find(char **path)
 {
-    const char *chosen = getenv("CONUS_MESH");
-    char *found = NULL;
-    conus_status status = CONUS_OK;
-    if (chosen && *chosen) {
-        if (!is_program(chosen)) {
-            return fail(CONUS_ERROR_UNSUPPORTED, "CONUS_MESH: %s is no program; %s is needed (Debian package %s)",
-                        chosen, program, program);
-        }
-        found = memory_text(chosen, strlen(chosen));
-        status = found ? CONUS_OK : CONUS_ERROR_MEMORY;
-    } else {
-        char self[PATH_SIZE];
-        ssize_t length = readlink("/proc/self/exe", self, sizeof self);
-        while (length > 0 && self[length - 1] != '/') {
-            length--;
-        }
-        status = length > 1 ? look_in(&found, self, (size_t)length - 1) : CONUS_OK;
-        const char *list = getenv("PATH");
-        struct text rest = text_from(list ? list : "");
-        struct text folder;
-        for (bool more = true; !status && !found && text_field(&rest, ':', &more, &folder);) {
-            status = look_in(&found, folder.data, folder.size);
-        }
-    }
-    if (!status && !found) {
-        return fail(CONUS_ERROR_UNSUPPORTED,
-                    "the program %s is not installed (Debian package %s): it is neither beside this program nor in "
-                    "PATH nor named by CONUS_MESH",
-                    program, program);
-    }
-    if (!status) {
-        *path = found;
-    }
-    return status;
+    return child_find(path, &program);
 }
 
-struct child {
-    pid_t pid; /* 0 = none, or already waited for */
-    int out, err;
-    double deadline; /* monotonic seconds */
-    const struct mesh_child_limits *limits;
+/* What came of a stream. */
+struct progress {
     mesh_frame_take take;
     void *user;
-    uint8_t *data; /* what came and is not yet a whole frame */
-    size_t size, capacity;
-    char words[WORDS_SIZE]; /* the beginning of what it said on stderr */
-    size_t word_count;
     bool begun, ended;
     uint32_t frames;
 };
 
-static conus_status fail_system(const char *action)
+/* How many bytes from the start of `data` make the next whole thing, as far as that is known yet. */
+static conus_status wanted_size(size_t *wanted, const struct progress *progress, const uint8_t *data, size_t size)
 {
-    return fail(CONUS_ERROR_IO, "%s: cannot %s: %s", program, action, strerror(errno));
+    struct mesh_frame frame;
+    *wanted = progress->begun ? MESH_FRAME_HEADER_SIZE : MESH_MAGIC_SIZE;
+    if (!progress->begun || size < *wanted) {
+        return CONUS_OK;
+    }
+    conus_status status = mesh_frame_header(&frame, data);
+    *wanted = status ? *wanted : frame.size;
+    return status;
+}
+
+static conus_status take_frame(struct progress *progress, const uint8_t *data, size_t size)
+{
+    struct mesh_frame frame;
+    conus_status status = mesh_frame_parse(&frame, data, size);
+    if (status) {
+        return status;
+    }
+    if (progress->ended || (frame.kind == MESH_FRAME_END && frame.id != progress->frames)) {
+        return fail(CONUS_ERROR_DATA, "mesh stream: its end does not match its frames");
+    }
+    if (frame.kind == MESH_FRAME_CHECKED) {
+        return fail(CONUS_ERROR_DATA, "mesh stream: frame of kind %d, which only the cache may hold", (int)frame.kind);
+    }
+    progress->ended = frame.kind == MESH_FRAME_END;
+    progress->frames++;
+    return progress->ended ? CONUS_OK : progress->take(progress->user, &frame);
+}
+
+static conus_status take_frames(void *user, size_t *used, size_t *wanted, const uint8_t *data, size_t size)
+{
+    struct progress *progress = user;
+    conus_status status;
+    while (!(status = wanted_size(wanted, progress, data + *used, size - *used)) && size - *used >= *wanted) {
+        status = progress->begun ? take_frame(progress, data + *used, *wanted)
+                                 : mesh_stream_begin(data + *used, size - *used);
+        if (status) {
+            return status;
+        }
+        progress->begun = true;
+        *used += *wanted;
+    }
+    return status;
 }
 
 /* The request as a file in memory, or -1. */
 static int request_file(const struct mesh_child_request *request)
 {
-    int descriptor = memfd_create(program, MFD_CLOEXEC);
+    int descriptor = memfd_create(program.name, MFD_CLOEXEC);
     if (descriptor >= 0 && !(file_write_fully(descriptor, request->head.data, request->head.size) &&
                              file_write_fully(descriptor, request->voxels, request->size))) {
         close(descriptor);
@@ -121,309 +83,28 @@ static int request_file(const struct mesh_child_request *request)
     return descriptor;
 }
 
-/* A limit that is already lower stays. The hard one may be higher, by what follows the signal of the soft one. */
-static void limit_resource(__rlimit_resource_t resource, uint64_t value, uint64_t more)
-{
-    struct rlimit limit;
-    if (getrlimit(resource, &limit) == 0) {
-        limit.rlim_max = limit.rlim_max < value + more ? limit.rlim_max : value + more;
-        limit.rlim_cur = limit.rlim_max < value ? limit.rlim_max : value;
-        setrlimit(resource, &limit);
-    }
-}
-
-/* Descriptors of a start: reading and writing end of the pipes for stdout, for stderr and for what execv() says, and
- * the request. All are above those that the program is to have. */
-enum { OUT, ERR = 2, REPORT = 4, REQUEST = 6, ENDS };
-
-/* In the new process: becomes conus-mesh, which gets no rights by what it runs, writes to no file, and has no
- * descriptors but those that it is given. Only calls that are allowed between fork and exec; ends in one way or the
- * other. */
-static void become_program(const char *path, const struct mesh_child_limits *limits, const int ends[ENDS])
+conus_status mesh_child_run(const struct mesh_child_request *request, const struct child_limits *limits,
+                            mesh_frame_take take, void *user)
 {
     char name[] = "conus-mesh";
     char file[] = "/dev/fd/3";
     char *const words[] = {name, file, NULL};
-    /* stdin is empty: no program of ours reads it, and a library that did would wait for ever. */
-    int nothing = open("/dev/null", O_RDONLY); /* may be stdin already, so not to be closed */
-    prctl(PR_SET_PDEATHSIG, SIGKILL);          /* it does not outlive who asked */
-    prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-    limit_resource(RLIMIT_AS, limits->memory, 0);
-    limit_resource(RLIMIT_CPU, limits->seconds, 1); /* SIGXCPU, and not the SIGKILL of a lack of memory */
-    limit_resource(RLIMIT_CORE, 0, 0);
-    limit_resource(RLIMIT_FSIZE, 0, 0); /* pipes have no size */
-    close_range(REQUEST_DESCRIPTOR + 1, UINT_MAX, CLOSE_RANGE_CLOEXEC);
-    if (nothing >= 0 && dup2(nothing, STDIN_FILENO) >= 0 && dup2(ends[OUT + 1], STDOUT_FILENO) >= 0 &&
-        dup2(ends[ERR + 1], STDERR_FILENO) >= 0 && dup2(ends[REQUEST], REQUEST_DESCRIPTOR) >= 0) {
-        execv(path, words);
+    struct progress progress = {.take = take, .user = user};
+    struct bytes rest = {0};
+    const struct child_task task = {.program = &program,
+                                    .limits = *limits,
+                                    .words = words,
+                                    .descriptor = request_file(request),
+                                    .take = take_frames,
+                                    .user = &progress};
+    if (task.descriptor < 0) {
+        return fail(CONUS_ERROR_IO, "%s: cannot start: %s", program.name, strerror(errno));
     }
-    int error = errno;
-    while (write(ends[REPORT + 1], &error, sizeof error) < 0 && errno == EINTR) {
+    conus_status status = child_run(&rest, &task);
+    close(task.descriptor);
+    if (!status && !(progress.ended && !rest.size)) {
+        status = fail(CONUS_ERROR_DATA, "%s: its output is cut off or too long", program.name);
     }
-    kill(getpid(), SIGKILL);
-}
-
-/* The error of execv(), which writes nothing once it has succeeded. */
-static int read_report(int ends[ENDS])
-{
-    int error = 0;
-    ssize_t n;
-    close(ends[REPORT + 1]);
-    ends[REPORT + 1] = -1;
-    do {
-        n = read(ends[REPORT], &error, sizeof error);
-    } while (n < 0 && errno == EINTR);
-    return n == (ssize_t)sizeof error ? error : 0;
-}
-
-static bool move_up(int *descriptor)
-{
-    if (*descriptor > REQUEST_DESCRIPTOR) {
-        return true;
-    }
-    int moved = fcntl(*descriptor, F_DUPFD_CLOEXEC, REQUEST_DESCRIPTOR + 1);
-    if (moved < 0) {
-        return false;
-    }
-    close(*descriptor);
-    *descriptor = moved;
-    return true;
-}
-
-static conus_status start_with(struct child *child, const char *path, int ends[ENDS])
-{
-    for (int i = 0; i < ENDS; i++) {
-        if (ends[i] < 0 || !move_up(&ends[i])) {
-            return fail_system("start");
-        }
-    }
-    pid_t pid = fork();
-    if (pid < 0) {
-        return fail_system("start");
-    }
-    if (pid == 0) {
-        become_program(path, child->limits, ends);
-    }
-    child->pid = pid;
-    errno = read_report(ends);
-    if (errno) {
-        return fail_system("start");
-    }
-    child->deadline = seconds_now() + child->limits->wait;
-    child->out = ends[OUT];
-    child->err = ends[ERR];
-    ends[OUT] = ends[ERR] = -1;
-    return CONUS_OK;
-}
-
-static conus_status start_child(struct child *child, const char *path, const struct mesh_child_request *request)
-{
-    int ends[ENDS] = {-1, -1, -1, -1, -1, -1, -1};
-    conus_status status = CONUS_OK;
-    if (pipe2(ends + OUT, O_CLOEXEC) || pipe2(ends + ERR, O_CLOEXEC) || pipe2(ends + REPORT, O_CLOEXEC) ||
-        (ends[REQUEST] = request_file(request)) < 0) {
-        status = fail_system("start");
-    }
-    status = status ? status : start_with(child, path, ends);
-    for (int i = 0; i < ENDS; i++) {
-        if (ends[i] >= 0) {
-            close(ends[i]);
-        }
-    }
+    bytes_finish(&rest);
     return status;
-}
-
-/* How many bytes from the start of `data` make the next whole thing, as far as that is known yet. */
-static conus_status wanted_size(size_t *size, const struct child *child)
-{
-    struct mesh_frame frame;
-    *size = child->begun ? MESH_FRAME_HEADER_SIZE : MESH_MAGIC_SIZE;
-    if (!child->begun || child->size < *size) {
-        return CONUS_OK;
-    }
-    conus_status status = mesh_frame_header(&frame, child->data);
-    *size = status ? *size : frame.size;
-    return status;
-}
-
-static conus_status take_frame(struct child *child, size_t size)
-{
-    struct mesh_frame frame;
-    conus_status status = mesh_frame_parse(&frame, child->data, size);
-    if (status) {
-        return status;
-    }
-    if (child->ended || (frame.kind == MESH_FRAME_END && frame.id != child->frames)) {
-        return fail(CONUS_ERROR_DATA, "mesh stream: its end does not match its frames");
-    }
-    if (frame.kind == MESH_FRAME_CHECKED) {
-        return fail(CONUS_ERROR_DATA, "mesh stream: frame of kind %d, which only the cache may hold", (int)frame.kind);
-    }
-    child->ended = frame.kind == MESH_FRAME_END;
-    child->frames++;
-    return child->ended ? CONUS_OK : child->take(child->user, &frame);
-}
-
-/* Capacity for the rest of the frame that is under way, and for one more reading. */
-static conus_status child_reserve(struct child *child, size_t size)
-{
-    size_t needed = size > child->size + READ_SIZE ? size : child->size + READ_SIZE;
-    if (needed > child->limits->memory) {
-        return fail(CONUS_ERROR_MEMORY, "%s: a mesh of %zu bytes, allowed are %llu", program, size,
-                    (unsigned long long)child->limits->memory);
-    }
-    if (needed > child->capacity) {
-        uint8_t *grown = memory_resize(child->data, needed + needed / 2, 1);
-        if (!grown) {
-            return CONUS_ERROR_MEMORY;
-        }
-        child->data = grown;
-        child->capacity = needed + needed / 2;
-    }
-    return CONUS_OK;
-}
-
-static conus_status take_frames(struct child *child)
-{
-    size_t size = 0;
-    conus_status status;
-    while (!(status = wanted_size(&size, child)) && child->size >= size) {
-        status = child->begun ? take_frame(child, size) : mesh_stream_begin(child->data, child->size);
-        if (status) {
-            return status;
-        }
-        child->begun = true;
-        child->size -= size;
-        memmove(child->data, child->data + size, child->size);
-    }
-    return status ? status : child_reserve(child, size);
-}
-
-/* Reads what is there; closes *descriptor at its end. */
-static conus_status read_some(int *descriptor, uint8_t *data, size_t capacity, size_t *got)
-{
-    ssize_t n = read(*descriptor, data, capacity);
-    *got = n > 0 ? (size_t)n : 0;
-    if (n < 0 && errno != EINTR && errno != EAGAIN) {
-        return fail_system("read what it writes");
-    }
-    if (n == 0) {
-        close(*descriptor);
-        *descriptor = -1;
-    }
-    return CONUS_OK;
-}
-
-static conus_status read_words(struct child *child)
-{
-    uint8_t rest[WORDS_SIZE];
-    size_t got = 0;
-    conus_status status = read_some(&child->err, rest, sizeof rest, &got);
-    size_t capacity = WORDS_SIZE - 1 - child->word_count;
-    size_t kept = got < capacity ? got : capacity;
-    memcpy(child->words + child->word_count, rest, kept);
-    child->word_count += kept;
-    return status;
-}
-
-static conus_status fail_late(const struct child *child)
-{
-    return fail(CONUS_ERROR_DATA, "%s: no end after %u seconds", program, child->limits->wait);
-}
-
-static conus_status read_output(struct child *child)
-{
-    struct pollfd ends[2] = {{.fd = child->out, .events = POLLIN}, {.fd = child->err, .events = POLLIN}};
-    double left = child->deadline - seconds_now();
-    int ready = left > 0 ? poll(ends, 2, (int)(1000 * left) + 1) : 0;
-    if (ready == 0) {
-        return fail_late(child);
-    }
-    if (ready < 0) {
-        return errno == EINTR ? CONUS_OK : fail_system("wait for it");
-    }
-    conus_status status = ends[1].revents ? read_words(child) : CONUS_OK;
-    if (status || !ends[0].revents) {
-        return status;
-    }
-    size_t got = 0;
-    status = read_some(&child->out, child->data + child->size, child->capacity - child->size, &got);
-    child->size += got;
-    return status || !got ? status : take_frames(child);
-}
-
-static conus_status check_exit(const struct child *child, int how)
-{
-    if (WIFSIGNALED(how)) {
-        int number = WTERMSIG(how);
-        if (number == SIGKILL) {
-            return fail(CONUS_ERROR_MEMORY, "%s: killed, most likely since the computer had no memory left", program);
-        }
-        return number == SIGXCPU
-                   ? fail(CONUS_ERROR_DATA, "%s: no end after %u seconds of work", program, child->limits->seconds)
-                   : fail(CONUS_ERROR_DATA, "%s: VTK crashed (signal %d, %s)", program, number, strsignal(number));
-    }
-    if (WEXITSTATUS(how)) {
-        struct text rest = {child->words, child->word_count};
-        struct text line = {0};
-        text_line(&rest, &line);
-        return fail(CONUS_ERROR_DATA, "%s: %.*s (exit code %d)", program, (int)line.size, line.size ? line.data : "",
-                    WEXITSTATUS(how));
-    }
-    return child->ended && !child->size ? CONUS_OK
-                                        : fail(CONUS_ERROR_DATA, "%s: its output is cut off or too long", program);
-}
-
-/* Waits for the end of the program, which may have closed its output and still run. */
-static conus_status await_end(const struct child *child, int *how)
-{
-    static const struct timespec moment = {.tv_nsec = 1000000};
-    pid_t ended = 0;
-    while (ended == 0 || (ended < 0 && errno == EINTR)) {
-        ended = waitpid(child->pid, how, WNOHANG);
-        if (ended == 0 && seconds_now() > child->deadline) {
-            return fail_late(child);
-        }
-        if (ended == 0) {
-            nanosleep(&moment, NULL);
-        }
-    }
-    return CONUS_OK;
-}
-
-static conus_status finish_child(struct child *child, conus_status status)
-{
-    int how = 0;
-    status = status ? status : await_end(child, &how);
-    if (status && child->pid) {
-        kill(child->pid, SIGKILL);
-        while (waitpid(child->pid, &how, 0) < 0 && errno == EINTR) {
-        }
-    }
-    if (child->out >= 0) {
-        close(child->out);
-    }
-    if (child->err >= 0) {
-        close(child->err);
-    }
-    memory_free(child->data);
-    return status ? status : check_exit(child, how);
-}
-
-conus_status mesh_child_run(const struct mesh_child_request *request, const struct mesh_child_limits *limits,
-                            mesh_frame_take take, void *user)
-{
-    char *path = NULL;
-    struct child child = {.out = -1, .err = -1, .limits = limits, .take = take, .user = user};
-    conus_status status = mesh_child_find(&path);
-    if (status) {
-        return status;
-    }
-    status = start_child(&child, path, request);
-    memory_free(path);
-    status = status ? status : child_reserve(&child, MESH_MAGIC_SIZE);
-    while (!status && (child.out >= 0 || child.err >= 0)) {
-        status = read_output(&child);
-    }
-    return finish_child(&child, status);
 }

@@ -96,7 +96,7 @@ static conus_status run_child(struct extraction *work, const struct buffer *requ
         .head = *request, .voxels = objects_of(volume), .size = size_of_objects(volume)};
     /* AAL's 7 million voxels take 1 s, 5 s when decimated. */
     const uint32_t seconds = 120 + (uint32_t)(volume->voxel_count / 50000);
-    const struct mesh_child_limits limits = {.memory = options->max_memory, .seconds = seconds, .wait = 4 * seconds};
+    const struct child_limits limits = {.memory = options->max_memory, .seconds = seconds, .wait = 4 * seconds};
     struct buffer stream = {0};
     work->stream = key[0] ? &stream : NULL;
     mesh_stream_start(&stream);

@@ -2,6 +2,7 @@
 /* The table of formats: what a file is, what reads it, and what to say where it is not what is needed. */
 #include "loaders/formats/formats.h"
 
+#include "base/child/hdf5.h"
 #include "base/formats/gzip.h"
 #include "base/formats/xml.h"
 #include "base/text.h"
@@ -32,6 +33,11 @@ static bool is_dicom(const struct head *head)
 {
     enum { PREAMBLE = 128 };
     return head->bytes->size >= PREAMBLE + 4 && memcmp(head->bytes->data + PREAMBLE, "DICM", 4) == 0;
+}
+
+static bool is_hdf5(const struct head *head)
+{
+    return hdf5_is(head->bytes->data, head->bytes->size);
 }
 
 static bool is_vertex_values(const struct head *head)
@@ -126,7 +132,8 @@ static const struct format {
     {.magic = BYTES("mrtrix image"), .kind = {"an MRtrix image", FOREIGN " (mrconvert)"}},
     {.magic = BYTES("CDF\1"), .kind = {"a MINC-1 volume", FOREIGN " (mnc2nii)"}},
     {.magic = BYTES("CDF\2"), .kind = {"a MINC-1 volume", FOREIGN " (mnc2nii)"}},
-    {.magic = BYTES("\x89HDF\r\n\x1a\n"), .kind = {"an HDF5 file (a MINC-2 volume, say)", FOREIGN " (mnc2nii)"}},
+    {.magic = BYTES("MATLAB 7.3"), .kind = {"a MATLAB file of version 7.3", FOREIGN}},
+    {.is = is_hdf5, .kind = {"an HDF5 file (a MINC-2 volume, say)", FOREIGN " (mnc2nii)"}},
     {.magic = BYTES("MZ"), .kind = {"an MZ3 surface", "give it as ATLAS with the ending .mz3"}},
     {.magic = BYTES("# vtk DataFile"),
      .kind = {"a VTK file", "give it as ATLAS with the ending .vtk, or its lines as --streamlines"}},

@@ -36,6 +36,7 @@ APPS = {
     " apps/cli/verify apps/cli/cite",
     "apps/mpi": "apps/options apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
+    "apps/hdf5": "base/child",  # hdf5_protocol.h: what conus and conus-hdf5 send each other
     "apps/viewer/pictures": "apps/link apps/options",
     "apps/viewer/devices": "apps/link",
     "apps/viewer/model": "apps/options apps/settings apps/viewer/pictures",
@@ -60,6 +61,7 @@ LIBRARY = {
     "base/geometry": "base",
     "base/cache": "base base/files",
     "base/formats": "base base/files",
+    "base/child": "base base/files",
     "atlas/surface": "base base/geometry",
     "atlas/deformation": "base base/geometry",
     "atlas/tracts": "base base/files base/geometry",
@@ -72,7 +74,7 @@ LIBRARY = {
     "poses/rows": "base base/files base/geometry",
     "poses/programs": "base base/files base/geometry base/formats poses/rows",
     "poses": "base base/geometry base/formats poses/rows poses/programs",
-    "loaders/formats": "base base/files base/formats",
+    "loaders/formats": "base base/files base/formats base/child",
     # file_kind.c asks the table of formats, and the readers of label tables.
     "loaders": "base loaders/labels loaders/formats base/formats",
     "loaders/tiff": "base base/files",
@@ -86,7 +88,7 @@ LIBRARY = {
     "loaders/cifti": "base base/files base/geometry base/formats loaders/volumes loaders/labels atlas/labels"
     " loaders/formats",
     "loaders/labels": "base base/files base/geometry base/formats atlas/labels loaders/formats",
-    "loaders/child": "base base/files base/cache atlas/surface atlas",
+    "loaders/child": "base base/files base/cache base/child atlas/surface atlas",
     "loaders/surfaces/foreign": "base base/files base/geometry base/formats atlas/labels atlas/surface loaders",
     "loaders/surfaces": "base base/files base/geometry base/formats atlas/labels atlas/surface atlas loaders"
     " loaders/labels loaders/cifti loaders/child loaders/surfaces/foreign loaders/formats loaders/volumes",

@@ -35,6 +35,7 @@ static const struct {
     {"a.nrrd", BYTES("NRRD0004\ntype: uchar\n"), "a volume", "ATLAS"},
     {"a.mha", BYTES("ObjectType = Image\nNDims = 3\n"), "a volume", "ATLAS"},
     {"a.mhd", BYTES("NDims = 3\n"), "a volume", "ATLAS"},
+    {"a.mat", BYTES("MATLAB 7.3 MAT-file, Platform: GLNXA64"), "a MATLAB file of version 7.3", "convert it to NIfTI"},
     {"a.mnc", BYTES("CDF\1\0\0"), "a MINC-1 volume", "mnc2nii"},
     {"a.mnc", BYTES("\x89HDF\r\n\x1a\n\0"), "an HDF5 file (a MINC-2 volume, say)", "mnc2nii"},
     {"a+tlrc.HEAD", BYTES("\ntype = string-attribute\nname = HISTORY_NOTE\n"), "a volume", "ATLAS"},

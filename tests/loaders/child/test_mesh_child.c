@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static const struct mesh_child_limits limits = {.memory = UINT64_C(1) << 30, .seconds = 20, .wait = 100};
+static const struct child_limits limits = {.memory = UINT64_C(1) << 30, .seconds = 20, .wait = 100};
 
 /* Lets $CONUS_MESH be a program of these lines. */
 static void play(const char *lines)
@@ -44,7 +44,7 @@ static conus_status count_frame(void *user, const struct mesh_frame *frame)
     return CONUS_OK;
 }
 
-static conus_status run(size_t *frames, const struct mesh_child_limits *allowed)
+static conus_status run(size_t *frames, const struct child_limits *allowed)
 {
     struct mesh_child_request request = {.voxels = "voxels", .size = 6};
     buffer_text(&request.head, "request and ");
@@ -60,7 +60,7 @@ static void check_no_process_is_left(void)
     assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
 }
 
-static void fails_within(const struct mesh_child_limits *allowed, const char *lines, const char *part)
+static void fails_within(const struct child_limits *allowed, const char *lines, const char *part)
 {
     size_t frames;
     play(lines);
@@ -78,7 +78,7 @@ static void fails_with(const char *lines, const char *part)
 
 static void has_no_end(const char *lines, const char *part)
 {
-    const struct mesh_child_limits short_limits = {.memory = UINT64_C(1) << 30, .seconds = 1, .wait = 2};
+    const struct child_limits short_limits = {.memory = UINT64_C(1) << 30, .seconds = 1, .wait = 2};
     fails_within(&short_limits, lines, part);
 }
 
@@ -154,7 +154,7 @@ static void a_mesh_beyond_the_memory_is_refused_before_it_comes(void **state)
     build_header(&bytes, (struct built_frame){MESH_FRAME_MESH, 0, 0, NULL, UINT32_MAX, UINT32_MAX});
     play_bytes(&bytes);
     assert_fails(run(&frames, &limits), CONUS_ERROR_MEMORY);
-    assert_non_null(strstr(conus_message(), "a mesh of 103079215112 bytes, allowed are 1073741824"));
+    assert_non_null(strstr(conus_message(), "an answer of 103079215112 bytes, allowed are 1073741824"));
     check_no_process_is_left();
     buffer_finish(&bytes);
 }

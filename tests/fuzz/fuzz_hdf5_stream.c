@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What conus-hdf5 writes, should it have lost its mind. */
+#include "base/child/hdf5.h"
+#include "base/memory.h"
+
+#include <stdlib.h>
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* Reads every element; ends where one is not what it must be. */
+static void use(const struct hdf5_value *value)
+{
+    size_t used = 0;
+    for (size_t i = 0; i < value->count && value->size; i++) {
+        used += hdf5_number(value, i) != 0;
+    }
+    for (size_t i = 0; i < value->count && value->class == HDF5_STRING; i++) {
+        struct text text = hdf5_string(value, i);
+        used += text.size && text.data[text.size - 1];
+    }
+    if (used > value->count) {
+        abort();
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct hdf5 *hdf5 = NULL;
+    struct bytes stream = {memory_copy(data, size, 1), size};
+    conus_status status = stream.data ? hdf5_parse(&hdf5, &stream) : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < hdf5_count(hdf5); i++) {
+        const struct hdf5_object *object = hdf5_object(hdf5, i);
+        use(&object->value);
+        for (size_t k = 0; k < object->attribute_count; k++) {
+            use(&object->attributes[k]);
+        }
+        const struct hdf5_object *found = hdf5_find_address(hdf5, object->address);
+        if (!found || found->address != object->address) {
+            abort();
+        }
+    }
+    hdf5_destroy(hdf5);
+    return status == CONUS_OK || *conus_message() ? 0 : -1;
+}
