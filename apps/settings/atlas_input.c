@@ -189,7 +189,8 @@ static bool streamlines_option_parse(struct streamlines_option *out, const char 
     return *out->path && !key_left_in_file("streamlines", out->path, keys);
 }
 
-/* The parts of "FILE[,from=IMAGE,to=IMAGE][,inverse][,relative|absolute][,grid=IMAGE]", which is cut at its commas. */
+/* The parts of "FILE[,from=IMAGE,to=IMAGE][,inverse][,relative|absolute][,grid=IMAGE][,transform=K]", which is cut at
+ * its commas. */
 struct transform_option {
     char *path;
     conus_transform_options options;
@@ -204,6 +205,13 @@ static bool transform_take_key(struct transform_option *out, const char *key)
     if ((strcmp(key, "relative") == 0 || strcmp(key, "absolute") == 0) && !out->options.vectors) {
         out->options.vectors = key[0] == 'r' ? CONUS_VECTORS_RELATIVE : CONUS_VECTORS_ABSOLUTE;
         return true;
+    }
+    if (strncmp(key, "transform=", 10) == 0 && !out->options.transform) {
+        double number;
+        bool is_number =
+            number_parse(key + 10, &number) && number >= 0 && number < UINT32_MAX && number == floor(number);
+        out->options.transform = is_number ? (size_t)number + 1 : 0;
+        return is_number;
     }
     if (strncmp(key, "grid=", 5) == 0 && !out->options.grid) {
         out->options.grid = key + 5;

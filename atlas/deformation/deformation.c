@@ -75,42 +75,107 @@ static void place_vector(double out[3], const struct deformation *field, const d
     vec3_add_scaled(out, base, 1, out);
 }
 
-void deformation_at(double out[3], const struct deformation *field, const double q[3])
+/* The 64 nodes around a point. */
+struct knots {
+    size_t first[3];
+    double weight[3][4]; /* along i, j, k */
+    double slope[3][4];
+};
+
+/* Cubic B-splines, C. de Boor, A Practical Guide to Splines, chapter IX, for whole numbers as knots; as
+ * itk::BSplineInterpolationWeightFunction has them. */
+static void find_knots(struct knots *out, const struct deformation *field, const double q[3])
 {
-    struct cell cell;
-    find_cell(&cell, field, q);
-    const double vector[3] = {value_in(&cell, 0), value_in(&cell, 1), value_in(&cell, 2)};
-    place_vector(out, field, q, vector);
+    for (int a = 0; a < 3; a++) {
+        double last = (double)(field->dim[a] - 2);
+        double x = fmin(fmax(q[a], 1), last);
+        double first = fmin(floor(x), last - 1) - 1;
+        double t = x - first - 1;
+        double u = 1 - t;
+        const double weight[4] = {u * u * u / 6, (4 + t * t * (3 * t - 6)) / 6, (4 + u * u * (3 * u - 6)) / 6,
+                                  t * t * t / 6};
+        const double slope[4] = {-u * u / 2, t * (3 * t - 4) / 2, u * (4 - 3 * u) / 2, t * t / 2};
+        out->first[a] = (size_t)first;
+        memcpy(out->weight[a], weight, sizeof weight);
+        memcpy(out->slope[a], slope, sizeof slope);
+    }
 }
 
-void deformation_node(double out[3], const struct deformation *field, const size_t node[3])
+/* The vector, or how it changes along `axis`; -1 = the vector. */
+static void spline_vector(double out[3], const struct deformation *field, const struct knots *knots, int axis)
 {
-    const float *v = field->vectors + 3 * (node[0] + field->dim[0] * (node[1] + field->dim[1] * node[2]));
-    const double q[3] = {(double)node[0], (double)node[1], (double)node[2]};
-    const double vector[3] = {(double)v[0], (double)v[1], (double)v[2]};
+    const size_t *dim = field->dim;
+    const double *along[3];
+    for (int a = 0; a < 3; a++) {
+        along[a] = a == axis ? knots->slope[a] : knots->weight[a];
+    }
+    for (size_t n = 0; n < 3; n++) {
+        out[n] = 0;
+        for (size_t jk = 0; jk < 16; jk++) {
+            size_t row = knots->first[1] + jk % 4 + dim[1] * (knots->first[2] + jk / 4 + dim[2] * n);
+            const double *c = field->coefficients + knots->first[0] + dim[0] * row;
+            double sum = c[0] * along[0][0] + c[1] * along[0][1] + c[2] * along[0][2] + c[3] * along[0][3];
+            out[n] += sum * along[1][jk % 4] * along[2][jk / 4];
+        }
+    }
+}
+
+void deformation_at(double out[3], const struct deformation *field, const double q[3])
+{
+    double vector[3];
+    if (field->coefficients) {
+        struct knots knots;
+        find_knots(&knots, field, q);
+        spline_vector(vector, field, &knots, -1);
+    } else {
+        struct cell cell;
+        find_cell(&cell, field, q);
+        for (int n = 0; n < 3; n++) {
+            vector[n] = value_in(&cell, n);
+        }
+    }
     place_vector(out, field, q, vector);
 }
 
 void deformation_slope(double out[3], double columns[3][3], const struct deformation *field, const double q[3])
 {
-    struct cell cell;
-    find_cell(&cell, field, q);
-    const double vector[3] = {value_in(&cell, 0), value_in(&cell, 1), value_in(&cell, 2)};
+    struct cell cell = {0};
+    struct knots knots;
+    if (field->coefficients) {
+        find_knots(&knots, field, q);
+    } else {
+        find_cell(&cell, field, q);
+    }
     for (int axis = 0; axis < 3; axis++) {
         double change[3] = {0};
-        for (int n = 0; !cell.flat[axis] && n < 3; n++) {
+        if (field->coefficients) {
+            spline_vector(change, field, &knots, axis);
+        }
+        for (int n = 0; !field->coefficients && !cell.flat[axis] && n < 3; n++) {
             change[n] = slope_in(&cell, n, axis);
         }
         mat4_direction(change, field->linear, change);
         vec3_add_scaled(columns[axis], field->base + (ptrdiff_t)4 * axis, 1, change);
     }
-    place_vector(out, field, q, vector);
+    deformation_at(out, field, q);
+}
+
+/* Where the grid begins and ends along an axis. */
+static double first_index(const struct deformation *field)
+{
+    return field->coefficients ? 1 : -0.5;
+}
+
+static double last_index(const struct deformation *field, int axis)
+{
+    return (double)field->dim[axis] - (field->coefficients ? 2 : 0.5);
 }
 
 bool deformation_holds(const struct deformation *field, const double q[3])
 {
     for (int a = 0; a < 3; a++) {
-        if (!(q[a] >= -0.5 && q[a] < (double)field->dim[a] - 0.5)) {
+        double last = last_index(field, a);
+        if (!(q[a] >= first_index(field) && (q[a] < last || (field->coefficients && q[a] == last)))) {
             return false;
         }
     }
@@ -146,13 +211,57 @@ void deformation_finish(struct deformation *field)
 {
     if (!field->is_borrowed) {
         memory_free(field->vectors);
+        memory_free(field->coefficients);
     }
     *field = (struct deformation){0};
 }
 
-/* The positions of the nodes of two layers, of which `far` is the second. */
+void transform_finish(struct transform *transform)
+{
+    for (size_t i = 0; i < transform->warp_count; i++) {
+        deformation_finish(&transform->warps[i].field);
+    }
+    memory_free(transform->warps);
+    *transform = (struct transform){0};
+}
+
+/* Places where a field is looked at: its nodes, or every half step between the ends of a grid of splines. */
+struct lattice {
+    size_t dim[3];
+    double first, step;
+};
+
+static struct lattice lattice_of(const struct deformation *field)
+{
+    struct lattice lattice = {.step = 1};
+    memcpy(lattice.dim, field->dim, sizeof lattice.dim);
+    for (int a = 0; field->coefficients && a < 3; a++) {
+        lattice.first = first_index(field);
+        lattice.step = 0.5;
+        lattice.dim[a] = 2 * (field->dim[a] - 3) + 1;
+    }
+    return lattice;
+}
+
+/* Where a place of the lattice goes; *q is where it is. */
+static void find_image(double out[3], double q[3], const struct deformation *field, const struct lattice *lattice,
+                       const size_t place[3])
+{
+    for (int a = 0; a < 3; a++) {
+        q[a] = lattice->first + lattice->step * (double)place[a];
+    }
+    if (field->coefficients) {
+        deformation_at(out, field, q);
+    } else {
+        const float *v = field->vectors + 3 * (place[0] + field->dim[0] * (place[1] + field->dim[1] * place[2]));
+        const double vector[3] = {(double)v[0], (double)v[1], (double)v[2]};
+        place_vector(out, field, q, vector);
+    }
+}
+
+/* Where two layers of the lattice go, of which `far` is the second. */
 struct layers {
-    const struct deformation *field;
+    struct lattice lattice;
     double (*near)[3]; /* [dim[0] dim[1]] */
     double (*far)[3];
 };
@@ -163,7 +272,7 @@ static bool folds_at(const struct layers *layers, size_t n, double turn)
 {
     const double *x[8];
     for (unsigned c = 0; c < 8; c++) {
-        x[c] = (c & 4 ? layers->far : layers->near)[n + (c & 1) + (c >> 1 & 1) * layers->field->dim[0]];
+        x[c] = (c & 4 ? layers->far : layers->near)[n + (c & 1) + (c >> 1 & 1) * layers->lattice.dim[0]];
     }
     for (unsigned c = 0; c < 8; c++) {
         double edges[3][3];
@@ -183,18 +292,20 @@ conus_status deformation_facts_find(struct deformation_facts *out, const struct 
 {
     struct deformation_facts facts = {0};
     double turn = mat4_determinant3(field->start) < 0 ? -1 : 1;
-    size_t nodes = field->dim[0] * field->dim[1];
-    struct layers layers = {field, memory_raw(nodes, sizeof *layers.near), memory_raw(nodes, sizeof *layers.far)};
+    const struct lattice lattice = lattice_of(field);
+    const size_t *dim = lattice.dim;
+    size_t nodes = dim[0] * dim[1];
+    struct layers layers = {lattice, memory_raw(nodes, sizeof *layers.near), memory_raw(nodes, sizeof *layers.far)};
     bool enough = layers.near && layers.far;
-    for (size_t k = 0; enough && k < field->dim[2]; k++) {
+    for (size_t k = 0; enough && k < dim[2]; k++) {
         double(*last)[3] = layers.near;
         layers.near = layers.far;
         layers.far = last;
         for (size_t n = 0; n < nodes; n++) {
-            const size_t node[3] = {n % field->dim[0], n / field->dim[0], k};
-            const double q[3] = {(double)node[0], (double)node[1], (double)node[2]};
+            const size_t node[3] = {n % dim[0], n / dim[0], k};
+            double q[3];
             double way[3];
-            deformation_node(layers.far[n], field, node);
+            find_image(layers.far[n], q, field, &lattice, node);
             mat4_point(way, field->world_from_voxel, q);
             vec3_sub(way, layers.far[n], way);
             facts.nodes++;
@@ -202,7 +313,6 @@ conus_status deformation_facts_find(struct deformation_facts *out, const struct 
             facts.farthest = fmax(facts.farthest, vec3_length(way)); /* NaN is passed over */
         }
         if (k > 0) {
-            const size_t *dim = layers.field->dim;
             for (size_t j = 0; j + 1 < dim[1]; j++) {
                 for (size_t i = 0; i + 1 < dim[0]; i++) {
                     facts.cells++;
@@ -229,12 +339,12 @@ conus_status deformation_facts_find(struct deformation_facts *out, const struct 
 
 enum { STEPS = 100, HALVINGS = 20, LATTICE = 10 }; /* LATTICE: nodes along an axis that are tried as a start */
 
-static const double inside = 0.5 - 1e-9; /* half a step beyond the last node, less rounding */
+static const double inside = 1e-9; /* from the ends of the grid, for rounding */
 
 static void hold_inside(double q[3], const struct deformation *field)
 {
     for (int a = 0; a < 3; a++) {
-        q[a] = fmin(fmax(q[a], -inside), (double)(field->dim[a] - 1) + inside);
+        q[a] = fmin(fmax(q[a], first_index(field) + inside), last_index(field, a) - inside);
     }
 }
 
@@ -303,14 +413,18 @@ static bool search(double q[3], const struct deformation *field, const double ta
 static bool nearest_node(double out[3], const struct deformation *field, const double target[3])
 {
     double best = INFINITY;
+    const struct lattice lattice = lattice_of(field);
     double step[3];
     for (int a = 0; a < 3; a++) {
-        step[a] = (double)(field->dim[a] - 1) / (LATTICE - 1);
+        step[a] = (double)(lattice.dim[a] - 1) / (LATTICE - 1);
     }
     for (int n = 0; n < LATTICE * LATTICE * LATTICE; n++) {
         const int at[3] = {n % LATTICE, n / LATTICE % LATTICE, n / LATTICE / LATTICE};
-        const double q[3] = {floor(at[0] * step[0]), floor(at[1] * step[1]), floor(at[2] * step[2])};
+        double q[3];
         double x[3];
+        for (int a = 0; a < 3; a++) {
+            q[a] = lattice.first + lattice.step * floor(at[a] * step[a]);
+        }
         deformation_at(x, field, q);
         vec3_sub(x, target, x);
         if (vec3_length(x) < best) {
@@ -324,7 +438,7 @@ static bool nearest_node(double out[3], const struct deformation *field, const d
 static bool is_at_border(const double q[3], const struct deformation *field)
 {
     for (int a = 0; a < 3; a++) {
-        if (!(q[a] > -inside && q[a] < (double)(field->dim[a] - 1) + inside)) {
+        if (!(q[a] > first_index(field) + inside && q[a] < last_index(field, a) - inside)) {
             return true;
         }
     }
@@ -380,11 +494,11 @@ struct sums {
     double xq[3][3];    /* [axis of q][axis of x] */
 };
 
-static void add_node(struct sums *sums, struct deformation *field, const size_t node[3])
+static void add_node(struct sums *sums, struct deformation *field, const struct lattice *lattice, const size_t node[3])
 {
-    const double q[3] = {(double)node[0], (double)node[1], (double)node[2]};
+    double q[3];
     double x[3];
-    deformation_node(x, field, node);
+    find_image(x, q, field, lattice, node);
     if (!vec3_is_finite(x)) {
         return;
     }
@@ -418,19 +532,20 @@ static void fit(double out[16], const struct sums *sums)
 
 conus_status deformation_measure(struct deformation *field)
 {
+    const struct lattice lattice = lattice_of(field);
     struct sums sums = {0};
     double near[16];
     size_t node[3];
     size_t step[3];
     for (int a = 0; a < 3; a++) {
-        step[a] = field->dim[a] / MEASURED + 1;
+        step[a] = lattice.dim[a] / MEASURED + 1;
         field->low[a] = INFINITY;
         field->high[a] = -INFINITY;
     }
-    for (node[2] = 0; node[2] < field->dim[2]; node[2] += step[2]) {
-        for (node[1] = 0; node[1] < field->dim[1]; node[1] += step[1]) {
-            for (node[0] = 0; node[0] < field->dim[0]; node[0] += step[0]) {
-                add_node(&sums, field, node);
+    for (node[2] = 0; node[2] < lattice.dim[2]; node[2] += step[2]) {
+        for (node[1] = 0; node[1] < lattice.dim[1]; node[1] += step[1]) {
+            for (node[0] = 0; node[0] < lattice.dim[0]; node[0] += step[0]) {
+                add_node(&sums, field, &lattice, node);
             }
         }
     }

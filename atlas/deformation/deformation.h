@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A deformation field: a vector at each node of a grid says where a point goes. */
+/** @file A deformation field: vectors at the nodes of a grid say where a point goes. */
 #ifndef CONUS_ATLAS_DEFORMATION_DEFORMATION_H
 #define CONUS_ATLAS_DEFORMATION_DEFORMATION_H
 
@@ -15,28 +15,28 @@ struct deformation {
     double linear[16];      /**< From a vector to mm. The last column is 0.                                           */
     float *vectors;         /**< [3 dim[0] dim[1] dim[2]] The three of a node together, i fastest; owned. NaN: the
                                field says nothing there.                                                              */
+    double *coefficients;   /**< [3][dim[0] dim[1] dim[2]] In place of vectors, those of x, then y, then z, i fastest;
+                               owned. v(q) is their sum by cubic B-splines of the 64 nodes around q. The grid then has
+                               4 nodes or more along each axis, and ends at the last but one. */
     bool stays_outside;     /**< A point outside of the grid stays in place; else it has no image. */
-    bool is_borrowed;       /**< The vectors are not the field's own.                                                 */
+    bool is_borrowed;       /**< Vectors and coefficients are not the field's own.                                    */
     double start[16];       /**< An affine near the inverse of the field, from mm to indices: deformation_measure(). */
     double low[3], high[3]; /**< Approximate bounds of the nodes' positions: deformation_measure(). */
 };
 
 void deformation_finish(struct deformation *field);
 
-/** The image of the world point @p p; false, and NaN, where the field has no value. The grid ends half a step beyond
- * its nodes, where the value is that of the border. @p out may be @p p. */
+/** The image of the world point @p p; false, and NaN, where the field has no value. The grid of vectors ends half a
+ * step beyond its nodes, where the value is that of the border. @p out may be @p p. */
 bool deformation_point(double out[3], const struct deformation *field, const double p[3]);
 
-/** The image of the point with the indices @p q, which is within half a step of the grid; NaN as above. */
+/** The image of the point with the indices @p q, which deformation_holds(); NaN as above. */
 void deformation_at(double out[3], const struct deformation *field, const double q[3]);
 
 /** The same, and its derivative by @p q: columns of mm per index. */
 void deformation_slope(double out[3], double columns[3][3], const struct deformation *field, const double q[3]);
 
-/** Where a node goes. */
-void deformation_node(double out[3], const struct deformation *field, const size_t node[3]);
-
-/** Whether indices are within half a step of the grid. */
+/** Whether indices are in the grid. */
 bool deformation_holds(const struct deformation *field, const double q[3]);
 
 /** Sets start, low and high. CONUS_ERROR_DATA if no node has an image, or all lie in a plane. */
@@ -51,14 +51,23 @@ struct warp {
 /** The image of a point through all of @p warps, the last one first; as deformation_point(). */
 bool warps_point(double out[3], const struct warp *warps, size_t count, const double p[3]);
 
+/** From points to points, RAS mm: through @p first, and then through the warps, the last one first. */
+struct transform {
+    double first[16];
+    struct warp *warps; /**< [warp_count] Their fields are measured; owned. An affine has none. */
+    size_t warp_count;
+};
+
+void transform_finish(struct transform *transform);
+
 struct deformation_facts {
     double farthest;        /**< Longest displacement of a node, mm. */
-    size_t nodes, unstated; /**< Nodes, and those without a value. */
-    size_t cells, folds;    /**< Cells between eight nodes, and those in which the map folds at a corner (its Jacobian
-                                 has another sign than the field as a whole, or is 0). */
-    double growth;          /**< The volume that 1 mm^3 becomes, by the affine next to the field.         */
-    bool mirrors;           /**< The field as a whole mirrors. */
-    bool half_turn;         /**< The field as a whole turns by about half a circle about z. */
+    size_t nodes, unstated; /**< Nodes, and those without a value; of splines every half step. */
+    size_t cells, folds; /**< Cells between eight of these, and those in which the map folds at a corner (its Jacobian
+                              has another sign than the field as a whole, or is 0). */
+    double growth;       /**< The volume that 1 mm^3 becomes, by the affine next to the field.         */
+    bool mirrors;        /**< The field as a whole mirrors. */
+    bool half_turn;      /**< The field as a whole turns by about half a circle about z. */
 };
 
 /** Finds the facts of a measured field. */

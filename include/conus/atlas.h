@@ -224,9 +224,12 @@ typedef struct conus_transform_options {
     const char *to;      /**< For FSL's files: path of the image to which it moves them; NULL otherwise. */
     bool inverse;        /**< The file moves points of the atlas to where poses are; of affines only. */
     const char *grid;    /**< Path of a volume, in the space from which the file takes points: voxels that a field moves
-                            are resampled on its grid. NULL = on that of the field. */
+                            are resampled on its grid. NULL = on that of the field; for a B-spline from one end of it
+                            to the other, with voxels as small as the atlas's smallest. */
     uint64_t max_memory; /**< As conus_load_options.max_memory, of the field and of what it resamples. */
     conus_vectors vectors; /**< For fields: the meaning of their vectors. */
+    size_t transform;      /**< For a list of ITK's transforms that is no composite: K + 1 chooses number K, from 0; 0 =
+                              there is one. */
 } conus_transform_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -235,15 +238,15 @@ typedef struct conus_transform_options {
 /**
  * Brings the atlas to where poses are, by a file that moves points from there to the atlas. By an affine (ITK's text or
  * .mat, FreeSurfer's .lta, the MNI's .xfm, FSL's matrix, or 4 x 4 numbers of RAS mm) matrices of voxels are composed,
- * exactly, and vertices and streamlines are moved. By a deformation field (of ITK, SPM or FSL, as NIfTI) voxels are
- * resampled: one of the new grid is what the atlas's own voxel nearest to where its centre goes is, by one search
- * through all that moves the atlas. Vertices and points of streamlines go where the field leads back to them, to 1e-6
- * mm before rounding to float; triangles with one for which there is no such place are left out, and so are whole
- * streamlines with such a point; a note tells. All that the atlas has moves with it, its context too; what is added
- * later does not. Lengths and volumes are then those where poses are. Before a selector or renderer is made, and before
- * something is hidden; conus_atlas_set_hemispheres() comes before a field. Of several transforms, which points go
- * through one after the other, the last one is given first. docs/spaces.md has the formats.
- * @param atlas The atlas; unchanged on failure.
+ * exactly, and vertices and streamlines are moved. By a deformation field (of ITK, SPM or FSL, as NIfTI) or a B-spline
+ * (of ITK, as its affines) voxels are resampled: one of the new grid is what the atlas's own voxel nearest to where its
+ * centre goes is, by one search through all that moves the atlas. Vertices and points of streamlines go where the field
+ * leads back to them, to 1e-6 mm before rounding to float; triangles with one for which there is no such place are left
+ * out, and so are whole streamlines with such a point; a note tells. All that the atlas has moves with it, its context
+ * too; what is added later does not. Lengths and volumes are then those where poses are. Before a selector or renderer
+ * is made, and before something is hidden; conus_atlas_set_hemispheres() comes before a field. Of several transforms,
+ * which points go through one after the other, the last one is given first. docs/spaces.md has the formats.
+ * @param atlas The atlas; unchanged on failure, but that a part of a composite with a B-spline may have moved it.
  * @param path The file.
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where the file cannot be read or is damaged, for a matrix

@@ -120,6 +120,14 @@ static conus_status read_streamlines(void *field, const json_t *value, const str
     return json_is_string(value) ? schema_path(&out->file, value, place) : schema_object(out, value, keys, place);
 }
 
+static conus_status read_transform_number(void *field, const json_t *value, const struct schema_place *place)
+{
+    uint32_t number = 0;
+    conus_status status = schema_uint(&number, value, place, 0);
+    *(size_t *)field = status ? 0 : (size_t)number + 1;
+    return status;
+}
+
 static conus_status read_vectors(void *field, const json_t *value, const struct schema_place *place)
 {
     static const char *const words[] = {"as-stated", "relative", "absolute", NULL};
@@ -138,6 +146,7 @@ static conus_status read_transform(void *field, const json_t *value, const struc
         {"inverse", schema_flag, AT(manifest_transform, inverse), false},
         {"grid", schema_path, AT(manifest_transform, grid), false},
         {"vectors", read_vectors, AT(manifest_transform, vectors), false},
+        {"transform", read_transform_number, AT(manifest_transform, transform), false},
         {"comment", schema_comment, 0, false},
         {0},
     };

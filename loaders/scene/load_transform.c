@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_transform(): moves an atlas by an affine or a field. */
+/* conus_atlas_transform(): moves an atlas by affines and fields. */
 #include "atlas/atlas.h"
 #include "atlas/fit/area_points.h"
 #include "atlas/placement.h"
+#include "atlas/space.h"
 #include "atlas/warp/warp.h"
 #include "base/files/file_sums.h"
 #include "base/geometry/math3.h"
@@ -67,24 +68,84 @@ static conus_status transform_images_note(conus_atlas *atlas, const conus_transf
     return status;
 }
 
-static conus_status move_by_affine(conus_atlas *atlas, const char *path, const conus_transform_options *options,
-                                   const struct warp_plan *plan, struct file_sums *read)
+static const double unit[16] = {1, [5] = 1, [10] = 1, [15] = 1};
+
+/* Voxels for what a field moves: its nodes; for a spline, whose nodes are far apart, as small as the atlas's smallest,
+ * from one end of its grid to the other. */
+static conus_status find_grid(conus_volume_info *out, const conus_atlas *atlas, const struct deformation *field)
 {
-    double atlas_from_world[16];
+    enum { MOST = 100000 };
+    conus_volume_info grid = {0};
+    double matrix[16];
+    double edge = INFINITY;
+    memcpy(matrix, field->world_from_voxel, sizeof matrix);
+    memcpy(grid.dim, field->dim, sizeof grid.dim);
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        const double *spacing = atlas->volumes[i].info.spacing;
+        edge = fmin(edge, fmin(spacing[0], fmin(spacing[1], spacing[2])));
+    }
+    edge = isfinite(edge) ? edge : 1;
+    for (int a = 0; field->coefficients && a < 3; a++) {
+        double step = edge / vec3_length(field->world_from_voxel + 4 * a);
+        double count = floor((double)(field->dim[a] - 3) / step + 1e-9) + 1;
+        if (!(count <= MOST)) {
+            return fail(CONUS_ERROR_DATA,
+                        "%.0f voxels of %g mm along a B-spline, up to %d are allowed: grid=IMAGE is "
+                        "needed",
+                        count, edge, MOST);
+        }
+        grid.dim[a] = (size_t)count;
+        vec3_scale(matrix + 4 * a, field->world_from_voxel + 4 * a, step);
+        vec3_add_scaled(matrix + 12, matrix + 12, 1, field->world_from_voxel + 4 * a);
+    }
+    conus_status status = space_describe(&grid, matrix, field->coefficients ? "B-spline" : "field");
+    if (!status) {
+        *out = grid;
+    }
+    return status;
+}
+
+/* Moves the atlas by all of a chain, from the last one that points go through to the first. */
+static conus_status move_along(conus_atlas *atlas, struct transform *way, const struct warp_plan *plan)
+{
+    bool is_affine = !mat4_is_same(way->first, unit);
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < way->warp_count; i++) {
+        struct warp *warp = &way->warps[i];
+        conus_volume_info nodes = {0};
+        struct warp_plan own = *plan;
+        bool is_last = i + 1 == way->warp_count && !is_affine;
+        status = mat4_is_same(warp->after, unit) ? CONUS_OK : atlas_move(atlas, warp->after, plan->words);
+        status = status ? status : find_grid(&nodes, atlas, &warp->field);
+        own.grid = is_last && plan->grid ? plan->grid : &nodes;
+        status = status ? status : atlas_warp(atlas, &warp->field, &own);
+    }
+    if (status || (way->warp_count && !is_affine)) {
+        return status;
+    }
+    return plan->grid ? atlas_move_onto(atlas, way->first, plan) : atlas_move(atlas, way->first, plan->words);
+}
+
+static conus_status move_by_transform(conus_atlas *atlas, const char *path, const conus_transform_options *options,
+                                      const struct warp_plan *plan, struct file_sums *read)
+{
+    struct transform way = {0};
     if (options->vectors) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: vectors of a field are relative or absolute, and this is none", path);
     }
-    conus_status status = transform_file_read(atlas_from_world, path, options->from, options->to, read);
-    if (!status && options->inverse) {
-        (void)mat4_invert_affine(atlas_from_world, atlas_from_world); /* which the reader has tried */
+    conus_status status = transform_file_read(&way, path, options, read);
+    if (!status && options->inverse && way.warp_count) {
+        status = fail(CONUS_ERROR_UNSUPPORTED, "%s: a B-spline is not inverted; that of the other direction is needed",
+                      path);
+    } else if (!status && options->inverse) {
+        (void)mat4_invert_affine(way.first, way.first); /* which the reader has tried */
     }
     status = status || !options->from ? status : transform_images_note(atlas, options);
     status = status ? status : transform_images_sum(read, atlas, options);
     status = status ? status : file_sums_move(&atlas->files, read);
-    if (status) {
-        return status;
-    }
-    return plan->grid ? atlas_move_onto(atlas, atlas_from_world, plan) : atlas_move(atlas, atlas_from_world, path);
+    status = status ? status : move_along(atlas, &way, plan);
+    transform_finish(&way);
+    return status;
 }
 
 static conus_status move_by_field(conus_atlas *atlas, const char *path, const conus_transform_options *options,
@@ -117,7 +178,7 @@ conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const c
     size_t note_count = atlas->notes.count;
     conus_status status = options->grid ? volume_file_header(&grid, options->grid) : CONUS_OK;
     status = status ? status : field_file_is(&is_field, path);
-    status = status ? status : (is_field ? move_by_field : move_by_affine)(atlas, path, options, &plan, &read);
+    status = status ? status : (is_field ? move_by_field : move_by_transform)(atlas, path, options, &plan, &read);
     if (status) {
         file_sums_cut(&atlas->files, file_count);
         notes_cut(&atlas->notes, note_count);

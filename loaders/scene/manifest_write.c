@@ -41,19 +41,21 @@ static conus_status say_transform(struct manifest_draft *draft, const char *name
 static conus_status draft_transform_say(struct manifest_draft *draft, const char *name)
 {
     struct file_sums read = {0};
-    double matrix[16];
+    struct transform transform = {0};
     bool is_named_so = path_ends_in(name, ".tfm") || path_ends_in(name, ".mat") || path_ends_in(name, ".lta") ||
                        path_ends_in(name, ".xfm");
     if (!is_named_so) {
         return CONUS_OK;
     }
     char *path = file_beside(draft->folder, name);
-    conus_status status = path ? transform_file_read(matrix, path, NULL, NULL, &read) : CONUS_ERROR_MEMORY;
+    conus_status status =
+        path ? transform_file_read(&transform, path, &(conus_transform_options){0}, &read) : CONUS_ERROR_MEMORY;
     bool is_transform = !status || status == CONUS_ERROR_ARGUMENT; /* FSL's, without its images */
     status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK;
     if (!status && is_transform) {
         status = say_transform(draft, name, "a transform");
     }
+    transform_finish(&transform);
     file_sums_finish(&read);
     memory_free(path);
     return status;

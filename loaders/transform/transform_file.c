@@ -3,6 +3,7 @@
 #include "loaders/transform/transform_file.h"
 
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "loaders/file_kind.h"
 #include "loaders/transform/transform_formats.h"
 #include "loaders/volumes/nifti.h"
@@ -98,10 +99,11 @@ static conus_status xfm_parse(double out[16], struct text text)
     return CONUS_OK;
 }
 
-enum { TRANSFORM_LIMIT = 1 << 20 }; /* bytes: a hundred times what an affine takes */
+enum { AFFINE_LIMIT = 1 << 20 }; /* bytes: a hundred times what an affine takes */
 
 static const char transform_needed[] = "an affine transform (ITK's text or .mat, FreeSurfer's .lta, the MNI's .xfm, "
-                                       "FSL's matrix, or 4 x 4 numbers), or a deformation field (NIfTI)";
+                                       "FSL's matrix, or 4 x 4 numbers), a B-spline (ITK's), or a deformation field "
+                                       "(NIfTI)";
 
 /* FreeSurfer's linear transforms (.lta): a matrix from source to destination, between their voxels or in RAS mm. */
 
@@ -377,19 +379,19 @@ static conus_status fail_kind(const char *path, const struct bytes *file)
                : file_kind_fail(path, file, transform_needed);
 }
 
-static conus_status parse_kind(double out[16], enum kind kind, const struct bytes *file, const char *path,
-                               const char *from, const char *to)
+static conus_status parse_kind(struct transform *out, enum kind kind, const struct bytes *file, const char *path,
+                               const conus_transform_options *options)
 {
     struct text text = text_from_bytes(file->data, file->size);
     switch (kind) {
     case KIND_MATRIX:
-        return transform_read_matrix(out, text, path, from, to);
+        return transform_read_matrix(out->first, text, path, options->from, options->to);
     case KIND_ITK:
-        return itk_text_parse(out, text);
+        return itk_text_parse(out, text, options->transform);
     case KIND_XFM:
-        return xfm_parse(out, text);
+        return xfm_parse(out->first, text);
     case KIND_LTA:
-        return lta_parse(out, text);
+        return lta_parse(out->first, text);
     case KIND_MATLAB:
         return itk_matlab_parse(out, file->data, file->size);
     case KIND_NONE:
@@ -398,8 +400,19 @@ static conus_status parse_kind(double out[16], enum kind kind, const struct byte
     return fail_kind(path, file);
 }
 
-conus_status transform_parse(double out[16], const struct bytes *file, const char *path, const char *from,
-                             const char *to)
+/* All affines on the way can be inverted. */
+static conus_status check_matrices(const struct transform *transform)
+{
+    double inverse[16];
+    bool invertible = mat4_invert_affine(inverse, transform->first);
+    for (size_t i = 0; i < transform->warp_count; i++) {
+        invertible = invertible && mat4_invert_affine(inverse, transform->warps[i].after);
+    }
+    return invertible ? CONUS_OK : fail(CONUS_ERROR_DATA, "the matrix is singular, an invertible one is needed");
+}
+
+conus_status transform_parse(struct transform *out, const struct bytes *file, const char *path,
+                             const conus_transform_options *options)
 {
     const struct text text = text_from_bytes(file->data, file->size);
     bool readable = text_is_readable(text);
@@ -409,39 +422,51 @@ conus_status transform_parse(double out[16], const struct bytes *file, const cha
                      : readable && lta_is(text)                            ? KIND_LTA
                      : itk_matlab_is(file->data, file->size)               ? KIND_MATLAB
                                                                            : KIND_NONE;
-    double m[16] = {0};
-    double inverse[16];
-    if (!from != !to) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s=IMAGE is needed, too", from ? "to" : "from");
+    struct transform made = {0};
+    if (!options->from != !options->to) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s=IMAGE is needed, too", options->from ? "to" : "from");
     }
-    if (from && kind != KIND_MATRIX && kind != KIND_NONE) {
+    if (options->from && kind != KIND_MATRIX && kind != KIND_NONE) {
         return fail(CONUS_ERROR_ARGUMENT, "from and to are of FSL's matrices, and this is none");
     }
-    conus_status status = parse_kind(m, kind, file, path, from, to);
+    if (options->transform && kind != KIND_ITK && kind != KIND_NONE) {
+        return fail(CONUS_ERROR_ARGUMENT, "transform is of lists in ITK's text, and this is none");
+    }
+    conus_status status = parse_kind(&made, kind, file, path, options);
+    status = status ? status : check_matrices(&made);
     if (status) {
+        transform_finish(&made);
         return status;
     }
-    if (!mat4_invert_affine(inverse, m)) {
-        return fail(CONUS_ERROR_DATA, "the matrix is singular, an invertible one is needed");
-    }
-    memcpy(out, m, sizeof m);
+    *out = made;
     return CONUS_OK;
 }
 
-conus_status transform_file_read(double out[16], const char *path, const char *from, const char *to,
+conus_status transform_file_read(struct transform *out, const char *path, const conus_transform_options *options,
                                  struct file_sums *read)
 {
     struct bytes file = {0};
-    double m[16];
-    conus_status status = file_read_head(&file, path, TRANSFORM_LIMIT);
+    struct transform made = {0};
+    conus_status status = file_read_head(&file, path, AFFINE_LIMIT);
     if (status) {
         return status;
     }
-    status = file.size == TRANSFORM_LIMIT ? fail_kind(path, &file) : transform_parse(m, &file, path, from, to);
+    bool is_long = file.size == AFFINE_LIMIT;
+    if (is_long && (itk_text_is(text_from_bytes(file.data, file.size)) || itk_matlab_is(file.data, file.size))) {
+        bytes_finish(&file); /* a spline's */
+        status = file_read_allowed(&file, path, memory_limit(options->max_memory));
+        is_long = false;
+    }
+    if (status) {
+        return status;
+    }
+    status = is_long ? fail_kind(path, &file) : transform_parse(&made, &file, path, options);
     status = status ? fail_in(status, path) : file_sums_add(read, path, &file);
     bytes_finish(&file);
-    if (!status) {
-        memcpy(out, m, sizeof m);
+    if (status) {
+        transform_finish(&made);
+        return status;
     }
-    return status;
+    *out = made;
+    return CONUS_OK;
 }

@@ -1,17 +1,41 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The formats of transform_file_read(), each from the bytes of a file to a matrix in RAS mm. */
+/** @file The formats of transform_file_read(), each from the bytes of a file to a transform of RAS mm. */
 #ifndef CONUS_LOADERS_TRANSFORM_TRANSFORM_FORMATS_H
 #define CONUS_LOADERS_TRANSFORM_TRANSFORM_FORMATS_H
 
+#include "atlas/deformation/deformation.h"
 #include "base/status.h"
 #include "base/text.h"
 #include "conus/atlas_info.h"
 
-/* ITK (ANTs, 3D Slicer, elastix): text, and MATLAB's level 4. Points are LPS there. */
+/** One transform of a file of ITK, as the file has it: points are LPS. */
+struct itk_entry {
+    struct text type; /**< "AffineTransform_double_3_3"; points into the file. */
+    double *parameters, *fixed;
+    size_t count, fixed_count;
+    bool has_parameters, has_fixed; /**< A composite has neither. */
+};
+
+/** The transforms of a file, in its order. */
+struct itk_list {
+    struct itk_entry *items;
+    size_t count, capacity;
+};
+
+/** Adds an entry of this type, to be filled. CONUS_ERROR_MEMORY. */
+conus_status itk_list_add(struct itk_list *list, struct text type);
+void itk_list_finish(struct itk_list *list);
+
+/** Makes a transform of RAS of @p list: of its only entry, of those of its composite, where points go through the last
+ * one first, or of entry @p chosen - 1; 0 = none is chosen. CONUS_ERROR_DATA for numbers that do not fit the type,
+ * CONUS_ERROR_UNSUPPORTED for other types, and for several entries of which none is chosen; CONUS_ERROR_ARGUMENT. */
+conus_status itk_transform_make(struct transform *out, const struct itk_list *list, size_t chosen);
+
+/* ITK (ANTs, 3D Slicer, elastix): text, and MATLAB's level 4. */
 bool itk_text_is(struct text text);
-conus_status itk_text_parse(double out[16], struct text text);
+conus_status itk_text_parse(struct transform *out, struct text text, size_t chosen);
 bool itk_matlab_is(const uint8_t *data, size_t size);
-conus_status itk_matlab_parse(double out[16], const uint8_t *data, size_t size);
+conus_status itk_matlab_parse(struct transform *out, const uint8_t *data, size_t size);
 
 /** FLIRT's coordinates of a voxel: mm along the axes from the first one, x turned around where the axes are
  * right-handed in RAS ("neurological"). */

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Affine transforms of ITK, as text and as MATLAB's level 4. The classes' parameters are documented in ITK's reference:
- * itk::MatrixOffsetTransformBase, itk::Euler3DTransform, itk::VersorRigid3DTransform, itk::Similarity3DTransform. */
+/* Transforms of ITK, as text and as MATLAB's level 4. The classes' parameters are documented in ITK's reference:
+ * itk::MatrixOffsetTransformBase, itk::Euler3DTransform, itk::VersorRigid3DTransform, itk::Similarity3DTransform,
+ * itk::BSplineTransform. */
 #include "loaders/transform/transform_formats.h"
 
 #include "base/byte_order.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 
-enum { PARAMETERS_LIMIT = 16 };
+static const double flip[3] = {-1, -1, 1}; /* between LPS and RAS */
 
 /* Rows of R, of a turn by the unit quaternion with the vector part v and a scalar part that is not negative. */
 static conus_status set_versor(double r[3][3], const double v[3])
@@ -55,7 +57,6 @@ static void set_euler(double r[3][3], const double angles[3], bool x_first)
 /* p' = R (p - c) + c + t, of LPS, as a matrix of RAS. */
 static void itk_place(double out[16], double r[3][3], const double c[3], const double t[3])
 {
-    static const double flip[3] = {-1, -1, 1};
     mat4_identity(out);
     for (int row = 0; row < 3; row++) {
         double moved = c[row] + t[row];
@@ -88,52 +89,60 @@ static conus_status check_counts(struct text name, size_t count, size_t wanted, 
                       fixed_wanted);
 }
 
-/* CONUS_OK for the types that itk_matrix() knows. */
+/* Cubic ones; ITK 3's class has the same numbers. */
+static bool is_spline(struct text name)
+{
+    return is_type(name, "BSplineTransform") || is_type(name, "BSplineDeformableTransform");
+}
+
+/* CONUS_OK for the types that are known. */
 static conus_status check_type(struct text name)
 {
     static const char *const read[] = {"AffineTransform",      "MatrixOffsetTransformBase", "Rigid3DTransform",
                                        "Euler3DTransform",     "VersorRigid3DTransform",    "Similarity3DTransform",
                                        "TranslationTransform", "IdentityTransform"};
-    bool found = false;
+    bool found = is_spline(name);
     for (size_t i = 0; i < sizeof read / sizeof read[0]; i++) {
         found = found || is_type(name, read[i]);
     }
     int size = (int)(name.size < 60 ? name.size : 60);
-    if (!found && (text_mentions(name, "BSpline") || text_mentions(name, "DisplacementField"))) {
+    if (!found && text_mentions(name, "DisplacementField")) {
         return fail(CONUS_ERROR_UNSUPPORTED,
-                    "Transform: %.*s, a %s, is not read; write it as a displacement field in NIfTI, by 3D Slicer's "
-                    "Transforms, Convert, or by ANTs: antsApplyTransforms -d 3 -r IMAGE -t FILE -o [FIELD.nii.gz,1]",
-                    size, name.data, text_mentions(name, "BSpline") ? "B-spline" : "field in ITK's own format");
+                    "Transform: %.*s, a field in ITK's own format, is not read; write it as a displacement field in "
+                    "NIfTI, by 3D Slicer's Transforms, Convert, or by ANTs: "
+                    "antsApplyTransforms -d 3 -r IMAGE -t FILE -o [FIELD.nii.gz,1]",
+                    size, name.data);
     }
     return found ? CONUS_OK
                  : fail(CONUS_ERROR_UNSUPPORTED,
                         "Transform: %.*s; read are Affine, MatrixOffsetBase, Rigid3D, Euler3D, VersorRigid3D, "
-                        "Similarity3D, Translation and Identity, and composites of them",
+                        "Similarity3D, Translation, Identity and cubic BSpline, in 3-D, and composites of them",
                         size, name.data);
 }
 
-/* The matrix of an ITK transform of type `name`. */
-static conus_status itk_matrix(double out[16], struct text name, const double *p, size_t count, const double *fixed,
-                               size_t fixed_count)
+/* The matrix of an affine one. */
+static conus_status itk_matrix(double out[16], const struct itk_entry *entry)
 {
+    const struct text name = entry->type;
+    const double *p = entry->parameters;
+    const double *fixed = entry->fixed;
+    size_t count = entry->count;
+    size_t fixed_count = entry->fixed_count;
     static const double zero[3] = {0, 0, 0};
     double r[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    const double *t = p + 9;
-    conus_status status = check_type(name);
-    if (status) {
-        return status;
-    }
+    const double *t = zero;
+    conus_status status;
     if (is_type(name, "Euler3DTransform")) {
         status = check_counts(name, count, 6, fixed_count, 3, 4);
-        t = p + 3;
         if (!status) {
+            t = p + 3;
             set_euler(r, p, fixed_count == 4 && fixed[3] != 0);
         }
     } else if (is_type(name, "VersorRigid3DTransform") || is_type(name, "Similarity3DTransform")) {
         bool scaled = is_type(name, "Similarity3DTransform");
         status = check_counts(name, count, scaled ? 7 : 6, fixed_count, 3, 3);
         status = status ? status : set_versor(r, p);
-        t = p + 3;
+        t = status ? zero : p + 3;
         for (int i = 0; !status && scaled && i < 9; i++) {
             r[i / 3][i % 3] *= p[6];
         }
@@ -142,9 +151,9 @@ static conus_status itk_matrix(double out[16], struct text name, const double *p
         t = p;
     } else if (is_type(name, "IdentityTransform")) {
         status = check_counts(name, count, 0, fixed_count, 0, 0);
-        t = zero;
     } else { /* a matrix and a translation */
         status = check_counts(name, count, 12, fixed_count, 3, 3);
+        t = status ? zero : p + 9;
         for (int i = 0; !status && i < 9; i++) {
             r[i / 3][i % 3] = p[i];
         }
@@ -153,6 +162,165 @@ static conus_status itk_matrix(double out[16], struct text name, const double *p
         itk_place(out, r, fixed_count >= 3 ? fixed : zero, t);
     }
     return status;
+}
+
+/* The grid of a spline: fixed has its size, origin, spacing and, by rows, direction, of LPS. */
+static conus_status spline_place(struct deformation *field, const double *fixed)
+{
+    mat4_identity(field->world_from_voxel);
+    for (int a = 0; a < 3; a++) {
+        if (!(fixed[a] >= 4 && fixed[a] <= UINT32_MAX && fixed[a] == floor(fixed[a]))) {
+            return fail(CONUS_ERROR_DATA, "FixedParameters: size %g, 4 or more nodes are needed", fixed[a]);
+        }
+        if (!(fixed[6 + a] > 0)) {
+            return fail(CONUS_ERROR_DATA, "FixedParameters: spacing %g, above 0 is needed", fixed[6 + a]);
+        }
+        field->dim[a] = (size_t)fixed[a];
+        for (int row = 0; row < 3; row++) {
+            field->world_from_voxel[4 * a + row] = flip[row] * fixed[9 + 3 * row + a] * fixed[6 + a];
+        }
+        field->world_from_voxel[12 + a] = flip[a] * fixed[3 + a];
+    }
+    return mat4_invert_affine(field->voxel_from_world, field->world_from_voxel)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "FixedParameters: the direction is singular");
+}
+
+static conus_status spline_make(struct deformation *out, const struct itk_entry *entry)
+{
+    struct deformation field = {.stays_outside = true};
+    size_t count;
+    conus_status status = check_counts(entry->type, 0, 0, entry->fixed_count, 18, 18);
+    status = status ? status : spline_place(&field, entry->fixed);
+    if (status) {
+        return status;
+    }
+    bool fits = memory_multiply(field.dim[0], field.dim[1], &count) && memory_multiply(count, field.dim[2], &count) &&
+                memory_multiply(count, 3, &count) && count == entry->count;
+    if (!fits) {
+        return fail(CONUS_ERROR_DATA, "Parameters: %zu numbers, a grid of %zu x %zu x %zu has 3 for each node",
+                    entry->count, field.dim[0], field.dim[1], field.dim[2]);
+    }
+    memcpy(field.base, field.world_from_voxel, sizeof field.base);
+    mat4_identity(field.linear);
+    field.linear[0] = field.linear[5] = -1;
+    field.coefficients = memory_copy(entry->parameters, count, sizeof *field.coefficients);
+    status = field.coefficients ? deformation_measure(&field) : CONUS_ERROR_MEMORY;
+    if (status) {
+        deformation_finish(&field);
+        return status;
+    }
+    *out = field;
+    return CONUS_OK;
+}
+
+static bool is_composite(struct text name)
+{
+    return text_starts(name, "CompositeTransform_");
+}
+
+conus_status itk_list_add(struct itk_list *list, struct text type)
+{
+    if (!memory_reserve(&list->items, &list->capacity, list->count + 1, sizeof *list->items)) {
+        return CONUS_ERROR_MEMORY;
+    }
+    list->items[list->count++] = (struct itk_entry){.type = type};
+    return CONUS_OK;
+}
+
+void itk_list_finish(struct itk_list *list)
+{
+    for (size_t i = 0; i < list->count; i++) {
+        memory_free(list->items[i].parameters);
+        memory_free(list->items[i].fixed);
+    }
+    memory_free(list->items);
+    *list = (struct itk_list){0};
+}
+
+/* Puts the entry before what points go through already. */
+static conus_status put_entry(struct transform *out, const struct itk_entry *entry)
+{
+    double m[16];
+    conus_status status = check_type(entry->type);
+    if (!status && (!entry->has_parameters || !entry->has_fixed)) {
+        status = fail(CONUS_ERROR_DATA, "%.*s: %s is missing", TEXT_SHOW(entry->type, 60),
+                      entry->has_parameters ? "FixedParameters" : "Parameters");
+    }
+    if (status) {
+        return status;
+    }
+    if (!is_spline(entry->type)) {
+        status = itk_matrix(m, entry);
+        if (!status) {
+            mat4_multiply(out->first, out->first, m);
+        }
+        return status;
+    }
+    struct warp *warp = &out->warps[out->warp_count];
+    status = spline_make(&warp->field, entry);
+    if (!status) {
+        memcpy(warp->after, out->first, sizeof warp->after);
+        mat4_identity(out->first);
+        out->warp_count++;
+    }
+    return status;
+}
+
+static conus_status find_parts(size_t *first, size_t *end, const struct itk_list *list, size_t chosen)
+{
+    bool is_chain = list->count && is_composite(list->items[0].type);
+    *first = is_chain;
+    *end = list->count;
+    for (size_t i = *first; i < list->count; i++) {
+        if (is_composite(list->items[i].type)) {
+            return fail(CONUS_ERROR_UNSUPPORTED, "Transform: a composite behind another transform");
+        }
+    }
+    if (is_chain && (list->items[0].has_parameters || list->items[0].has_fixed)) {
+        return fail(CONUS_ERROR_DATA, "Parameters: of a composite, which has none");
+    }
+    if (*first == *end) {
+        return fail(CONUS_ERROR_DATA, "Transform: there is none");
+    }
+    if (chosen && (is_chain || chosen > list->count)) {
+        return fail(CONUS_ERROR_ARGUMENT, "transform=%zu: %s", chosen - 1,
+                    is_chain          ? "this is a composite, which is read as one"
+                    : list->count > 1 ? "there are fewer, which count from 0"
+                                      : "there is one, number 0");
+    }
+    if (!chosen && !is_chain && list->count > 1) {
+        return fail(CONUS_ERROR_UNSUPPORTED,
+                    "Transform: a list of %zu, such as one for each volume of a series, and no CompositeTransform that "
+                    "makes a chain of them; ',transform=K' chooses number K, from 0 to %zu",
+                    list->count, list->count - 1);
+    }
+    *first = chosen ? chosen - 1 : *first;
+    *end = chosen ? chosen : *end;
+    return CONUS_OK;
+}
+
+conus_status itk_transform_make(struct transform *out, const struct itk_list *list, size_t chosen)
+{
+    struct transform made = {0};
+    size_t first;
+    size_t end;
+    conus_status status = find_parts(&first, &end, list, chosen);
+    if (status) {
+        return status;
+    }
+    mat4_identity(made.first);
+    made.warps = memory_zeroed(end - first, sizeof *made.warps);
+    status = made.warps ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = first; !status && i < end; i++) {
+        status = put_entry(&made, &list->items[i]);
+    }
+    if (status) {
+        transform_finish(&made);
+        return status;
+    }
+    *out = made;
+    return CONUS_OK;
 }
 
 bool itk_text_is(struct text text)
@@ -171,116 +339,65 @@ static bool itk_take_key(struct text *values, struct text line, const char *key)
     return true;
 }
 
-static conus_status itk_take_numbers(double out[PARAMETERS_LIMIT], size_t *count, struct text values, const char *key)
+static conus_status itk_take_numbers(double **out, size_t *count, struct text values, const char *key)
 {
     struct text word;
-    for (*count = 0; text_word(&values, &word); ++*count) {
-        if (*count == PARAMETERS_LIMIT || !text_to_double(word, &out[*count]) || !isfinite(out[*count])) {
-            return fail(CONUS_ERROR_DATA, "%s: \"%.*s\", up to %d finite numbers are needed", key, TEXT_SHOW(word, 40),
-                        PARAMETERS_LIMIT);
+    size_t capacity = 0;
+    while (text_word(&values, &word)) {
+        if (!memory_reserve(out, &capacity, *count + 1, sizeof **out)) {
+            return CONUS_ERROR_MEMORY;
         }
+        if (!text_to_double(word, &(*out)[*count]) || !isfinite((*out)[*count])) {
+            return fail(CONUS_ERROR_DATA, "%s: \"%.*s\", finite numbers are needed", key, TEXT_SHOW(word, 40));
+        }
+        ++*count;
     }
     return CONUS_OK;
 }
 
-/* One transform of a file. */
-struct itk_entry {
-    struct text name; /* empty = none yet */
-    double parameters[PARAMETERS_LIMIT], fixed[PARAMETERS_LIMIT];
-    size_t count, fixed_count;
-    bool has_parameters, has_fixed;
-};
-
-static bool is_composite(struct text name)
-{
-    return text_starts(name, "CompositeTransform_");
-}
-
-/* Puts what the entry does before what is there: points go through the last entry first. */
-static conus_status close_entry(double out[16], struct itk_entry *entry)
-{
-    double m[16];
-    if (!entry->name.size || is_composite(entry->name)) {
-        return entry->has_parameters || entry->has_fixed
-                   ? fail(CONUS_ERROR_DATA, "Parameters: without a line Transform, or of a composite")
-                   : CONUS_OK;
-    }
-    if (!entry->has_parameters || !entry->has_fixed) {
-        return fail(CONUS_ERROR_DATA, "%.*s: %s is missing", TEXT_SHOW(entry->name, 60),
-                    entry->has_parameters ? "FixedParameters" : "Parameters");
-    }
-    conus_status status = itk_matrix(m, entry->name, entry->parameters, entry->count, entry->fixed, entry->fixed_count);
-    if (!status) {
-        mat4_multiply(out, out, m);
-    }
-    return status;
-}
-
-static conus_status itk_take_line(double out[16], struct itk_entry *entry, struct text line)
+static conus_status itk_take_line(struct itk_list *list, struct text line)
 {
     struct text values;
-    conus_status status = CONUS_OK;
     if (!line.size || line.data[0] == '#') {
         return CONUS_OK;
     }
     if (itk_take_key(&values, line, "Transform")) {
-        status = close_entry(out, entry);
-        *entry = (struct itk_entry){.name = values};
-        status = status || values.size ? status : fail(CONUS_ERROR_DATA, "Transform: has no type");
-        return status || is_composite(values) ? status : check_type(values);
+        conus_status status = values.size ? CONUS_OK : fail(CONUS_ERROR_DATA, "Transform: has no type");
+        status = status || is_composite(values) ? status : check_type(values);
+        return status ? status : itk_list_add(list, values);
     }
-    if (itk_take_key(&values, line, "Parameters") && !entry->has_parameters) {
+    struct itk_entry *entry = list->count ? &list->items[list->count - 1] : NULL;
+    bool is_parameters = itk_take_key(&values, line, "Parameters");
+    bool is_fixed = itk_take_key(&values, line, "FixedParameters");
+    if (!entry && (is_parameters || is_fixed)) {
+        return fail(CONUS_ERROR_DATA, "Parameters: without a line Transform");
+    }
+    if (is_parameters && !entry->has_parameters) {
         entry->has_parameters = true;
-        return itk_take_numbers(entry->parameters, &entry->count, values, "Parameters");
+        return itk_take_numbers(&entry->parameters, &entry->count, values, "Parameters");
     }
-    if (itk_take_key(&values, line, "FixedParameters") && !entry->has_fixed) {
+    if (is_fixed && !entry->has_fixed) {
         entry->has_fixed = true;
-        return itk_take_numbers(entry->fixed, &entry->fixed_count, values, "FixedParameters");
+        return itk_take_numbers(&entry->fixed, &entry->fixed_count, values, "FixedParameters");
     }
     return fail(CONUS_ERROR_DATA, "\"%.*s\": Transform, Parameters or FixedParameters is needed, each once",
                 TEXT_SHOW(line, 40));
 }
 
-conus_status itk_text_parse(double out[16], struct text text)
+conus_status itk_text_parse(struct transform *out, struct text text, size_t chosen)
 {
     struct text line;
-    struct itk_entry entry = {0};
-    double m[16];
-    size_t count = 0;
-    bool is_chain = false;
+    struct itk_list list = {0};
     conus_status status = CONUS_OK;
-    mat4_identity(m);
     while (!status && text_line(&text, &line)) {
-        line = text_trim(line);
-        status = itk_take_line(m, &entry, line);
-        is_chain = is_chain || is_composite(entry.name);
-        count += text_starts(line, "Transform:") && !is_composite(entry.name);
+        status = itk_take_line(&list, text_trim(line));
     }
-    status = status ? status : close_entry(m, &entry);
-    if (!status && !count) {
-        status = fail(CONUS_ERROR_DATA, "Transform: there is none");
-    }
-    if (!status && count > 1 && !is_chain) {
-        status =
-            fail(CONUS_ERROR_UNSUPPORTED,
-                 "Transform: a list of %zu, such as one for each volume of a series, and no CompositeTransform that"
-                 " makes a chain of them; a file with the one that is meant is needed",
-                 count);
-    }
-    if (!status) {
-        memcpy(out, m, sizeof m);
-    }
+    status = status ? status : itk_transform_make(out, &list, chosen);
+    itk_list_finish(&list);
     return status;
 }
 
 enum { MATLAB_HEAD = 20, NAME_LIMIT = 64 };
-
-/* A matrix of one column. */
-struct matlab_column {
-    struct text name;
-    double values[PARAMETERS_LIMIT];
-    size_t count;
-};
 
 /* Type: thousands 1 = big-endian; tens 0 = double, 1 = float; both ends 0. */
 static bool take_type(bool *swapped, bool *single, const uint8_t *data)
@@ -294,7 +411,8 @@ static bool take_type(bool *swapped, bool *single, const uint8_t *data)
     return type == 0 || type == 10;
 }
 
-static conus_status take_column(struct matlab_column *out, const uint8_t **data, size_t *left)
+/* Takes a matrix of one column, with its name. */
+static conus_status take_column(struct text *column, double **out, size_t *count, const uint8_t **data, size_t *left)
 {
     bool swapped;
     bool single;
@@ -306,25 +424,26 @@ static conus_status take_column(struct matlab_column *out, const uint8_t **data,
     uint32_t imaginary = order_u32(*data + 12, swapped);
     uint32_t length = order_u32(*data + 16, swapped);
     size_t each = single ? 4 : 8;
-    if (rows > PARAMETERS_LIMIT || columns > 1 || imaginary || !length || length > NAME_LIMIT ||
-        *left < MATLAB_HEAD + length + rows * columns * each) {
+    if (columns > 1 || imaginary || !length || length > NAME_LIMIT ||
+        *left < MATLAB_HEAD + length + (size_t)rows * columns * each) {
         return fail(CONUS_ERROR_DATA, "a matrix of %u x %u and a name of %u bytes, %zu bytes before the end", rows,
                     columns, length, *left);
     }
     const char *name = (const char *)*data + MATLAB_HEAD;
-    out->name = (struct text){name, strnlen(name, length)};
-    out->count = (size_t)rows * columns;
+    *column = (struct text){name, strnlen(name, length)};
+    *count = (size_t)rows * columns;
+    *out = memory_raw(*count + 1, sizeof **out);
     const uint8_t *values = *data + MATLAB_HEAD + length;
-    for (size_t i = 0; i < out->count; i++) {
-        out->values[i] = single ? (double)order_f32(values + i * each, swapped) : order_f64(values + i * each, swapped);
-        if (!isfinite(out->values[i])) {
-            return fail(CONUS_ERROR_DATA, "%.*s: a number that is not finite", (int)out->name.size, name);
+    for (size_t i = 0; *out && i < *count; i++) {
+        (*out)[i] = single ? (double)order_f32(values + i * each, swapped) : order_f64(values + i * each, swapped);
+        if (!isfinite((*out)[i])) {
+            return fail(CONUS_ERROR_DATA, "%.*s: a number that is not finite", (int)column->size, name);
         }
     }
-    size_t used = MATLAB_HEAD + length + out->count * each;
+    size_t used = MATLAB_HEAD + length + *count * each;
     *data += used;
     *left -= used;
-    return CONUS_OK;
+    return *out ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 bool itk_matlab_is(const uint8_t *data, size_t size)
@@ -338,24 +457,25 @@ bool itk_matlab_is(const uint8_t *data, size_t size)
     return length && length <= NAME_LIMIT && data[MATLAB_HEAD] >= 'A' && data[MATLAB_HEAD] <= 'Z';
 }
 
-conus_status itk_matlab_parse(double out[16], const uint8_t *data, size_t size)
+conus_status itk_matlab_parse(struct transform *out, const uint8_t *data, size_t size)
 {
-    struct matlab_column parameters;
-    struct matlab_column fixed;
+    struct itk_entry entry = {.has_parameters = true, .has_fixed = true};
+    struct text fixed;
     const char *name = (const char *)data + MATLAB_HEAD;
     size_t left = size > MATLAB_HEAD ? size - MATLAB_HEAD : 0;
     const struct text type = {name, strnlen(name, left < NAME_LIMIT ? left : NAME_LIMIT)};
-    conus_status status;
-    if ((text_mentions(type, "Transform_") && (status = check_type(type))) ||
-        (status = take_column(&parameters, &data, &size)) || (status = take_column(&fixed, &data, &size))) {
-        return status;
+    conus_status status = text_mentions(type, "Transform_") ? check_type(type) : CONUS_OK;
+    status = status ? status : take_column(&entry.type, &entry.parameters, &entry.count, &data, &size);
+    status = status ? status : take_column(&fixed, &entry.fixed, &entry.fixed_count, &data, &size);
+    if (!status && !text_equal(fixed, "fixed")) {
+        status =
+            fail(CONUS_ERROR_DATA, "\"%.*s\" behind the parameters, \"fixed\" is needed", (int)fixed.size, fixed.data);
     }
-    if (!text_equal(fixed.name, "fixed")) {
-        return fail(CONUS_ERROR_DATA, "\"%.*s\" behind the parameters, \"fixed\" is needed", (int)fixed.name.size,
-                    fixed.name.data);
+    if (!status && size) {
+        status = fail(CONUS_ERROR_UNSUPPORTED, "%zu bytes behind the first transform, one is read", size);
     }
-    if (size) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "%zu bytes behind the first transform, one is read", size);
-    }
-    return itk_matrix(out, parameters.name, parameters.values, parameters.count, fixed.values, fixed.count);
+    status = status ? status : itk_transform_make(out, &(struct itk_list){.items = &entry, .count = 1}, 0);
+    memory_free(entry.parameters);
+    memory_free(entry.fixed);
+    return status;
 }

@@ -348,10 +348,13 @@ def _transform(atlas: Any, given: Any, max_memory: int) -> None:
         path, inverse = path_of("transforms", keys.pop("file", None)), keys.pop("inverse", False)
         images = [optional(path_of, "transforms", keys.pop(name, None)) for name in ("from", "to", "grid")]
         vectors = choice("transforms: vectors", keys.pop("vectors", "as-stated"), ("as-stated", "relative", "absolute"))
+        number = keys.pop("transform", None)
         if keys:
             raise ArgumentError(
-                f"transforms: {sorted(keys)}, wanted are file, from, to, inverse, vectors and grid"
+                f"transforms: {sorted(keys)}, wanted are file, from, to, inverse, vectors, grid and transform"
             )
+        if number is not None:
+            options.transform = 1 + whole("transforms: transform", number)
         setattr(options, "from", images[0])
         options.to, options.inverse = images[1], flag("transforms: inverse", inverse)
         options.grid, options.vectors, options.max_memory = images[2], vectors, max_memory

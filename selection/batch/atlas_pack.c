@@ -430,7 +430,7 @@ static void pass_object(struct pack_walk *walk, conus_object *object, struct obj
     object->abbreviation = abbreviation;
 }
 
-/* A field has its vectors in the block. */
+/* A field has its vectors, or coefficients, in the block. */
 static bool field_fits(const struct deformation *field, const struct pack_walk *walk)
 {
     size_t count;
@@ -447,6 +447,7 @@ static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
     struct warp *warp = item;
     struct warp plain = *warp;
     plain.field.vectors = NULL;
+    plain.field.coefficients = NULL;
     plain.field.is_borrowed = true;
     pack_bytes(walk, &plain, sizeof plain);
     if (!walk->status && walk->mode == PACK_ATTACH && !field_fits(&plain.field, walk)) {
@@ -457,12 +458,17 @@ static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
     }
     if (walk->mode == PACK_ATTACH) {
         plain.field.vectors = NULL;
+        plain.field.coefficients = NULL;
         plain.field.is_borrowed = true;
         *warp = plain;
     }
     const size_t *dim = plain.field.dim;
-    pack_array(walk, &warp->field.vectors, dim[0] * dim[1] * dim[2], 3 * sizeof *warp->field.vectors);
-    if (!walk->status && walk->mode == PACK_ATTACH && !warp->field.vectors) {
+    size_t nodes = dim[0] * dim[1] * dim[2];
+    pack_array(walk, &warp->field.vectors, nodes, 3 * sizeof *warp->field.vectors);
+    pack_array(walk, &warp->field.coefficients, nodes, 3 * sizeof *warp->field.coefficients);
+    bool is_spline = warp->field.coefficients;
+    bool sound = is_spline ? dim[0] > 3 && dim[1] > 3 && dim[2] > 3 : warp->field.vectors != NULL;
+    if (!walk->status && walk->mode == PACK_ATTACH && !sound) {
         walk->status = fail_damaged();
     }
 }

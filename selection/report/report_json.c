@@ -198,7 +198,7 @@ static bool add_hidden(json_t *root, const conus_atlas *atlas)
 }
 
 /* The transforms from the world to the atlas's own space, in this order: matrices and fields in turn. In a field a node
- * at q goes to base q + linear v. */
+ * at q goes to base q + linear v; in a spline v is the coefficients' sum. */
 static json_t *json_from_way(const conus_atlas *atlas)
 {
     json_t *way = json_array();
@@ -209,7 +209,8 @@ static json_t *json_from_way(const conus_atlas *atlas)
         const struct deformation *field = &warp->field;
         json_t *dim =
             json_pack("[I, I, I]", (json_int_t)field->dim[0], (json_int_t)field->dim[1], (json_int_t)field->dim[2]);
-        json_t *entry = json_pack("{s: {s: o, s: o, s: o, s: o}}", "field", "dim", dim, "world_from_voxel",
+        const char *kind = field->coefficients ? "spline" : "field";
+        json_t *entry = json_pack("{s: {s: o, s: o, s: o, s: o}}", kind, "dim", dim, "world_from_voxel",
                                   json_from_matrix(field->world_from_voxel), "base", json_from_matrix(field->base),
                                   "linear", json_from_matrix(field->linear));
         whole = json_array_append_new(way, entry) == 0 &&

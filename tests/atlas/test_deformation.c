@@ -282,6 +282,104 @@ static void a_field_to_one_point_is_none(void **state)
     free(made);
 }
 
+/* Cubic B-splines are polynomials again where coefficients are: the sum of w_i i is x, of w_i i^2 it is x^2 + 1/3, and
+ * of w_i i^3 it is x^3 + x, for the sums of the weights' moments about x are 0, 1/3 and 0. Nodes are 2 mm apart. */
+static void splines_are_the_polynomials_of_their_coefficients(void **state)
+{
+    (void)state;
+    enum { NODES = 5 * 6 * 7 };
+    double c[3 * NODES];
+    struct deformation field = {.dim = {5, 6, 7}, .coefficients = c, .stays_outside = true, .is_borrowed = true};
+    for (size_t n = 0; n < NODES; n++) {
+        const size_t layer = n / 30;
+        const size_t row = n / 5 % 6;
+        const double i = (double)(n % 5), j = (double)row, k = (double)layer;
+        c[n] = 0.25 * i - 0.5 * j;
+        c[NODES + n] = 0.125 * j * j;
+        c[2 * NODES + n] = 0.03125 * k * k * k + 0.25 * i * j;
+    }
+    mat4_identity(field.world_from_voxel);
+    mat4_identity(field.linear);
+    for (int a = 0; a < 3; a++) {
+        field.world_from_voxel[5 * a] = 2;
+    }
+    memcpy(field.base, field.world_from_voxel, sizeof field.base);
+    assert_true(mat4_invert_affine(field.voxel_from_world, field.world_from_voxel));
+    assert_ok(deformation_measure(&field));
+    uint64_t random = 3;
+    for (int n = 0; n < 1000; n++) {
+        const double q[3] = {test_random(&random, 1, 3), test_random(&random, 1, 4), test_random(&random, 1, 5)};
+        const double wanted[3] = {2 * q[0] + 0.25 * q[0] - 0.5 * q[1], 2 * q[1] + 0.125 * (q[1] * q[1] + 1 / 3.0),
+                                  2 * q[2] + 0.03125 * (q[2] * q[2] * q[2] + q[2]) + 0.25 * q[0] * q[1]};
+        double p[3];
+        double out[3];
+        double columns[3][3];
+        mat4_point(p, field.world_from_voxel, q);
+        assert_true(deformation_point(out, &field, p));
+        for (int a = 0; a < 3; a++) {
+            assert_near(out[a], wanted[a], 1e-12);
+        }
+        deformation_slope(p, columns, &field, q);
+        assert_near(p[2], wanted[2], 1e-12);
+        assert_near(columns[0][0], 2.25, 1e-12);
+        assert_near(columns[1][0], -0.5, 1e-12);
+        assert_near(columns[1][1], 2 + 0.25 * q[1], 1e-12);
+        assert_near(columns[2][2], 2 + 0.03125 * (3 * q[2] * q[2] + 1), 1e-12);
+        assert_near(columns[1][2], 0.25 * q[0], 1e-12);
+        assert_int_equal(deformation_find(p, &field, out), DEFORMATION_FOUND);
+        deformation_point(p, &field, p);
+        vec3_sub(p, p, out);
+        assert_true(vec3_length(p) <= DEFORMATION_TOLERANCE);
+    }
+}
+
+/* Six nodes 2 mm apart along each axis: the spline is of 2 to 8 mm. Coefficients of 1 sum to 1. */
+static void splines_end_at_the_last_node_but_one(void **state)
+{
+    (void)state;
+    double c[3 * 216];
+    struct deformation field = {.dim = {6, 6, 6}, .coefficients = c, .stays_outside = true, .is_borrowed = true};
+    struct deformation_facts facts;
+    for (size_t n = 0; n < 3 * (size_t)216; n++) {
+        c[n] = n < 216;
+    }
+    mat4_identity(field.world_from_voxel);
+    mat4_identity(field.linear);
+    for (int a = 0; a < 3; a++) {
+        field.world_from_voxel[5 * a] = 2;
+    }
+    memcpy(field.base, field.world_from_voxel, sizeof field.base);
+    assert_true(mat4_invert_affine(field.voxel_from_world, field.world_from_voxel));
+    for (int a = 0; a < 3; a++) {
+        const double ends[][2] = {{2, 1}, {8, 1}, {1.999999, 0}, {8.000001, 0}, {-50, 0}};
+        for (size_t e = 0; e < 5; e++) {
+            double p[3] = {5, 5, 5};
+            double out[3];
+            p[a] = ends[e][0];
+            assert_true(deformation_point(out, &field, p));
+            assert_near(out[0], p[0] + ends[e][1], 1e-12);
+            assert_near(out[1], p[1], 1e-12);
+        }
+    }
+    assert_ok(deformation_measure(&field));
+    assert_ok(deformation_facts_find(&facts, &field));
+    assert_int_equal(facts.nodes, 7 * 7 * 7); /* every half step of three */
+    assert_int_equal(facts.cells, 6 * 6 * 6);
+    assert_int_equal(facts.folds, 0);
+    assert_near(facts.farthest, 1, 1e-12);
+    double out[3];
+    const double gap[3] = {2.5, 5, 5}; /* what was there is 1 mm further, and nothing came */
+    assert_int_equal(deformation_find(out, &field, gap), DEFORMATION_OUTSIDE);
+    assert_true(isnan(out[0]));
+    const double away[3] = {-9, 5, 5};
+    assert_int_equal(deformation_find(out, &field, away), DEFORMATION_OUTSIDE);
+    assert_near(out[0], -9, 0);
+    c[2 + 6 * (2 + 6 * 2)] = -20; /* 2 mm and 20 mm, by slopes of up to 1/2 2/3 2/3 */
+    assert_ok(deformation_measure(&field));
+    assert_ok(deformation_facts_find(&facts, &field));
+    assert_true(facts.folds > 0);
+}
+
 /* Points go through the last one first: 5 to the right, doubled behind that, then sheared, 1 added behind. */
 static void warps_are_a_chain(void **state)
 {
@@ -317,6 +415,8 @@ TEST_GROUP(deformation)
         cmocka_unit_test(the_whole_is_seen_to_mirror_turn_and_grow),
         cmocka_unit_test(what_nothing_goes_to_is_outside),
         cmocka_unit_test(a_field_to_one_point_is_none),
+        cmocka_unit_test(splines_are_the_polynomials_of_their_coefficients),
+        cmocka_unit_test(splines_end_at_the_last_node_but_one),
         cmocka_unit_test(warps_are_a_chain),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -38,6 +38,40 @@ shifts() {
     answers info nested.nii.gz --atlas-transform right.txt
 }
 
+# All coefficients of LPS x are -7 on 6 x 6 x 6 nodes 60 mm apart: within 90 mm of the middle it is right.txt. The atlas's
+# voxels are where the grid's are, so that none is another one.
+@test "a B-spline of ITK moves the atlas, and one of a list is chosen" {
+    shifts
+    coefficients=$(printf ' -7%.0s' {1..216}; printf ' 0%.0s' {1..432})
+    spline=$(printf 'Transform: BSplineTransform_double_3_3\nParameters:%s\nFixedParameters: 6 6 6 %s\n' "$coefficients" \
+        '150 150 -150 60 60 60 -1 0 0 0 -1 0 0 0 1')
+    { cat right.tfm | head -1; echo "$spline"; } >ffd.tfm
+    { cat right.tfm; echo "$spline"; } >list.tfm
+    fails 3 'list.tfm: Transform: a list of 2' query nested.nii.gz $aim --atlas-transform list.tfm
+    fails 2 'list.tfm: transform=2: there are fewer' query nested.nii.gz $aim --atlas-transform list.tfm,transform=2
+    fails 3 'right.tfm,transform=x' query nested.nii.gz $aim --atlas-transform right.tfm,transform=x
+    fails 2 'transform is of lists' query nested.nii.gz $aim --atlas-transform right.txt,transform=0
+    fails 3 'ffd.tfm: a B-spline is not inverted' query nested.nii.gz $aim --atlas-transform ffd.tfm,inverse
+    answers query nested.nii.gz $aim --atlas-transform list.tfm,transform=0 --format tsv --quiet
+    cut -f 1-12,14,16-18 <<<"$output" >moved
+    for file in ffd.tfm list.tfm,transform=1; do
+        answers query nested.nii.gz $aim --atlas-transform $file,grid=nested.nii.gz --format tsv --quiet
+        cut -f 1-12,14,16-18 <<<"$output" | diff moved -
+    done
+    answers query nested.nii.gz $aim --atlas-transform ffd.tfm --format json --quiet
+    [ "$(jq -c '[.Atlas.way_to_atlas[] | keys[0]]' <<<"$output")" = '["matrix","spline","matrix"]' ]
+    # kept as it was packed
+    echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "transform": {"file": "list.tfm", "transform": 1}}' \
+        >one.atlas.json
+    answers query one.atlas.json $aim --format tsv --quiet
+    cp /dev/stdin first <<<"$output"
+    answers query one.atlas.json $aim --format tsv --quiet
+    diff first - <<<"$output"
+    head -c 500 ffd.tfm >cut.tfm
+    fails 3 'cut.tfm: BSplineTransform_double_3_3: FixedParameters is missing' query nested.nii.gz $aim \
+        --atlas-transform cut.tfm
+}
+
 @test "batches, sweeps and overlaps are of the moved atlas" {
     shifts
     printf 'x\ty\tz\ttx\tty\ttz\n-7\t-100\t0\t-7\t0\t10\n' >poses.tsv

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Affine transforms of all programs: what is read can be inverted, and moves points to points. */
+/* Transforms of all programs: what is read moves points to points. */
 #include "base/geometry/math3.h"
 #include "loaders/transform/transform_file.h"
 
@@ -9,12 +9,24 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    double m[16];
-    double inverse[16];
     const struct bytes file = {(uint8_t *)data, size};
-    if (!transform_parse(m, &file, "file.txt", NULL, NULL) &&
-        !(mat4_invert_affine(inverse, m) && m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1)) {
-        abort();
+    for (size_t chosen = 0; chosen < 2; chosen++) {
+        struct transform made = {0};
+        double p[3] = {1, 2, 3};
+        if (transform_parse(&made, &file, "file.txt", &(conus_transform_options){.transform = chosen})) {
+            continue;
+        }
+        const double *m = made.first;
+        double inverse[16];
+        if (!mat4_invert_affine(inverse, m) || m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) {
+            abort();
+        }
+        for (int i = 0; i < 3 && made.warp_count; i++) { /* a node, a place between nodes, and one outside */
+            const double q[3] = {1 + 0.5 * i, 1.25, 1.75};
+            mat4_point(p, made.warps[0].field.world_from_voxel, q);
+            (void)warps_point(p, made.warps, made.warp_count, p);
+        }
+        transform_finish(&made);
     }
     return 0;
 }

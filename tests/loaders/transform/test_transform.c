@@ -3,21 +3,38 @@
  * they move. tests/oracles/compare_transforms.py has random ones. */
 #include "atlas/atlas.h"
 #include "atlas/placement.h"
+#include "base/buffer.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "loaders/transform/transform_file.h"
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
 
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+/* The matrix of an affine. */
+static conus_status parse_bytes(double out[16], const void *data, size_t size, const char *path)
+{
+    struct transform made;
+    const struct bytes file = {(uint8_t *)data, size};
+    conus_status status = transform_parse(&made, &file, path, &(conus_transform_options){0});
+    if (!status) {
+        assert_int_equal(made.warp_count, 0);
+        memcpy(out, made.first, sizeof made.first);
+        transform_finish(&made);
+    }
+    return status;
+}
+
 static conus_status parse(double out[16], const char *text, const char *path)
 {
-    return transform_parse(out, &(struct bytes){(uint8_t *)text, strlen(text)}, path, NULL, NULL);
+    return parse_bytes(out, text, strlen(text), path);
 }
 
 /* Where the matrix of `text` takes the point (1, 2, 3). */
@@ -154,12 +171,12 @@ static void matlab_files_say_the_same(void **state)
         double m[16];
         double p[3] = {1, 2, 3};
         size_t size = make_matlab(data, big);
-        assert_ok(transform_parse(m, &(struct bytes){data, size}, "0GenericAffine.mat", NULL, NULL));
+        assert_ok(parse_bytes(m, data, size, "0GenericAffine.mat"));
         mat4_point(p, m, p);
         assert_near(p[0], 1, 1e-12);
         assert_near(p[2], 6, 1e-12);
         for (size_t cut = 0; cut < size; cut++) {
-            assert_true(transform_parse(m, &(struct bytes){data, cut}, "x.mat", NULL, NULL) != CONUS_OK);
+            assert_true(parse_bytes(m, data, cut, "x.mat") != CONUS_OK);
         }
     }
 }
@@ -223,8 +240,6 @@ static void bad_files_say_what_is_wrong(void **state)
     check_refused("hello\n", "x.txt", data, "needed is an affine transform");
     check_refused("", "x.txt", data, "needed is an affine transform");
     check_refused(ITK, "x.txt", data, "there is none");
-    check_refused(ITK "Transform: BSplineTransform_double_3_3\nParameters: 0\nFixedParameters: 0\n", "x.txt",
-                  unsupported, "BSplineTransform");
     check_refused(ITK "Transform: AffineTransform_double_2_2\nParameters: 0\nFixedParameters: 0\n", "x.txt",
                   unsupported, "AffineTransform_double_2_2");
     check_refused(ITK "Transform: AffineTransform_double_3_3\nParameters: 1 2\nFixedParameters: 0 0 0\n", "x.txt", data,
@@ -246,11 +261,15 @@ static void bad_files_say_what_is_wrong(void **state)
                   "nxforms");
     check_refused("type = 0\nnxforms = 1\n1 4 4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "x.lta", data,
                   "src volume info: not valid");
-    double m[16];
+    struct transform made;
     const struct bytes matrix = {(uint8_t *)plain, sizeof plain - 1};
-    assert_fails(transform_parse(m, &matrix, "x.mat", "a.nii", NULL), CONUS_ERROR_ARGUMENT);
+    conus_transform_options options = {.from = "a.nii"};
+    assert_fails(transform_parse(&made, &matrix, "x.mat", &options), CONUS_ERROR_ARGUMENT);
     const struct bytes itk = {(uint8_t *)itk_affine, sizeof itk_affine - 1};
-    assert_fails(transform_parse(m, &itk, "x.tfm", "a.nii", "b.nii"), CONUS_ERROR_ARGUMENT);
+    options.to = "b.nii";
+    assert_fails(transform_parse(&made, &itk, "x.tfm", &options), CONUS_ERROR_ARGUMENT);
+    options = (conus_transform_options){.transform = 1};
+    assert_fails(transform_parse(&made, &matrix, "x.txt", &options), CONUS_ERROR_ARGUMENT);
 }
 
 /* 0.99999994 and 1.0000001 are the floats next to 1: inverses that were computed in float end so. The row is taken as
@@ -297,9 +316,164 @@ static void voxels_need_a_valid_geometry(void **state)
 static void lists_are_no_chains(void **state)
 {
     (void)state;
-    check_refused(ITK SHIFT SHIFT SHIFT, "x.tfm", CONUS_ERROR_UNSUPPORTED, "Transform: a list of 3, such as one for");
+    static const char list[] = ITK SHIFT SHIFT SHIFT "Transform: TranslationTransform_double_3_3\n"
+                                                     "Parameters: 0 0 7\nFixedParameters:\n";
+    check_refused(list, "x.tfm", CONUS_ERROR_UNSUPPORTED, "Transform: a list of 4, such as one for");
+    assert_non_null(strstr(conus_message(), "',transform=K' chooses number K, from 0 to 3"));
+    const struct bytes file = {(uint8_t *)list, sizeof list - 1};
+    struct transform made;
+    for (size_t number = 0; number < 4; number++) {
+        assert_ok(transform_parse(&made, &file, "x.tfm", &(conus_transform_options){.transform = number + 1}));
+        assert_near(made.first[12], number < 3 ? -1 : 0, 0);
+        assert_near(made.first[14], number < 3 ? 0 : 7, 0);
+        transform_finish(&made);
+    }
+    assert_fails(transform_parse(&made, &file, "x.tfm", &(conus_transform_options){.transform = 5}),
+                 CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "transform=4: there are fewer"));
+    static const char chain[] = ITK "Transform: CompositeTransform_double_3_3\n" SHIFT SHIFT;
+    const struct bytes composite = {(uint8_t *)chain, sizeof chain - 1};
+    assert_fails(transform_parse(&made, &composite, "x.tfm", &(conus_transform_options){.transform = 1}),
+                 CONUS_ERROR_ARGUMENT);
+    check_refused(ITK SHIFT "Transform: CompositeTransform_double_3_3\n" SHIFT, "x.tfm", CONUS_ERROR_UNSUPPORTED,
+                  "a composite behind another");
+    check_refused(ITK "Transform: CompositeTransform_double_3_3\nParameters: 1\n" SHIFT, "x.tfm", CONUS_ERROR_DATA,
+                  "of a composite");
     check_point(ITK "Transform: CompositeTransform_double_3_3\n" SHIFT SHIFT, -1, 2, 3);
     check_point(ITK SHIFT, 0, 2, 3);
+}
+
+/* The text of a spline on 4 x 5 x 6 nodes 10 mm apart along LPS, from (-15, -20, -25), or on another grid: `numbers`
+ * coefficients, all 1 of the block `ones`, all 0 of the others. */
+static char *make_spline(size_t numbers, size_t ones, const char *type, const char *fixed)
+{
+    struct buffer text = {0};
+    buffer_format(&text, "Transform: %s\nParameters:", type);
+    for (size_t i = 0; i < numbers; i++) {
+        buffer_text(&text, i / 120 == ones ? " 1" : " 0");
+    }
+    buffer_format(&text, "\nFixedParameters: %s\n", fixed);
+    assert_ok(buffer_status(&text));
+    return text.data;
+}
+
+static const char spline_type[] = "BSplineTransform_double_3_3";
+static const char spline_grid[] = "4 5 6 -15 -20 -25 10 10 10 1 0 0 0 1 0 0 0 1";
+
+static char *make_file(const char *entries)
+{
+    struct buffer text = {0};
+    buffer_format(&text, ITK "%s", entries);
+    assert_ok(buffer_status(&text));
+    return text.data;
+}
+
+/* The image of a point; false where the text is no transform. */
+static bool spline_point(double p[3], const char *entries)
+{
+    char *text = make_file(entries);
+    struct transform made;
+    const struct bytes file = {(uint8_t *)text, strlen(text)};
+    bool is = !transform_parse(&made, &file, "x.tfm", &(conus_transform_options){0});
+    if (is) {
+        mat4_point(p, made.first, p);
+        (void)warps_point(p, made.warps, made.warp_count, p);
+        transform_finish(&made);
+    }
+    memory_free(text);
+    return is;
+}
+
+/* The grid holds LPS -5 to 5, -10 to 10, -15 to 15 mm; the coefficients of one component move along that of LPS. */
+static void splines_move_along_lps(void **state)
+{
+    (void)state;
+    static const double sides[3] = {-1, -1, 1};
+    for (size_t n = 0; n < 3; n++) {
+        char *text = make_spline(360, n, n == 1 ? "BSplineDeformableTransform_float_3_3" : spline_type, spline_grid);
+        double p[3] = {4.5, -9.5, 14.5};
+        double out[3] = {5.5, -9.5, 14.5};
+        const double start[3] = {4.5, -9.5, 14.5};
+        assert_true(spline_point(p, text));
+        for (size_t a = 0; a < 3; a++) {
+            assert_near(p[a], start[a] + (a == n ? sides[a] : 0), 1e-12);
+        }
+        assert_true(spline_point(out, text));
+        assert_near(out[0], 5.5, 0);
+        memory_free(text);
+    }
+}
+
+/* Points of RAS go right by 2 (LPS -2), then through the spline, 1 along LPS y, and are doubled then. */
+static void splines_are_parts_of_composites(void **state)
+{
+    (void)state;
+    char *spline = make_spline(360, 1, spline_type, spline_grid);
+    char text[2000];
+    snprintf(text, sizeof text,
+             "Transform: CompositeTransform_double_3_3\n"
+             "Transform: AffineTransform_double_3_3\nParameters: 2 0 0 0 2 0 0 0 2 0 0 0\nFixedParameters: 0 0 0\n%s"
+             "Transform: TranslationTransform_double_3_3\nParameters: -2 0 0\nFixedParameters:\n",
+             spline);
+    double p[3] = {1, 3, 5};
+    assert_true(spline_point(p, text));
+    assert_near(p[0], 6, 1e-12);
+    assert_near(p[1], 4, 1e-12);
+    assert_near(p[2], 10, 1e-12);
+    memory_free(spline);
+}
+
+static void check_bad_spline(size_t numbers, const char *type, const char *fixed, conus_status wanted,
+                             const char *words)
+{
+    char *entry = make_spline(numbers, 0, type, fixed);
+    char *text = make_file(entry);
+    check_refused(text, "x.tfm", wanted, words);
+    memory_free(text);
+    memory_free(entry);
+}
+
+static void bad_splines_say_what_is_wrong(void **state)
+{
+    (void)state;
+    const conus_status data = CONUS_ERROR_DATA;
+    check_bad_spline(359, spline_type, spline_grid, data, "Parameters: 359 numbers, a grid of 4 x 5 x 6 has 3 for");
+    check_bad_spline(360, spline_type, "4 5 6", data, "FixedParameters: 3 numbers");
+    check_bad_spline(360, spline_type, "3 5 8 0 0 0 1 1 1 1 0 0 0 1 0 0 0 1", data, "size 3, 4 or more");
+    check_bad_spline(360, spline_type, "4.5 5 6 0 0 0 1 1 1 1 0 0 0 1 0 0 0 1", data, "size 4.5");
+    check_bad_spline(0, spline_type, "4e9 4e9 4e9 0 0 0 1 1 1 1 0 0 0 1 0 0 0 1", data, "Parameters: 0 numbers");
+    check_bad_spline(360, spline_type, "4 5 6 0 0 0 1 -1 1 1 0 0 0 1 0 0 0 1", data, "spacing -1");
+    check_bad_spline(360, spline_type, "4 5 6 0 0 0 1 1 1 1 0 0 1 0 0 0 0 1", data, "direction is singular");
+    check_bad_spline(360, spline_type, "4 5 6 nan 0 0 1 1 1 1 0 0 0 1 0 0 0 1", data, "\"nan\", finite numbers");
+    check_bad_spline(360, "BSplineTransform_double_3_3_2", spline_grid, CONUS_ERROR_UNSUPPORTED, "cubic BSpline");
+    check_bad_spline(360, "BSplineTransform_double_2_2", spline_grid, CONUS_ERROR_UNSUPPORTED, "in 3-D");
+}
+
+/* What ITK 5.2.1 made of its own file. */
+static void itk_moves_points_alike(void **state)
+{
+    (void)state;
+    char path[512];
+    snprintf(path, sizeof path, "%s", test_shared("files-2026/itk/ffd.tfm"));
+    json_t *all = json_load_file(test_shared("files-2026/itk/expected.json"), 0, NULL);
+    json_t *points = json_object_get(json_object_get(all, "ffd.tfm"), "points");
+    struct transform made;
+    struct file_sums sums = {0};
+    assert_true(json_array_size(points) > 20);
+    assert_ok(transform_file_read(&made, path, &(conus_transform_options){0}, &sums));
+    for (size_t i = 0; i < json_array_size(points); i++) {
+        double n[6];
+        for (size_t k = 0; k < 6; k++) {
+            n[k] = json_number_value(json_array_get(json_array_get(points, i), k));
+        }
+        assert_true(warps_point(n, made.warps, made.warp_count, n));
+        for (size_t a = 0; a < 3; a++) {
+            assert_near(n[a], n[3 + a], 1e-9);
+        }
+    }
+    transform_finish(&made);
+    file_sums_finish(&sums);
+    json_decref(all);
 }
 
 /* What is no transform, or one of a kind that is not read, is called what it is. */
@@ -307,9 +481,6 @@ static void other_files_are_called_what_they_are(void **state)
 {
     (void)state;
     const conus_status unsupported = CONUS_ERROR_UNSUPPORTED;
-    check_refused(ITK "Transform: BSplineTransform_double_3_3\n"
-                      "Parameters: 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18\nFixedParameters: 0\n",
-                  "x.tfm", unsupported, "BSplineTransform_double_3_3, a B-spline, is not read; write it as a displ");
     check_refused(ITK "Transform: DisplacementFieldTransform_double_3_3\nParameters: 0\n", "x.tfm", unsupported,
                   "a field in ITK's own format");
     check_refused("MATLAB 5.0 MAT-file, Platform: GLNXA64", "x.mat", unsupported, "a MATLAB file of level 5");
@@ -320,12 +491,6 @@ static void other_files_are_called_what_they_are(void **state)
     check_refused("/NumWaves\t2\n/NumPoints\t9\n/Matrix\n1 0\n", "design.mat", unsupported, "a design matrix");
     check_refused("bert\n1.0\n1.0\n0.15\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\nround\n", "register.dat", unsupported,
                   "FreeSurfer's register.dat");
-    uint8_t data[1024];
-    double m[16];
-    const double numbers[18] = {0};
-    size_t size = put_column(data, "BSplineTransform_double_3_3", numbers, 18, false);
-    assert_fails(transform_parse(m, &(struct bytes){data, size}, "x.mat", NULL, NULL), unsupported);
-    assert_non_null(strstr(conus_message(), "a B-spline, is not read"));
 }
 
 /* What is cut off is refused, but where only the last number's digits or white space are. */
@@ -340,7 +505,7 @@ static void no_prefix_is_a_transform(void **state)
             double m[16];
             char *copy = malloc(size ? size : 1);
             memcpy(copy, whole[i], size);
-            conus_status status = transform_parse(m, &(struct bytes){(uint8_t *)copy, size}, "x.txt", NULL, NULL);
+            conus_status status = parse_bytes(m, copy, size, "x.txt");
             if (!status) {
                 fail_msg("file %zu is a transform after %zu bytes", i, size);
             }
@@ -356,6 +521,19 @@ static void write_file(char path[64], const char *text)
     assert_true(descriptor >= 0);
     assert_int_equal(write(descriptor, text, strlen(text)), (ssize_t)strlen(text));
     close(descriptor);
+}
+
+/* Of a spline every prefix but those that lack digits of the last number is refused, too. */
+static void no_prefix_is_a_spline(void **state)
+{
+    (void)state;
+    char *entry = make_spline(360, 0, spline_type, spline_grid);
+    for (size_t size = strlen(entry) - 3; size-- > 0;) {
+        double p[3];
+        entry[size] = '\0';
+        assert_false(spline_point(p, entry));
+    }
+    memory_free(entry);
 }
 
 /* A voxel atlas and a box in it. */
@@ -403,6 +581,38 @@ static void an_atlas_goes_to_the_poses(void **state)
     assert_ok(conus_atlas_bounds(low, high, atlas));
     assert_near(low[0], -0.5, 1e-6);
     unlink(path);
+    conus_atlas_destroy(atlas);
+}
+
+/* The spline shifts all within LPS -5 to 5, -10 to 10, -15 to 15 by 1 along LPS x: points of (-1, 0, 0) come from
+ * (0, 0, 0). Voxels are those of the atlas, on the spline's grid: 11 x 21 x 31 of 1 mm. */
+static void a_spline_moves_voxels_and_vertices(void **state)
+{
+    (void)state;
+    char path[64];
+    conus_atlas *atlas = make_atlas();
+    mesh_scene_add(atlas, &(struct mesh[]){mesh_scene_box((const double[]){-3, 0, 0}, (const double[]){2, 3, 4})}[0]);
+    char *entry = make_spline(360, 0, spline_type, spline_grid);
+    char *text = make_file(entry);
+    write_file(path, text);
+    assert_fails(conus_atlas_transform(atlas, path, &(conus_transform_options){.inverse = true}),
+                 CONUS_ERROR_UNSUPPORTED);
+    assert_fails(conus_atlas_transform(atlas, path, &(conus_transform_options){.vectors = CONUS_VECTORS_RELATIVE}),
+                 CONUS_ERROR_ARGUMENT);
+    assert_false(atlas->is_moved);
+    assert_ok(conus_atlas_transform(atlas, path, NULL));
+    assert_near(atlas->objects[0].volume_mm3, 64, 1e-9);
+    assert_near(atlas->objects[2].volume_mm3, 60, 1e-4);
+    assert_near(atlas->meshes[1].positions[0], -2, 1e-5);
+    assert_true(test_has_note(atlas, "on a grid of 11 x 21 x 31 voxels of 1 x 1 x 1 mm"));
+    const conus_volume_info *info = conus_atlas_volume(atlas, 0);
+    assert_int_equal(info->dim[0] * info->dim[1] * info->dim[2], 11 * 21 * 31);
+    double p[3] = {0, 0, 0};
+    conus_atlas_own_point(p, atlas, p);
+    assert_near(p[0], -1, 1e-12);
+    unlink(path);
+    memory_free(text);
+    memory_free(entry);
     conus_atlas_destroy(atlas);
 }
 
@@ -457,11 +667,17 @@ static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
     char path[64];
-    struct attempt attempt = {make_atlas(), path};
-    write_file(path, itk_affine);
-    test_every_allocation(transform, &attempt);
-    unlink(path);
-    conus_atlas_destroy(attempt.atlas);
+    char *entry = make_spline(360, 0, spline_type, spline_grid);
+    char *text = make_file(entry);
+    for (int spline = 0; spline < 2; spline++) {
+        struct attempt attempt = {make_atlas(), path};
+        write_file(path, spline ? text : itk_affine);
+        test_every_allocation(transform, &attempt);
+        unlink(path);
+        conus_atlas_destroy(attempt.atlas);
+    }
+    memory_free(text);
+    memory_free(entry);
 }
 
 TEST_GROUP(transform)
@@ -478,6 +694,12 @@ TEST_GROUP(transform)
         cmocka_unit_test(a_last_row_that_is_rounded_is_0_0_0_1),
         cmocka_unit_test(voxels_need_a_valid_geometry),
         cmocka_unit_test(lists_are_no_chains),
+        cmocka_unit_test(splines_move_along_lps),
+        cmocka_unit_test(splines_are_parts_of_composites),
+        cmocka_unit_test(bad_splines_say_what_is_wrong),
+        cmocka_unit_test(itk_moves_points_alike),
+        cmocka_unit_test(no_prefix_is_a_spline),
+        cmocka_unit_test(a_spline_moves_voxels_and_vertices),
         cmocka_unit_test(other_files_are_called_what_they_are),
         cmocka_unit_test(no_prefix_is_a_transform),
         cmocka_unit_test(an_atlas_goes_to_the_poses),
