@@ -73,7 +73,9 @@ conus_status brainglobe_atlas_parse(struct brainglobe_atlas *out, struct text te
     status = status ? status : json_text_load(&root, text);
     status = status ? status : read_part(&atlas.annotation, root, "annotation_set", true);
     status = status ? status : read_part(&atlas.terminology, root, "terminology", true);
-    status = status ? status : read_part(&atlas.template, root, "template", false);
+    const json_t *set = json_object_get(root, "annotation_set"); /* whose template BrainGlobe's API takes */
+    status =
+        status ? status : read_part(&atlas.template, json_object_get(set, "template") ? set : root, "template", false);
     atlas.is_symmetric = !json_is_false(json_object_get(root, "symmetric"));
     if (!status && (!(atlas.metadata.resolution[0] > 0) || !atlas.metadata.shape[0])) {
         status = fail(CONUS_ERROR_DATA, "resolution and shape: three numbers each are needed");

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Label tables in JSON: BrainGlobe's structures.json, a list of structures with their paths in the tree; NiiVue's
- * colour maps, an object of parallel lists; a map from numbers to names; and objects with a number and a name, in a
- * list or below each other. */
+ * colour maps, an object of parallel lists; OME's image-label, a list of colours and one of properties; a map from
+ * numbers to names; and objects with a number and a name, in a list or below each other. */
 #include "loaders/labels/label_format.h"
 
 #include "base/formats/json_text.h"
@@ -325,6 +325,58 @@ static conus_status parse_objects(struct label_table *out, struct text text, str
     return status;
 }
 
+/* A colour of OME's, or properties of which one may be the name. */
+static conus_status fill_ome(struct label *label, const json_t *object, const char *where)
+{
+    static const char *const names[] = {"name", "class", "label"};
+    conus_status status = read_number(&label->number, json_object_get(object, "label-value"), "label-value", where);
+    status = status ? status : set_rgb(label, json_object_get(object, "rgba"), where);
+    for (size_t i = 0; !status && !label->name && i < sizeof names / sizeof names[0]; i++) {
+        status = set_string(&label->name, json_object_get(object, names[i]));
+    }
+    return status;
+}
+
+static conus_status parse_ome_list(struct label_table *out, const json_t *list, const char *what, struct notes *notes)
+{
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < json_array_size(list); i++) {
+        char where[32];
+        struct label label = {0};
+        snprintf(where, sizeof where, "%s[%zu]", what, i);
+        status = fill_ome(&label, json_array_get(list, i), where);
+        status = label_keep(out, &label, status, notes);
+    }
+    return status ? status : label_table_sort(out, notes);
+}
+
+/* Colours and properties lie in two lists; a label may be in one of them. */
+static conus_status parse_ome(struct label_table *out, struct text text, struct notes *notes)
+{
+    json_t *root = NULL;
+    struct label_table colours = {0};
+    conus_status status = json_text_load(&root, text);
+    const json_t *attributes = json_object_get(json_object_get(root, "attributes"), "ome");
+    const json_t *about = json_object_get(attributes ? attributes : root, "image-label");
+    status = status ? status : parse_ome_list(out, json_object_get(about, "properties"), "properties", notes);
+    status = status ? status : parse_ome_list(&colours, json_object_get(about, "colors"), "colors", notes);
+    size_t named = out->count;
+    for (size_t i = 0; !status && i < colours.count; i++) {
+        const struct label_table first = {.entries = out->entries, .count = named};
+        struct label colour = colours.entries[i]; /* a name in it is not taken */
+        struct label *label = label_table_find(&first, colour.number);
+        label = label ? label : label_table_add(out, colour.number);
+        status = label ? CONUS_OK : CONUS_ERROR_MEMORY;
+        if (!status) {
+            label->has_rgb = colour.has_rgb;
+            memcpy(label->rgb, colour.rgb, sizeof colour.rgb);
+        }
+    }
+    label_table_finish(&colours);
+    json_decref(root);
+    return status;
+}
+
 static struct text after(struct text text, size_t count)
 {
     return text_trim((struct text){text.data + count, text.size - count});
@@ -400,6 +452,10 @@ const struct label_format *label_format_of_json(struct text text)
     static const struct label_format objects = {"JSON list of labels", parse_objects};
     static const struct label_format structures = {"BrainGlobe structures", parse_structures};
     static const struct label_format lists = {"NiiVue labels", parse_lists};
+    static const struct label_format ome = {"OME image-label", parse_ome};
+    if (text.data[0] == '{' && text_mentions(text, "\"image-label\"") && text_mentions(text, "\"label-value\"")) {
+        return &ome;
+    }
     bool tree = text_mentions(text, "\"children\"");
     if ((text.data[0] == '[' || tree) && text_mentions(text, "\"id\"") &&
         (text_mentions(text, "\"acronym\"") || text_mentions(text, "\"structure_id_path\""))) {

@@ -386,14 +386,14 @@ static conus_status choose_volume(struct opening *o)
                     header->volume_size, (unsigned long long)o->limit);
     }
     header->info.volume = (size_t)o->selector.volume;
-    o->all = o->all && count <= (o->limit - before) / header->volume_size;
+    o->all = o->all && !o->zarr.folder && count <= (o->limit - before) / header->volume_size;
     return CONUS_OK;
 }
 
 /* The header file of a pair whole, or what lies before the voxels of a single file. */
 static conus_status take_head(struct volume_file *file, const struct opening *o)
 {
-    if (o->tiff.pages || o->zarr.folder) {
+    if (o->tiff.pages) {
         return CONUS_OK; /* what lies before the voxels is no table of labels */
     }
     if (!o->header.pair) {
@@ -433,8 +433,9 @@ static conus_status take_zarr(struct bytes *out, char sha256[65], const struct g
     if (!range->sink && !filling.data) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status = volume_zarr_read(sha256, &o->zarr, o->limit, range->sink ? range->sink : fill,
-                                           range->sink ? range->user : &filling, &o->notes);
+    conus_status status =
+        volume_zarr_read(sha256, &o->zarr, o->header.info.volume, o->limit, range->sink ? range->sink : fill,
+                         range->sink ? range->user : &filling, &o->notes);
     if (status) {
         memory_free(filling.data);
         return status;
@@ -487,11 +488,17 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
 }
 
 /* Takes the bytes of the header's file around the header: extensions, text, a label table. */
-static conus_status take_around(struct volume_file *file, const struct opening *o)
+static conus_status take_around(struct volume_file *file, struct opening *o)
 {
     const struct volume_header *header = &o->header;
     if (header->text) {
         file->embedded = text_from(header->text->labels ? header->text->labels : "");
+        return CONUS_OK;
+    }
+    if (o->zarr.folder) {
+        file->head = o->zarr.labels;
+        file->embedded = text_from_bytes(file->head.data, file->head.size);
+        o->zarr.labels = (struct bytes){0};
         return CONUS_OK;
     }
     conus_status status = take_head(file, o);

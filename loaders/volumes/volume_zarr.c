@@ -12,7 +12,10 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SPACE = 3 };
+enum {
+    SPACE = 3,
+    ABOVE = 3 /* folders above an array that may be its group */
+};
 
 /* A store while its array is looked for. */
 struct search {
@@ -99,20 +102,35 @@ static conus_status choose_level(size_t *out, const struct ome *ome, const struc
     return CONUS_OK;
 }
 
-/* The folder that was given is an array. Its group, the folder above, may know it as a level. */
-static conus_status look_above(const struct ome_level **out, struct search *search)
+/* Reads the group in the folder that `length` bytes of the given one name, if it is an image, and finds the level whose
+ * path is the rest. */
+static conus_status look_into(const struct ome_level **out, struct search *search, size_t length)
 {
-    const char *slash = strrchr(search->folder, '/');
-    char *above = slash ? memory_text(search->folder, (size_t)(slash - search->folder)) : memory_text(".", 1);
+    const char *rest = search->folder + length + (length > 0);
+    char *above = length ? memory_text(search->folder, length) : memory_text(".", 1);
     conus_status status = above ? read_metadata(&search->group, above, group_files, search->read) : CONUS_ERROR_MEMORY;
     if (!status && search->group.data) {
-        status = ome_parse(&search->ome, (struct text){(const char *)search->group.data, search->group.size});
-        status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* another group's array says nothing of its place */
+        status = ome_parse(&search->ome, text_from_bytes(search->group.data, search->group.size));
+        status = status == CONUS_ERROR_MEMORY ? status : CONUS_OK; /* another group says nothing of the array's place */
     }
     for (size_t i = 0; !status && i < search->ome.count; i++) {
-        *out = strcmp(search->ome.levels[i].path, path_base(search->folder)) == 0 ? &search->ome.levels[i] : *out;
+        *out = strcmp(search->ome.levels[i].path, rest) == 0 ? &search->ome.levels[i] : *out;
     }
     memory_free(above);
+    return status;
+}
+
+/* The folder that was given is an array. Its group, a folder above, may know it as a level: "1", or "scale1/image". */
+static conus_status look_above(const struct ome_level **out, struct search *search)
+{
+    conus_status status = CONUS_OK;
+    const char *end = search->folder + strlen(search->folder);
+    for (int up = 0; !status && !search->ome.count && up < ABOVE && end > search->folder; up++) {
+        while (end > search->folder && *--end != '/') {
+        }
+        bytes_finish(&search->group);
+        status = look_into(out, search, (size_t)(end - search->folder));
+    }
     return status;
 }
 
@@ -176,19 +194,14 @@ static conus_status make_header(struct volume_header *out, const struct zarr_arr
 {
     size_t ahead = array->rank - SPACE;
     const uint64_t *shape = array->shape + ahead;
-    const int64_t dim[7] = {(int64_t)shape[2], (int64_t)shape[1], (int64_t)shape[0], 1, 1, 1, 1};
+    int64_t dim[7] = {(int64_t)shape[2], (int64_t)shape[1], (int64_t)shape[0], 1, 1, 1, 1};
     struct volume_header header = {.swapped = array->chain.swapped, .footer = true};
     const char *source = NULL;
     double world[16];
     header.info.slope = 1;
     snprintf(header.info.format, sizeof header.info.format, "Zarr %d", array->format);
     for (size_t i = 0; i < ahead; i++) {
-        if (array->shape[i] != 1) {
-            return fail(
-                CONUS_ERROR_UNSUPPORTED,
-                "shape: found %llu along axis %zu, ahead of space 1 is allowed: one image, no channels or times",
-                (unsigned long long)array->shape[i], i);
-        }
+        dim[SPACE + i] = (int64_t)array->shape[ahead - 1 - i];
     }
     if (search->ome.rank && level && search->ome.rank != array->rank) {
         return fail(CONUS_ERROR_DATA, "shape: found %zu axes, the image has %zu", array->rank, search->ome.rank);
@@ -226,7 +239,12 @@ conus_status volume_zarr_open(struct volume_zarr *out, struct volume_header *hea
         status ? status : zarr_array_parse(&array, (struct text){(const char *)search.array.data, search.array.size});
     status = status ? status : make_header(header, &array, &search, level, selector);
     if (!status) {
-        *out = (struct volume_zarr){search.folder, array, ""};
+        *out = (struct volume_zarr){search.folder, array, "", {0}};
+        const struct text about = text_from_bytes(search.group.data, search.group.size);
+        if (text_mentions(about, "\"image-label\"") && text_mentions(about, "\"label-value\"")) {
+            out->labels = search.group;
+            search.group = (struct bytes){0};
+        }
         memcpy(out->orientation, search.ome.orientation, sizeof out->orientation);
         search.folder = NULL;
     } else {
@@ -242,14 +260,15 @@ conus_status volume_zarr_open(struct volume_zarr *out, struct volume_header *hea
 void volume_zarr_finish(struct volume_zarr *zarr)
 {
     memory_free(zarr->folder);
+    bytes_finish(&zarr->labels);
     *zarr = (struct volume_zarr){0};
 }
 
-conus_status volume_zarr_read(char sha256[65], const struct volume_zarr *zarr, uint64_t limit, gzip_sink *sink,
-                              void *user, struct notes *notes)
+conus_status volume_zarr_read(char sha256[65], const struct volume_zarr *zarr, uint64_t volume, uint64_t limit,
+                              gzip_sink *sink, void *user, struct notes *notes)
 {
     struct zarr_found found;
-    conus_status status = zarr_read(&found, &zarr->array, zarr->folder, limit, sink, user);
+    conus_status status = zarr_read(&found, &zarr->array, zarr->folder, volume, limit, sink, user);
     if (!status && found.files < found.wanted) {
         status = notes_add(notes, "%llu of %llu chunks are there: the others count as the fill value",
                            (unsigned long long)found.files, (unsigned long long)found.wanted);

@@ -12,6 +12,7 @@ struct volume_zarr {
     char *folder; /**< Of the array; NULL = there is none. */
     struct zarr_array array;
     char orientation[4]; /**< Where OME's metadata say that its axes start, "asr"; empty = they do not. */
+    struct bytes labels; /**< The group's metadata, if they have colours and names of labels; else empty. */
 };
 
 /** Whether @p path is the folder of a group or an array of Zarr. */
@@ -23,9 +24,9 @@ conus_status volume_zarr_open(struct volume_zarr *out, struct volume_header *hea
                               const struct volume_selector *selector, struct file_sums *read);
 void volume_zarr_finish(struct volume_zarr *zarr);
 
-/** Reads the voxels into @p sink, as zarr_read() does, and their sum into @p sha256, [65]. A note says how many chunks
- * are not there. */
-conus_status volume_zarr_read(char sha256[65], const struct volume_zarr *zarr, uint64_t limit, gzip_sink *sink,
-                              void *user, struct notes *notes);
+/** Reads the voxels of @p volume into @p sink, as zarr_read() does, and their sum into @p sha256, [65]. A note says how
+ * many chunks are not there. */
+conus_status volume_zarr_read(char sha256[65], const struct volume_zarr *zarr, uint64_t volume, uint64_t limit,
+                              gzip_sink *sink, void *user, struct notes *notes);
 
 #endif

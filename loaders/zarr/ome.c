@@ -46,11 +46,32 @@ static char find_start(const char *value)
     return '\0';
 }
 
-/* The axes of an image: of 0.6, those of a coordinate system. Units in mm go to `units`, 0 where there is none. */
-static conus_status read_axes(struct ome *out, double units[SPACE], const json_t *image)
+/* The name of a coordinate system that a transformation of 0.6 leads to, a text or an object, "" where there is none.
+ */
+static const char *name_output(const json_t *image)
 {
-    const json_t *systems = json_object_get(image, "coordinateSystems");
-    const json_t *axes = json_object_get(systems ? json_array_get(systems, 0) : image, "axes");
+    const json_t *dataset = json_array_get(json_object_get(image, "datasets"), 0);
+    const json_t *first = json_array_get(json_object_get(dataset, "coordinateTransformations"), 0);
+    const json_t *output = json_object_get(first, "output");
+    return text_of(json_is_string(output) ? output : json_object_get(output, "name"));
+}
+
+/* The axes of an image: of 0.6, those of the coordinate system that its levels lead to, or else of the first. Drafts
+ * have the systems beside the images, not in them. */
+static const json_t *find_axes(const json_t *image, const json_t *systems)
+{
+    const json_t *system = json_array_get(systems, 0);
+    for (size_t i = 0; i < json_array_size(systems); i++) {
+        const json_t *other = json_array_get(systems, i);
+        const char *name = text_of(json_object_get(other, "name"));
+        system = name[0] && strcmp(name, name_output(image)) == 0 ? other : system;
+    }
+    return json_object_get(systems ? system : image, "axes");
+}
+
+/* Units in mm go to `units`, 0 where there is none. */
+static conus_status read_axes(struct ome *out, double units[SPACE], const json_t *axes)
+{
     out->rank = json_array_size(axes);
     if (axes && (out->rank < SPACE || out->rank > ZARR_AXES)) {
         return fail(CONUS_ERROR_DATA, "axes: found %zu, allowed are 3 to %d", out->rank, ZARR_AXES);
@@ -138,14 +159,12 @@ static bool is_below(const char *path)
     return good;
 }
 
-static conus_status read_level(struct ome *out, const json_t *dataset, const json_t *image, const double units[SPACE])
+/* Reads a level; `common` are the transformations of the image, NULL if it has none. */
+static conus_status read_level(struct ome *out, const json_t *dataset, const json_t *common, const double units[SPACE])
 {
     struct ome_level level = {.scale = {1, 1, 1}};
     const char *path = text_of(json_object_get(dataset, "path"));
     const json_t *own = json_object_get(dataset, "coordinateTransformations");
-    /* those of an image lead on from its axes since 0.6 */
-    const json_t *common =
-        json_object_get(image, "coordinateSystems") ? NULL : json_object_get(image, "coordinateTransformations");
     if (!is_below(path)) {
         return fail(CONUS_ERROR_DATA, "datasets: path: found \"%.*s\", a folder below is needed", ZARR_NAME, path);
     }
@@ -168,16 +187,20 @@ static conus_status read_image(struct ome *out, const json_t *attributes)
 {
     const json_t *image = json_array_get(json_object_get(attributes, "multiscales"), 0);
     const json_t *datasets = json_object_get(image, "datasets");
+    const json_t *inside = json_object_get(image, "coordinateSystems");
+    const json_t *systems = inside ? inside : json_object_get(attributes, "coordinateSystems");
+    /* those of an image lead on from its axes since 0.6 */
+    const json_t *common = systems ? NULL : json_object_get(image, "coordinateTransformations");
     double units[SPACE] = {0};
     size_t count = json_array_size(datasets);
     if (!count || count > LEVELS) {
         return fail(CONUS_ERROR_DATA, "multiscales: found %zu levels, allowed are 1 to %d", count, LEVELS);
     }
-    conus_status status = read_axes(out, units, image);
+    conus_status status = read_axes(out, units, find_axes(image, systems));
     out->levels = status ? NULL : memory_zeroed(count, sizeof *out->levels);
     status = status || out->levels ? status : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < count; i++) {
-        status = read_level(out, json_array_get(datasets, i), image, units);
+        status = read_level(out, json_array_get(datasets, i), common, units);
     }
     return status;
 }

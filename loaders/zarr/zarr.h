@@ -63,11 +63,11 @@ struct zarr_found {
     char sha256[65];        /**< Of the lines that sha256sum writes for the files of chunks, in the order of space. */
 };
 
-/** Reads the array in @p folder, of which the axes ahead of space have one element each, row of chunks by row of
- * chunks: @p sink gets the voxels in order, the last axis fastest, in the byte order of the file. What is held in
- * memory meanwhile is a row of chunks; a chunk of more than @p limit bytes is CONUS_ERROR_MEMORY, an array without any
- * chunk CONUS_ERROR_DATA. */
-conus_status zarr_read(struct zarr_found *out, const struct zarr_array *array, const char *folder, uint64_t limit,
-                       gzip_sink *sink, void *user);
+/** Reads the volume @p volume, from 0, of the array in @p folder, row of chunks by row of chunks: of the axes ahead of
+ * space, the last is the fastest. @p sink gets the voxels in order, the last axis fastest, in the byte order of the
+ * file. What is held in memory meanwhile is a row of chunks, and the indexes of a row of shards; more than @p limit
+ * bytes of it are CONUS_ERROR_MEMORY, an array without any chunk CONUS_ERROR_DATA. */
+conus_status zarr_read(struct zarr_found *out, const struct zarr_array *array, const char *folder, uint64_t volume,
+                       uint64_t limit, gzip_sink *sink, void *user);
 
 #endif

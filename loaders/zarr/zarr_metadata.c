@@ -6,7 +6,7 @@
 #include "loaders/zarr/zarr.h"
 
 #include <math.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* The text of a value, "" of one of another kind. */
@@ -73,10 +73,22 @@ static conus_status read_type(struct zarr_array *out, const json_t *value)
     return refuse(out->format == 2 ? "dtype" : "data_type", name, "int8 to uint64, float32 and float64");
 }
 
+/* "0x7fc00000": the bits of a number of floating point, two digits a byte. */
+static bool find_hexadecimal(uint64_t *bits, const char *name, size_t size)
+{
+    size_t digits = strlen(name) - 2;
+    bool good = digits == 2 * size && strspn(name + 2, "0123456789abcdefABCDEF") == digits;
+    *bits = good ? strtoull(name + 2, NULL, 16) : 0;
+    return good;
+}
+
 /* The bits of the fill value; false where it is none of the type's. */
 static bool find_fill(uint64_t *bits, const struct zarr_array *array, const json_t *value)
 {
     const char *name = text_of(value);
+    if (array->kind == 'f' && array->format == 3 && strncmp(name, "0x", 2) == 0) {
+        return find_hexadecimal(bits, name, array->size);
+    }
     double number = json_is_number(value)            ? json_number_value(value)
                     : strcmp(name, "NaN") == 0       ? NAN
                     : strcmp(name, "Infinity") == 0  ? INFINITY

@@ -7,17 +7,34 @@
 
 #include <errno.h>
 #include <nettle/sha2.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { SPACE = 3, PIECE = 1 << 20 };
+
+/* An entry of the index of a shard: where a chunk lies; both are all ones where it has the fill value. */
+struct entry {
+    uint64_t from, size;
+};
+
+/* The index of a shard, kept for the rows of chunks in it. */
+struct shard {
+    struct entry *entries; /* NULL where there is no file */
+    struct file_state state;
+};
 
 struct reading {
     const struct zarr_array *array;
     const char *folder;
     uint64_t limit;
     size_t size[SPACE], chunk[SPACE]; /* voxels of all and of a chunk, along the axes of space */
-    size_t step[SPACE];               /* from number to number in an unpacked chunk */
+    size_t each[SPACE];               /* chunks of a file */
+    size_t files[SPACE];
+    size_t step[SPACE];      /* from number to number in an unpacked chunk, */
+    size_t start;            /* from the number where the volume begins */
+    size_t ahead[ZARR_AXES]; /* the volume's place along the axes ahead of space */
+    size_t entries, first;   /* of a shard's index: all, and the volume's first */
+    struct shard *shards;    /* [files[1]][files[2]] of a row */
     struct zarr_unpacker *unpacker;
     struct bytes stored, slab;
     struct buffer path;
@@ -31,38 +48,63 @@ static size_t smaller(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-static conus_status reading_init(struct reading *reading)
+/* Finds the volume along the axes ahead of space, the last of which is the fastest, and in what is stored. */
+static void find_volume(struct reading *reading, uint64_t volume)
 {
     const struct zarr_array *array = reading->array;
     size_t ahead = array->rank - SPACE;
-    size_t voxels = array->size;
     size_t step = 1;
-    bool fits = array->chunk_bytes <= reading->limit;
-    reading->found.wanted = 1;
-    for (size_t i = array->rank; i-- > 0;) {
+    for (size_t i = ahead; i-- > 0; volume /= array->shape[i]) {
+        reading->ahead[i] = (size_t)(volume % array->shape[i]);
+    }
+    for (size_t i = array->rank; i-- > 0; step *= (size_t)array->chunk[array->chain.order[i]]) {
         size_t axis = array->chain.order[i];
         if (axis >= ahead) {
             reading->step[axis - ahead] = step;
+        } else {
+            reading->start += reading->ahead[axis] % (size_t)array->chunk[axis] * step;
         }
-        step *= (size_t)array->chunk[axis];
     }
+    reading->entries = 1;
+    for (size_t i = 0; i < array->rank; i++) {
+        size_t chunks = (size_t)(array->file_chunk[i] / array->chunk[i]);
+        size_t at = i < ahead ? reading->ahead[i] % (size_t)array->file_chunk[i] / (size_t)array->chunk[i] : 0;
+        reading->entries *= chunks;
+        reading->first = reading->first * chunks + at;
+    }
+}
+
+static conus_status reading_init(struct reading *reading, uint64_t volume)
+{
+    const struct zarr_array *array = reading->array;
+    size_t ahead = array->rank - SPACE;
+    size_t bytes = array->size;
+    bool fits = array->chunk_bytes <= reading->limit;
+    find_volume(reading, volume);
     for (size_t i = 0; i < SPACE; i++) {
+        size_t file = (size_t)array->file_chunk[ahead + i];
         reading->size[i] = (size_t)array->shape[ahead + i];
         reading->chunk[i] = (size_t)array->chunk[ahead + i];
-        uint64_t each = array->file_chunk[ahead + i];
-        reading->found.wanted *= (array->shape[ahead + i] + each - 1) / each;
-        fits = fits &&
-               memory_multiply(voxels, i ? reading->size[i] : smaller(reading->size[0], reading->chunk[0]), &voxels);
+        reading->each[i] = file / reading->chunk[i];
+        reading->files[i] = (reading->size[i] + file - 1) / file;
+        fits =
+            fits && memory_multiply(bytes, i ? reading->size[i] : smaller(reading->size[0], reading->chunk[0]), &bytes);
     }
-    if (!fits || voxels > reading->limit) {
+    reading->found.wanted = (uint64_t)reading->files[0] * reading->files[1] * reading->files[2];
+    size_t shards = array->sharded ? reading->files[1] * reading->files[2] : 0;
+    size_t indexes = sizeof *reading->shards + reading->entries * sizeof(struct entry);
+    fits = fits && memory_multiply(indexes, shards, &indexes) && indexes <= reading->limit;
+    if (!fits || bytes > reading->limit - indexes) {
         return fail(CONUS_ERROR_MEMORY,
                     "chunk_shape: a row of chunks takes more memory than the %llu bytes allowed "
                     "(--max-memory)",
                     (unsigned long long)reading->limit);
     }
     sha256_init(&reading->sum);
-    reading->slab.data = memory_raw(voxels, 1);
-    return reading->slab.data ? zarr_unpacker_create(&reading->unpacker) : CONUS_ERROR_MEMORY;
+    reading->slab.data = memory_raw(bytes, 1);
+    reading->shards = shards ? memory_zeroed(shards, sizeof *reading->shards) : NULL;
+    bool made = reading->slab.data && (reading->shards || !shards);
+    return made ? zarr_unpacker_create(&reading->unpacker) : CONUS_ERROR_MEMORY;
 }
 
 static void reading_finish(struct reading *reading)
@@ -70,6 +112,10 @@ static void reading_finish(struct reading *reading)
     zarr_unpacker_destroy(reading->unpacker);
     bytes_finish(&reading->stored);
     bytes_finish(&reading->slab);
+    for (size_t i = 0; reading->shards && i < reading->files[1] * reading->files[2]; i++) {
+        memory_free(reading->shards[i].entries);
+    }
+    memory_free(reading->shards);
     buffer_finish(&reading->path);
 }
 
@@ -83,7 +129,8 @@ static conus_status find_path(struct reading *reading, const size_t at[SPACE])
     reading->key = path->size;
     buffer_text(path, array->prefixed ? "c" : "");
     for (size_t i = 0; i < array->rank; i++) {
-        size_t number = i + SPACE < array->rank ? 0 : at[i + SPACE - array->rank];
+        size_t number =
+            i + SPACE < array->rank ? reading->ahead[i] / (size_t)array->file_chunk[i] : at[i + SPACE - array->rank];
         if (i || array->prefixed) {
             buffer_append(path, &array->separator, 1);
         }
@@ -148,6 +195,7 @@ static void place_chunk(struct reading *reading, const size_t at[SPACE], const u
     const struct zarr_array *array = reading->array;
     size_t count[SPACE];
     uint8_t *out = find_place(count, reading, at);
+    chunk = chunk ? chunk + reading->start * array->size : NULL;
     size_t size = array->size;
     bool is_zero = memcmp(array->fill, zeros, sizeof zeros) == 0;
     for (size_t z = 0; z < count[0]; z++) {
@@ -170,10 +218,11 @@ static conus_status take_chunk(struct reading *reading, const size_t at[SPACE], 
     const struct zarr_array *array = reading->array;
     const uint8_t *chunk = NULL;
     conus_status status = zarr_unpack(&chunk, reading->unpacker, &array->chain, data, size, array->chunk_bytes);
-    if (!status) {
-        place_chunk(reading, at, chunk);
+    if (status) {
+        return fail_in(status, reading->path.data);
     }
-    return status;
+    place_chunk(reading, at, chunk);
+    return CONUS_OK;
 }
 
 /* The chunk of a file that has one. */
@@ -187,8 +236,7 @@ static conus_status read_chunk(struct reading *reading, const struct open_file *
     }
     file_sha256(hex, &reading->stored);
     add_line(reading, hex);
-    status = take_chunk(reading, at, reading->stored.data, reading->stored.size);
-    return status ? fail_in(status, reading->path.data) : CONUS_OK;
+    return take_chunk(reading, at, reading->stored.data, reading->stored.size);
 }
 
 /* Reads a part of the file into `stored`. */
@@ -219,46 +267,77 @@ static conus_status sum_shard(struct reading *reading, const struct open_file *f
     return status;
 }
 
-/* An entry of the index of a shard: where a chunk lies; both are all ones where it has the fill value. */
-struct entry {
-    uint64_t from, size;
-};
-
-/* Reads the index: `count` entries, all of which lie in the file, outside of the index, and not in each other. */
-static conus_status read_index(struct entry **out, struct reading *reading, const struct open_file *file, size_t count)
+static int compare_entries(const void *a, const void *b)
 {
-    const struct zarr_array *array = reading->array;
-    uint64_t whole = file->before.size;
-    size_t plain = count * sizeof(struct entry);
-    size_t size = plain + array->index.count * sizeof(uint32_t);
-    uint64_t first = array->index_first ? 0 : whole - size;
-    const uint8_t *data = NULL;
-    if (size > whole || size > reading->limit) {
-        return fail(CONUS_ERROR_DATA, "%s: %llu bytes, its index alone takes %zu", file->path,
-                    (unsigned long long)whole, size);
-    }
-    conus_status status = read_part(reading, file, first, size);
-    status = status ? status : zarr_unpack(&data, reading->unpacker, &array->index, reading->stored.data, size, plain);
-    struct entry *entries = status ? NULL : memory_raw(count, sizeof *entries);
-    status = status || entries ? status : CONUS_ERROR_MEMORY;
-    uint64_t sum = 0;
+    uint64_t one = ((const struct entry *)a)->from;
+    uint64_t other = ((const struct entry *)b)->from;
+    return (one > other) - (one < other);
+}
+
+static conus_status refuse_entry(const struct entry *entry)
+{
+    return fail(CONUS_ERROR_DATA,
+                "index of the shard: a chunk of %llu bytes from byte %llu on lies outside of the file, or over another "
+                "or the index",
+                (unsigned long long)entry->size, (unsigned long long)entry->from);
+}
+
+/* Checks that all `count` entries lie in the file of `whole` bytes, and neither in the index, `own`, nor in each other.
+ */
+static conus_status check_index(const struct entry *entries, size_t count, uint64_t whole, const struct entry *own)
+{
+    struct entry *sorted = memory_raw(count + 1, sizeof *sorted);
+    size_t there = 0;
+    conus_status status = sorted ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < count; i++) {
-        struct entry *entry = &entries[i];
-        entry->from = order_u64(data + i * sizeof *entry, array->index.swapped);
-        entry->size = order_u64(data + i * sizeof *entry + sizeof entry->from, array->index.swapped);
+        const struct entry *entry = &entries[i];
         if (entry->from == UINT64_MAX && entry->size == UINT64_MAX) {
             continue;
         }
-        bool inside = entry->from <= whole && entry->size <= whole - entry->from;
-        bool apart = inside && (entry->from + entry->size <= first || entry->from >= first + size);
-        sum += inside ? entry->size : 0; /* stops at the first excess, so it does not overflow */
-        if (!inside || !apart || sum > whole - size) {
-            status = fail(CONUS_ERROR_DATA,
-                          "chunk %zu of the index: %llu bytes from byte %llu on, outside of the file "
-                          "or over others",
-                          i, (unsigned long long)entry->size, (unsigned long long)entry->from);
+        if (entry->from > whole || entry->size > whole - entry->from) {
+            status = refuse_entry(entry);
+        }
+        sorted[there++] = *entry;
+    }
+    if (!status) {
+        sorted[there++] = *own;
+        qsort(sorted, there, sizeof *sorted, compare_entries);
+    }
+    for (size_t i = 1; !status && i < there; i++) {
+        if (sorted[i - 1].from + sorted[i - 1].size > sorted[i].from) {
+            status = refuse_entry(&sorted[i - 1]);
         }
     }
+    memory_free(sorted);
+    return status;
+}
+
+static conus_status read_index(struct entry **out, struct reading *reading, const struct open_file *file)
+{
+    const struct zarr_array *array = reading->array;
+    uint64_t whole = file->before.size;
+    size_t count = reading->entries;
+    size_t plain = count * sizeof(struct entry);
+    size_t size = plain + array->index.count * sizeof(uint32_t);
+    const struct entry own = {array->index_first ? 0 : whole - size, size};
+    const uint8_t *data = NULL;
+    if (size > whole) {
+        return fail(CONUS_ERROR_DATA, "%s: %llu bytes, its index alone takes %zu", file->path,
+                    (unsigned long long)whole, size);
+    }
+    conus_status status = read_part(reading, file, own.from, size);
+    if (status) {
+        return status;
+    }
+    status = zarr_unpack(&data, reading->unpacker, &array->index, reading->stored.data, size, plain);
+    struct entry *entries = status ? NULL : memory_raw(count, sizeof *entries);
+    status = status || entries ? status : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; !status && i < count; i++) {
+        const uint8_t *entry = data + i * sizeof *entries;
+        entries[i].from = order_u64(entry, array->index.swapped);
+        entries[i].size = order_u64(entry + sizeof entries->from, array->index.swapped);
+    }
+    status = status ? status : check_index(entries, count, whole, &own);
     if (status) {
         memory_free(entries);
         return fail_in(status, file->path);
@@ -267,92 +346,92 @@ static conus_status read_index(struct entry **out, struct reading *reading, cons
     return CONUS_OK;
 }
 
-/* The chunks of a shard that lie in the row `row` of chunks. */
-static conus_status read_shard(struct reading *reading, const struct open_file *file, const size_t at[SPACE],
-                               size_t row)
+/* Gives the chunks of the file at `at`, of those in the row `row`, their voxels: those of an index, or the fill value.
+ */
+static conus_status fill_chunks(struct reading *reading, const struct open_file *file, const struct entry *entries,
+                                const size_t at[SPACE], size_t row)
 {
-    const struct zarr_array *array = reading->array;
-    struct entry *entries = NULL;
-    size_t each[SPACE] = {1, 1, 1}; /* chunks of a shard */
-    size_t count = 1;
-    for (size_t i = 0; i < array->rank; i++) {
-        size_t chunks = (size_t)(array->file_chunk[i] / array->chunk[i]);
-        count *= chunks;
-        if (i + SPACE >= array->rank) {
-            each[i + SPACE - array->rank] = chunks;
-        }
-    }
-    conus_status status = row % each[0] ? CONUS_OK : sum_shard(reading, file);
-    status = status ? status : read_index(&entries, reading, file, count);
+    const size_t *each = reading->each;
+    conus_status status = CONUS_OK;
     for (size_t y = 0; !status && y < each[1]; y++) {
         for (size_t x = 0; !status && x < each[2]; x++) {
             const size_t chunk[SPACE] = {row, at[1] * each[1] + y, at[2] * each[2] + x};
             bool inside =
                 chunk[1] * reading->chunk[1] < reading->size[1] && chunk[2] * reading->chunk[2] < reading->size[2];
-            const struct entry *entry = &entries[(row % each[0] * each[1] + y) * each[2] + x];
-            if (inside && entry->from == UINT64_MAX) {
+            const struct entry *entry =
+                entries ? &entries[reading->first + (row % each[0] * each[1] + y) * each[2] + x] : NULL;
+            if (inside && (!entry || entry->from == UINT64_MAX)) {
                 place_chunk(reading, chunk, NULL);
             } else if (inside) {
                 status = read_part(reading, file, entry->from, (size_t)entry->size);
                 status = status ? status : take_chunk(reading, chunk, reading->stored.data, reading->stored.size);
-                status = status ? fail_in(status, file->path) : CONUS_OK;
             }
         }
     }
-    memory_free(entries);
+    return status;
+}
+
+/* The index of the shard at `at`, read at the first row of chunks in it; `file` is NULL where it is not there. */
+static conus_status find_shard(const struct shard **out, struct reading *reading, const struct open_file *file,
+                               const size_t at[SPACE], size_t row)
+{
+    struct shard *shard = &reading->shards[at[1] * reading->files[2] + at[2]];
+    conus_status status = CONUS_OK;
+    if (row % reading->each[0] == 0) {
+        memory_free(shard->entries);
+        *shard = (struct shard){.state = file ? file->before : (struct file_state){0}};
+        status = file ? sum_shard(reading, file) : CONUS_OK;
+        status = status || !file ? status : read_index(&shard->entries, reading, file);
+    } else if (file ? !file_state_equal(&file->before, &shard->state) : shard->entries != NULL) {
+        status = fail(CONUS_ERROR_IO, "%s: " FILE_CHANGED, reading->path.data);
+    }
+    *out = shard;
     return status;
 }
 
 /* Fills the part of the slab that the file at `at` has: of its chunks those of the row `row`. */
 static conus_status read_file(struct reading *reading, const size_t at[SPACE], size_t row)
 {
-    const struct zarr_array *array = reading->array;
-    size_t ahead = array->rank - SPACE;
     struct open_file file = {.descriptor = -1};
+    const struct shard *shard = NULL;
     bool there = false;
     conus_status status = find_path(reading, at);
     status = status ? status : open_chunk(&file, &there, reading);
     if (status) {
         return status;
     }
+    if (reading->array->sharded) {
+        status = find_shard(&shard, reading, there ? &file : NULL, at, row);
+    }
+    if (!status && there && !shard) {
+        status = read_chunk(reading, &file, at);
+    } else if (!status) {
+        status = fill_chunks(reading, &file, shard ? shard->entries : NULL, at, row);
+    }
     if (there) {
-        status = array->sharded ? read_shard(reading, &file, at, row) : read_chunk(reading, &file, at);
         file_close(&file);
-        return status;
     }
-    size_t each[2] = {(size_t)(array->file_chunk[ahead + 1] / array->chunk[ahead + 1]),
-                      (size_t)(array->file_chunk[ahead + 2] / array->chunk[ahead + 2])};
-    for (size_t y = 0; y < each[0]; y++) {
-        for (size_t x = 0; x < each[1]; x++) {
-            const size_t chunk[SPACE] = {row, at[1] * each[0] + y, at[2] * each[1] + x};
-            if (chunk[1] * reading->chunk[1] < reading->size[1] && chunk[2] * reading->chunk[2] < reading->size[2]) {
-                place_chunk(reading, chunk, NULL);
-            }
-        }
-    }
-    return CONUS_OK;
+    return status;
 }
 
 /* Fills the slab with the row `row` of chunks. */
 static conus_status read_row(struct reading *reading, size_t row)
 {
-    const struct zarr_array *array = reading->array;
-    const uint64_t *file = array->file_chunk + array->rank - SPACE;
     conus_status status = CONUS_OK;
-    size_t at[SPACE] = {row * reading->chunk[0] / (size_t)file[0], 0, 0};
-    for (at[1] = 0; !status && at[1] * file[1] < reading->size[1]; at[1]++) {
-        for (at[2] = 0; !status && at[2] * file[2] < reading->size[2]; at[2]++) {
+    size_t at[SPACE] = {row / reading->each[0], 0, 0};
+    for (at[1] = 0; !status && at[1] < reading->files[1]; at[1]++) {
+        for (at[2] = 0; !status && at[2] < reading->files[2]; at[2]++) {
             status = read_file(reading, at, row);
         }
     }
     return status;
 }
 
-conus_status zarr_read(struct zarr_found *out, const struct zarr_array *array, const char *folder, uint64_t limit,
-                       gzip_sink *sink, void *user)
+conus_status zarr_read(struct zarr_found *out, const struct zarr_array *array, const char *folder, uint64_t volume,
+                       uint64_t limit, gzip_sink *sink, void *user)
 {
     struct reading reading = {.array = array, .folder = folder, .limit = limit};
-    conus_status status = reading_init(&reading);
+    conus_status status = reading_init(&reading, volume);
     size_t plane = reading.size[1] * reading.size[2] * array->size;
     for (size_t row = 0; !status && row * reading.chunk[0] < reading.size[0]; row++) {
         size_t planes = smaller(reading.chunk[0], reading.size[0] - row * reading.chunk[0]);

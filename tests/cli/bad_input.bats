@@ -219,3 +219,83 @@ refuses() {
         fails 3 'cut.nii.gz: ' info cut.nii.gz
     done
 }
+
+# store SHAPE CHUNK CODECS: store.zarr, an array of uint8 without chunks, of which c/0/0/0 is the first.
+store() {
+    rm -rf store.zarr
+    mkdir -p store.zarr/c/0/0
+    printf '{"zarr_format": 3, "node_type": "array", "shape": %s, "data_type": "uint8", "chunk_grid": {"name": "regular",
+        "configuration": {"chunk_shape": %s}}, "chunk_key_encoding": {"name": "default"}, "fill_value": 0,
+        "codecs": %s}' "$1" "$2" "$3" >store.zarr/zarr.json
+}
+
+PLACE=,resolution=1000,orientation=asr
+
+# no_store TEXT: store.zarr ends info in code 3 with one line that has TEXT in it.
+no_store() {
+    fails 3 "$1" info "store.zarr$PLACE" --no-cache
+}
+
+@test "OME-Zarr: sizes that multiply beyond 2^63, and JSON of 16 MiB" {
+    store '[2147483647, 2147483647, 2147483647]' '[2, 2, 2]' '["bytes"]'
+    no_store 'chunk_shape: more than 2^31 chunks'
+    store '[2147483647, 2147483647, 2147483647]' '[2147483647, 2147483647, 2147483647]' '["bytes"]'
+    no_store 'or a chunk of more than 2^62 bytes'
+    store '[1048576, 1048576, 1048576]' '[1048576, 1048576, 1048576]' '["bytes"]'
+    no_store 'voxels'
+    store '[1048576, 1048576, 1]' '[1048576, 1048576, 1]' '["bytes"]'
+    no_store 'labels: found 1099511627776 voxels, which take 2 bytes each, allowed are 8589934592 bytes (--max-memory)'
+    head -c 16777217 /dev/zero >store.zarr/zarr.json
+    no_store 'zarr.json: file of 16777217 bytes, allowed are 16777216'
+    head -c 16777216 /dev/zero | tr '\0' '[' >store.zarr/zarr.json
+    no_store 'JSON text of 16777216 bytes that would take'
+}
+
+@test "OME-Zarr: chunks that unpack to too much, are of another size, or no files" {
+    store '[2, 2, 2]' '[2, 2, 2]' '["bytes", "zstd"]'
+    head -c 67108864 /dev/zero | zstd -q -c >store.zarr/c/0/0/0
+    no_store 'c/0/0/0: damaged, or not the 8 bytes of a chunk'
+    store '[2, 2, 2]' '[2, 2, 2]' '["bytes", "gzip"]'
+    head -c 67108864 /dev/zero | gzip -1 >store.zarr/c/0/0/0
+    no_store 'c/0/0/0: damaged, or not the 8 bytes of a chunk'
+    store '[2, 2, 2]' '[2, 2, 2]' '["bytes"]'
+    truncate -s 9G store.zarr/c/0/0/0
+    no_store 'c/0/0/0: file of 9663676416 bytes, allowed are 8589934592 (--max-memory)'
+    printf 1234567 >store.zarr/c/0/0/0
+    no_store 'c/0/0/0: damaged, or not the 8 bytes of a chunk'
+    rm store.zarr/c/0/0/0
+    no_store 'no chunk of this array is there: it was not downloaded'
+    mkfifo store.zarr/c/0/0/0
+    no_store 'c/0/0/0: cannot read: is a device or pipe'
+}
+
+@test "OME-Zarr: chunks of a shard over each other, and outside of it" {
+    local codecs='[{"name": "sharding_indexed", "configuration": {"chunk_shape": [1, 2, 2], "codecs": ["bytes"],
+        "index_codecs": [{"name": "bytes", "configuration": {"endian": "little"}}]}}]'
+    local zeros='\0\0\0\0\0\0\0'
+    store '[2, 2, 2]' '[2, 2, 2]' "$codecs"
+    shard() { # FROM SIZE FROM SIZE, in octal
+        printf "1111%b\\$1$zeros\\$2$zeros\\$3$zeros\\$4$zeros" '\2\2\2\2' >store.zarr/c/0/0/0
+    }
+    shard 0 4 4 4
+    run -0 --separate-stderr "$CONUS" info "store.zarr$PLACE" --no-cache --format tsv
+    shard 0 4 3 4
+    no_store 'a chunk of 4 bytes from byte 0 on lies outside of the file, or over another or the index'
+    shard 0 4 10 4 # over the index
+    no_store 'a chunk of 4 bytes from byte 8 on lies outside'
+    shard 0 4 70 4 # 56, where the file has 40 bytes
+    no_store 'a chunk of 4 bytes from byte 56 on lies outside'
+}
+
+@test "OME-Zarr: a missing chunk has the fill value, or is an error where there is none; others mean nothing" {
+    mkdir two.zarr
+    echo '{"zarr_format": 2, "shape": [2, 2, 2], "chunks": [1, 2, 2], "dtype": "|u1", "order": "C", "compressor": null,
+        "fill_value": null}' >two.zarr/.zarray
+    printf 1111 >two.zarr/0.0.0
+    printf 9999 >two.zarr/2.0.0 # there is no such row
+    fails 3 'two.zarr/1.0.0: is not there, and fill_value does not say what it holds' info two.zarr$PLACE
+    sed -i 's/"fill_value": null/"fill_value": 50/' two.zarr/.zarray
+    run -0 --separate-stderr "$CONUS" info two.zarr$PLACE --no-cache
+    grep -q '1 of 2 chunks are there: the others count as the fill value' <<<"$output$stderr"
+    grep -q '2 areas' <<<"$output"
+}

@@ -33,6 +33,10 @@ static void places_count_from_the_root(void **state)
     assert_null(atlas.template);
     assert_true(atlas.is_symmetric);
     brainglobe_atlas_finish(&atlas);
+    static const char inside[] = "{" SIZES ",\"annotation_set\":{\"location\":\"a\"," TEMPLATE "}," NAMES "}";
+    assert_ok(brainglobe_atlas_parse(&atlas, text_from(inside)));
+    assert_string_equal(atlas.template, "templates/a/1_1");
+    brainglobe_atlas_finish(&atlas);
     for (size_t size = 0; size + 1 < sizeof WHOLE; size++) {
         assert_fails(brainglobe_atlas_parse(&atlas, (struct text){WHOLE, size}), CONUS_ERROR_DATA);
     }

@@ -108,6 +108,16 @@ static const struct sample samples[] = {
     {"FSLeyes colours", "1 0.1 0.2 0.4  1\n2 0.6 0.4 1  1\n", "1 - #1a3366; 2 - #9966ff"},
     {"FSLeyes colours", "1 0.1 0.2 0.4 1\n7 0.6 0.4 1 7\n", "1 - #1a3366; 7 - #9966ff"},
     {"JSON list of labels", "[{\"id\": 1, \"name\": \"a\"}]", "1 a"},
+    {"OME image-label", /* of version 0.5, in zarr.json */
+     "{\"attributes\":{\"ome\":{\"image-label\":{\"colors\":[{\"label-value\":3,\"rgba\":[1,2,3,255]},{\"label-value\":"
+     "1,"
+     "\"rgba\":[4,5,6,0]},{\"label-value\":0,\"rgba\":[0,0,0,0]}],\"properties\":[{\"label-value\":2,\"class\":\"b\","
+     "\"area\":"
+     "7},{\"label-value\":1,\"label\":\"x\",\"name\":\"a\"}]}}}}",
+     "1 a #040506; 2 b; 3 - #010203"},
+    {"OME image-label", /* of version 0.4, in .zattrs */
+     "{\"multiscales\":[],\"image-label\":{\"properties\":[{\"label-value\":5,\"label\":\"c\"},{\"label-value\":4}]}}",
+     "4 -; 5 c"},
     {"NiiVue labels", "{\"R\":[1],\"G\":[2],\"B\":[3],\"I\":[500],\"labels\":[\"x\"]}", "500 x #010203"},
 };
 static void formats_are_detected_from_content(void **state)
