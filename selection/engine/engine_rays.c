@@ -341,7 +341,11 @@ static conus_status pierce_volumes(const struct rays_engine *engine, void *out, 
 {
     bool has_uniform = atomic_load_explicit(&engine->has_uniform, memory_order_acquire);
     conus_status status = CONUS_OK;
-    (void)cone;
+    for (size_t ray = 0; ray < block->bundle.count; ray++) {
+        uint32_t i = (uint32_t)(block->pixel[ray] % cone->resolution);
+        uint32_t j = (uint32_t)(block->pixel[ray] / cone->resolution);
+        block->bundle.limit[ray] = cone_has_range(cone) ? cone->range[1] * cone_per_depth(cone, i, j) : INFINITY;
+    }
     for (size_t t = 0; t < engine->target_count && !status; t++) {
         const struct target *target = &engine->targets[t];
         struct traverse_piercing piercing = {
@@ -375,7 +379,7 @@ static conus_status pierce(struct engine *engine, struct layers *out, const stru
 {
     struct rays_engine *rays = (struct rays_engine *)engine;
     conus_status status = rays->target_count ? for_blocks(rays, out, cone, pierce_volumes) : CONUS_OK;
-    if (!status && rays->target_count) {
+    if (!status && rays->target_count && block_edge(cone) > 1 && cone->resolution > 1) { /* lone rays need none */
         count_pierced(rays, (size_t)cone->resolution * cone->resolution);
     }
     if (!status && rays->meshes) {

@@ -69,6 +69,10 @@ static void sort_pixel(conus_interval *intervals, size_t count)
 
 conus_status layers_sort(struct layers *layers, size_t pixels)
 {
+    if (pixels == 1) {
+        sort_pixel(layers->intervals, layers->count);
+        return CONUS_OK;
+    }
     conus_interval *sorted = memory_raw(layers->capacity, sizeof *sorted);
     size_t *end = memory_zeroed(pixels, sizeof *end);
     if (!sorted || !end) {

@@ -83,14 +83,11 @@ static double length_in(double gram[3][3], const double x[3])
     return sqrt(fmax(square, 0));
 }
 
-double near_box(double out[3], double box[2][3], double gram[3][3])
+double near_skew_box(double out[3], double box[2][3], double gram[3][3])
 {
     double best = INFINITY;
     for (int a = 0; a < 3; a++) {
         out[a] = fmin(fmax(0, box[0][a]), box[1][a]);
-    }
-    if (gram[0][1] == 0 && gram[1][2] == 0 && gram[2][0] == 0) {
-        return length_in(gram, out);
     }
     if (out[0] == 0 && out[1] == 0 && out[2] == 0) {
         return 0;

@@ -6,6 +6,8 @@
 #include "atlas/atlas.h"
 #include "selection/region/region.h"
 
+#include <math.h>
+
 /** Nearest points of objects to a ball's centre; kept between balls. A zeroed one is ready for near_prepare(). */
 struct near {
     struct near_object {
@@ -38,8 +40,22 @@ void near_cells_init(struct near_cells *out, const struct volume *volume);
  * distance in mm, or INFINITY (and @p out untouched) where that is surely more than @p limit. */
 double near_cell(double out[3], struct near_cells *cells, const double cell[3], const double at[3], double limit);
 
+/** near_box() of axes that are not perpendicular. */
+double near_skew_box(double out[3], double box[2][3], double gram[3][3]);
+
 /** Offset to the point nearest to the origin of the parallelepiped of @p box, low and high ends along three axes whose
  * dot products are @p gram: in units of the axes. Returns the distance. */
-double near_box(double out[3], double box[2][3], double gram[3][3]);
+static inline double near_box(double out[3], double box[2][3], double gram[3][3])
+{
+    double square = 0;
+    if (gram[0][1] != 0 || gram[1][2] != 0 || gram[2][0] != 0) {
+        return near_skew_box(out, box, gram);
+    }
+    for (int a = 0; a < 3; a++) {
+        out[a] = box[0][a] > 0 ? box[0][a] : box[1][a] < 0 ? box[1][a] : 0;
+        square += out[a] * (gram[a][a] * out[a]);
+    }
+    return sqrt(square);
+}
 
 #endif

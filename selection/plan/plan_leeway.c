@@ -22,6 +22,7 @@
 static const double RESOLUTION = 1e-6; /* mm of a leeway */
 static const double ROUNDING = 1e-12;  /* mm along the axis */
 static const double WIDER = 1 + 1e-9;  /* a bound that rounding does not pass */
+static const double SKEW = 1e-5;       /* a part of a distance: more than axes that count as perpendicular change */
 enum { STEP_LIMIT = 60 };
 
 /* A face of a cell, between low and high corners in voxels; a triangle; or a segment of a streamline. */
@@ -29,6 +30,7 @@ struct plan_body {
     double corner[2][3];
     size_t triangle;
     double bound;                   /* mm from its centre to its farthest point */
+    double least;                   /* mm: it is no nearer to the needle's line */
     struct plan_span taken, widest; /* where it is nearer than delta, for the last one and for one that is larger */
 };
 
@@ -40,6 +42,7 @@ struct plan_side {
     const struct plan_part *part;
     struct near_cells cells;     /* of a volume, */
     double start[3], step[3];    /* the axis in its voxels, */
+    double edges[4][3];          /* half of a voxel's, mm; the first once more, so that any two are side by side */
     double toward[3];            /* and what an offset of a voxel is along the axis, mm */
     size_t first_body, body_end; /* bodies are of one side after the other */
     size_t first_inside, inside_end;
@@ -105,7 +108,9 @@ static conus_status add_side(struct plan_leeway *leeway, const struct plan_part 
         mat4_direction(side->step, part->volume->voxel_from_world, leeway->needle.direction);
         for (int a = 0; a < 3; a++) {
             side->toward[a] = vec3_dot(side->cells.gram[a], side->step);
+            vec3_scale(side->edges[a], part->volume->info.world_from_voxel + 4 * a, 0.5);
         }
+        memcpy(side->edges[3], side->edges[0], sizeof side->edges[0]);
     }
     return CONUS_OK;
 }
@@ -154,8 +159,10 @@ struct body_search {
     conus_status status;
 };
 
-/* Adds a body, unless it is surely farther than the radius from the needle. */
-static conus_status add_body(const struct body_search *search, const struct plan_body *body, const double centre[3])
+/* Adds a body, unless it is surely farther than the radius from the needle. `edge`: the half edges of a rectangle,
+ * which tell how far it comes towards the needle; NULL of another body. */
+static conus_status add_body(const struct body_search *search, const struct plan_body *body, const double centre[3],
+                             const double (*edge)[3])
 {
     struct plan_leeway *leeway = search->leeway;
     const struct needle *needle = &search->needle;
@@ -168,42 +175,44 @@ static conus_status add_body(const struct body_search *search, const struct plan
     if (beside > reach || depth + reach < needle->near || depth - reach > needle->far) {
         return CONUS_OK;
     }
+    double toward = edge ? fabs(vec3_dot(away, edge[0])) + fabs(vec3_dot(away, edge[1])) : body->bound * beside;
+    double least = beside > 0 ? beside * (1 - SKEW) - toward / beside : 0;
+    if (least > search->radius) {
+        return CONUS_OK;
+    }
     if (!memory_reserve(&leeway->bodies, &leeway->body_capacity, leeway->body_count + 1, sizeof *leeway->bodies)) {
         return CONUS_ERROR_MEMORY;
     }
     struct plan_body *added = &leeway->bodies[leeway->body_count++];
     double half = sqrt((reach - beside) * (reach + beside)) * WIDER + ROUNDING;
     *added = *body;
+    added->least = least;
     added->widest = (struct plan_span){depth - half, depth + half};
     return CONUS_OK;
 }
 
-static bool is_border(const struct body_search *search, const size_t at[3], int axis, int step)
+/* Adds the faces of a voxel of the structure, whose linear index is `voxel`, behind which another object is. */
+static void add_faces(struct body_search *search, const size_t at[3], size_t voxel)
 {
     const struct volume *volume = search->part->volume;
-    size_t next[3] = {at[0], at[1], at[2]};
-    next[axis] += (size_t)step; /* below 0 it is beyond all */
-    return next[axis] >= volume->info.dim[axis] ||
-           !search
-                ->has[volume_object(volume, next[0] + volume->info.dim[0] * (next[1] + volume->info.dim[1] * next[2]))];
-}
-
-static void add_faces(struct body_search *search, const size_t at[3])
-{
-    for (int face = 0; face < 6 && !search->status; face++) {
-        int axis = face / 2;
-        int step = face % 2 ? 1 : -1;
-        if (is_border(search, at, axis, step)) {
+    const size_t *dim = volume->info.dim;
+    size_t stride = 1;
+    for (int axis = 0; axis < 3; stride *= dim[axis++]) {
+        for (int high = 0; high < 2 && !search->status; high++) {
+            size_t last = high ? dim[axis] - 1 : 0;
+            if (at[axis] != last && search->has[volume_object(volume, high ? voxel + stride : voxel - stride)]) {
+                continue;
+            }
             struct plan_body body = {.bound = search->side->cells.reach * WIDER};
             double middle[3] = {(double)at[0], (double)at[1], (double)at[2]};
             double centre[3];
-            middle[axis] += 0.5 * step;
+            middle[axis] += high - 0.5;
             for (int a = 0; a < 3; a++) {
                 body.corner[0][a] = middle[a] - (a == axis ? 0 : 0.5);
                 body.corner[1][a] = middle[a] + (a == axis ? 0 : 0.5);
             }
-            mat4_point(centre, search->part->volume->info.world_from_voxel, middle);
-            search->status = add_body(search, &body, centre);
+            mat4_point(centre, volume->info.world_from_voxel, middle);
+            search->status = add_body(search, &body, centre, search->side->edges + (axis + 1) % 3);
         }
     }
 }
@@ -214,7 +223,7 @@ static void face_row(void *user, const struct volume *volume, const size_t at[3]
     size_t first = at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]);
     for (size_t i = 0; i < count && !search->status; i++) {
         if (search->has[volume_object(volume, first + i)]) {
-            add_faces(search, (const size_t[]){at[0] + i, at[1], at[2]});
+            add_faces(search, (const size_t[]){at[0] + i, at[1], at[2]}, first + i);
         }
     }
 }
@@ -252,7 +261,7 @@ static void gather_triangles(struct body_search *search)
             vec3_sub(corner[c], corner[c], centre);
             body.bound = fmax(body.bound, vec3_length(corner[c]) * WIDER);
         }
-        search->status = add_body(search, &body, centre);
+        search->status = add_body(search, &body, centre, NULL);
     }
 }
 
@@ -289,7 +298,7 @@ static void add_segments(void *user, const struct tract_run *run, bool inside)
         vec3_sub(centre, body.corner[1], body.corner[0]);
         body.bound = vec3_length(centre) / 2 * WIDER;
         vec3_add_scaled(centre, body.corner[0], 0.5, centre);
-        search->status = add_body(search, &body, centre);
+        search->status = add_body(search, &body, centre, NULL);
     }
 }
 
@@ -411,8 +420,9 @@ static conus_status take(struct plan_leeway *leeway, const struct plan_side *sid
         return CONUS_OK;
     }
     body->taken = NOTHING;
-    if (has_inside(leeway, side, entry, exit) && approach(&entry, leeway, side, body, delta, 1) &&
-        approach(&exit, leeway, side, body, delta, -1) && has_inside(leeway, side, entry, exit)) {
+    if (body->least <= delta && has_inside(leeway, side, entry, exit) &&
+        approach(&entry, leeway, side, body, delta, 1) && approach(&exit, leeway, side, body, delta, -1) &&
+        has_inside(leeway, side, entry, exit)) {
         body->taken = (struct plan_span){entry, exit};
         bool is_joined = entry <= cover->exit && cover->entry <= exit;
         *cover = is_joined ? (struct plan_span){fmin(entry, cover->entry), fmax(exit, cover->exit)}

@@ -60,7 +60,7 @@ static conus_status follow(struct plan_judge *judge)
     conus_status status = CONUS_OK;
     if (!judge->shank->is_followed) {
         layers_clear(&judge->shank->layers);
-        status = axis_follow(&judge->shank->layers, judge->selector, &judge->shank->pose);
+        status = axis_follow(&judge->shank->layers, judge->selector, &judge->shank->pose, judge->pose->far);
         judge->shank->is_followed = !status;
     }
     return status;

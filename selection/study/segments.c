@@ -112,10 +112,11 @@ static void place(double out[3], const struct cone *axis, double depth)
     }
 }
 
-conus_status axis_follow(struct layers *out, conus_selector *selector, const conus_pose *pose)
+conus_status axis_follow(struct layers *out, conus_selector *selector, const conus_pose *pose, double far)
 {
     struct cone axis = AXIS;
     axis.pose = *pose;
+    axis.range[1] = far;
     conus_status status = selector_prepare_axis(selector);
     status = status ? status : selector->axis->functions->pierce(selector->axis, out, &axis);
     if (status) {
@@ -128,7 +129,7 @@ conus_status axis_follow(struct layers *out, conus_selector *selector, const con
 static conus_status build(conus_segments *segments, conus_selector *selector)
 {
     struct layers layers = {0};
-    conus_status status = axis_follow(&layers, selector, &segments->cone.pose);
+    conus_status status = axis_follow(&layers, selector, &segments->cone.pose, segments->cone.range[1]);
     size_t kept = 0;
     for (size_t i = 0; i < layers.count && !status; i++) {
         conus_interval interval = layers.intervals[i];

@@ -68,8 +68,9 @@ struct conus_segments {
 /** Refuses contacts that cannot be; a count of 0 is none. */
 conus_status contacts_check(const conus_contacts *contacts);
 
-/** Appends all intervals of the axis of @p pose in objects, from the apex on, and sorts @p out by entry. */
-conus_status axis_follow(struct layers *out, conus_selector *selector, const conus_pose *pose);
+/** Appends all intervals of the axis of @p pose in objects, from the apex on, and sorts @p out by entry. Those that
+ * begin beyond @p far, mm, may be missing, and others may end there; 0 = none is. */
+conus_status axis_follow(struct layers *out, conus_selector *selector, const conus_pose *pose, double far);
 
 /** Cuts an interval of an axis at the range, whose end is infinite where it is 0; false where nothing is left of it. */
 bool axis_clip(conus_interval *interval, const conus_atlas *atlas, const double range[2]);

@@ -167,13 +167,13 @@ static conus_status change_object(struct layers *out, conus_interval *interval, 
 }
 
 conus_status traverse_pierce(struct layers *out, const struct distance_map *map, const struct volume *volume,
-                             const struct traverse_ray *ray, uint32_t pixel)
+                             const struct traverse_ray *ray, double limit, uint32_t pixel)
 {
     conus_status status = CONUS_OK;
     conus_interval interval = {.pixel = pixel};
     struct traverse_place at;
     bool inside = traverse_enter(map, ray, &at);
-    while (inside && !status) {
+    while (inside && at.t <= limit && !status) {
         int code = traverse_code(map, &at);
         size_t voxel = traverse_voxel(map, &at);
         uint32_t object = code ? 0 : volume_object(volume, voxel);

@@ -67,9 +67,9 @@ bool traverse_skip(const struct distance_map *map, const struct traverse_ray *ra
 struct traverse_contact traverse_one(const struct distance_map *map, const struct traverse_ray *ray, double limit);
 
 /** Appends to @p out the intervals of @p pixel's ray inside the objects of @p volume, whose map @p map is: runs of
- * cells with the same object, to the exit from the last one (Eq. 10). */
+ * cells with the same object, to the exit from the last one (Eq. 10). In the first cell beyond @p limit mm it ends. */
 conus_status traverse_pierce(struct layers *out, const struct distance_map *map, const struct volume *volume,
-                             const struct traverse_ray *ray, uint32_t pixel);
+                             const struct traverse_ray *ray, double limit, uint32_t pixel);
 
 enum { TRAVERSE_BUNDLE = 256, TRAVERSE_LANES = 16 };
 
@@ -134,7 +134,8 @@ const struct traverse_kernel *traverse_kernel(size_t index);
 /** The fastest that this machine can run. */
 const struct traverse_kernel *traverse_best_kernel(void);
 
-/** traverse_pierce() for each ray of a bundle, with the same intervals. @p map is the volume's distance map. */
+/** traverse_pierce() for each ray of a bundle, with the same intervals; of several rays also beyond their limits.
+ * @p map is the volume's distance map. */
 conus_status traverse_bundle_pierce(const struct traverse_kernel *kernel, const struct distance_map *map,
                                     struct traverse_piercing *piercing, struct traverse_bundle *bundle);
 

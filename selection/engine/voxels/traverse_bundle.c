@@ -104,7 +104,8 @@ conus_status traverse_bundle_pierce(const struct traverse_kernel *kernel, const 
                                     struct traverse_piercing *piercing, struct traverse_bundle *bundle)
 {
     conus_status status = CONUS_OK;
-    bool by_kernel = aim_at_volume(bundle, map, piercing->volume) && piercing->uniform && kernel->pierce;
+    bool is_lone = bundle->count == 1; /* kernels would take as long for it as for many */
+    bool by_kernel = aim_at_volume(bundle, map, piercing->volume) && piercing->uniform && kernel->pierce && !is_lone;
     piercing->count = bundle->count;
     if (by_kernel) {
         for (size_t i = 0; i < bundle->count; i++) {
@@ -117,7 +118,8 @@ conus_status traverse_bundle_pierce(const struct traverse_kernel *kernel, const 
     for (size_t i = 0; i < bundle->count && !status; i++) {
         if (!by_kernel || piercing->again[i]) {
             struct traverse_ray ray = traverse_bundle_at(bundle, i);
-            status = traverse_pierce(piercing->out, map, piercing->volume, &ray, (uint32_t)piercing->pixel[i]);
+            status = traverse_pierce(piercing->out, map, piercing->volume, &ray, bundle->limit[i],
+                                     (uint32_t)piercing->pixel[i]);
         }
     }
     return status;

@@ -239,7 +239,7 @@ static void pierce_one_by_one(struct layers *out, const struct traverse_bundle *
         double direction[3] = {bundle->direction[0][i], bundle->direction[1][i], bundle->direction[2][i]};
         mat4_direction(direction, volume->voxel_from_world, direction);
         traverse_ray_init(&ray, origin, direction);
-        assert_ok(traverse_pierce(out, map, volume, &ray, (uint32_t)i));
+        assert_ok(traverse_pierce(out, map, volume, &ray, INFINITY, (uint32_t)i));
     }
     assert_ok(layers_sort(out, bundle->count));
 }
@@ -259,6 +259,41 @@ static void assert_same_intervals(const struct layers *got, const struct layers 
     }
 }
 
+/* A bundle of one ray up to a limit: what begins there is whole, or goes on beyond it. `wanted` is without one. */
+static void compare_limited(uint64_t *random, const struct traverse_bundle *all, const struct layers *wanted,
+                            const struct distance_map *map, const struct volume *volume)
+{
+    struct traverse_bundle lone = {.count = 1};
+    struct layers got = {0};
+    size_t pixel = any_of(random, all->count);
+    struct traverse_piercing piercing = {.volume = volume, .pixel = &pixel, .out = &got};
+    size_t first = 0;
+    while (first < wanted->count && wanted->intervals[first].pixel < pixel) {
+        first++;
+    }
+    memcpy(lone.origin, all->origin, sizeof lone.origin);
+    for (int a = 0; a < 3; a++) {
+        lone.direction[a][0] = all->direction[a][pixel];
+    }
+    lone.limit[0] = pick_limit(random, first < wanted->count ? wanted->intervals[first].exit : 1);
+    assert_ok(traverse_bundle_pierce(traverse_best_kernel(), map, &piercing, &lone));
+    assert_ok(layers_sort(&got, 1 + pixel));
+    size_t i = 0;
+    for (; first + i < wanted->count && wanted->intervals[first + i].pixel == pixel; i++) {
+        const conus_interval *want = &wanted->intervals[first + i];
+        if (want->entry > lone.limit[0]) {
+            break;
+        }
+        assert_true(i < got.count);
+        assert_int_equal(got.intervals[i].object, want->object);
+        assert_true(got.intervals[i].entry == want->entry && got.intervals[i].voxel == want->voxel);
+        assert_true(got.intervals[i].exit == want->exit ||
+                    (got.intervals[i].exit > lone.limit[0] && got.intervals[i].exit < want->exit));
+    }
+    assert_int_equal(got.count, i);
+    layers_finish(&got);
+}
+
 /* Returns how many intervals there are. */
 static size_t compare_intervals(uint64_t *random, const struct distance_map *map, const struct distance_map *uniform,
                                 const struct volume *volume)
@@ -269,8 +304,10 @@ static size_t compare_intervals(uint64_t *random, const struct distance_map *map
     aim(&bundle, random, volume);
     for (size_t i = 0; i < TRAVERSE_BUNDLE; i++) {
         pixel[i] = i;
+        bundle.limit[i] = INFINITY;
     }
     pierce_one_by_one(&wanted, &bundle, map, volume);
+    compare_limited(random, &bundle, &wanted, map, volume);
     for (size_t k = 0; traverse_kernel(k); k++) {
         struct layers got = {0};
         struct traverse_piercing piercing = {.uniform = uniform, .volume = volume, .pixel = pixel, .out = &got};
