@@ -78,6 +78,8 @@ needles() {
     fails 3 'a.tsv.journal: is no journal of a plan, or not whole' $few --shard 0/2 -o a.tsv --resume -q
     conus $few --shard 0/2 -o a.tsv --force -q
     conus $few --merge a.tsv --merge b.tsv -o c.tsv -q
+    fails 3 'a.tsv.journal: a state without the best poses of targets: run that part again, with a map (--target-map)' \
+        $few --merge a.tsv --merge b.tsv --target-map map.nii.gz -o e.tsv -q
     conus $few --shard 0/1 -o one.tsv -q
     conus $few --merge one.tsv -o d.tsv -q
     cmp c.tsv d.tsv

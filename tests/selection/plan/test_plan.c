@@ -1098,6 +1098,14 @@ static void states_that_are_none(void **state)
     assert_fails(conus_plan_run(plan, stream, 39), CONUS_ERROR_DATA);                        /* fewer than it knows */
     assert_fails(conus_plan_add_state(&end, plan, good, sizeof good - 1), CONUS_ERROR_ARGUMENT);
     conus_plan_destroy(plan);
+    for (int of_targets = 0; of_targets < 2; of_targets++) { /* with a map, of a state without one */
+        const conus_plan_options options = {.entries = of_targets ? 0 : ENTRIES, .targets = of_targets ? TARGETS : 0};
+        assert_ok(conus_plan_create(&plan, selector, wants, 2, &options));
+        assert_fails(conus_plan_add_state(&end, plan, good, sizeof good - 1), CONUS_ERROR_DATA);
+        assert_non_null(strstr(conus_message(), of_targets ? "targets: run that part again, with a map (--target-map)"
+                                                           : "entries: run that part again, with a map (--map)"));
+        conus_plan_destroy(plan);
+    }
     conus_pose_stream_destroy(stream);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
