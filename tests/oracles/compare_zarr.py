@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """compare_zarr.py DUMP_VOLUME SHARED_DATA: stores of Zarr 3 and 2, written here by their specifications with numpy,
 zlib, /usr/bin/zstd and libblosc, and read by conus: voxel by voxel the array, and where the axes lie, by the rule of
-OME (scale and translation count from the centre of the first voxel). Then the samples of other writers, against the
-counts of labels in their expected.json; and what must be refused, with its words.
+OME (scale and translation count from the centre of the first voxel). Random levels of Zarr 2 that zarr-python writes,
+if it is there. Then the samples of other writers, against the counts of labels in their expected.json; and what must be
+refused, with its words.
 
 Exit 77 = skipped."""
 
@@ -11,6 +12,7 @@ import ctypes
 import itertools
 import json
 import os
+import random
 import struct
 import subprocess
 import sys
@@ -238,6 +240,51 @@ def compare_places(dump, folder):
             fail(path, said)
 
 
+def random_level(registry, group, path, source):
+    """Writes an array of random shape, type, chunks, order and codec: (its voxels, leading axis and all)."""
+    shape = [source.randint(1, 20) for _ in range(3)]
+    lead = [source.randint(1, 3)] if source.random() < 0.3 else []
+    kind = source.choice("<>") + source.choice(["u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8"])
+    top = 100 if kind[2] == "1" else 30000
+    array = np.random.default_rng(source.getrandbits(32)).integers(0, top, lead + shape).astype(kind)
+    array.reshape(-1, *shape)[:, : shape[0] // 2] = 7  # which is the fill value: the writer leaves such chunks out
+    array[..., -1, -1, -1] = 8
+    compressor = source.choice([None, {"id": "zlib", "level": 3}, {"id": "gzip", "level": 5}, {"id": "zstd", "level": 2}] + [
+        {"id": "blosc", "cname": name, "shuffle": shuffle, "clevel": 5}
+        for name, shuffle in (("lz4", 0), ("zstd", 1), ("zlib", 2))])
+    out = group.create_dataset(path, shape=array.shape, dtype=kind, fill_value=7, write_empty_chunks=False,
+                               chunks=[1] * len(lead) + [source.randint(1, n + 3) for n in shape],
+                               order=source.choice("CF"), compressor=compressor and registry.get_codec(compressor))
+    out[...] = array
+    return array
+
+
+def compare_another_writer(dump, folder):
+    try:
+        import zarr as writer
+        from numcodecs import registry
+    except ImportError as missing:
+        print(f"skipped: stores of zarr-python: {missing}")
+        return
+    source = random.Random(11)
+    count = 0
+    for i in range(40):
+        path = os.path.join(folder, f"other{i}.ome.zarr")
+        separator = source.choice("./")
+        group = writer.group(writer.DirectoryStore(path, dimension_separator=separator))
+        arrays = [random_level(registry, group, str(level), source) for level in range(source.randint(1, 4))]
+        datasets = [{"path": str(k), "coordinateTransformations": [{"type": "scale", "scale": [k + 1] * array.ndim}]}
+                    for k, array in enumerate(arrays)]
+        group.attrs["multiscales"] = [{"version": "0.4", "datasets": datasets}]
+        for level, array in enumerate(arrays):
+            for volume, voxels in enumerate(array.reshape(-1, *array.shape[-3:])):
+                got, said = read(dump, f"{path}{PLACE},level={level},volume={volume}", folder)
+                if got is None or not np.array_equal(got, voxels.astype("u4")):
+                    fail("zarr-python", writer.__version__, path, level, volume, group[str(level)].info, said)
+            count += 1
+    print(f"zarr-python {writer.__version__}: {count} levels of 40 stores")
+
+
 def compare_samples(dump, folder, shared):
     samples = os.path.join(shared, "files-2026")
     if not os.path.isdir(samples):
@@ -267,6 +314,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         count = compare_written(dump, folder)
         compare_places(dump, folder)
+        compare_another_writer(dump, folder)
         compare_samples(dump, folder, shared)
     print(f"{count} stores, levels and samples: the same voxels")
 
