@@ -253,7 +253,8 @@ static conus_status append_label(struct label_coder *coder, uint32_t label)
 
 conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t limit, uint8_t *memory, size_t size)
 {
-    *coder = (struct label_coder){.voxels.count = count, .memory = memory, .size = size, .limit = limit};
+    *coder = (struct label_coder){
+        .voxels.count = count, .memory = memory, .size = size, .limit = limit, .minimum = UINT32_MAX};
     conus_status status = check_limit(coder, NARROW, 0);
     if (!status && !memory) {
         coder->memory = memory_raw(count, NARROW);
@@ -309,18 +310,35 @@ static void write_run(struct label_coder *coder, uint32_t place, size_t count)
     }
 }
 
+/* How many labels from the first on are like it: side by side first. */
+static size_t count_run(const uint32_t *labels, size_t count)
+{
+    enum { LANES = 16 };
+    size_t run = 0;
+    for (uint32_t differ = 0; !differ && count - run >= LANES; run += differ ? 0 : LANES) {
+        for (size_t i = 0; i < LANES; i++) {
+            differ |= labels[run + i] ^ labels[0];
+        }
+    }
+    while (run < count && labels[run] == labels[0]) {
+        run++;
+    }
+    return run;
+}
+
 conus_status label_coder_add(struct label_coder *coder, const uint32_t *labels, size_t count)
 {
     conus_status status = CONUS_OK;
-    for (size_t start = 0, end; !status && start < count; start = end) {
-        for (end = start + 1; end < count && labels[end] == labels[start];) {
-            end++;
+    for (size_t start = 0, run; !status && start < count; start += run) {
+        uint32_t label = labels[start];
+        run = count_run(labels + start, count - start);
+        if (label != coder->last || !coder->done) {
+            status = find_place(&coder->last_place, coder, label);
+            coder->last = label;
+            coder->minimum = label < coder->minimum ? label : coder->minimum;
+            coder->maximum = label > coder->maximum ? label : coder->maximum;
         }
-        if (labels[start] != coder->last) {
-            status = find_place(&coder->last_place, coder, labels[start]);
-            coder->last = labels[start];
-        }
-        write_run(coder, coder->last_place, status ? 0 : end - start);
+        write_run(coder, coder->last_place, status ? 0 : run);
     }
     return status;
 }

@@ -78,6 +78,7 @@ struct label_coder {
     size_t label_capacity;
     struct label_map place_of; /* label -> place */
     uint32_t last, last_place;
+    uint32_t minimum, maximum; /* of the labels */
 };
 
 /** For @p count voxels, whose places and labels may take @p limit bytes (0 = any), LABEL_BYTES for each label;

@@ -120,6 +120,9 @@ static conus_status code_labels(struct label_reader *reader, const uint8_t *voxe
     const struct decoder *decoder = find_decoder(file->datatype);
     size_t size = volume_datatype_size(file->datatype);
     conus_status status = CONUS_OK;
+    if (file->datatype == VOLUME_UINT32 && !file->swapped && !is_scaled(file) && (uintptr_t)voxels % size == 0) {
+        return label_coder_add(&reader->coder, (const void *)voxels, count); /* they are labels as they are */
+    }
     for (size_t at = 0; !status && at < count; at += BLOCK) {
         uint32_t labels[BLOCK];
         size_t block = count - at < BLOCK ? count - at : BLOCK;
@@ -132,10 +135,6 @@ static conus_status code_labels(struct label_reader *reader, const uint8_t *voxe
             memcpy(reader->bad_bytes, voxels + at * size, size);
             return CONUS_OK;
         }
-        for (size_t i = 0; i < block; i++) {
-            reader->minimum = labels[i] < reader->minimum ? labels[i] : reader->minimum;
-            reader->maximum = labels[i] > reader->maximum ? labels[i] : reader->maximum;
-        }
         status = label_coder_add(&reader->coder, labels, block);
     }
     return status;
@@ -143,7 +142,7 @@ static conus_status code_labels(struct label_reader *reader, const uint8_t *voxe
 
 conus_status label_reader_init(struct label_reader *reader, const struct volume_file *file, const struct bytes *memory)
 {
-    *reader = (struct label_reader){.file = file, .minimum = UINT32_MAX};
+    *reader = (struct label_reader){.file = file};
     return label_coder_init(&reader->coder, values_count_voxels(file), file->max_memory, memory->data, memory->size);
 }
 
@@ -157,8 +156,8 @@ conus_status label_reader_add(void *user, const uint8_t *voxels, size_t size)
 conus_status label_reader_end(struct label_voxels *out, struct label_reader *reader, struct volume_file *file)
 {
     if (!reader->is_bad) {
-        file->info.minimum = reader->minimum;
-        file->info.maximum = reader->maximum;
+        file->info.minimum = reader->coder.minimum;
+        file->info.maximum = reader->coder.maximum;
         label_coder_end(out, &reader->coder);
         return CONUS_OK;
     }

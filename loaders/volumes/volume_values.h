@@ -18,7 +18,6 @@ conus_status volume_file_take_labels(struct label_voxels *out, struct volume_fil
 struct label_reader {
     const struct volume_file *file; /**< Its info, datatype, byte order and max_memory, but no voxels; borrowed. */
     struct label_coder coder;
-    uint32_t minimum, maximum;
     bool is_bad; /**< A voxel is no label: the first such is kept, and nothing is decoded any more. */
     size_t bad_voxel;
     uint8_t bad_bytes[8];
