@@ -220,8 +220,9 @@ typedef enum conus_vectors {
 /** How conus_atlas_transform() reads. */
 typedef struct conus_transform_options {
     size_t struct_size;  /**< Its size, as #CONUS_TRANSFORM_OPTIONS_INIT sets it; 0 = that of this version. */
-    const char *from;    /**< For FSL's files: path of the image whose points it moves; NULL otherwise. */
-    const char *to;      /**< For FSL's files: path of the image to which it moves them; NULL otherwise. */
+    const char *from;    /**< For FSL's files and FreeSurfer's register.dat: path of the image whose points it moves;
+                            NULL otherwise. */
+    const char *to;      /**< For these: path of the image to which it moves them; NULL otherwise. */
     bool inverse;        /**< The file moves points of the atlas to where poses are; of affines only. */
     const char *grid;    /**< Path of a volume, in the space from which the file takes points: voxels that a field moves
                             are resampled on its grid. NULL = on that of the field; for a B-spline from one end of it
@@ -237,23 +238,25 @@ typedef struct conus_transform_options {
 
 /**
  * Brings the atlas to where poses are, by a file that moves points from there to the atlas. By an affine (ITK's text or
- * .mat, FreeSurfer's .lta, the MNI's .xfm, FSL's matrix, or 4 x 4 numbers of RAS mm) matrices of voxels are composed,
- * exactly, and vertices and streamlines are moved. By a deformation field (of ITK, SPM or FSL, as NIfTI) or a B-spline
- * (of ITK, as its affines) voxels are resampled: one of the new grid is what the atlas's own voxel nearest to where its
- * centre goes is, by one search through all that moves the atlas. Vertices and points of streamlines go where the field
- * leads back to them, to 1e-6 mm before rounding to float; triangles with one for which there is no such place are left
- * out, and so are whole streamlines with such a point; a note tells. All that the atlas has moves with it, its context
- * too; what is added later does not. Lengths and volumes are then those where poses are. Before a selector or renderer
- * is made, and before something is hidden; conus_atlas_set_hemispheres() comes before a field. Of several transforms,
- * which points go through one after the other, the last one is given first. docs/spaces.md has the formats.
+ * .mat, FreeSurfer's .lta or register.dat, the MNI's .xfm, FSL's matrix, or 4 x 4 numbers of RAS mm) matrices of voxels
+ * are composed, exactly, and vertices and streamlines are moved. By a deformation field (of ITK, SPM or FSL, as NIfTI)
+ * or a B-spline (of ITK, as its affines) voxels are resampled: one of the new grid is what the atlas's own voxel
+ * nearest to where its centre goes is, by one search through all that moves the atlas. Vertices and points of
+ * streamlines go where the field leads back to them, to 1e-6 mm before rounding to float; triangles with one for which
+ * there is no such place are left out, and so are whole streamlines with such a point; a note tells. All that the atlas
+ * has moves with it, its context too; what is added later does not. Lengths and volumes are then those where poses are.
+ * Before a selector or renderer is made, and before something is hidden; conus_atlas_set_hemispheres() comes before a
+ * field. Of several transforms, which points go through one after the other, the last one is given first.
+ * docs/spaces.md has the formats.
  * @param atlas The atlas; unchanged on failure, but that a part of a composite with a B-spline may have moved it.
  * @param path The file.
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where the file cannot be read or is damaged, for a matrix
  * that cannot be inverted, and where the field leads to nothing of the atlas, or of a surface;
  * #CONUS_ERROR_UNSUPPORTED for another kind of transform, and for the inverse of a field; #CONUS_ERROR_ARGUMENT for
- * FSL's files without their images, for images with another file, for a field that does not say what its vectors are,
- * for a grid where nothing is resampled, where something is hidden, and for an attached atlas that a field has moved.
+ * FSL's files and register.dat without their images, for images with another file, for a field that does not say what
+ * its vectors are, for a grid where nothing is resampled, where something is hidden, and for an attached atlas that a
+ * field has moved.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
  */

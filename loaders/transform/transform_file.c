@@ -101,9 +101,10 @@ static conus_status xfm_parse(double out[16], struct text text)
 
 enum { AFFINE_LIMIT = 1 << 20 }; /* bytes: a hundred times what an affine takes */
 
-static const char transform_needed[] = "an affine transform (ITK's text or .mat, FreeSurfer's .lta, the MNI's .xfm, "
-                                       "FSL's matrix, or 4 x 4 numbers), a B-spline (ITK's), or a deformation field "
-                                       "(NIfTI)";
+static const char transform_needed[] =
+    "an affine transform (ITK's text or .mat, FreeSurfer's .lta or register.dat, the "
+    "MNI's .xfm, FSL's matrix, or 4 x 4 numbers), a B-spline (ITK's), or a "
+    "deformation field (NIfTI)";
 
 /* FreeSurfer's linear transforms (.lta): a matrix from source to destination, between their voxels or in RAS mm. */
 
@@ -276,42 +277,110 @@ void flirt_from_voxel(double out[16], const conus_volume_info *info)
     }
 }
 
-static conus_status flirt_from_world(double out[16], const conus_volume_info *info)
+/* FreeSurfer's coordinates of surfaces ("tkregister RAS") of a voxel: axes as if the volume were conformed, the index
+ * dim / 2 at 0. */
+static void tkregister_from_voxel(double out[16], const conus_volume_info *info)
 {
-    double flirt[16];
+    static const int rows[3] = {0, 2, 1}; /* i runs along -x, j along -z, k along y */
+    memset(out, 0, 16 * sizeof *out);
+    for (int a = 0; a < 3; a++) {
+        double step = a == 2 ? info->spacing[a] : -info->spacing[a];
+        out[4 * a + rows[a]] = step;
+        out[12 + rows[a]] = -step * (double)info->dim[a] / 2;
+    }
+    out[15] = 1;
+}
+
+/* How a program counts mm in an image, from voxels on. */
+typedef void from_voxel(double out[16], const conus_volume_info *info);
+
+static conus_status image_from_world(double out[16], const conus_volume_info *info, from_voxel *from)
+{
     double voxel_from_world[16];
-    flirt_from_voxel(flirt, info);
     if (!mat4_invert_affine(voxel_from_world, info->world_from_voxel)) {
         return fail(CONUS_ERROR_DATA, "the matrix of an image is singular");
     }
-    mat4_multiply(out, flirt, voxel_from_world);
+    from(out, info);
+    mat4_multiply(out, out, voxel_from_world);
     return CONUS_OK;
 }
 
-/* From FLIRT's matrix of both images' coordinates to one of RAS. */
-static conus_status place_between(double m[16], const char *from, const char *to)
+/* From a matrix of both images' coordinates, as `coordinates` has them, to one of RAS. */
+static conus_status place_between(double m[16], const conus_volume_info images[2], from_voxel *coordinates)
 {
-    conus_volume_info images[2];
     double from_world[16];
     double to_world[16];
     double world_from_to[16];
-    conus_status status;
-    if ((status = volume_file_header(&images[0], from)) || (status = volume_file_header(&images[1], to)) ||
-        (status = flirt_from_world(from_world, &images[0])) || (status = flirt_from_world(to_world, &images[1]))) {
-        return status;
+    conus_status status = image_from_world(from_world, &images[0], coordinates);
+    status = status ? status : image_from_world(to_world, &images[1], coordinates);
+    if (!status && !mat4_invert_affine(world_from_to, to_world)) {
+        status = fail(CONUS_ERROR_DATA, "the matrix of an image is singular");
     }
-    if (!mat4_invert_affine(world_from_to, to_world)) {
-        return fail(CONUS_ERROR_DATA, "%s: its matrix is singular", to);
+    if (!status) {
+        mat4_multiply(m, m, from_world);
+        mat4_multiply(m, world_from_to, m);
     }
-    mat4_multiply(m, m, from_world);
-    mat4_multiply(m, world_from_to, m);
-    return CONUS_OK;
+    return status;
+}
+
+static conus_status read_images(conus_volume_info images[2], const char *from, const char *to)
+{
+    conus_status status = volume_file_header(&images[0], from);
+    return status ? status : volume_file_header(&images[1], to);
+}
+
+/* FreeSurfer's register.dat: a name, voxels' edges of the movable volume in its planes and between them, an intensity,
+ * a matrix, and how voxels are rounded, which moves no points. */
+static bool register_take_head(struct text *rest, double edges[2])
+{
+    struct text line;
+    double numbers[3] = {0};
+    bool is_head = text_line(rest, &line) && text_trim(line).size && !text_to_double(text_trim(line), &numbers[0]);
+    for (int i = 0; is_head && i < 3; i++) {
+        is_head = text_line(rest, &line) && text_to_double(text_trim(line), &numbers[i]);
+    }
+    memcpy(edges, numbers, 2 * sizeof *edges);
+    return is_head && matrix_text_is(*rest);
+}
+
+static bool has_edges(const conus_volume_info *image, const double edges[2])
+{
+    return fabs(image->spacing[0] - edges[0]) <= 0.01 * edges[0] &&
+           fabs(image->spacing[2] - edges[1]) <= 0.01 * edges[1];
+}
+
+/* The matrix takes points of the anatomical volume to the movable one, each in its own tkregister RAS. */
+static conus_status register_parse(double out[16], struct text text, const char *from, const char *to)
+{
+    conus_volume_info images[2];
+    double edges[2];
+    struct text line = {0};
+    (void)register_take_head(&text, edges); /* which was asked before */
+    conus_status status = matrix_rows_parse(out, &text, 4, "matrix");
+    status = status ? status : matrix_settle(out, "matrix");
+    if (!status && next_line(&text, &line) && next_line(&text, &line)) {
+        status = fail(CONUS_ERROR_DATA, "\"%.*s\" behind the matrix and a word", TEXT_SHOW(line, 40));
+    }
+    if (!status && !from) {
+        status = fail(CONUS_ERROR_ARGUMENT,
+                      "FreeSurfer's register.dat, whose numbers mean nothing without its two images: from=IMAGE, the "
+                      "anatomical one, and to=IMAGE, the movable one, are needed");
+    }
+    status = status ? status : read_images(images, from, to);
+    if (!status && has_edges(&images[0], edges) && !has_edges(&images[1], edges)) {
+        status = fail(CONUS_ERROR_ARGUMENT,
+                      "voxels of the movable image are %g mm and %g mm apart, as those of from are, and not those of "
+                      "to: from is the anatomical image",
+                      edges[0], edges[1]);
+    }
+    return status ? status : place_between(out, images, tkregister_from_voxel);
 }
 
 /* Sixteen numbers, four in a line, the last line 0 0 0 1; lines that begin with # are comments. */
 static conus_status transform_read_matrix(double out[16], struct text text, const char *path, const char *from,
                                           const char *to)
 {
+    conus_volume_info images[2];
     size_t length = strlen(path);
     bool is_fsl = length > 4 && strcmp(path + length - 4, ".mat") == 0;
     struct text line;
@@ -331,10 +400,11 @@ static conus_status transform_read_matrix(double out[16], struct text text, cons
                     "a matrix of FSL's kind, whose numbers mean nothing without its two images: from=IMAGE and "
                     "to=IMAGE are needed; a 4 x 4 matrix of RAS mm ends otherwise, in .txt for example");
     }
-    return from ? place_between(out, from, to) : CONUS_OK;
+    status = from ? read_images(images, from, to) : CONUS_OK;
+    return status || !from ? status : place_between(out, images, flirt_from_voxel);
 }
 
-enum kind { KIND_NONE, KIND_MATRIX, KIND_ITK, KIND_XFM, KIND_LTA, KIND_MATLAB };
+enum kind { KIND_NONE, KIND_MATRIX, KIND_ITK, KIND_XFM, KIND_LTA, KIND_REGISTER, KIND_MATLAB };
 
 /* Says what the file is instead of a transform that can be read. */
 static conus_status fail_kind(const char *path, const struct bytes *file)
@@ -364,19 +434,7 @@ static conus_status fail_kind(const char *path, const struct bytes *file)
                         kinds[i].tail ? kinds[i].tail : "");
         }
     }
-    struct text rest = text;
-    struct text line;
-    double number;
-    /* FreeSurfer's register.dat: a name, three numbers in a line each, and four rows */
-    bool is_register = text_is_readable(text) && text_line(&rest, &line) && !text_to_double(text_trim(line), &number);
-    for (int i = 0; is_register && i < 3; i++) {
-        is_register = text_line(&rest, &line) && text_to_double(text_trim(line), &number);
-    }
-    return is_register && matrix_text_is(rest)
-               ? fail(CONUS_ERROR_UNSUPPORTED, "FreeSurfer's register.dat, whose numbers mean nothing without its two "
-                                               "images; an .lta of it is read: "
-                                               "lta_convert --inreg FILE --outlta OUT.lta --src IMAGE --trg IMAGE")
-               : file_kind_fail(path, file, transform_needed);
+    return file_kind_fail(path, file, transform_needed);
 }
 
 static conus_status parse_kind(struct transform *out, enum kind kind, const struct bytes *file, const char *path,
@@ -392,6 +450,8 @@ static conus_status parse_kind(struct transform *out, enum kind kind, const stru
         return xfm_parse(out->first, text);
     case KIND_LTA:
         return lta_parse(out->first, text);
+    case KIND_REGISTER:
+        return register_parse(out->first, text, options->from, options->to);
     case KIND_MATLAB:
         return itk_matlab_parse(out, file->data, file->size);
     case KIND_NONE:
@@ -415,19 +475,23 @@ conus_status transform_parse(struct transform *out, const struct bytes *file, co
                              const conus_transform_options *options)
 {
     const struct text text = text_from_bytes(file->data, file->size);
+    struct text rest = text;
+    double edges[2];
     bool readable = text_is_readable(text);
     enum kind kind = readable && matrix_text_is(text)                      ? KIND_MATRIX
                      : readable && itk_text_is(text)                       ? KIND_ITK
                      : readable && text_starts(text, "MNI Transform File") ? KIND_XFM
                      : readable && lta_is(text)                            ? KIND_LTA
+                     : readable && register_take_head(&rest, edges)        ? KIND_REGISTER
                      : itk_matlab_is(file->data, file->size)               ? KIND_MATLAB
                                                                            : KIND_NONE;
     struct transform made = {0};
     if (!options->from != !options->to) {
         return fail(CONUS_ERROR_ARGUMENT, "%s=IMAGE is needed, too", options->from ? "to" : "from");
     }
-    if (options->from && kind != KIND_MATRIX && kind != KIND_NONE) {
-        return fail(CONUS_ERROR_ARGUMENT, "from and to are of FSL's matrices, and this is none");
+    if (options->from && kind != KIND_MATRIX && kind != KIND_REGISTER && kind != KIND_NONE) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "from and to are of FSL's matrices and FreeSurfer's register.dat, and this is neither");
     }
     if (options->transform && kind != KIND_ITK && kind != KIND_NONE) {
         return fail(CONUS_ERROR_ARGUMENT, "transform is of lists in ITK's text, and this is none");

@@ -12,9 +12,10 @@
 conus_status transform_parse(struct transform *out, const struct bytes *file, const char *path,
                              const conus_transform_options *options);
 
-/** Reads the transform in @p path. Of @p options, from and to are the images that an FSL matrix is between, and
- * transform is which of several. What was read goes into @p read. Errors name path, field, value and what is allowed;
- * CONUS_ERROR_UNSUPPORTED for kinds of transforms that are not read. End @p out with transform_finish(). */
+/** Reads the transform in @p path. Of @p options, from and to are the images that an FSL matrix or a register.dat
+ * is between, and transform is which of several. What was read goes into @p read. Errors name path, field, value and
+ * what is allowed; CONUS_ERROR_UNSUPPORTED for kinds of transforms that are not read. End @p out with
+ * transform_finish(). */
 conus_status transform_file_read(struct transform *out, const char *path, const conus_transform_options *options,
                                  struct file_sums *read);
 

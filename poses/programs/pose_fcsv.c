@@ -11,6 +11,7 @@ static const char *const names[COLUMNS] = {"label", "x", "y", "z"};
 
 /* The columns that Slicer assumes where a file does not name them. */
 static const char usual[] = "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID";
+static const char usual_once[] = "label,x,y,z,sel,vis"; /* in Slicer 3 */
 
 struct reading {
     conus_pose_list *list;
@@ -74,7 +75,8 @@ static conus_status read_comment(struct reading *reading, struct text line)
 /* Before the first point, or at the end. */
 static conus_status end_head(struct reading *reading)
 {
-    conus_status status = reading->has_columns ? CONUS_OK : read_columns(reading, text_from(usual));
+    const char *assumed = reading->is_old ? usual_once : usual;
+    conus_status status = reading->has_columns ? CONUS_OK : read_columns(reading, text_from(assumed));
     if (status || reading->has_space) {
         return status;
     }

@@ -194,6 +194,10 @@ shifts() {
     fails 2 "to=IMAGE is needed, too" query nested.nii.gz $aim --atlas-transform right.mat,from=nested.nii.gz
     fails 2 "are of FSL's matrices" query nested.nii.gz $aim \
         --atlas-transform right.tfm,from=nested.nii.gz,to=nested.nii.gz
+    printf 'bert\n1\n1\n0.15\n1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\nround\n' >register.dat
+    fails 2 "FreeSurfer's register.dat, whose numbers mean nothing without its two images: from=IMAGE" query \
+        nested.nii.gz $aim --atlas-transform register.dat
+    answers query nested.nii.gz $aim --atlas-transform register.dat,from=nested.nii.gz,to=nested.nii.gz --quiet
     fails 2 "names no file" query nested.nii.gz $aim --atlas-transform ,inverse
     fails 3 "this is a volume, but no deformation field" query nested.nii.gz $aim --atlas-transform nested.nii.gz
     printf '1 0 0 7\n0 1 0 0\n0 0 0 0\n0 0 0 1\n' >flat.txt

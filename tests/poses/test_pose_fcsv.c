@@ -29,6 +29,7 @@ static void fiducials_of_all_versions(void **state)
         const char *note;
     } cases[] = {
         {"# Fiducial List file /a.fcsv\n# version = 2\n# columns = label,x,y,z,sel,vis\nP,1,2,3,1,1\n", false, NULL},
+        {"# Fiducial List file /a.fcsv\n# version = 2\nP,1,2,3,1,1\n", false, NULL},
         {"# name = L\n# columns = label,x,y,z,sel,vis\n\nP,1,2,3,1,1\n", false,
          "no line CoordinateSystem; taken as RAS"},
         {"# Fiducial List file\n# columns = label,x,y,z,sel,vis\nP,1,2,3\n", true, "the file says that"},

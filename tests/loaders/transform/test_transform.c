@@ -6,6 +6,7 @@
 #include "base/buffer.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "builders/nifti_builder.h"
 #include "loaders/transform/transform_file.h"
 #include "mesh_scene.h"
 #include "scene.h"
@@ -476,6 +477,69 @@ static void itk_moves_points_alike(void **state)
     json_decref(all);
 }
 
+/* An image of which only the header counts. */
+static const char *write_image(const char *name, const int64_t dim[3], const double *srow)
+{
+    struct nifti_builder builder;
+    nifti_begin(&builder, 1, false, 2, dim);
+    for (size_t i = 0; srow && i < 12; i++) {
+        nifti_set(&builder, "srow", i, srow[i]);
+        nifti_set(&builder, "pixdim", 1 + i % 3, 1);
+    }
+    for (int64_t i = 0; i < dim[0] * dim[1] * dim[2]; i++) {
+        nifti_voxel(&builder, 0);
+    }
+    const char *path = write_bytes(name, &builder.bytes);
+    buffer_finish(&builder.bytes);
+    return path;
+}
+
+#define REGISTER(edges, more) "bert\n" edges "0.15\n1 0 0 1\n0 0 1 10\n0 -1 0 0\n0 0 0 0.99999994\n" more
+
+/* Voxel (3, 4, 6) of 4 x 6 x 8 voxels of 2 x 3 x 4 mm is (-2, 8, -3) in tkregister RAS. The matrix takes that to
+ * (-1, 7, -8), which is voxel (6, 14, 14) of 10 x 12 x 14 of 1 mm; its axes lead to -y, z and x. */
+static void a_register_dat_is_between_two_images(void **state)
+{
+    (void)state;
+    static const int64_t dim[][3] = {{4, 6, 8}, {10, 12, 14}};
+    static const double srow[12] = {0, 0, 1, 100, -1, 0, 0, 200, 0, 1, 0, 300};
+    static const char *const texts[] = {REGISTER("1\n1\n", "round\n"), REGISTER("1\n1\n", ""),
+                                        REGISTER("3.5\n5\n", "tkregister\n")};
+    conus_transform_options options = {.from = write_image("from.nii", dim[0], NULL)};
+    options.to = write_image("to.nii", dim[1], srow);
+    struct transform made;
+    for (size_t i = 0; i < 3; i++) {
+        const struct bytes file = {(uint8_t *)texts[i], strlen(texts[i])};
+        double p[3] = {-4, -8, -6};
+        assert_ok(transform_parse(&made, &file, "register.dat", &options));
+        mat4_point(p, made.first, p);
+        assert_near(p[0], 114, 1e-9);
+        assert_near(p[1], 194, 1e-9);
+        assert_near(p[2], 314, 1e-9);
+        transform_finish(&made);
+    }
+    static const struct {
+        const char *text, *words;
+    } bad[] = {
+        {REGISTER("2\n4\n", "round\n"), "from is the anatomical image"},
+        {REGISTER("1\n1\n", "round\n1 2 3\n"), "\"1 2 3\" behind the matrix and a word"},
+        {"bert\n1\n1\n0.15\n1 0 0 1\n0 0 1\n", "matrix: row 2: 3 numbers"},
+        {"bert\n1\n1\n0.15\n1 0 0 1\n0 0 1 0\n0 1 0 0\n0 0 1 1\n", "matrix: last row 0 0 1 1"},
+        {"bert\n1\n1\n0.15\n1 0 0 1\n0 0 0 0\n0 1 0 0\n0 0 0 1\n", "the matrix is singular"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        const struct bytes file = {(uint8_t *)bad[i].text, strlen(bad[i].text)};
+        assert_true(transform_parse(&made, &file, "register.dat", &options) != CONUS_OK);
+        assert_non_null(strstr(conus_message(), bad[i].words));
+    }
+    for (size_t size = 0; size < strlen(texts[1]) - 9; size++) {
+        assert_true(transform_parse(&made, &(struct bytes){(uint8_t *)texts[1], size}, "register.dat", &options));
+    }
+    options.to = NULL;
+    const struct bytes file = {(uint8_t *)texts[0], strlen(texts[0])};
+    assert_fails(transform_parse(&made, &file, "register.dat", &options), CONUS_ERROR_ARGUMENT);
+}
+
 /* What is no transform, or one of a kind that is not read, is called what it is. */
 static void other_files_are_called_what_they_are(void **state)
 {
@@ -489,8 +553,8 @@ static void other_files_are_called_what_they_are(void **state)
     check_refused("// x\n(NumberOfParameters 6)\n(Transform \"EulerTransform\")\n", "p.txt", unsupported,
                   "elastix's parameters");
     check_refused("/NumWaves\t2\n/NumPoints\t9\n/Matrix\n1 0\n", "design.mat", unsupported, "a design matrix");
-    check_refused("bert\n1.0\n1.0\n0.15\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\nround\n", "register.dat", unsupported,
-                  "FreeSurfer's register.dat");
+    check_refused("bert\n1.0\n1.0\n0.15\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\nround\n", "register.dat",
+                  CONUS_ERROR_ARGUMENT, "FreeSurfer's register.dat, whose numbers mean nothing without its two images");
 }
 
 /* What is cut off is refused, but where only the last number's digits or white space are. */
@@ -700,6 +764,7 @@ TEST_GROUP(transform)
         cmocka_unit_test(itk_moves_points_alike),
         cmocka_unit_test(no_prefix_is_a_spline),
         cmocka_unit_test(a_spline_moves_voxels_and_vertices),
+        cmocka_unit_test(a_register_dat_is_between_two_images),
         cmocka_unit_test(other_files_are_called_what_they_are),
         cmocka_unit_test(no_prefix_is_a_transform),
         cmocka_unit_test(an_atlas_goes_to_the_poses),
