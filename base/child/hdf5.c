@@ -7,9 +7,11 @@
 #include "base/memory.h"
 #include "base/order.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
 enum { SWAPPED = !BIG_ENDIAN_IS_SWAPPED };
 
@@ -378,10 +380,24 @@ conus_status hdf5_read(struct hdf5 **out, const struct open_file *file, const ch
     memory_free(words);
     if (status) {
         bytes_finish(&stream);
-        return fail_in(status, file->path);
+    } else {
+        status = hdf5_parse(out, &stream);
     }
-    status = hdf5_parse(out, &stream);
-    return status ? fail_in(status, file->path) : CONUS_OK;
+    return status && file->path ? fail_in(status, file->path) : status;
+}
+
+conus_status hdf5_read_bytes(struct hdf5 **out, struct text file, const char *const *wanted, size_t count,
+                             uint64_t max_memory)
+{
+    struct open_file copy = {.descriptor = memfd_create("conus-hdf5", MFD_CLOEXEC)};
+    bool is_there = copy.descriptor >= 0 && file_write_fully(copy.descriptor, file.data, file.size) &&
+                    file_state_of(&copy.before, copy.descriptor);
+    conus_status status = is_there ? hdf5_read(out, &copy, wanted, count, max_memory)
+                                   : fail(CONUS_ERROR_IO, "HDF5: cannot copy the file: %s", strerror(errno));
+    if (copy.descriptor >= 0) {
+        file_close(&copy);
+    }
+    return status;
 }
 
 size_t hdf5_count(const struct hdf5 *hdf5)

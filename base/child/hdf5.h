@@ -43,6 +43,10 @@ bool hdf5_is(const uint8_t *data, size_t size);
 conus_status hdf5_read(struct hdf5 **out, const struct open_file *file, const char *const *wanted, size_t count,
                        uint64_t max_memory);
 
+/** The same of a file that is in memory. Messages without a path. */
+conus_status hdf5_read_bytes(struct hdf5 **out, struct text file, const char *const *wanted, size_t count,
+                             uint64_t max_memory);
+
 /** The objects in @p stream, which is taken over, on success and on failure. Messages without a path. */
 conus_status hdf5_parse(struct hdf5 **out, struct bytes *stream);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Parses MAT-files of level 5: the variables, then their parts, each where the array around it is parsed. */
+/* Parses MAT-files of either level: the variables, then their parts, each where the array around it is parsed. */
 #include "base/formats/matlab.h"
 
 #include "base/byte_order.h"
@@ -49,9 +49,15 @@ static struct text rest_of(struct text text, size_t used)
     return (struct text){text.data + used, text.size - used};
 }
 
+/* MATLAB of 2008 wrote 7.0. */
+static bool is_level_7(struct text text)
+{
+    return text_starts(text, "MATLAB 7.3 MAT-file") || text_starts(text, "MATLAB 7.0 MAT-file");
+}
+
 bool matlab_is(struct text text)
 {
-    return text_starts(text, "MATLAB 5.0 MAT-file");
+    return text_starts(text, "MATLAB 5.0 MAT-file") || is_level_7(text);
 }
 
 /* Takes an element off: a tag of eight bytes and what it announces, up to the next multiple of eight but for packed
@@ -167,27 +173,29 @@ static conus_status take_values(struct matlab_array *array, struct text *rest)
     }
     uint8_t size = element.type < TYPES ? value_size[element.type] : 0;
     if (!size || (array->kind != MATLAB_CHAR && element.type >= UTF8)) {
-        return fail(CONUS_ERROR_DATA, "%s has values of type %u", matlab_class_name(array), element.type);
+        return fail(CONUS_ERROR_DATA, "%s has values of type %u", matlab_class_name(array).text, element.type);
     }
     bool fits = memory_multiply(array->count, size, &bytes) && bytes == element.bytes.size;
     bool is_free = array->kind == MATLAB_CHAR && (element.type == UTF8 || !element.bytes.size);
     if (!fits && !is_free) {
-        return fail(CONUS_ERROR_DATA, "%s of %zu values has %zu bytes, %u each are needed", matlab_class_name(array),
-                    array->count, element.bytes.size, size);
+        return fail(CONUS_ERROR_DATA, "%s of %zu values has %zu bytes, %u each are needed",
+                    matlab_class_name(array).text, array->count, element.bytes.size, size);
     }
     array->type = (uint8_t)element.type;
     array->bytes = element.bytes;
     return CONUS_OK;
 }
 
-/* Each part is an element of its own, in which at least its tag is. What is in it is parsed in its turn. */
-static conus_status take_parts(struct matlab *matlab, size_t index, struct text *rest)
+/* Each part is an element of its own, in which at least its tag is. What is in it is parsed in its turn. `names` are
+ * those of the fields of a structure. */
+static conus_status take_parts(struct matlab *matlab, size_t index, struct text *rest, struct text names)
 {
     struct matlab_array array = matlab->arrays[index];
+    size_t name_size = array.fields ? names.size / array.fields : 0;
     size_t count = array.count;
     bool fits = array.kind == MATLAB_CELL || memory_multiply(array.count, array.fields, &count);
     if (!fits || count > rest->size / TAG) {
-        return fail(CONUS_ERROR_DATA, "%s of %zu elements in %zu bytes", matlab_class_name(&array), array.count,
+        return fail(CONUS_ERROR_DATA, "%s of %zu elements in %zu bytes", matlab_class_name(&array).text, array.count,
                     rest->size);
     }
     if (array.depth == DEPTH_LIMIT) {
@@ -198,22 +206,24 @@ static conus_status take_parts(struct matlab *matlab, size_t index, struct text 
     for (size_t i = 0; !status && i < count; i++) {
         struct matlab_array part = {.depth = (uint8_t)(array.depth + 1), .swapped = array.swapped};
         status = take_typed(&part.bytes, rest, array.swapped, MATRIX, "a part of an array");
+        part.name = (struct text){names.data + (name_size ? i % array.fields * name_size : 0), name_size};
+        part.name.size = strnlen(part.name.data, name_size);
         matlab->arrays[matlab->count - count + i] = part;
     }
     return status;
 }
 
 /* The names of fields, each in as many bytes, ended by a zero. */
-static conus_status take_field_names(struct matlab_array *array, struct text *rest)
+static conus_status take_field_names(struct text *names, struct matlab_array *array, struct text *rest)
 {
     struct text length = {"", 0};
     conus_status status = take_typed(&length, rest, array->swapped, INT32, "length of names of fields");
     int32_t size = !status && length.size == 4 ? order_i32(at(length), array->swapped) : 0;
-    status = status ? status : take_typed(&array->bytes, rest, array->swapped, INT8, "names of fields");
-    if (!status && (size < 1 || array->bytes.size % (size_t)size)) {
-        status = fail(CONUS_ERROR_DATA, "names of fields: %zu bytes, of %d each", array->bytes.size, size);
+    status = status ? status : take_typed(names, rest, array->swapped, INT8, "names of fields");
+    if (!status && (size < 1 || names->size % (size_t)size)) {
+        status = fail(CONUS_ERROR_DATA, "names of fields: %zu bytes, of %d each", names->size, size);
     }
-    array->fields = status ? 0 : array->bytes.size / (size_t)size;
+    array->fields = status ? 0 : names->size / (size_t)size;
     return status;
 }
 
@@ -222,23 +232,25 @@ static conus_status parse_array(struct matlab *matlab, size_t index)
 {
     struct matlab_array *array = &matlab->arrays[index];
     struct text rest = array->bytes;
-    array->bytes = (struct text){"", 0};
-    array->name = array->bytes;
+    struct text names = {"", 0};
+    struct text name = names;
+    array->bytes = names;
+    array->name = array->depth ? array->name : names;
     if (!rest.size) {
         return CONUS_OK; /* MATLAB_EMPTY */
     }
     conus_status status = take_flags(array, &rest);
     if (status || array->kind == MATLAB_OTHER) { /* of which nothing else is known */
-        array->name = (struct text){"", 0};
         return status;
     }
     status = take_dimensions(array, &rest);
-    status = status ? status : take_typed(&array->name, &rest, array->swapped, INT8, "name of an array");
+    status = status ? status : take_typed(&name, &rest, array->swapped, INT8, "name of an array");
+    array->name = array->depth ? array->name : name;
     if (!status && array->kind == MATLAB_STRUCT) {
-        status = take_field_names(array, &rest);
+        status = take_field_names(&names, array, &rest);
     }
     bool has_parts = array->kind == MATLAB_CELL || array->kind == MATLAB_STRUCT;
-    return status ? status : has_parts ? take_parts(matlab, index, &rest) : take_values(array, &rest);
+    return status ? status : has_parts ? take_parts(matlab, index, &rest, names) : take_values(array, &rest);
 }
 
 static conus_status matlab_check_header(bool *swapped, struct text text)
@@ -253,8 +265,9 @@ static conus_status matlab_check_header(bool *swapped, struct text text)
     }
     *swapped = is_big == BIG_ENDIAN_IS_SWAPPED;
     uint16_t version = order_u16(end, *swapped);
-    return version == 0x100 ? CONUS_OK
-                            : fail(CONUS_ERROR_DATA, "MATLAB's header: version %#x, allowed is 0x100", version);
+    uint16_t wanted = is_level_7(text) ? 0x200 : 0x100;
+    return version == wanted ? CONUS_OK
+                             : fail(CONUS_ERROR_DATA, "MATLAB's header: version %#x, allowed is %#x", version, wanted);
 }
 
 /* One variable, packed or not: its bytes as an array that is still to be parsed. */
@@ -292,15 +305,21 @@ static conus_status take_variable(struct matlab *matlab, size_t index, struct te
     return CONUS_OK;
 }
 
-conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit)
+static conus_status hand_over_matlab(struct matlab *out, struct matlab *matlab, conus_status status)
+{
+    if (status) {
+        matlab_finish(matlab);
+    } else {
+        *out = *matlab;
+    }
+    return status;
+}
+
+static conus_status parse_level_5(struct matlab *out, struct text text, uint64_t limit, bool swapped)
 {
     struct matlab matlab = {.limit = limit};
     struct element element;
-    bool swapped = false;
-    conus_status status = matlab_check_header(&swapped, text);
-    if (status) {
-        return status;
-    }
+    conus_status status = CONUS_OK;
     struct text rest = rest_of(text, HEADER);
     size_t count = 0; /* of elements, which are all variables */
     for (struct text ahead = rest; ahead.size; count++) {
@@ -322,12 +341,261 @@ conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit)
         status = parse_array(&matlab, i);
         status = status ? fail_in(status, "MATLAB's file") : CONUS_OK;
     }
-    if (status) {
-        matlab_finish(&matlab);
-        return status;
+    return hand_over_matlab(out, &matlab, status);
+}
+
+/* Level 7.3: arrays are HDF5's datasets and groups, which say in attributes what they are. */
+
+static conus_status fail_object(const struct hdf5_object *object, const char *what)
+{
+    return fail(CONUS_ERROR_DATA, "%.*s: %s", TEXT_SHOW(object->value.name, 200U), what);
+}
+
+/* Sets what the array is by the name of its class; another class is an object. */
+static void take_class(struct matlab_array *array, const struct hdf5_object *object)
+{
+    static const char *const classes[] = {[MATLAB_CELL] = "cell",
+                                          [MATLAB_STRUCT] = "struct",
+                                          [MATLAB_CHAR] = "char",
+                                          [MATLAB_DOUBLE] = "double",
+                                          "single",
+                                          "int8",
+                                          "uint8",
+                                          "int16",
+                                          "uint16",
+                                          "int32",
+                                          "uint32",
+                                          "int64",
+                                          [MATLAB_UINT64] = "uint64"};
+    const struct hdf5_value *name = hdf5_attribute(object, "MATLAB_class");
+    bool is_named = name && name->class == HDF5_STRING && name->count == 1;
+    array->kind = MATLAB_OTHER;
+    array->bytes = is_named ? hdf5_string(name, 0) : text_from("without a class");
+    for (size_t i = 0; i < sizeof classes / sizeof classes[0]; i++) {
+        array->kind = classes[i] && text_equal(array->bytes, classes[i]) ? (enum matlab_class)i : array->kind;
     }
-    *out = matlab;
+    array->kind = text_equal(array->bytes, "logical") ? MATLAB_DOUBLE : array->kind;
+    /* A group of numbers is a sparse array. */
+    bool is_sparse = array->kind != MATLAB_STRUCT && object->value.class == HDF5_GROUP;
+    array->kind = is_sparse ? MATLAB_OTHER : array->kind;
+}
+
+/* Of an empty array the dataset holds the dimensions. */
+static conus_status take_empty(struct matlab_array *array, const struct hdf5_object *object)
+{
+    const struct hdf5_value *value = &object->value;
+    bool fine = hdf5_is_number(value) && value->class != HDF5_FLOAT && value->count >= 2;
+    bool is_empty = false;
+    for (size_t i = 0; fine && i < value->count; i++) {
+        int64_t length = hdf5_whole(value, i);
+        fine = length >= 0;
+        is_empty = is_empty || length == 0;
+        array->rows = i == 0 ? (size_t)length : array->rows;
+        array->columns = i == 1 ? (size_t)length : array->columns;
+    }
+    return fine && is_empty ? CONUS_OK
+                            : fail_object(object, "MATLAB_empty, but its values are not the dimensions of none");
+}
+
+/* MATLAB's first dimension is HDF5's last. */
+static conus_status take_dims(struct matlab_array *array, const struct hdf5_object *object)
+{
+    const struct hdf5_value *value = &object->value;
+    if (value->rank < 2) {
+        return fail_object(object, "less than two dimensions");
+    }
+    array->rows = (size_t)value->dims[value->rank - 1];
+    array->columns = (size_t)value->dims[value->rank - 2];
+    array->count = value->count;
     return CONUS_OK;
+}
+
+static conus_status take_numbers(struct matlab_array *array, const struct hdf5_object *object)
+{
+    static const uint8_t types[][4] = {
+        {0, 0, SINGLE, DOUBLE}, {INT8, INT16, INT32, INT64}, {UINT8, UINT16, UINT32, UINT64}};
+    const struct hdf5_value *value = &object->value;
+    bool is_text = array->kind == MATLAB_CHAR;
+    if (value->class == HDF5_OTHER && !is_text) { /* pairs of real and imaginary parts */
+        array->is_complex = true;
+        return CONUS_OK;
+    }
+    if (!hdf5_is_number(value) || (is_text && (value->class != HDF5_UNSIGNED || value->size > 2))) {
+        return fail_object(object, is_text ? "an array of characters must be of unsigned numbers of 1 or 2 bytes"
+                                           : "an array of numbers must be of numbers");
+    }
+    array->type = types[value->class - HDF5_FLOAT][__builtin_ctzl(value->size)];
+    array->bytes = (struct text){(const char *)value->data, value->count * value->size};
+    return CONUS_OK;
+}
+
+/* Room for parts; *first is the array's number of the first. */
+static conus_status add_parts(struct matlab *matlab, size_t index, size_t count, size_t each)
+{
+    const struct matlab_array array = matlab->arrays[index];
+    size_t all;
+    if (array.depth == DEPTH_LIMIT) {
+        return fail_object(array.object, "arrays in arrays, more than 32 deep");
+    }
+    if (!memory_multiply(count, each, &all) || all > matlab->most - matlab->count) {
+        return fail_object(array.object, "arrays that are parts of several");
+    }
+    matlab->arrays[index].parts = matlab->count;
+    return add_arrays(matlab, all);
+}
+
+/* Part `at` is where reference `index` of `references` leads to; the null reference is an empty array. */
+static conus_status take_part(struct matlab *matlab, size_t at, const struct hdf5_object *references, size_t index,
+                              const struct matlab_array *part)
+{
+    uint64_t address = (uint64_t)hdf5_whole(&references->value, index);
+    matlab->arrays[at] = *part;
+    matlab->arrays[at].object = address ? hdf5_find_address(matlab->hdf5, address) : NULL;
+    return !address || matlab->arrays[at].object ? CONUS_OK : fail_object(references, "a reference that leads nowhere");
+}
+
+static conus_status take_cells(struct matlab *matlab, size_t index)
+{
+    const struct matlab_array cell = matlab->arrays[index];
+    const struct matlab_array part = {.depth = (uint8_t)(cell.depth + 1), .name = {"", 0}};
+    if (cell.object->value.class != HDF5_REFERENCE) {
+        return fail_object(cell.object, "a cell array must be of references");
+    }
+    conus_status status = add_parts(matlab, index, cell.count, 1);
+    for (size_t i = 0; !status && i < cell.count; i++) {
+        status = take_part(matlab, matlab->arrays[index].parts + i, cell.object, i, &part);
+    }
+    return status;
+}
+
+/* Whether the field of a structure is that of several: references, which are no cell array. */
+static bool is_field_of_several(const struct hdf5_object *field)
+{
+    return field->value.class == HDF5_REFERENCE && !hdf5_attribute(field, "MATLAB_class");
+}
+
+/* Counts the fields of a group, which must be alike: those of one structure, or of as many structures each. */
+static conus_status count_fields(struct matlab_array *array, bool *several, const struct hdf5 *hdf5)
+{
+    const struct hdf5_object *first = NULL;
+    const struct hdf5_object *field;
+    size_t at = 0;
+    array->count = array->rows = array->columns = 1;
+    conus_status status = CONUS_OK;
+    for (array->fields = 0; !status && (field = hdf5_next_in(hdf5, &at, array->object->value.name)); array->fields++) {
+        first = first ? first : field;
+        *several = is_field_of_several(first);
+        bool alike = is_field_of_several(field) == *several &&
+                     (!*several || (field->value.rank == first->value.rank &&
+                                    memcmp(field->value.dims, first->value.dims, sizeof first->value.dims) == 0));
+        status = !alike     ? fail_object(field, "another number of structures than the fields beside it have")
+                 : *several ? take_dims(array, field)
+                            : CONUS_OK;
+    }
+    return status;
+}
+
+static conus_status take_fields(struct matlab *matlab, size_t index)
+{
+    struct matlab_array structure = matlab->arrays[index];
+    const struct hdf5_object *field;
+    bool several = false;
+    size_t at = 0;
+    if (structure.object->value.class != HDF5_GROUP) {
+        return fail_object(structure.object, "a structure must be a group");
+    }
+    conus_status status = count_fields(&structure, &several, matlab->hdf5);
+    matlab->arrays[index] = structure;
+    status = status ? status : add_parts(matlab, index, structure.count, structure.fields);
+    size_t to = matlab->arrays[index].parts;
+    for (; !status && (field = hdf5_next_in(matlab->hdf5, &at, structure.object->value.name)); to++) {
+        struct matlab_array part = {
+            .depth = (uint8_t)(structure.depth + 1), .name = hdf5_last_name(field->value.name), .object = field};
+        for (size_t i = 0; !status && several && i < structure.count; i++) {
+            status = take_part(matlab, to + i * structure.fields, field, i, &part);
+        }
+        if (!several) {
+            matlab->arrays[to] = part;
+        }
+    }
+    return status;
+}
+
+static conus_status fill_array(struct matlab *matlab, size_t index)
+{
+    struct matlab_array *array = &matlab->arrays[index];
+    const struct hdf5_object *object = array->object;
+    array->bytes = (struct text){"", 0};
+    if (!object) {
+        return CONUS_OK; /* MATLAB_EMPTY */
+    }
+    const struct hdf5_value *empty = hdf5_attribute(object, "MATLAB_empty");
+    array->swapped = BIG_ENDIAN_IS_SWAPPED != true;
+    take_class(array, object);
+    if (array->kind == MATLAB_OTHER) {
+        return CONUS_OK;
+    }
+    array->bytes = (struct text){"", 0};
+    if (empty && hdf5_is_number(empty) && empty->count && hdf5_number(empty, 0) != 0) {
+        return take_empty(array, object);
+    }
+    if (array->kind == MATLAB_STRUCT) {
+        return take_fields(matlab, index);
+    }
+    conus_status status = take_dims(array, object);
+    return status ? status : array->kind == MATLAB_CELL ? take_cells(matlab, index) : take_numbers(array, object);
+}
+
+/* The variables of the file: what lies in its root, but for MATLAB's own, "#refs#" and "#subsystem#". */
+static conus_status add_variables(struct matlab *matlab)
+{
+    const struct hdf5_object *object;
+    size_t at = 0;
+    conus_status status = CONUS_OK;
+    while (!status && (object = hdf5_next_in(matlab->hdf5, &at, text_from("/")))) {
+        struct text name = hdf5_last_name(object->value.name);
+        if (name.data[0] != '#') {
+            status = add_arrays(matlab, 1);
+        }
+        if (!status && name.data[0] != '#') {
+            matlab->arrays[matlab->variables++] = (struct matlab_array){.name = name, .object = object};
+        }
+    }
+    return status;
+}
+
+conus_status matlab_from_hdf5(struct matlab *out, struct hdf5 *hdf5, uint64_t limit)
+{
+    struct matlab matlab = {.hdf5 = hdf5, .limit = limit};
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < hdf5_count(hdf5); i++) { /* what is there already; and each is a part of one */
+        const struct hdf5_value *value = &hdf5_object(hdf5, i)->value;
+        matlab.most += 1 + (value->class == HDF5_REFERENCE ? value->count : 0);
+        status = use_memory(&matlab, value->name.size + value->count * value->size);
+    }
+    status = status ? status : add_variables(&matlab);
+    for (size_t i = 0; !status && i < matlab.count; i++) { /* it grows on the way */
+        status = fill_array(&matlab, i);
+    }
+    status = status ? fail_in(status, "MATLAB's file") : CONUS_OK;
+    return hand_over_matlab(out, &matlab, status);
+}
+
+static conus_status parse_level_7(struct matlab *out, struct text text, uint64_t limit)
+{
+    static const char *const all[] = {"/**"};
+    struct hdf5 *hdf5 = NULL;
+    conus_status status = hdf5_read_bytes(&hdf5, text, all, 1, limit ? limit : 1);
+    return status ? status : matlab_from_hdf5(out, hdf5, limit);
+}
+
+conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit)
+{
+    bool swapped = false;
+    conus_status status = matlab_check_header(&swapped, text);
+    return status             ? status
+           : is_level_7(text) ? parse_level_7(out, text, limit)
+                              : parse_level_5(out, text, limit, swapped);
 }
 
 void matlab_finish(struct matlab *matlab)
@@ -337,6 +605,7 @@ void matlab_finish(struct matlab *matlab)
     }
     memory_free(matlab->unpacked);
     memory_free(matlab->arrays);
+    hdf5_destroy(matlab->hdf5);
     *matlab = (struct matlab){0};
 }
 
@@ -355,11 +624,9 @@ const struct matlab_array *matlab_field(const struct matlab *matlab, const struc
 {
     bool has_any = array && array->kind == MATLAB_STRUCT && index < array->count;
     for (size_t i = 0; has_any && i < array->fields; i++) {
-        size_t size = array->bytes.size / array->fields;
-        struct text field = {array->bytes.data + i * size, size};
-        field.size = strnlen(field.data, size);
-        if (text_equal(field, name)) {
-            return &matlab->arrays[array->parts + index * array->fields + i];
+        const struct matlab_array *field = &matlab->arrays[array->parts + index * array->fields + i];
+        if (text_equal(field->name, name)) {
+            return field;
         }
     }
     return NULL;
@@ -427,13 +694,17 @@ struct text matlab_text(char *out, size_t size, const struct matlab_array *array
     return (struct text){out, used};
 }
 
-const char *matlab_class_name(const struct matlab_array *array)
+struct matlab_words matlab_class_name(const struct matlab_array *array)
 {
-    return array->kind == MATLAB_EMPTY    ? "an empty array"
-           : array->kind == MATLAB_CELL   ? "a cell array"
-           : array->kind == MATLAB_STRUCT ? "a structure"
-           : array->kind == MATLAB_CHAR   ? "an array of characters"
-           : array->kind == MATLAB_OTHER  ? "an object"
-           : array->is_complex            ? "an array of complex numbers"
-                                          : "an array of numbers";
+    struct matlab_words words;
+    const char *plain = array->kind == MATLAB_EMPTY    ? "an empty array"
+                        : array->kind == MATLAB_CELL   ? "a cell array"
+                        : array->kind == MATLAB_STRUCT ? "a structure"
+                        : array->kind == MATLAB_CHAR   ? "an array of characters"
+                        : array->kind == MATLAB_OTHER  ? "an object"
+                        : array->is_complex            ? "an array of complex numbers"
+                                                       : "an array of numbers";
+    bool has_class = array->kind == MATLAB_OTHER && array->bytes.size;
+    snprintf(words.text, sizeof words.text, has_class ? "%s (%.*s)" : "%s", plain, TEXT_SHOW(array->bytes, 40U));
+    return words;
 }

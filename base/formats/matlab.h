@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * MATLAB's MAT-files of level 5 (MathWorks, "MAT-File Format"), which scipy and Octave write, too: numbers, characters,
- * cells and structures, of either byte order, packed by zlib or not. Nothing is trusted: each element lies inside the
- * one around it, each array has as many values as its dimensions say, and memory has a limit. Level 7.3 is HDF5, and
- * not read. */
+ * MATLAB's MAT-files of level 5 (MathWorks, "MAT-File Format"), which scipy and Octave write, too, and of level 7.3,
+ * which are HDF5: numbers, characters, cells and structures, of either byte order, packed or not. Nothing is trusted:
+ * each element lies inside the one around it, each array has as many values as its dimensions say, and memory has a
+ * limit. */
 #ifndef CONUS_BASE_FORMATS_MATLAB_H
 #define CONUS_BASE_FORMATS_MATLAB_H
 
+#include "base/child/hdf5.h"
 #include "base/files/file.h"
 #include "base/text.h"
 
@@ -30,17 +31,20 @@ struct matlab_array {
     bool swapped;
     size_t rows, columns;
     size_t count;      /**< rows * columns * ... */
-    struct text name;  /**< Set for a variable. */
-    struct text bytes; /**< Values; for a structure the names of its fields. */
+    struct text name;  /**< Of a variable, or of the field that it is. */
+    struct text bytes; /**< Values; of an object its class, where that is known. */
     size_t fields;     /**< Fields of a structure. */
     size_t parts; /**< Index in matlab.arrays of the first part: [count] of a cell, [count][fields] of a structure. */
+    const struct hdf5_object *object; /**< Level 7.3: where it is; NULL = an empty array. */
 };
 
 struct matlab {
     struct matlab_array *arrays; /**< Variables first, then their parts, those of one array side by side. */
     size_t count, capacity;
     size_t variables;
-    struct bytes *unpacked; /**< [variables] */
+    struct bytes *unpacked; /**< [variables] of level 5; else NULL. */
+    struct hdf5 *hdf5;      /**< Of level 7.3; else NULL. */
+    size_t most;            /**< Level 7.3: as many arrays there may be, so that none is a part of itself. */
     uint64_t used, limit;   /**< Bytes of memory. */
 };
 
@@ -48,8 +52,12 @@ struct matlab {
 bool matlab_is(struct text text);
 
 /** Parses @p text, which must outlive it, in at most @p limit bytes. CONUS_ERROR_DATA for one that is damaged;
- * CONUS_ERROR_MEMORY where more is needed. End it with matlab_finish(). */
+ * CONUS_ERROR_MEMORY where more is needed; CONUS_ERROR_UNSUPPORTED for level 7.3 without conus-hdf5. End it with
+ * matlab_finish(). */
 conus_status matlab_parse(struct matlab *out, struct text text, uint64_t limit);
+
+/** The same of level 7.3, from all objects of the file. @p hdf5 is taken over, on success and on failure. */
+conus_status matlab_from_hdf5(struct matlab *out, struct hdf5 *hdf5, uint64_t limit);
 void matlab_finish(struct matlab *matlab);
 
 /** The variable @p name; NULL if there is none. */
@@ -69,7 +77,12 @@ double matlab_number(const struct matlab_array *array, size_t index);
 /** The characters of a row, as UTF-8 in @p out (they end where it is full); "" for anything else. */
 struct text matlab_text(char *out, size_t size, const struct matlab_array *array);
 
-/** "a cell array", "a structure" and so on, for messages. */
-const char *matlab_class_name(const struct matlab_array *array);
+/** Words for a message. */
+struct matlab_words {
+    char text[64];
+};
+
+/** "a cell array", "a structure", "an object (table)" and so on. */
+struct matlab_words matlab_class_name(const struct matlab_array *array);
 
 #endif

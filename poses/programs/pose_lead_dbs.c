@@ -27,7 +27,7 @@ static conus_status add_lead(conus_pose_list *list, const struct matlab_array *a
     }
     if (!matlab_is_real(array) || array->columns != 3 || array->count != 3 * array->rows) {
         return fail(CONUS_ERROR_DATA, "coords_mm{%zu}: %s with %zu x %zu, contacts x 3 numbers are needed", lead + 1,
-                    matlab_class_name(array), array->rows, array->columns);
+                    matlab_class_name(array).text, array->rows, array->columns);
     }
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < array->rows; i++) {
@@ -51,7 +51,7 @@ static conus_status add_leads(conus_pose_list *list, const struct matlab *matlab
 {
     if (cells->kind != MATLAB_CELL && cells->count) {
         return fail(CONUS_ERROR_DATA, "coords_mm: %s, a cell array with a cell for each lead is needed",
-                    matlab_class_name(cells));
+                    matlab_class_name(cells).text);
     }
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < cells->count; i++) {
@@ -82,6 +82,10 @@ static conus_status find_space(const struct matlab_array **found, size_t *space,
     while (!*found && *space + 1 < SPACES) {
         *found = find_coordinates(matlab, ++*space);
     }
+    const struct matlab_array *reco = matlab_variable(matlab, "reco");
+    if (!*found && reco && reco->kind != MATLAB_STRUCT) {
+        return fail(CONUS_ERROR_DATA, "reco: %s, a structure is needed", matlab_class_name(reco).text);
+    }
     return *found ? CONUS_OK
                   : fail(CONUS_ERROR_DATA, "no positions of contacts, reco.%s.coords_mm: no reconstruction of Lead-DBS",
                          names[native ? SPACES - 1 : 0]);
@@ -95,7 +99,7 @@ static conus_status parse_from(conus_pose_list *list, struct text text, const co
     }
     struct matlab matlab = {0};
     if (!matlab_is(text)) {
-        return fail(CONUS_ERROR_DATA, "not a file of MATLAB, level 5: no reconstruction of Lead-DBS");
+        return fail(CONUS_ERROR_DATA, "not a file of MATLAB: no reconstruction of Lead-DBS");
     }
     const struct matlab_array *found = NULL;
     conus_status status = matlab_parse(&matlab, text, pose_memory(options) - text.size);

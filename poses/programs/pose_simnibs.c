@@ -35,7 +35,7 @@ static conus_status add_array(const struct reading *reading, const struct matlab
                                    "runs; store the matrix that it finds");
     } else if (!matlab_is_real(array) || array->rows != 4 || array->columns != 4) {
         status = fail(CONUS_ERROR_DATA, "matsimnibs: %s with %zu x %zu, 4 x 4 numbers are needed",
-                      matlab_class_name(array), array->rows, array->columns);
+                      matlab_class_name(array).text, array->rows, array->columns);
     }
     if (status) {
         const conus_pose_row row = pose_row_at(reading->list->count + 1);

@@ -286,7 +286,7 @@ static void complex_numbers_are_none(void **state)
     matlab_close(&builder);
     parse(&matlab, &builder);
     assert_false(matlab_is_real(matlab_variable(&matlab, "x")));
-    assert_string_equal(matlab_class_name(matlab_variable(&matlab, "x")), "an array of complex numbers");
+    assert_string_equal(matlab_class_name(matlab_variable(&matlab, "x")).text, "an array of complex numbers");
     matlab_finish(&matlab);
     buffer_finish(&builder.bytes);
 }

@@ -517,7 +517,23 @@ matsimnibs() { printf '%s %s 0 -40\n%s %s 0 -20\n0 0 -1 90\n0 0 0 1\n' "-$2" "$1
     matsimnibs 0 1 >coil.txt
     answers query "$aal" --pose coil.txt --poses-format simnibs --atlas-transform right.txt --angle 20 --format tsv -q
     [ "$(cell name 1)" = Precentral_L ]
-    printf 'MATLAB 7.3 MAT-file\n' >new.mat
-    fails 3 "new.mat: MATLAB's level 7.3, which is HDF5: save it anew with MATLAB's save(..., '-v7')" \
-        query "$aal" --pose new.mat
+}
+
+@test "MATLAB's level 7.3 is read as level 5, and says what it is not" {
+    [ -x "${CONUS_HDF5:-${CONUS%/*}/conus-hdf5}" ] || skip 'no conus-hdf5'
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/hdf5.py" lead-dbs lead.mat || skip "no python3-h5py"
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/hdf5.py" simnibs coil.mat
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/hdf5.py" table table.mat
+    sphere --size 16
+    answers batch sphere.nii.gz --poses lead.mat --radius 1 --format tsv -q
+    [ "$(cut -f 1 <<<"$output" | uniq)" = $'query\nR1\nR2\nR3\nR4' ]
+    answers batch sphere.nii.gz --poses - --radius 1 --format tsv -q --poses-format lead-dbs-native <lead.mat
+    [ "$(cut -f 1 <<<"$output" | uniq)" = $'query\nR1\nR2\nR3\nR4' ]
+    answers batch sphere.nii.gz --poses coil.mat --angle 20 --format tsv -q
+    [ "$(cut -f 1 <<<"$output" | uniq)" = $'query\nM1 left\nhäufig' ]
+    fails 3 'table.mat: reco: an object (table), a structure is needed' \
+        query sphere.nii.gz --pose table.mat --poses-format lead-dbs --radius 1
+    head -c 2000 coil.mat >cut.mat
+    fails 3 'cut.mat: HDF5: cannot open it: ' query sphere.nii.gz --pose cut.mat --angle 20
+    CONUS_HDF5=$PWD/none fails 3 'CONUS_HDF5' query sphere.nii.gz --pose coil.mat --angle 20
 }

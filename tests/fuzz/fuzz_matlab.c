@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* MATLAB's files: the parts of what is parsed lie inside it, and every value can be read. */
+/* MATLAB's files, of level 5 or as conus-hdf5 gives level 7.3: the parts of what is parsed lie inside it, and every
+ * value can be read. */
 #include "base/formats/matlab.h"
+#include "base/memory.h"
 
 #include <stdlib.h>
 
@@ -25,10 +27,22 @@ static void check(const struct matlab *matlab, const struct matlab_array *array)
     (void)matlab_field(matlab, array, 0, "name");
 }
 
+static conus_status parse(struct matlab *out, const uint8_t *data, size_t size)
+{
+    struct text text = {(const char *)data, size};
+    struct hdf5 *hdf5 = NULL;
+    if (!text_starts(text, HDF5_STREAM_MAGIC)) {
+        return text_starts(text, "MATLAB 7") ? CONUS_ERROR_DATA : matlab_parse(out, text, LIMIT);
+    }
+    struct bytes stream = {memory_copy(data, size, 1), size};
+    conus_status status = stream.data ? hdf5_parse(&hdf5, &stream) : CONUS_ERROR_MEMORY;
+    return status ? status : matlab_from_hdf5(out, hdf5, LIMIT);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     struct matlab matlab;
-    if (matlab_parse(&matlab, (struct text){(const char *)data, size}, LIMIT) == CONUS_OK) {
+    if (parse(&matlab, data, size) == CONUS_OK) {
         for (size_t i = 0; i < matlab.count; i++) {
             check(&matlab, &matlab.arrays[i]);
         }

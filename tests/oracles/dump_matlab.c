@@ -32,12 +32,11 @@ static void print_array(const struct matlab *matlab, const struct matlab_array *
 
 static void print_structures(const struct matlab *matlab, const struct matlab_array *array)
 {
-    size_t size = array->fields ? array->bytes.size / array->fields : 0;
     for (size_t i = 0; i < array->count; i++) {
         printf("%s{", i ? ", " : "");
         for (size_t k = 0; k < array->fields; k++) {
             char name[TEXT_SIZE];
-            snprintf(name, sizeof name, "%.*s", (int)size, array->bytes.data + k * size);
+            snprintf(name, sizeof name, "%.*s", TEXT_SHOW(matlab->arrays[array->parts + k].name, sizeof name));
             printf("%s\"%s\": ", k ? ", " : "", name);
             print_array(matlab, matlab_field(matlab, array, i, name));
         }

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""python3 hdf5.py KIND OUT: a file of HDF5 of another program. Exit code 77 where there is no h5py. KIND is
+
+lead-dbs  MATLAB 7.3: reco.mni.coords_mm, contacts at (10, 20, 30 + i) and none on the left, and native, 1 mm beside
+simnibs   MATLAB 7.3: pos(1, 2), each with a name and a matsimnibs
+table     MATLAB 7.3: reco is an object"""
+import sys
+
+try:
+    import h5py
+    import numpy as np
+except ImportError:
+    sys.exit(77)
+
+
+def matlab(path, fill):
+    """A file of level 7.3 that `fill` fills."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        fill(file)
+    with open(path, "r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116) + bytes(8) + b"\0\2IM")
+
+
+def put(file, path, kind, data):
+    """A dataset of the class `kind`, or a group, where data is None. MATLAB's first dimension is the last one here."""
+    node = file.create_group(path) if data is None else file.create_dataset(path, data=data)
+    node.attrs["MATLAB_class"] = np.bytes_(kind)
+    return node
+
+
+def references(*nodes):
+    """Those to a row of arrays."""
+    out = np.empty((len(nodes), 1), h5py.ref_dtype)
+    out[:, 0] = [node.ref for node in nodes]
+    return out
+
+
+def lead_dbs(file):
+    none = put(file, "#refs#/none", "double", np.zeros(2, "u8"))
+    none.attrs["MATLAB_empty"] = np.uint8(1)
+    put(file, "reco", "struct", None)
+    for i, space in enumerate(["mni", "native"]):
+        put(file, f"reco/{space}", "struct", None)
+        contacts = np.array([[10 + i, 20, 30 + z] for z in range(4)], float)
+        right = put(file, f"#refs#/{space}", "double", contacts.T)
+        put(file, f"reco/{space}/coords_mm", "cell", references(right, none))
+
+
+def simnibs(file):
+    names = []
+    poses = []
+    for i, name in enumerate(["M1 left", "häufig"]):
+        units = np.frombuffer(name.encode("utf-16-le"), "<u2")
+        names.append(put(file, f"#refs#/name{i}", "char", units[:, None]))
+        pose = np.array([[-1, 0, 0, 1 + i], [0, 1, 0, 2], [0, 0, -1, 90], [0, 0, 0, 1]], float)
+        poses.append(put(file, f"#refs#/pose{i}", "double", pose.T))
+    put(file, "pos", "struct", None)
+    file["pos/name"] = references(*names)
+    file["pos/matsimnibs"] = references(*poses)
+
+
+def table(file):
+    put(file, "reco", "table", np.zeros((1, 6), "u4")).attrs["MATLAB_object_decode"] = np.int32(3)
+
+
+matlab(sys.argv[2], {"lead-dbs": lead_dbs, "simnibs": simnibs, "table": table}[sys.argv[1]])
