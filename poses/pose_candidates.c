@@ -144,22 +144,6 @@ static conus_status tilt_pose(conus_pose *pose, const struct pose_candidates *ca
     return conus_pose_along(pose, m + 12, direction, NULL);
 }
 
-/* Turns the device about its axis, its +y towards its +x. */
-static conus_status roll_pose(conus_pose *pose, const struct pose_candidates *candidates, uint64_t number)
-{
-    const double *m = pose->world_from_device;
-    double turn = 2 * MATH3_PI * (double)number / (double)candidates->rolls;
-    double axis[3];
-    double up[3];
-    if (!number) {
-        return CONUS_OK;
-    }
-    vec3_scale(axis, m + 8, -1);
-    vec3_scale(up, m + 4, cos(turn));
-    vec3_add_scaled(up, up, sin(turn), m);
-    return conus_pose_along(pose, m + 12, axis, up);
-}
-
 /* "e412-t77": parts of which there is one are left out, but not all of them. */
 static void write_id(char out[POSE_CANDIDATE_ID], const struct pose_candidates *candidates, const uint64_t numbers[4])
 {
@@ -202,5 +186,6 @@ conus_status pose_candidates_row(conus_pose_row *out, char id[POSE_CANDIDATE_ID]
         out->range[1] = vec3_length(way) + asked->beyond;
     }
     status = status ? status : tilt_pose(&out->pose, candidates, numbers[2] - 1);
-    return status ? status : roll_pose(&out->pose, candidates, numbers[3] - 1);
+    double turn = 2 * MATH3_PI * (double)(numbers[3] - 1) / (double)candidates->rolls;
+    return status ? status : pose_roll(&out->pose, turn);
 }

@@ -11,7 +11,9 @@
 #include "settings/notes.h"
 #include "settings/settings.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 struct query_settings {
@@ -22,6 +24,9 @@ struct query_settings {
     struct axis_settings axis;
     struct ends_settings ends;
     double point[3];
+    const char *probe;
+    double tip, roll; /* of the probe: mm, degrees */
+    const char *probes;
 };
 
 static const char *const voxel_kinds[] = {"pathways", "all", NULL};
@@ -34,6 +39,49 @@ static const struct option point_options[] = {
      .help = "instead of a cone, what is at this point, mm, and within --radius MM of it, or as far as the nearest "
              "neighbour",
      .words = "coordinate, whereami"},
+    {0},
+};
+
+/* Of the ball around a contact of --probe without --radius, mm: what holds the contact. */
+static const double contact_radius = 1e-6;
+
+static const struct option probe_options[] = {
+    {.name = "probe",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, probe),
+     .value = "FILE.json",
+     .help = "instead of a cone, what is at each contact of a probe that ProbeInterface describes, and within --radius "
+             "MM (default 0.000001) of it: the tip is where the pose is, or at the far end of --range, and the shank "
+             "points along the axis",
+     .words = "ProbeInterface, Neuropixels, electrodes, contacts",
+     .role = OPTION_READS,
+     .excludes = "point,angle,segments,clearance,image,deep,mask,streamlines-out,connectivity"},
+    {.name = "probe-tip",
+     .type = OPTION_NUMBER,
+     .offset = offsetof(struct query_settings, tip),
+     .value = "MM",
+     .help = "distance from the tip to the lowest contact, in place of the contour in the probe's file",
+     .low = 0,
+     .high = 1000,
+     .open_below = true,
+     .needs = "probe"},
+    {.name = "probe-roll",
+     .type = OPTION_NUMBER,
+     .offset = offsetof(struct query_settings, roll),
+     .value = "DEGREES",
+     .help = "turn the probe about its shank, the device's +y towards its +x, as conus plan --roll does; at 0 the "
+             "probe's x axis is the device's +x",
+     .low = -360,
+     .high = 360,
+     .needs = "probe"},
+    {.name = "probes",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, probes),
+     .value = "FILE.tsv",
+     .help = "with --format bep032: write the table of the probes, with the smallest area that contains all contacts",
+     .role = OPTION_WRITES,
+     .needs = "probe",
+     .endings = ".tsv"},
     {0},
 };
 
@@ -58,6 +106,7 @@ static const struct option voxels_options[] = {
 static const struct option_group groups[] = {
     REQUEST_AIM_GROUPS,
     {"", point_options, 0},
+    {"", probe_options, 0},
     REQUEST_ENGINE_GROUPS,
     REQUEST_ATLAS_GROUPS,
     REQUEST_MORE_ATLASES,
@@ -95,17 +144,28 @@ struct query {
     struct rows_file axes[AXIS_FILES]; /* by settings_axis_rows */
     struct ends ends;
     conus_contacts contacts;
+    conus_probe *probe;
     bool has_points, has_cones; /* poses without a direction were asked, and with one */
     bool has_shanks;            /* answers along the axes of cones were asked */
 };
 
 /* Whether the format of another program has a place for this answer. */
-static bool check_format(const struct request *request)
+static bool check_format(const struct request *request, const struct query_settings *settings)
 {
     conus_format format = request->format;
     if (format_is_foreign(format) && option_given(request->arguments, "atlas")) {
         print_error_line("--format: formats of other programs have no column for the atlas; table, tsv, csv, json and "
                          "ndjson have one");
+        return false;
+    }
+    const char *why = format == CONUS_FORMAT_BEP032 && !settings->probe
+                          ? "--format: bep032 lists the contacts of probes; --probe FILE.json describes them"
+                      : format != CONUS_FORMAT_BEP032 && settings->probes ? "--probes is written beside --format bep032"
+                      : format == CONUS_FORMAT_BIDS && settings->probe
+                          ? "--format: bids adds to a table of electrodes, --probe has none; bep032 writes one"
+                          : NULL;
+    if (why) {
+        print_error_line("%s", why);
         return false;
     }
     bool of_contacts =
@@ -257,6 +317,7 @@ static int answer_row(void *user, const conus_pose_row *row)
     struct query *query = user;
     struct request *request = &query->request;
     double radius = request->settings->engine.radius;
+    radius = query->probe && radius == 0 ? contact_radius : radius;
     struct asked_row question = {.id = row->id,
                                  .line = row->line,
                                  .pose = row->pose,
@@ -343,6 +404,9 @@ static conus_status start_query(struct query *query)
         engine.radius = 0; /* of the ball */
         engine.layers = CONUS_LAYERS_ALL;
     }
+    if (query->probe) {
+        engine.range[0] = engine.range[1] = 0; /* of the shanks */
+    }
     conus_status status = request_start(request, &engine);
     if (status) {
         return status;
@@ -359,6 +423,7 @@ static conus_status start_query(struct query *query)
         report.order = CONUS_ORDER_DEPTH;
     }
     report.contacts = query->contacts;
+    report.probe = query->probe;
     report.electrodes = request->format == CONUS_FORMAT_BIDS ? conus_pose_list_electrodes(request->poses) : NULL;
     status = request_reports(request, &report);
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
@@ -394,10 +459,14 @@ static int write_all(struct query *query)
     size_t size = 0;
     conus_status status = settings->voxels ? conus_report_voxels(&text, &size, report) : CONUS_OK;
     int code = text ? output_write(settings->voxels, text, size) : EXIT_DONE;
+    text = NULL;
+    status = status || code || !settings->probes ? status : conus_report_probes(&text, &size, report);
+    code = code || status || !text ? code : output_write(settings->probes, text, size);
     if (code || status) {
         return code ? code : print_status(status);
     }
     request_list_inputs(&provenance, request);
+    provenance_add_input(&provenance, settings->probe);
     if (query->has_points && !query->has_cones) {
         provenance.question.region = "ball";
     }
@@ -436,12 +505,99 @@ static bool check_voxels(const struct query *query)
     return has_some;
 }
 
+/* Says where the tip is and how the probe is turned, which the file of poses alone does not show. */
+static void say_probe(const struct query *query, const conus_pose *poses)
+{
+    for (size_t i = 0; i < conus_probe_count(query->probe) && !query->settings->request.common.quiet; i++) {
+        double tip[3];
+        double across[3];
+        conus_probe_tip(tip, query->probe, i);
+        conus_frame_direction_from_world(across, &query->request.frame, poses[i].world_from_device);
+        for (int a = 0; a < 3; a++) {
+            across[a] = round(1000 * across[a]) / 1000 + 0; /* no -0 */
+        }
+        print_error_line("note: %s: probe%zu: the tip is at x %g, y %g um; %sits x axis points along %g,%g,%g",
+                         query->settings->probe, i + 1, tip[0], tip[1],
+                         query->settings->roll != 0 ? "without the roll, " : "", across[0], across[1], across[2]);
+    }
+}
+
+/* Moves a pose along its axis, to the far end of its own range or of --range, where there is one. */
+static void go_to_far_end(conus_pose *pose, double own, const struct query *query)
+{
+    double far = own >= 0 ? own : query->settings->request.engine.range[1];
+    for (int a = 0; a < 3; a++) {
+        pose->world_from_device[12 + a] -= far * pose->world_from_device[8 + a];
+    }
+}
+
+/* The poses of the probes' tips: of a file, or that of the options. */
+static int find_poses(conus_pose *out, size_t count, const struct query *query)
+{
+    const struct request *request = &query->request;
+    const conus_pose_list *poses = request->poses;
+    size_t found = poses ? conus_pose_list_count(poses) : 1;
+    if (found != count) {
+        print_error_line("%s: found %zu poses, wanted are %zu: each probe of %s has one of its own",
+                         poses ? settings_poses_name(request->settings->aim.pose) : "--origin", found, count,
+                         query->settings->probe);
+        return EXIT_DATA;
+    }
+    for (size_t i = 0; i < count && poses; i++) {
+        const conus_pose_row *row = conus_pose_list_row(poses, i);
+        if (row->error || row->is_point) {
+            print_error_line("%s:%zu: %s", settings_poses_name(request->settings->aim.pose), row->line,
+                             row->error ? row->error : "a point, without the direction that a probe needs");
+            return EXIT_DATA;
+        }
+        out[i] = row->pose;
+        go_to_far_end(&out[i], row->range[1], query);
+    }
+    int code = poses ? EXIT_DONE : settings_pose(out, &request->settings->aim, &request->frame, request->arguments);
+    if (!poses && !code) {
+        go_to_far_end(out, NAN, query);
+    }
+    return code;
+}
+
+/* Puts the contacts of --probe in the place of the poses. */
+static int place_probe(struct query *query)
+{
+    struct request *request = &query->request;
+    conus_pose_list *contacts = NULL;
+    size_t count = conus_probe_count(query->probe);
+    conus_pose *poses = query->probe ? calloc(count, sizeof *poses) : NULL;
+    if (!query->probe || !poses) {
+        return query->probe ? print_no_memory() : EXIT_DONE;
+    }
+    int code = find_poses(poses, count, query);
+    conus_status status =
+        code ? CONUS_OK : conus_probe_place(&contacts, query->probe, poses, count, radians(query->settings->roll));
+    if (!code && !status) {
+        say_probe(query, poses);
+        conus_pose_list_destroy(request->poses);
+        request->poses = contacts;
+        request->rows_of = query->settings->probe;
+    }
+    free(poses);
+    return status ? print_status(status) : code;
+}
+
+static int load_probe(struct query *query)
+{
+    const struct query_settings *settings = query->settings;
+    const conus_probe_options options = {.tip = settings->tip, .max_memory = settings->request.atlas.max_memory};
+    conus_status status = settings->probe ? conus_probe_load(&query->probe, settings->probe, &options) : CONUS_OK;
+    return status ? print_status(status) : EXIT_DONE;
+}
+
 static int load_poses(void *user)
 {
     struct query *query = user;
     struct request *request = &query->request;
     const char *poses = request->settings->aim.pose;
-    int code = request_load_poses(request);
+    int code = load_probe(query);
+    code = code ? code : request_load_poses(request);
     if (!code && poses) {
         code = check_poses(query);
     }
@@ -461,6 +617,7 @@ static int answer_query(struct query *query)
     }
     code = request_check_outputs(request, NULL);
     code = code ? code : request_match(request);
+    code = code ? code : place_probe(query);
     if (code) {
         return code;
     }
@@ -516,7 +673,7 @@ static int start_outputs(struct query *query)
         return code;
     }
     outputs_add_sidecar(&request->outputs, "endpoints", query->ends.rows.sidecar);
-    return check_format(request) && outputs_differ(&request->outputs) ? EXIT_DONE : EXIT_USAGE;
+    return check_format(request, settings) && outputs_differ(&request->outputs) ? EXIT_DONE : EXIT_USAGE;
 }
 
 static int run_query(const void *given, const struct arguments *arguments)
@@ -537,6 +694,7 @@ static int run_query(const void *given, const struct arguments *arguments)
         rows_file_finish(&query.axes[i]);
     }
     ends_finish(&query.ends);
+    conus_probe_destroy(query.probe);
     request_finish(&query.request);
     return code;
 }

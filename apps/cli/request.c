@@ -255,7 +255,8 @@ int request_each_row(struct request *request, int (*answer)(void *user, const co
 
 int request_skip_row(struct request *request, const conus_pose_row *row, const char *why)
 {
-    print_error_line("%s:%zu: %s", settings_poses_name(request->settings->aim.pose), row->line, why);
+    const char *path = request->rows_of ? request->rows_of : request->settings->aim.pose;
+    print_error_line("%s:%zu: %s", settings_poses_name(path), row->line, why);
     request->failed = true;
     return EXIT_DONE;
 }
@@ -278,7 +279,7 @@ void request_say_notes(const struct request *request)
 
 void request_say_aims(const struct request *request)
 {
-    const char *path = request->settings->aim.pose;
+    const char *path = request->rows_of ? request->rows_of : request->settings->aim.pose;
     size_t count = request->atlases.count;
     struct aimed *aimed = calloc(count, sizeof *aimed);
     for (size_t i = 0; aimed && i < count; i++) {

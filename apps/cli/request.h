@@ -75,6 +75,7 @@ struct request {
     struct atlases atlases;
     conus_frame frame;          /**< The space of positions, once the atlases are loaded. */
     struct answerer *answerers; /**< [atlases.count] */
+    const char *rows_of;        /**< The file of the rows that are answered; NULL = that of the poses. */
     conus_pose_list *poses;     /**< All poses of a file that is read whole, else NULL. */
     conus_pose_stream *stream;  /**< A file whose poses are read one after the other, else NULL. */
     bool failed;                /**< Some poses had no answer. */

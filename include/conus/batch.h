@@ -31,7 +31,8 @@ typedef struct conus_batch_options {
     double angle;       /**< For poses that have none of their own, radians; 0 = 10 degrees, or a cylinder's 0. */
     conus_report_options report; /**< Its format is neither #CONUS_FORMAT_TABLE nor #CONUS_FORMAT_JSON. A probe,
                                     #CONUS_FORMAT_SPIKEGLX or #CONUS_FORMAT_OPEN_EPHYS, is one block of up to 65535
-                                    contacts, whatever block says, and must be all that is in the stream. */
+                                    contacts, whatever block says, and must be all that is in the stream. Its
+                                    probe is NULL. */
 } conus_batch_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

@@ -56,6 +56,7 @@
 #include <conus/plan.h>
 #include <conus/pose.h>
 #include <conus/pose_file.h>
+#include <conus/probe.h>
 #include <conus/report.h>
 #include <conus/score.h>
 #include <conus/segments.h>

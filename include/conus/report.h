@@ -13,6 +13,7 @@
 #include <conus/overlap.h>
 #include <conus/plan.h>
 #include <conus/pose_file.h>
+#include <conus/probe.h>
 #include <conus/segments.h>
 #include <conus/sweep.h>
 #include <conus/track.h>
@@ -29,16 +30,17 @@ typedef struct conus_report conus_report; /**< Answers collected for writing. */
 /** The format of a report. From #CONUS_FORMAT_AFNI on they are read by other programs, of #CONUS_ROWS_ANSWERS, as a
  * whole (docs/formats.md). */
 typedef enum conus_format {
-    CONUS_FORMAT_TABLE = 0, /**< A table for people. */
-    CONUS_FORMAT_TSV,       /**< Tab-separated values. */
-    CONUS_FORMAT_CSV,       /**< The columns of #CONUS_FORMAT_TSV between commas (RFC 4180). */
-    CONUS_FORMAT_JSON,      /**< One JSON array. */
-    CONUS_FORMAT_NDJSON,    /**< One JSON object per line. */
-    CONUS_FORMAT_AFNI,      /**< The tables of AFNI's whereami -tab, of each query. */
-    CONUS_FORMAT_BIDS,      /**< A BIDS table of electrodes, with columns added. */
-    CONUS_FORMAT_SPIKEGLX,  /**< The areas along the shanks of a probe, in micrometres from the first contact, or from
-                               the tip. */
-    CONUS_FORMAT_OPEN_EPHYS /**< The areas of a probe's channels, from 0. */
+    CONUS_FORMAT_TABLE = 0,  /**< A table for people. */
+    CONUS_FORMAT_TSV,        /**< Tab-separated values. */
+    CONUS_FORMAT_CSV,        /**< The columns of #CONUS_FORMAT_TSV between commas (RFC 4180). */
+    CONUS_FORMAT_JSON,       /**< One JSON array. */
+    CONUS_FORMAT_NDJSON,     /**< One JSON object per line. */
+    CONUS_FORMAT_AFNI,       /**< The tables of AFNI's whereami -tab, of each query. */
+    CONUS_FORMAT_BIDS,       /**< A BIDS table of electrodes, with columns added. */
+    CONUS_FORMAT_SPIKEGLX,   /**< The areas along the shanks of a probe, in micrometres from the first contact, or from
+                                the tip. */
+    CONUS_FORMAT_OPEN_EPHYS, /**< The areas of a probe's channels, from 0. */
+    CONUS_FORMAT_BEP032      /**< The electrodes.tsv of the draft BEP032 of BIDS, of a probe's contacts. */
 } conus_format;
 
 /** Kind of a report's rows; each with its own columns. */
@@ -90,6 +92,9 @@ typedef struct conus_report_options {
     conus_contacts contacts;  /**< For #CONUS_FORMAT_OPEN_EPHYS, of shanks: conus_report_add_segments(). */
     double within;            /**< For #CONUS_ROWS_CLEARANCES: that of conus_clearances_create(), which a batch calls
                                  with it; mm, 0 = only what the needle meets, INFINITY = all objects. */
+    const conus_probe *probe; /**< Of #CONUS_ROWS_ANSWERS: each query is a contact of these, in their order, with the
+                                 columns probe, shank_id and channel; #CONUS_FORMAT_BEP032 needs it. It must outlive the
+                                 report. NULL = none. */
 } conus_report_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -279,6 +284,18 @@ CONUS_CHECKED conus_status conus_report_add_error(conus_report *report, const ch
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_join(conus_report *report, conus_report *more);
+
+/**
+ * Writes the probes.tsv of the draft BEP032 of BIDS: for each probe the smallest area of the area tree that contains
+ * all of its contacts, and their side.
+ * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
+ * @param[out] size Bytes, without the NUL.
+ * @param report Of #CONUS_FORMAT_BEP032, with all contacts.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report, and while answers are missing.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_probes(const char **text, size_t *size, conus_report *report);
 
 /**
  * Writes the whole text in the report's format.

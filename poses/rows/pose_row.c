@@ -90,6 +90,23 @@ void pose_turn(conus_pose *pose, conus_axis axis)
     }
 }
 
+conus_status pose_roll(conus_pose *pose, double turn)
+{
+    const double *m = pose->world_from_device;
+    double axis[3];
+    double up[3];
+    if (turn == 0) {
+        return CONUS_OK;
+    }
+    if (!isfinite(turn)) {
+        return fail(CONUS_ERROR_ARGUMENT, "roll: a finite number is needed");
+    }
+    vec3_scale(axis, m + 8, -1);
+    vec3_scale(up, m + 4, cos(turn));
+    vec3_add_scaled(up, up, sin(turn), m);
+    return conus_pose_along(pose, m + 12, axis, up);
+}
+
 conus_status pose_of_matrix(conus_pose *out, const double m[16], bool lps, conus_axis axis)
 {
     double ras[16];

@@ -42,6 +42,9 @@ void pose_flip_matrix(double m[16]);
  * for +z and quarter turns about y for +-x, so that +y stays up, and with +z up for +-y. */
 void pose_turn(conus_pose *pose, conus_axis axis);
 
+/** Turns the device about its axis by @p turn radians, its +y towards its +x (Eq. 22). */
+conus_status pose_roll(conus_pose *pose, double turn);
+
 /** A device's matrix, in LPS if @p lps, that points along its @p axis. */
 conus_status pose_of_matrix(conus_pose *out, const double m[16], bool lps, conus_axis axis);
 

@@ -19,6 +19,7 @@ from ._library import (
     RESULT,
     ArgumentError,
     affine_of,
+    array_of,
     byte_count,
     check,
     choice,
@@ -40,6 +41,7 @@ from ._picture import GLOwner, Picture, Renderer
 from ._pose_file import Poses
 from ._poses import Aims, PoseArray, notes_of, pose_of, warn
 from ._plan import Plan, constraints_of, plan_of, stream_of
+from ._probe import Contacts, Probe, poses_of_probe
 from ._progress import LoadProgress, Progress, telling
 from ._space import space_of
 from ._track import Tracker, follow
@@ -651,6 +653,51 @@ class Selector:
         self._call(lib.conus_select_ball, out, self._p, vector("point", point), real("radius", radius))
         near: Selection = self._place(Selection(self, out[0]))
         return near
+
+    def contacts(
+        self, probe: Probe, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None,
+        pose: Any = None, poses: Any = None, roll: float = 0, radius: float = 0,
+    ) -> Contacts:
+        """Answers what is at each contact of a probe: ``conus query --probe``.
+
+        Parameters
+        ----------
+        probe
+            What :func:`read_probe` gives.
+        origin, toward, direction, up, pose
+            As of :meth:`Atlas.select`: the tip of the probe, and its direction from base to tip.
+        poses
+            Instead of these: a pose for each probe of the file, as for :meth:`select_many`.
+        roll
+            Turns the probe about its shank, +y of the device towards its +x, degrees. At 0 the probe's x axis points
+            along the device's +x.
+        radius
+            mm around a contact; 0 = what holds the contact.
+
+        Returns
+        -------
+        Contacts
+            The answers in the order of the file.
+        """
+        if poses is None:
+            if len(probe.tips) > 1:
+                raise ArgumentError(f"poses: a pose for each of the {len(probe.tips)} probes is needed")
+            placed = self._pose(origin, toward, direction, up, pose)
+        else:
+            if any(other is not None for other in (origin, toward, direction, up, pose)):
+                raise ArgumentError("poses: without origin, toward, direction, up and pose")
+            placed = poses_of_probe(self._poses(None, None, poses, None, None), probe)
+        points = probe._place(placed, len(probe.tips), roll)
+        ball, out = real("radius", radius) or 1e-6, ffi.new("conus_selection **")
+        found: list[Array] = []
+        for point in points:
+            self._call(lib.conus_select_ball, out, self._p, point.tolist(), ball)
+            selection = owned(out[0], lib.conus_selection_destroy)
+            first = lib.conus_selection_result(selection, 0)
+            found.append(array_of(first, lib.conus_selection_count(selection), RESULT))
+        starts = np.cumsum([0] + [len(results) for results in found])
+        contacts: Contacts = self._place(Contacts(probe, points, self.atlas, np.concatenate(found), starts))
+        return contacts
 
     def segments(
         self, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None, pose: Any = None,
@@ -1318,6 +1365,13 @@ class Atlas:
     def near(self, point: Any, radius: float = 0, **options: Any) -> Selection:
         """Answers what is at a point and within ``radius`` mm of it: see :meth:`Selector.near`."""
         return self._selector(options).near(point, radius)
+
+    def contacts(self, probe: Probe, origin: Any = None, *, toward: Any = None, direction: Any = None, up: Any = None,
+                 pose: Any = None, poses: Any = None, roll: float = 0, radius: float = 0, **options: Any) -> Contacts:
+        """Answers what is at each contact of a probe: see :meth:`Selector.contacts`."""
+        return self._selector(options).contacts(
+            probe, origin, toward=toward, direction=direction, up=up, pose=pose, poses=poses, roll=roll, radius=radius
+        )
 
     def select_many(self, origins: Any = None, directions: Any = None, *, poses: Any = None, up: Any = None,
                     angle: Any = None, near: Any = None, far: Any = None, threads: Optional[int] = None,

@@ -64,7 +64,7 @@ _ERRORS = {
 _ARGUMENTS = {
     "--any-space": "any_space", "--atlas-transform": "transforms", "--axis": "axis", "--context": "context",
     "--labels": "labels", "--labels-anyway": "labels_anyway", "--mask-object": "name", "--max-memory": "max_memory",
-    "--pathway": "pathways", "--probability": "probability", "--search": "search", "--sidecar": "sidecar",
+    "--pathway": "pathways", "--probability": "probability", "--probe-tip": "tip", "--search": "search", "--sidecar": "sidecar",
     "--streamlines": "streamlines", "as ATLAS": "as source", "is ATLAS": "is source",
     "--pathway FILE,name=NAME": "pathways=[(map, {name: (low, high)})]",
 }  # fmt: skip

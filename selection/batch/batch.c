@@ -93,6 +93,9 @@ conus_status conus_batch_create(conus_batch **out, conus_selector *selector, con
     if (filled.report.format == CONUS_FORMAT_TABLE || filled.report.format == CONUS_FORMAT_JSON) {
         return fail(CONUS_ERROR_ARGUMENT, "format: tables for people and JSON hold all answers at once, no batch");
     }
+    if (filled.report.probe) {
+        return fail(CONUS_ERROR_ARGUMENT, "probe: its contacts are asked one by one, no batch");
+    }
     conus_status status = batch_fill_in(&filled.threads, &filled.block, &filled.angle, selector);
     if (report_is_of_probe(filled.report.format)) {
         filled.threads = 1;

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "base/text.h"
+#include "selection/report/report_bep032.h"
 #include "selection/report/report_writers.h"
 
 #include <math.h>
@@ -41,6 +42,12 @@ static conus_status check_options(const conus_report_options *options)
     }
     if ((options->format == CONUS_FORMAT_BIDS) != (options->electrodes != NULL)) {
         return fail(CONUS_ERROR_ARGUMENT, "electrodes: BIDS needs the table, and no other format does");
+    }
+    if (options->format == CONUS_FORMAT_BEP032 && !options->probe) {
+        return fail(CONUS_ERROR_ARGUMENT, "probe: BEP032 lists the contacts of probes, and there is none");
+    }
+    if (options->probe && (options->rows != CONUS_ROWS_ANSWERS || options->tracker)) {
+        return fail(CONUS_ERROR_ARGUMENT, "probe: only answers have its columns, not tracks");
     }
     if (!(options->within >= 0)) {
         return fail(CONUS_ERROR_ARGUMENT, "within: %g mm, allowed is 0 or more", options->within);
@@ -91,6 +98,8 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     report->name = options->atlas ? text_to_utf8(text_from(options->atlas)) : NULL;
     status = options->atlas && !report->name ? CONUS_ERROR_MEMORY : keep_level(report, selector);
     status = status || !report->options.electrodes ? status : report_read_electrodes(report);
+    bool is_draft = options->format == CONUS_FORMAT_BEP032;
+    status = status || !is_draft ? status : report_bep032_create(&report->bep032, report->atlas);
     if (status) {
         conus_report_destroy(report);
         return status;
@@ -162,6 +171,7 @@ void conus_report_destroy(conus_report *report)
     memory_free(report->queries);
     memory_free(report->rows);
     memory_free(report->electrode_lines);
+    report_bep032_destroy(report->bep032);
     memory_free(report->plan.constraints);
     memory_free(report->plan.columns);
     buffer_finish(&report->plan.words);
@@ -173,6 +183,10 @@ void conus_report_destroy(conus_report *report)
 /* The id of the new query is copied first, so that nothing has changed where there is no memory. */
 static conus_status append_query(conus_report *report, const char *id, const struct report_query *query)
 {
+    if (report->options.probe && !report_contact(report, report->query_count)) {
+        return fail(CONUS_ERROR_ARGUMENT, "probe: more answers than its %zu contacts",
+                    conus_probe_contact_count(report->options.probe));
+    }
     bool fits =
         memory_reserve(&report->queries, &report->query_capacity, report->query_count + 1, sizeof *report->queries);
     char *copy = fits ? text_to_utf8(text_from(id)) : NULL;

@@ -124,10 +124,11 @@ struct conus_report {
     struct report_plan plan;
     struct text *electrode_lines; /**< For CONUS_FORMAT_BIDS: the header without the added columns, then the rows. */
     size_t electrode_line_count, electrode_line_capacity, electrode_field_count;
-    size_t taken;         /**< Queries that were handed out before. */
-    struct buffer voxels; /**< TSV rows of conus_report_voxels(), without its header. */
-    struct buffer text;   /**< The text that was last handed out. */
-    bool is_begun;        /**< conus_report_take() has given the header row. */
+    struct report_bep032 *bep032; /**< For CONUS_FORMAT_BEP032; owned. */
+    size_t taken;                 /**< Queries that were handed out before. */
+    struct buffer voxels;         /**< TSV rows of conus_report_voxels(), without its header. */
+    struct buffer text;           /**< The text that was last handed out. */
+    bool is_begun;                /**< conus_report_take() has given the header row. */
 };
 
 /** Adds a copy of @p query, with the id @p id, and @p count rows, which the caller fills from *rows on. */
@@ -143,11 +144,17 @@ static inline size_t report_row_end(const conus_report *report, size_t query)
     return query + 1 < report->query_count ? report->queries[query + 1].first_row : report->row_count;
 }
 
-/** Whether the text has this row: of summaries only the first of each query is written. */
+/** Whether the text has this row: of summaries and of BEP032 only the first of each query is written. */
 static inline bool report_is_shown(const conus_report *report, size_t row)
 {
-    return report->options.rows != CONUS_ROWS_SUMMARIES || row == 0 ||
-           report->rows[row].query != report->rows[row - 1].query;
+    bool is_one_row = report->options.rows == CONUS_ROWS_SUMMARIES || report->options.format == CONUS_FORMAT_BEP032;
+    return !is_one_row || row == 0 || report->rows[row].query != report->rows[row - 1].query;
+}
+
+/** The contact of the report's probes that a query is about; NULL where there is none. */
+static inline const conus_probe_contact *report_contact(const conus_report *report, size_t query)
+{
+    return conus_probe_at(report->options.probe, report->taken + query);
 }
 
 /** Whether a format is another program's. */

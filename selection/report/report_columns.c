@@ -5,6 +5,7 @@
 #include "atlas/bundles.h"
 #include "atlas/placement.h"
 #include "base/geometry/math3.h"
+#include "selection/report/report_bep032.h"
 
 #include <assert.h>
 #include <stddef.h>
@@ -755,6 +756,58 @@ static const struct report_column electrode_columns[] = {
     {"area_error", NULL, "why there is no answer", NAMED(get_error)},
 };
 
+static struct cell get_channel(const conus_report *report, const struct report_row *row)
+{
+    int64_t channel = report_contact(report, row->query)->channel;
+    return channel >= 0 ? integer_cell((uint64_t)channel) : number_cell(channel == -1 ? -1 : NAN);
+}
+
+static struct cell get_hemisphere(const conus_report *report, const struct report_row *row)
+{
+    return text_cell(report_side(report, row->query));
+}
+
+static struct cell get_location(const conus_report *report, const struct report_row *row)
+{
+    return text_cell(report_location(report, report_area(report, row->query)));
+}
+
+static struct cell get_location_id(const conus_report *report, const struct report_row *row)
+{
+    return text_cell(report_location_id(report, report_area(report, row->query)));
+}
+
+static struct cell get_localization(const conus_report *report, const struct report_row *row)
+{
+    (void)row;
+    return text_cell(report_localization(report));
+}
+
+#define OF_CONTACT(kind, member)                                                                                       \
+    .type = COLUMN_##kind, .offset = offsetof(conus_probe_contact, member), .home = HOME_CONTACT
+
+/* The columns of answers at the contacts of probes. */
+static const struct report_column probe_columns[] = {
+    {"probe", NULL, "the probe of the contact, by its place in its file", OF_CONTACT(TEXT, probe)},
+    {"shank_id", NULL, "shank_ids of the contact", OF_CONTACT(TEXT, shank)},
+    {"channel", NULL, "device_channel_indices of the contact, from 0; -1 = not wired", .get = get_channel},
+};
+
+/* Those of electrodes.tsv in BEP032. */
+static const struct report_column bep032_columns[] = {
+    {"name", NULL, "name of the electrode, that of no other", NAMED(get_query)},
+    {"probe_name", NULL, "name of its probe in probes.tsv", OF_CONTACT(TEXT, probe)},
+    {"x", "um", "position on the probe, as ProbeInterface has it, across the shank", OF_CONTACT(NUMBER, position[0])},
+    {"y", "um", "the same, along the shank, towards its base", OF_CONTACT(NUMBER, position[1])},
+    {"z", "um", "the same, off the plane of the shanks; missing of a probe in two dimensions",
+     OF_CONTACT(NUMBER, position[2])},
+    {"hemisphere", NULL, "L or R", NAMED(get_hemisphere)},
+    {"shank_id", NULL, "its shank", OF_CONTACT(TEXT, shank)},
+    {"anatomical_location", NULL, "the area of the atlas that holds the centre of the contact", NAMED(get_location)},
+    {"anatomical_location_id", NULL, "its id; MBA: the Allen Mouse Brain Atlas", NAMED(get_location_id)},
+    {"localization_method", NULL, "how it was found", NAMED(get_localization)},
+};
+
 /* The numbers in the list of voxels (report_voxels.c). */
 static const struct report_column voxel_columns[] = {{.name = "x"}, {.name = "y"}, {.name = "z"}, {.name = "value"}};
 
@@ -808,6 +861,9 @@ static void list_answers(struct report_columns *out, const conus_report *report)
     if (report->options.tracker) {
         list_table(out, report, track_columns, COUNT_OF(track_columns));
     }
+    if (report->options.probe) {
+        list_table(out, report, probe_columns, COUNT_OF(probe_columns));
+    }
 }
 
 void report_list_columns(struct report_columns *out, const conus_report *report)
@@ -817,6 +873,8 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
     case CONUS_ROWS_ANSWERS:
         if (report->options.format == CONUS_FORMAT_BIDS) {
             list_table(out, report, electrode_columns, COUNT_OF(electrode_columns));
+        } else if (report->options.format == CONUS_FORMAT_BEP032) {
+            list_table(out, report, bep032_columns, COUNT_OF(bep032_columns));
         } else {
             list_answers(out, report);
         }
@@ -891,15 +949,17 @@ bool conus_column_is_number(const char *name)
     static const struct {
         const struct report_column *columns;
         size_t count;
-    } tables[] = {
-        ALL_OF(answer_columns),     ALL_OF(track_columns),      ALL_OF(share_columns),     ALL_OF(admission_columns),
-        ALL_OF(chance_columns),     ALL_OF(coverage_columns),   ALL_OF(segment_columns),   ALL_OF(clearance_columns),
-        ALL_OF(connection_columns), ALL_OF(summary_columns),    ALL_OF(electrode_columns), ALL_OF(voxel_columns),
-        ALL_OF(plan_columns),       ALL_OF(constraint_columns), ALL_OF(profile_columns),   ALL_OF(tolerance_columns)};
+    } tables[] = {ALL_OF(answer_columns),    ALL_OF(track_columns),      ALL_OF(share_columns),
+                  ALL_OF(admission_columns), ALL_OF(chance_columns),     ALL_OF(coverage_columns),
+                  ALL_OF(segment_columns),   ALL_OF(clearance_columns),  ALL_OF(connection_columns),
+                  ALL_OF(summary_columns),   ALL_OF(electrode_columns),  ALL_OF(voxel_columns),
+                  ALL_OF(plan_columns),      ALL_OF(constraint_columns), ALL_OF(profile_columns),
+                  ALL_OF(tolerance_columns), ALL_OF(probe_columns),      ALL_OF(bep032_columns)};
     for (size_t i = 0; i < COUNT_OF(tables); i++) {
         for (size_t k = 0; k < tables[i].count; k++) {
             if (strcmp(tables[i].columns[k].name, name) == 0) {
-                return tables[i].columns[k].type != COLUMN_NAME;
+                enum column_type type = tables[i].columns[k].type;
+                return type != COLUMN_NAME && type != COLUMN_TEXT;
             }
         }
     }
@@ -919,6 +979,8 @@ static struct cell stored_cell(const conus_report *report, enum column_type type
         return integer_cell(*count);
     case COLUMN_LARGE_COUNT:
         return integer_cell(*(const uint64_t *)place);
+    case COLUMN_TEXT:
+        return text_cell(*(const char *const *)place);
     case COLUMN_ANGLE:
         return number_cell(degrees_from_radians(*numbers));
     case COLUMN_TIME:
@@ -953,17 +1015,18 @@ struct cell report_cell(const conus_report *report, const struct report_column *
         if (column->get) {
             return column->get(report, row);
         }
-        const void *from = column->home == HOME_ROW     ? (const void *)row
-                           : column->home == HOME_QUERY ? (const void *)query
-                           : column->home == HOME_POSE  ? (const void *)row->planned.pose
-                                                        : (const void *)row->planned.pose->verdicts;
+        const void *from = column->home == HOME_ROW       ? (const void *)row
+                           : column->home == HOME_QUERY   ? (const void *)query
+                           : column->home == HOME_CONTACT ? (const void *)report_contact(report, row->query)
+                           : column->home == HOME_POSE    ? (const void *)row->planned.pose
+                                                          : (const void *)row->planned.pose->verdicts;
         return stored_cell(report, column->type, (const char *)from + column->offset);
     }
     const char *reason = report->options.rows == CONUS_ROWS_SUMMARIES     ? "error"
                          : report->options.rows == CONUS_ROWS_CONNECTIONS ? "bundle"
                          : report->options.format == CONUS_FORMAT_BIDS    ? "area_error"
                                                                           : "name";
-    const char *text = !strcmp(column->name, "query")  ? query->id
+    const char *text = column->get == get_query        ? query->id
                        : column == &atlas_column       ? report->name
                        : !strcmp(column->name, "kind") ? "error"
                        : !strcmp(column->name, reason) ? query->error

@@ -17,6 +17,7 @@ struct cell {
 enum column_type {
     COLUMN_COMPUTED,    /**< The result of get().                                              */
     COLUMN_NAME,        /**< The same: a name, a kind or a label, no quantity. */
+    COLUMN_TEXT,        /**< Such a name that lies there, a const char *. */
     COLUMN_COUNT,       /**< A uint32_t.                                                    */
     COLUMN_LARGE_COUNT, /**< A uint64_t. */
     COLUMN_RANK,        /**< A uint32_t, n/a if 0.                                          */
@@ -33,10 +34,11 @@ enum column_type {
 
 /** Where the value of a column lies. */
 enum column_home {
-    HOME_ROW = 0, /**< In struct report_row. */
-    HOME_QUERY,   /**< In struct report_query. */
-    HOME_POSE,    /**< In the conus_planned of the row, */
-    HOME_VERDICTS /**< or in the verdicts of its constraints. */
+    HOME_ROW = 0,  /**< In struct report_row. */
+    HOME_QUERY,    /**< In struct report_query. */
+    HOME_POSE,     /**< In the conus_planned of the row, */
+    HOME_VERDICTS, /**< or in the verdicts of its constraints. */
+    HOME_CONTACT   /**< In the contact of the report's probes that the query is about. */
 };
 
 /** Without one of its needs a cell is n/a. */

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "conus/version.h"
+#include "selection/report/report_bep032.h"
 #include "selection/report/report_writers.h"
 #include "selection/study/study.h"
 
@@ -512,7 +513,9 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
 {
     json_t *root = json_object();
     bool whole = true;
-    bool has_columns = !report_is_foreign(report->options.format) || report->options.format == CONUS_FORMAT_BIDS;
+    conus_format format = report->options.format;
+    bool is_draft = format == CONUS_FORMAT_BEP032;
+    bool has_columns = !report_is_foreign(format) || format == CONUS_FORMAT_BIDS || is_draft;
     struct report_columns columns;
     report_list_columns(&columns, report);
     for (size_t i = 0; has_columns && i < columns.count; i++) {
@@ -522,6 +525,7 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
         whole = (!units || put_value(entry, "Units", json_string(units))) && whole;
         whole = put_value(root, column->name, entry) && whole;
     }
+    whole = (!is_draft || put_value(root, "BIDSExtension", json_string(BEP032_DRAFT))) && whole;
     whole = add_provenance(root, report) && whole;
     return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
 }

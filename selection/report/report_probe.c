@@ -1,30 +1,46 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The areas along a probe, as SpikeGLX and Open Ephys take them (docs/formats.md). Each query is a contact, each row
  * of contacts whose ids differ in the number at their end a shank; or each query is a shank with its segments, whose
- * tip is at the far end of the range. */
+ * tip is at the far end of the range; or the queries are the contacts of the report's probes, which say themselves
+ * where they are and which channels they have. */
 #include "base/geometry/math3.h"
+#include "base/memory.h"
 #include "selection/report/report_writers.h"
 
+#include <stdlib.h>
 #include <string.h>
+
+/* A contact of the report's probes. */
+struct site {
+    const conus_probe_contact *contact;
+    size_t query;
+    int64_t channel; /* of its probe; -1 = not wired */
+};
 
 struct shank {
     const conus_report *report;
-    size_t first, end;         /* of its queries */
+    const struct site *sites;  /* NULL = its contacts are queries */
+    size_t first, end;         /* of its queries or sites */
     double origin[3], axis[3]; /* the first contact, and from there to the last one; the axis is a unit vector or 0 */
 };
+
+static size_t query_of(const struct shank *shank, size_t place)
+{
+    return shank->sites ? shank->sites[place].query : place;
+}
 
 static const double *position_of(const struct shank *shank, size_t query)
 {
     return shank->report->queries[query].cone.pose.world_from_device + 12;
 }
 
-/* The first contact from @p query on that has an answer; shank->end if there is none. */
-static size_t next_contact(const struct shank *shank, size_t query)
+/* The first contact from @p place on that has an answer; shank->end if there is none. */
+static size_t next_contact(const struct shank *shank, size_t place)
 {
-    while (query < shank->end && shank->report->queries[query].error) {
-        query++;
+    while (place < shank->end && shank->report->queries[query_of(shank, place)].error) {
+        place++;
     }
-    return query;
+    return place;
 }
 
 /* The object with the best score at a contact; NULL if nothing is there. */
@@ -68,11 +84,14 @@ static struct shank find_shank(const conus_report *report, size_t first)
     return shank;
 }
 
-/* Micrometres along the shank from its first contact. */
-static double height_of(const struct shank *shank, size_t query)
+/* Micrometres along the shank from its first contact, or from the tip. */
+static double height_of(const struct shank *shank, size_t place)
 {
     double offset[3];
-    vec3_sub(offset, position_of(shank, query), shank->origin);
+    if (shank->sites) {
+        return 1000 * shank->sites[place].contact->offset[2];
+    }
+    vec3_sub(offset, position_of(shank, place), shank->origin);
     return 1000 * vec3_dot(offset, shank->axis);
 }
 
@@ -103,11 +122,13 @@ static void write_region(struct buffer *out, double bottom, double top, const co
 /* Areas border halfway between contacts. */
 static void write_regions(struct buffer *out, const struct shank *shank)
 {
-    double bottom = 0;
-    for (size_t next = next_contact(shank, shank->first); next < shank->end;) {
-        struct run run = {.first = next, .last = next, .object = best_of(shank->report, next)};
+    size_t next = next_contact(shank, shank->first);
+    double bottom = next < shank->end ? height_of(shank, next) : 0;
+    while (next < shank->end) {
+        struct run run = {.first = next, .last = next, .object = best_of(shank->report, query_of(shank, next))};
         size_t i = next_contact(shank, next + 1);
-        for (; i < shank->end && best_of(shank->report, i) == run.object; i = next_contact(shank, i + 1)) {
+        for (; i < shank->end && best_of(shank->report, query_of(shank, i)) == run.object;
+             i = next_contact(shank, i + 1)) {
             run.last = i;
         }
         next = i;
@@ -119,6 +140,109 @@ static void write_regions(struct buffer *out, const struct shank *shank)
         }
         bottom = top;
     }
+}
+
+/* By probe, shank and height. */
+static int by_height(const void *a, const void *b)
+{
+    const struct site *x = a;
+    const struct site *y = b;
+    int order = (x->contact->index > y->contact->index) - (x->contact->index < y->contact->index);
+    order = order ? order : strcmp(x->contact->shank, y->contact->shank);
+    order = order ? order
+                  : (x->contact->offset[2] > y->contact->offset[2]) - (x->contact->offset[2] < y->contact->offset[2]);
+    return order ? order : (x->query > y->query) - (x->query < y->query);
+}
+
+/* By probe and channel. */
+static int by_channel(const void *a, const void *b)
+{
+    const struct site *x = a;
+    const struct site *y = b;
+    int order = (x->contact->index > y->contact->index) - (x->contact->index < y->contact->index);
+    return order ? order : (x->channel > y->channel) - (x->channel < y->channel);
+}
+
+/* [query_count], sorted. Where the file names no channels, they are in its order. */
+static conus_status sort_sites(struct site **out, const conus_report *report, int compare(const void *, const void *))
+{
+    struct site *sites = memory_raw(report->query_count, sizeof *sites);
+    if (!sites) {
+        return CONUS_ERROR_MEMORY;
+    }
+    int64_t place = 0;
+    for (size_t i = 0; i < report->query_count; i++) {
+        const conus_probe_contact *contact = report_contact(report, i);
+        place = i && sites[i - 1].contact->index == contact->index ? place + 1 : 0;
+        sites[i] = (struct site){contact, i, contact->channel < -1 ? place : contact->channel};
+    }
+    qsort(sites, report->query_count, sizeof *sites, compare);
+    *out = sites;
+    return CONUS_OK;
+}
+
+/* A line for each shank of each probe, from the tip. A shank that is called by a number has that one. */
+static conus_status write_heights(struct buffer *out, const conus_report *report)
+{
+    struct site *sites;
+    conus_status status = sort_sites(&sites, report, by_height);
+    size_t number = 0;
+    for (size_t first = 0, end; !status && first < report->query_count; first = end) {
+        const conus_probe_contact *contact = sites[first].contact;
+        uint64_t named;
+        bool is_same_probe = first && sites[first - 1].contact->index == contact->index;
+        number = is_same_probe ? number + 1 : 0;
+        number = text_to_uint(text_from(contact->shank), INT32_MAX, &named) ? (size_t)named : number;
+        for (end = first + 1; end < report->query_count && sites[end].contact->index == contact->index &&
+                              strcmp(sites[end].contact->shank, contact->shank) == 0;) {
+            end++;
+        }
+        const struct shank shank = {.report = report, .sites = sites, .first = first, .end = end};
+        buffer_format(out, "[%zu,%zu]", contact->index, number);
+        write_regions(out, &shank);
+        buffer_text(out, "\n");
+    }
+    if (!status) {
+        memory_free(sites);
+    }
+    return status;
+}
+
+static void write_channels(struct buffer *out, int64_t first, int64_t last, const conus_object *object)
+{
+    buffer_format(out, "%lld-%lld,", (long long)first, (long long)last);
+    write_name(out, object);
+    buffer_format(out, ",%02X%02X%02X", object->rgb[0], object->rgb[1], object->rgb[2]);
+}
+
+/* A line for each probe. Contacts that are not wired have no place in it. */
+static conus_status write_wired(struct buffer *out, const conus_report *report)
+{
+    struct site *sites;
+    conus_status status = sort_sites(&sites, report, by_channel);
+    const char *separator = "";
+    for (size_t first = 0, end; !status && first < report->query_count; first = end) {
+        const struct site *site = &sites[first];
+        const conus_object *object = best_of(report, site->query);
+        for (end = first + 1; end < report->query_count && sites[end].contact->index == site->contact->index &&
+                              sites[end].channel == sites[end - 1].channel + (site->channel >= 0) &&
+                              (site->channel < 0 || best_of(report, sites[end].query) == object);) {
+            end++;
+        }
+        if (object && site->channel >= 0) {
+            buffer_text(out, separator);
+            write_channels(out, site->channel, sites[end - 1].channel, object);
+            separator = ";";
+        }
+        if (end == report->query_count || sites[end].contact->index != site->contact->index) {
+            buffer_text(out, "\n");
+            separator = "";
+        }
+    }
+    if (!status) {
+        memory_free(sites);
+    }
+    return status;
 }
 
 /* A cone's rays have no place on a probe. */
@@ -285,6 +409,9 @@ conus_status report_write_spikeglx(struct buffer *out, const conus_report *repor
         return write_shanks(out, report);
     }
     conus_status status = check_contacts(report);
+    if (report->options.probe) {
+        return status ? status : write_heights(out, report);
+    }
     for (size_t number = 0; !status && first < report->query_count; number++) {
         const struct shank shank = find_shank(report, first);
         status = check_length(&shank);
@@ -302,6 +429,9 @@ conus_status report_write_open_ephys(struct buffer *out, const conus_report *rep
     bool of_contacts = !has_axes(report) && !report->options.contacts.count;
     conus_status status = of_contacts ? check_contacts(report) : check_shanks(report);
     status = status || of_contacts ? status : check_rows(report);
+    if (report->options.probe) {
+        return status ? status : write_wired(out, report);
+    }
     size_t channels = report->query_count * (report->options.contacts.count ? report->options.contacts.count : 1);
     for (size_t i = 0; !status && i < channels;) {
         const conus_object *object = object_at(report, i);
@@ -310,9 +440,8 @@ conus_status report_write_open_ephys(struct buffer *out, const conus_report *rep
             i++;
         }
         if (object) {
-            buffer_format(out, "%s%zu-%zu,", separator, first, i - 1);
-            write_name(out, object);
-            buffer_format(out, ",%02X%02X%02X", object->rgb[0], object->rgb[1], object->rgb[2]);
+            buffer_text(out, separator);
+            write_channels(out, (int64_t)first, (int64_t)i - 1, object);
             separator = ";";
         }
     }

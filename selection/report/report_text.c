@@ -2,6 +2,7 @@
 /* Hands out the text of a report: calls the writer of its format, and keeps the text. */
 #include "selection/report/report.h"
 
+#include "selection/report/report_bep032.h"
 #include "selection/report/report_writers.h"
 
 /* Hands out report->text, which a writer has filled. */
@@ -38,6 +39,7 @@ conus_status report_write_part(struct buffer *out, const conus_report *report)
     case CONUS_FORMAT_TSV:
     case CONUS_FORMAT_CSV:
     case CONUS_FORMAT_NDJSON:
+    case CONUS_FORMAT_BEP032:
         report_write_rows(out, report);
         break;
     case CONUS_FORMAT_AFNI:
@@ -59,7 +61,8 @@ void report_write_header(struct buffer *out, const conus_report *report)
 {
     if (report->options.format == CONUS_FORMAT_BIDS) {
         report_write_electrodes_header(out, report);
-    } else if (report->options.format == CONUS_FORMAT_TSV || report->options.format == CONUS_FORMAT_CSV) {
+    } else if (report->options.format == CONUS_FORMAT_TSV || report->options.format == CONUS_FORMAT_CSV ||
+               report->options.format == CONUS_FORMAT_BEP032) {
         report_write_names(out, report);
     }
 }
@@ -161,6 +164,12 @@ conus_status conus_report_matrix(const char **text, size_t *size, conus_report *
                                  conus_connectivity *connectivity)
 {
     return hand_out(report, write_matrix(report, connectivity), text, size);
+}
+
+conus_status conus_report_probes(const char **text, size_t *size, conus_report *report)
+{
+    buffer_finish(&report->text);
+    return hand_out(report, report_write_probes(&report->text, report), text, size);
 }
 
 conus_status conus_report_sidecar(const char **text, size_t *size, conus_report *report)

@@ -51,6 +51,22 @@ ask() {
     [ "$(cat "$BATS_TEST_TMPDIR/labels")" = 12 ]
 }
 
+# BrainGlobe calls the side right on which ML starts, the Allen Institute left.
+@test "a contact is in the hemisphere that the space of its position says" {
+    local probe="$BATS_TEST_TMPDIR/probe.json"
+    printf '%s' '{"specification": "probeinterface", "probes": [{"ndim": 2, "si_units": "um", "contact_positions": [[0, 9]],' \
+        '"probe_planar_contour": [[0, 0], [9, 99], [-9, 99]]}]}' >"$probe"
+    side() {
+        "$CONUS" query "$@" --probe "$probe" --format bep032 -q | sed -n 2p | cut -f 6
+    }
+    for form in $forms; do
+        [ "$(side $form --space ccf --origin 6600,4000,2000 --direction 0,1,0)" = L ]
+        [ "$(side $form --space bregma --origin=-1,3,-4 --direction 0,0,-1)" = R ]
+    done
+    [ "$(side globe --origin=-2,-6.6,-4 --direction 0,0,-1)" = R ]
+    [ "$(side globe --origin=-9,-6.6,-4 --direction 0,0,-1)" = L ]
+}
+
 @test "a cone from bregma goes down, and the table, the JSON and the sidecar say the space" {
     run -0 --separate-stderr "$CONUS" query ras.nii --space bregma --origin 0,0,2 --direction 0,0,-1 --angle 2 --quiet
     [[ $output == 'cone of 2 degrees from (0.00, 0.00, 2.00) along (0.0000, 0.0000, -1.0000), AP, ML, DV mm from bregma'* ]]

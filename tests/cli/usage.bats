@@ -140,7 +140,7 @@ END
     fails 2 'unknown command "select"; conus help lists them' help select
     fails 2 'unknown option --angel; did you mean --angle?' query a.nii --angel 20
     fails 2 'unknown option --orig=1,2,3; did you mean --origin?' query a.nii --orig=1,2,3
-    fails 2 'unknown option --prune; conus query --help lists them' query a.nii --prune all
+    fails 2 'unknown option --zebra; conus query --help lists them' query a.nii --zebra all
     fails 2 'unknown option -x; conus query --help lists them' query a.nii -x
 }
 

@@ -443,7 +443,7 @@ hostile() {
 @test "every option of the commands that are answered again is known, or refused on purpose" {
     study
     local text='--angles --atlas --atlas-transform --clearance --connect --connectivity --contacts --context --deep --endpoints --hide --image --jitter --jobs
-        --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --reference --score
+        --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --probe --probes --reference --score
         --segments --shard --sidecar --streamlines --streamlines-out --tool --voxels --world-from-tracker'
     for command in query batch sweep track overlap connect; do
         conus $command --help
@@ -451,7 +451,7 @@ hostile() {
     grep -vxFf <(tr -s ' \n' '\n' <<<"$text") options >others
     # Numbers, vectors and choices are kept as they are.
     printf -- '--%s\n' angle aperture axis block bregma context-blocks decay delay direction engine endpoint-radius enlarge exponent eye format \
-        growth head hemispheres layers mask-of max-memory order origin point poses-format probability progress radius range rate \
+        growth head hemispheres layers mask-of max-memory order origin point poses-format probability probe-roll probe-tip progress radius range rate \
         resolution samples sampling screen-mm screen-pose seconds slice-fraction slices snappiness space stickiness threads \
         threshold tool-axis toward up voxels-of window | grep -vxFf - others >unknown || true
     [ ! -s unknown ] || { cat unknown; echo 'these options are not known to apps/cli/verify/replay.c'; return 1; }

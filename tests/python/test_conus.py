@@ -4,6 +4,7 @@ import logging
 import math
 import multiprocessing
 import os
+import pathlib
 import pickle
 import shutil
 import signal
@@ -445,6 +446,7 @@ def test_other_lines_of_the_documents_run(tmp_path, monkeypatch):
     with open("scene.atlas.json", "w", encoding="utf-8") as file:
         file.write('{"conus_atlas": 1, "parcellation": {"file": "aal.nii.gz", "labels": "aal.nii.txt"}}')
     os.mkdir("atlases")
+    shutil.copy(pathlib.Path(__file__).parents[1] / "fuzz" / "corpus" / "probe_interface" / "two_shanks.json", "np.json")
     with open("brainsight.txt", "w", encoding="utf-8") as file:
         file.write("query_id\tx\ty\tz\tdx\tdy\tdz\nM1\t-90\t20\t20\t1\t-0.3\t-0.1\n")
     call_conus("query", "aal.nii.gz", "--origin=-90,20,20", "--toward=0,-10,10", "-q", "-o", "rows.tsv")

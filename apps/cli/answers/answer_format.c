@@ -22,15 +22,15 @@ const struct option format_options[] = {
     {0},
 };
 
-static const char *const query_formats[] = {"table", "tsv",  "csv",      "json",       "ndjson",
-                                            "afni",  "bids", "spikeglx", "open-ephys", NULL};
+static const char *const query_formats[] = {"table", "tsv",      "csv",        "json",   "ndjson", "afni",
+                                            "bids",  "spikeglx", "open-ephys", "bep032", NULL};
 
 const struct option query_format_options[] = {
     {.name = "format",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct answer_settings, format),
      .value = "FORMAT",
-     .help = "format of the answer; default by the ending of -o, else a table; the last four are for other "
+     .help = "format of the answer; default by the ending of -o, else a table; the last five are for other "
              "programs (docs/formats.md):",
      .choices = query_formats,
      .words = "CSV, pandas",

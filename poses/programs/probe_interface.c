@@ -1,0 +1,522 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Parses ProbeInterface's JSON, and puts the contacts of its probes where poses say. */
+#include "poses/programs/probe_interface.h"
+
+#include "base/files/file.h"
+#include "base/formats/json_text.h"
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "base/options.h"
+#include "poses/rows/pose_list.h"
+#include "poses/rows/pose_row.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PROBE_LIMIT = 1024, NAME_SIZE = 32, CHANNEL_LIMIT = INT32_MAX };
+
+static const double FARTHEST_UM = 1e6;   /* a probe is shorter than 1 m: another unit was meant */
+static const double LEVEL = 1e-6;        /* heights that differ by so little of the contour's are one */
+static const double PARALLEL = 1 - 1e-6; /* cosine between axes that are one */
+
+struct one_probe {
+    char name[NAME_SIZE];
+    double tip[3]; /* as in the file, micrometres */
+};
+
+struct conus_probe {
+    conus_probe_contact *contacts; /* ids and shanks are owned */
+    size_t count;
+    struct one_probe *probes; /* [probe_count] */
+    size_t probe_count;
+};
+
+/* One probe of the file. */
+struct reading {
+    conus_probe *out;
+    const json_t *json;
+    size_t index;        /* of the probe */
+    size_t first, count; /* its contacts in out */
+    size_t dims;
+    double scale;      /* micrometres per unit of the file */
+    double axes[3][3]; /* in the file's coordinates: across the shanks, along them to the base, and off their plane */
+    double tip;        /* mm from the tip to the lowest contact; 0 = by the contour */
+};
+
+#define refuse(reading, format, ...) fail(CONUS_ERROR_DATA, "probes[%zu]: " format, (reading)->index, __VA_ARGS__)
+
+/* A key's value; NULL where it is absent or null. */
+static const json_t *value_of(const json_t *object, const char *key)
+{
+    const json_t *value = json_object_get(object, key);
+    return json_is_null(value) ? NULL : value;
+}
+
+/* A list with an entry for each contact; NULL where it is absent. */
+static conus_status find_list(const json_t **out, const struct reading *reading, const char *key)
+{
+    *out = value_of(reading->json, key);
+    return !*out || (json_is_array(*out) && json_array_size(*out) == reading->count)
+               ? CONUS_OK
+               : refuse(reading, "%s: found %zu entries, wanted is a list of %zu, one for each contact", key,
+                        json_array_size(*out), reading->count);
+}
+
+/* The coordinates that the file has; the third is 0 of two dimensions. */
+static bool read_numbers(double out[3], const json_t *list, size_t dims)
+{
+    out[2] = 0;
+    bool whole = json_array_size(list) == dims;
+    for (size_t i = 0; i < dims && whole; i++) {
+        whole = json_is_number(json_array_get(list, i));
+        out[i] = json_number_value(json_array_get(list, i));
+    }
+    return whole;
+}
+
+/* Position `i` of a list, micrometres. */
+static conus_status read_position(double out[3], const struct reading *reading, const char *key, const json_t *list,
+                                  size_t i)
+{
+    if (!read_numbers(out, json_array_get(list, i), reading->dims)) {
+        return refuse(reading, "%s[%zu]: %zu numbers are needed", key, i, reading->dims);
+    }
+    vec3_scale(out, out, reading->scale);
+    double most = fmax(fmax(fabs(out[0]), fabs(out[1])), fabs(out[2]));
+    return most <= FARTHEST_UM ? CONUS_OK
+                               : refuse(reading, "%s[%zu]: found %g mm, allowed are up to 1000; is si_units right?",
+                                        key, i, most / 1000);
+}
+
+static conus_status read_frame(struct reading *reading)
+{
+    static const struct {
+        const char *name;
+        double um;
+    } units[] = {{"um", 1}, {"mm", 1e3}, {"m", 1e6}};
+    const json_t *dims = value_of(reading->json, "ndim");
+    const json_t *unit = value_of(reading->json, "si_units");
+    reading->dims = json_is_integer(dims) ? (size_t)json_integer_value(dims) : 0;
+    if (reading->dims != 2 && reading->dims != 3) {
+        return refuse(reading, "%s", "ndim: 2 or 3 is needed");
+    }
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
+        if (json_is_string(unit) && strcmp(json_string_value(unit), units[i].name) == 0) {
+            reading->scale = units[i].um;
+            return CONUS_OK;
+        }
+    }
+    return refuse(reading, "si_units: \"%.40s\", allowed are um, mm and m",
+                  json_is_string(unit) ? json_string_value(unit) : "");
+}
+
+/* In three dimensions the plane of the contacts says which way the shanks run; without it they run along y. */
+static conus_status read_axes(struct reading *reading)
+{
+    const json_t *planes;
+    conus_status status = find_list(&planes, reading, "contact_plane_axes");
+    for (size_t a = 0; a < 3; a++) {
+        reading->axes[0][a] = a == 0;
+        reading->axes[1][a] = a == 1;
+    }
+    for (size_t i = 0; i < reading->count && planes && reading->dims == 3 && !status; i++) {
+        const json_t *plane = json_array_get(planes, i);
+        double axes[2][3];
+        bool whole = json_array_size(plane) == 2 && read_numbers(axes[0], json_array_get(plane, 0), 3) &&
+                     read_numbers(axes[1], json_array_get(plane, 1), 3) && vec3_normalise(axes[0], axes[0]) &&
+                     vec3_normalise(axes[1], axes[1]) && fabs(vec3_dot(axes[0], axes[1])) <= 1 - PARALLEL;
+        if (!whole) {
+            status = refuse(reading, "contact_plane_axes[%zu]: two axes at right angles are needed", i);
+        } else if (i == 0) {
+            memcpy(reading->axes, axes, sizeof axes);
+        } else if (vec3_dot(axes[1], reading->axes[1]) < PARALLEL) {
+            status = refuse(reading,
+                            "contact_plane_axes[%zu]: the second axis is not that of the first contact, so that it is "
+                            "not known which way the shank runs",
+                            i);
+        }
+    }
+    vec3_cross(reading->axes[2], reading->axes[0], reading->axes[1]);
+    return status;
+}
+
+/* Coordinates across, along and off the plane of the shanks. */
+static void to_plane(double out[3], const struct reading *reading, const double point[3])
+{
+    const double at[3] = {vec3_dot(reading->axes[0], point), vec3_dot(reading->axes[1], point),
+                          vec3_dot(reading->axes[2], point)};
+    memcpy(out, at, sizeof at);
+}
+
+/* Entry `i` of a list of texts that tables can hold; "" where there is no list. */
+static conus_status read_text(const char **out, const struct reading *reading, const char *key, const json_t *list,
+                              size_t i)
+{
+    const char *text = list ? json_string_value(json_array_get(list, i)) : "";
+    bool is_plain = text && strlen(text) <= POSE_ID_LIMIT - NAME_SIZE;
+    for (size_t k = 0; is_plain && text[k]; k++) {
+        is_plain = (unsigned char)text[k] >= 0x20 && text[k] != 0x7f;
+    }
+    *out = text;
+    return is_plain ? CONUS_OK
+                    : refuse(reading, "%s[%zu]: a text of up to %d bytes without control characters is needed", key, i,
+                             POSE_ID_LIMIT - NAME_SIZE);
+}
+
+/* Texts that are all empty are as good as none. */
+static const json_t *unless_empty(const json_t *list)
+{
+    bool is_empty = true;
+    for (size_t i = 0; i < json_array_size(list) && is_empty; i++) {
+        const char *text = json_string_value(json_array_get(list, i));
+        is_empty = text && !*text;
+    }
+    return is_empty ? NULL : list;
+}
+
+/* "e3"; of several probes "probe2:e3". */
+static conus_status name_contact(conus_probe_contact *contact, const struct reading *reading, const json_t *ids,
+                                 const json_t *shanks, size_t i)
+{
+    const char *id;
+    const char *shank;
+    char name[POSE_ID_LIMIT + 1];
+    char number[NAME_SIZE];
+    conus_status status = read_text(&id, reading, "contact_ids", ids, i);
+    status = status ? status : read_text(&shank, reading, "shank_ids", shanks, i);
+    if (!status && ids && !*id) {
+        status = refuse(reading, "contact_ids[%zu]: empty, but others are not", i);
+    }
+    if (status) {
+        return status;
+    }
+    bool is_alone = reading->out->probe_count == 1;
+    snprintf(number, sizeof number, "%zu", i);
+    snprintf(name, sizeof name, "%s%s%s", is_alone ? "" : contact->probe, is_alone ? "" : ":", ids ? id : number);
+    contact->id = memory_text(name, strlen(name));
+    contact->shank = memory_text(shank, strlen(shank));
+    return contact->id && contact->shank ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status read_channel(int64_t *out, const struct reading *reading, const json_t *channels, size_t i)
+{
+    const json_t *entry = json_array_get(channels, i);
+    *out = channels ? json_integer_value(entry) : -2;
+    return !channels || (json_is_integer(entry) && *out >= -1 && *out <= CHANNEL_LIMIT)
+               ? CONUS_OK
+               : refuse(reading, "device_channel_indices[%zu]: a whole number from -1 to %d is needed", i,
+                        CHANNEL_LIMIT);
+}
+
+static conus_status read_contacts(struct reading *reading, const json_t *positions)
+{
+    const json_t *ids;
+    const json_t *shanks;
+    const json_t *channels;
+    conus_status status = find_list(&ids, reading, "contact_ids");
+    status = status ? status : find_list(&shanks, reading, "shank_ids");
+    status = status ? status : find_list(&channels, reading, "device_channel_indices");
+    ids = status ? NULL : unless_empty(ids);
+    for (size_t i = 0; i < reading->count && !status; i++) {
+        conus_probe_contact *contact = &reading->out->contacts[reading->first + i];
+        *contact = (conus_probe_contact){.probe = reading->out->probes[reading->index].name, .index = reading->index};
+        reading->out->count++; /* what it owns is freed from now on */
+        status = read_position(contact->position, reading, "contact_positions", positions, i);
+        to_plane(contact->offset, reading, contact->position);
+        status = status ? status : name_contact(contact, reading, ids, shanks, i);
+        status = status ? status : read_channel(&contact->channel, reading, channels, i);
+    }
+    return status;
+}
+
+static bool is_level(const double *points, size_t count, size_t i, double height)
+{
+    return points[3 * (i % count) + 1] <= height;
+}
+
+/* The lowest point of a closed line, in the middle of an edge that is as low; of several, that of the least x. */
+static bool find_lowest(double tip[3], const double *points, size_t count)
+{
+    double low = INFINITY;
+    double high = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        low = fmin(low, points[3 * i + 1]);
+        high = fmax(high, points[3 * i + 1]);
+    }
+    double height = low + LEVEL * (high - low);
+    tip[0] = INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        size_t last = i;
+        if (!is_level(points, count, i, height) || is_level(points, count, i + count - 1, height)) {
+            continue;
+        }
+        while (last < i + count && is_level(points, count, last + 1, height)) {
+            last++;
+        }
+        double middle[3];
+        vec3_add_scaled(middle, points + 3 * i, 1, points + 3 * (last % count));
+        vec3_scale(middle, middle, 0.5);
+        if (middle[0] < tip[0]) {
+            memcpy(tip, middle, sizeof middle);
+        }
+    }
+    return isfinite(tip[0]);
+}
+
+static conus_status tip_of_contour(double tip[3], const struct reading *reading, const json_t *contour)
+{
+    size_t count = json_array_size(contour);
+    if (!count) {
+        return refuse(reading, "%s",
+                      "probe_planar_contour: there is none, so that the tip is not known; --probe-tip says how many mm "
+                      "it is from the lowest contact");
+    }
+    double *points = memory_raw(count, 3 * sizeof *points);
+    conus_status status = points ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < count && !status; i++) {
+        status = read_position(points + 3 * i, reading, "probe_planar_contour", contour, i);
+        to_plane(points + 3 * i, reading, points + 3 * i);
+    }
+    if (!status && !find_lowest(tip, points, count)) {
+        status = refuse(reading, "%s", "probe_planar_contour: has no lowest point");
+    }
+    memory_free(points);
+    return status;
+}
+
+/* Below the lowest contact, of several the one of the least x, in the middle of its shank. */
+static void tip_of_contacts(double tip[3], const struct reading *reading)
+{
+    const conus_probe_contact *contacts = reading->out->contacts + reading->first;
+    const conus_probe_contact *lowest = contacts;
+    double ends[2] = {INFINITY, -INFINITY};
+    for (size_t i = 1; i < reading->count; i++) {
+        double above = contacts[i].offset[1] - lowest->offset[1];
+        lowest = above < 0 || (above == 0 && contacts[i].offset[0] < lowest->offset[0]) ? &contacts[i] : lowest;
+    }
+    for (size_t i = 0; i < reading->count; i++) {
+        if (strcmp(contacts[i].shank, lowest->shank) == 0) {
+            ends[0] = fmin(ends[0], contacts[i].offset[0]);
+            ends[1] = fmax(ends[1], contacts[i].offset[0]);
+        }
+    }
+    tip[0] = (ends[0] + ends[1]) / 2;
+    tip[1] = lowest->offset[1] - 1000 * reading->tip;
+    tip[2] = lowest->offset[2];
+}
+
+/* Lets the contacts count from the tip, in the device's frame; no contact is below it. */
+static conus_status find_tip(struct reading *reading)
+{
+    double tip[3] = {0};
+    conus_status status = CONUS_OK;
+    if (reading->tip > 0) {
+        tip_of_contacts(tip, reading);
+    } else {
+        status = tip_of_contour(tip, reading, value_of(reading->json, "probe_planar_contour"));
+    }
+    for (size_t i = 0; i < reading->count && !status; i++) {
+        conus_probe_contact *contact = &reading->out->contacts[reading->first + i];
+        const double *at = contact->offset;
+        if (at[1] < tip[1]) {
+            return refuse(reading, "contact \"%s\" lies %g um below the tip, the lowest point of probe_planar_contour",
+                          contact->id, tip[1] - at[1]);
+        }
+        const double offset[3] = {(at[0] - tip[0]) / 1000, (tip[2] - at[2]) / 1000, (at[1] - tip[1]) / 1000};
+        memcpy(contact->offset, offset, sizeof offset);
+        contact->position[2] = reading->dims == 3 ? contact->position[2] : NAN;
+    }
+    double *out = reading->out->probes[reading->index].tip;
+    for (size_t a = 0; a < 3 && !status; a++) {
+        out[a] = tip[0] * reading->axes[0][a] + tip[1] * reading->axes[1][a] + tip[2] * reading->axes[2][a];
+    }
+    out[2] = reading->dims == 3 ? out[2] : NAN;
+    return status;
+}
+
+static conus_status read_probe(struct reading *reading)
+{
+    conus_probe *out = reading->out;
+    const json_t *positions = value_of(reading->json, "contact_positions");
+    reading->count = json_array_size(positions);
+    reading->first = out->count;
+    snprintf(out->probes[reading->index].name, NAME_SIZE, "probe%zu", reading->index + 1);
+    if (!reading->count) {
+        return refuse(reading, "%s", "contact_positions: a list of at least one contact is needed");
+    }
+    conus_status status = read_frame(reading);
+    status = status ? status : read_axes(reading);
+    status = status ? status : read_contacts(reading, positions);
+    return status ? status : find_tip(reading);
+}
+
+static int by_id(const void *a, const void *b)
+{
+    return strcmp(((const conus_probe_contact *)a)->id, ((const conus_probe_contact *)b)->id);
+}
+
+static int by_channel(const void *a, const void *b)
+{
+    const conus_probe_contact *x = a;
+    const conus_probe_contact *y = b;
+    int order = (x->index > y->index) - (x->index < y->index);
+    return order ? order : (x->channel > y->channel) - (x->channel < y->channel);
+}
+
+/* Contacts have names of their own, and those of a probe that are wired have channels of their own. */
+static conus_status check_unique(const conus_probe *probe)
+{
+    conus_probe_contact *sorted = memory_copy(probe->contacts, probe->count, sizeof *sorted);
+    conus_status status = CONUS_OK;
+    if (!sorted) {
+        return CONUS_ERROR_MEMORY;
+    }
+    qsort(sorted, probe->count, sizeof *sorted, by_id);
+    for (size_t i = 1; i < probe->count && !status; i++) {
+        if (!by_id(&sorted[i - 1], &sorted[i])) {
+            status = fail(CONUS_ERROR_DATA, "contact_ids: two contacts are called \"%s\"", sorted[i].id);
+        }
+    }
+    qsort(sorted, probe->count, sizeof *sorted, by_channel);
+    for (size_t i = 1; i < probe->count && !status; i++) {
+        if (sorted[i].channel >= 0 && !by_channel(&sorted[i - 1], &sorted[i])) {
+            status = fail(CONUS_ERROR_DATA, "device_channel_indices: two contacts of %s have the channel %lld",
+                          sorted[i].probe, (long long)sorted[i].channel);
+        }
+    }
+    memory_free(sorted);
+    return status;
+}
+
+/* Reserves what the lists of positions need. */
+static conus_status reserve(conus_probe *out, const json_t *probes)
+{
+    size_t contacts = 0;
+    for (size_t i = 0; i < json_array_size(probes); i++) {
+        contacts += json_array_size(value_of(json_array_get(probes, i), "contact_positions"));
+    }
+    out->probe_count = json_array_size(probes);
+    out->probes = memory_zeroed(out->probe_count, sizeof *out->probes);
+    out->contacts = memory_zeroed(contacts, sizeof *out->contacts);
+    return out->probes && out->contacts ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status read_root(conus_probe *out, const json_t *root, double tip)
+{
+    const json_t *kind = value_of(root, "specification");
+    const json_t *probes = value_of(root, "probes");
+    size_t count = json_array_size(probes);
+    if (!json_is_string(kind) || strcmp(json_string_value(kind), "probeinterface") != 0) {
+        return fail(CONUS_ERROR_DATA, "specification: \"probeinterface\" is needed: not a file of ProbeInterface");
+    }
+    if (!count || count > PROBE_LIMIT) {
+        return fail(CONUS_ERROR_DATA, "probes: found %zu, allowed are 1 to %d", count, PROBE_LIMIT);
+    }
+    conus_status status = reserve(out, probes);
+    for (size_t i = 0; i < count && !status; i++) {
+        struct reading reading = {.out = out, .json = json_array_get(probes, i), .index = i, .tip = tip};
+        status = read_probe(&reading);
+    }
+    return status ? status : check_unique(out);
+}
+
+conus_status probe_parse(conus_probe **out, struct text text, const conus_probe_options *options)
+{
+    options = options_of(conus_probe_options, options);
+    if (!(options->tip >= 0 && options->tip <= 1000)) {
+        return fail(CONUS_ERROR_ARGUMENT, "tip: %g mm, allowed are 0 to 1000", options->tip);
+    }
+    json_t *root = NULL;
+    conus_probe *probe = memory_zeroed(1, sizeof *probe);
+    conus_status status = probe ? json_text_load(&root, text) : CONUS_ERROR_MEMORY;
+    status = status ? status : read_root(probe, root, options->tip);
+    json_decref(root);
+    if (status) {
+        conus_probe_destroy(probe);
+        return status;
+    }
+    *out = probe;
+    return CONUS_OK;
+}
+
+conus_status conus_probe_load(conus_probe **out, const char *path, const conus_probe_options *options)
+{
+    options = options_of(conus_probe_options, options);
+    struct bytes bytes = {0};
+    const conus_pose_options limit = {.max_memory = options->max_memory};
+    conus_status status = file_read_allowed(&bytes, path, pose_memory(&limit));
+    if (status) {
+        return status;
+    }
+    status = probe_parse(out, text_from_bytes(bytes.data, bytes.size), options);
+    bytes_finish(&bytes);
+    return status ? fail_in(status, path) : CONUS_OK;
+}
+
+void conus_probe_destroy(conus_probe *probe)
+{
+    if (!probe) {
+        return;
+    }
+    for (size_t i = 0; i < probe->count; i++) {
+        memory_free((char *)probe->contacts[i].id);
+        memory_free((char *)probe->contacts[i].shank);
+    }
+    memory_free(probe->contacts);
+    memory_free(probe->probes);
+    memory_free(probe);
+}
+
+size_t conus_probe_count(const conus_probe *probe)
+{
+    return probe ? probe->probe_count : 0;
+}
+
+size_t conus_probe_contact_count(const conus_probe *probe)
+{
+    return probe ? probe->count : 0;
+}
+
+const conus_probe_contact *conus_probe_at(const conus_probe *probe, size_t index)
+{
+    return probe && index < probe->count ? &probe->contacts[index] : NULL;
+}
+
+void conus_probe_tip(double out[3], const conus_probe *probe, size_t index)
+{
+    if (probe && index < probe->probe_count) {
+        memcpy(out, probe->probes[index].tip, sizeof probe->probes[index].tip);
+    }
+}
+
+conus_status conus_probe_place(conus_pose_list **out, const conus_probe *probe, const conus_pose *poses, size_t count,
+                               double roll)
+{
+    if (count != probe->probe_count) {
+        return fail(CONUS_ERROR_ARGUMENT, "poses: found %zu, wanted are %zu: each probe of the file has one of its own",
+                    count, probe->probe_count);
+    }
+    conus_pose_list *list = memory_zeroed(1, sizeof *list);
+    conus_pose *turned = memory_copy(poses, count, sizeof *poses);
+    conus_status status = list && turned ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < count && !status; i++) {
+        status = pose_roll(&turned[i], roll);
+    }
+    for (size_t i = 0; i < probe->count && !status; i++) {
+        const conus_probe_contact *contact = &probe->contacts[i];
+        double point[3];
+        conus_pose_row row = pose_row_at(i + 1);
+        row.is_point = true;
+        mat4_point(point, turned[contact->index].world_from_device, contact->offset);
+        status = pose_of_point(&row.pose, point);
+        status = status ? status : pose_list_add(list, &row, text_from(contact->id), NULL);
+    }
+    memory_free(turned);
+    if (status) {
+        conus_pose_list_destroy(list);
+        return status;
+    }
+    *out = list;
+    return CONUS_OK;
+}

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Probes of ProbeInterface, and the answers at their contacts."""
+from __future__ import annotations
+
+import math
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ._answers import Answers, Array
+from ._conus import ffi, lib
+from ._library import ArgumentError, byte_count, check, owned, path_of, real, text
+
+if TYPE_CHECKING:
+    import pandas
+    from ._atlas import Atlas, Path
+
+_AREA = lib.CONUS_KIND_AREA
+
+
+class Probe:
+    """The contacts of the probes of a file, in its order; see docs/formats.md."""
+
+    path: str
+    ids: Array  #: (n,) texts: each once; of several probes "probe1:e3"
+    probes: Array  #: (n,) index of the contact's probe
+    shanks: Array  #: (n,) texts; "" where the file has none
+    channels: Array  #: (n,) the trace of a contact, from 0; -1 = not wired, -2 = the file does not say
+    positions: Array  #: (n, 3) as in the file, micrometres; the third is NaN of a probe in two dimensions
+    tips: Array  #: (m, 3) the same, of each probe's tip
+
+    def __init__(self, pointer: Any, path: str) -> None:
+        self._p = owned(pointer, lib.conus_probe_destroy)
+        self.path = path
+        rows = [lib.conus_probe_at(self._p, i) for i in range(lib.conus_probe_contact_count(self._p))]
+        self.ids = np.array([text(row.id) for row in rows], object)
+        self.shanks = np.array([text(row.shank) for row in rows], object)
+        self.probes = np.array([row.index for row in rows])
+        self.channels = np.array([row.channel for row in rows], np.int64)
+        self.positions = np.array([list(row.position) for row in rows])
+        self.tips = np.empty((lib.conus_probe_count(self._p), 3))
+        for i, tip in enumerate(self.tips):
+            lib.conus_probe_tip(ffi.cast("double *", tip.ctypes.data), self._p, i)
+
+    def __len__(self) -> int:
+        return len(self.ids)
+
+    def __repr__(self) -> str:
+        return f"<conus.Probe: {len(self)} contacts, {len(self.tips)} probes of {self.path}>"
+
+    def _place(self, poses: Any, count: int, roll: float) -> Array:
+        """(n, 3) world mm, of a C array of conus_pose."""
+        out = ffi.new("conus_pose_list **")
+        check(lib.conus_probe_place(out, self._p, poses, count, math.radians(real("roll", roll))))
+        rows = owned(out[0], lib.conus_pose_list_destroy)
+        return np.array([list(lib.conus_pose_list_row(rows, i).pose.world_from_device)[12:15] for i in range(len(self))])
+
+
+def read_probe(path: Path, *, tip: float = 0, max_memory: int = 0) -> Probe:
+    """Reads the contacts of a file of ProbeInterface: give them to :meth:`Atlas.contacts`.
+
+    Parameters
+    ----------
+    path
+        A file.
+    tip
+        mm from the tip to the lowest contact, in place of the contour in the file; 0 = by the contour.
+    max_memory
+        Largest file, bytes; 0 = 1 GiB.
+    """
+    options, out = ffi.new("conus_probe_options *"), ffi.new("conus_probe **")
+    options.tip, options.max_memory = real("tip", tip), byte_count("max_memory", max_memory)
+    check(lib.conus_probe_load(out, path_of("path", path), options))
+    return Probe(out[0], os.fsdecode(path))
+
+
+class Contacts(Answers):
+    """The answers at the contacts of a probe, in their order."""
+
+    def __init__(self, probe: Probe, points: Array, atlas: Atlas, results: Array, starts: Array) -> None:
+        super().__init__(atlas, results, starts, {}, True, probe.ids)
+        self.probe = probe
+        self.points = points  #: (n, 3) where the contacts are, RAS mm
+        first = np.zeros(len(probe), np.int64)
+        query = np.repeat(np.arange(len(probe)), np.diff(self.starts))
+        holds = (self.results["kind"] == _AREA) & (self.results["distance"] == 0)
+        first[query[holds][::-1]] = self.results["object"][holds][::-1]  # the best is written last
+        self.areas = first  #: (n,) number of the area that holds the contact, of several the best; 0 = none
+
+    def __repr__(self) -> str:
+        return f"<conus.Contacts: {np.count_nonzero(self.areas)} of {len(self)} in an area>"
+
+    def to_dataframe(self, *, order: str = "rank") -> pandas.DataFrame:
+        """The rows of ``conus query --probe --layers all``: its columns and values, what is "n/a" there is missing."""
+        frame = super().to_dataframe(order=order)
+        query, _ = self._rows(order)
+        frame[["pixels", "pierced"]] = None  # which no ray looks for
+        frame["probe"] = np.array([f"probe{i + 1}" for i in self.probe.probes], object)[query]
+        frame["shank_id"] = np.array([shank or None for shank in self.probe.shanks], object)[query]
+        frame["channel"] = np.where(self.probe.channels < -1, np.nan, self.probe.channels)[query]
+        return frame
+
+
+def poses_of_probe(array: Any, probe: Probe) -> Any:
+    """A C array of conus_pose, one for each probe."""
+    if len(array) != len(probe.tips):
+        raise ArgumentError(f"poses: {len(array)}, wanted are {len(probe.tips)}: each probe has one of its own")
+    if array.reasons:
+        raise ArgumentError(f"poses: {next(iter(array.reasons.values()))}")
+    poses = ffi.new("conus_pose[]", len(array))
+    for i in range(len(array)):
+        check(array.fill(poses + i, i))
+    return poses

@@ -1,0 +1,89 @@
+#!/usr/bin/env bats
+# Probes that ProbeInterface describes, as --probe takes them; positions and tables are those of oracle.compare_probe.
+load helpers
+
+# probe: np.json, a shank with 20 contacts 1 mm apart and 2 mm above the tip, wired from the last to the first, one not.
+# It points along +y: contact i is at y = 12.6 - i, so that 1 to 6 and 19 are in slabs, from 6 to 12 and -12 to -6 mm.
+probe() {
+    conus phantom slabs -o .
+    awk 'BEGIN {
+        printf "{\"specification\":\"probeinterface\",\"version\":\"0.2.26\",\"probes\":[{\"ndim\":2,\"si_units\":\"mm\",\"contact_positions\":["
+        for (i = 0; i < 20; i++) printf "%s[0,%d]", i ? "," : "", i + 7
+        printf "],\"contact_ids\":["
+        for (i = 0; i < 20; i++) printf "%s\"e%d\"", i ? "," : "", i
+        printf "],\"device_channel_indices\":["
+        for (i = 0; i < 20; i++) printf "%s%d", i ? "," : "", i == 8 ? -1 : 19 - i
+        print "],\"probe_planar_contour\":[[-1,30],[-1,6],[0,5],[1,6],[1,30]]}]}"
+    }' >np.json
+}
+
+AIM=(--origin 0,14.6,0 --direction 0,1,0)
+
+@test "contacts in the order of the file, with shank and channel; points alone are answered alike" {
+    probe
+    printf 'x\ty\tz\tdx\tdy\tdz\n0\t14.6\t0\t0\t1\t0\n' >pose.tsv
+    run -0 --separate-stderr conus query slabs.nii.gz --probe np.json --pose pose.tsv --format tsv
+    check_message 'np.json: probe1: the tip is at x 0, y 5000 um'
+    check_message 'its x axis points along 1,0,0'
+    printf '%s\n' "$output" | awk -F'\t' '!($1 in seen) { seen[$1]; print $4 }' >of_probe
+    awk 'BEGIN { for (i = 0; i < 20; i++) print 0, 14.6 - 2 - i, 0 }' >points.txt
+    conus query slabs.nii.gz --pose points.txt --radius 0.000001 --format tsv -q | awk -F'\t' '!($1 in seen) { seen[$1]; print $4 }' >alone
+    sed 1d of_probe | diff <(sed 1d alone) -
+    [ "$(cell query 1)/$(cell probe 1)/$(cell shank_id 1)/$(cell channel 1)" = e0/probe1/n/a/19 ]
+    conus query slabs.nii.gz --probe np.json "${AIM[@]}" --format tsv -q | diff <(printf '%s\n' "$output") -
+    # From the entry, 30 mm before the tip.
+    conus query slabs.nii.gz --probe np.json --origin 0,-15.4,0 --direction 0,1,0 --range 0,30 --format tsv -q | diff <(printf '%s\n' "$output") -
+    printf 'x\ty\tz\tdx\tdy\tdz\tnear\tfar\n0\t-15.4\t0\t0\t1\t0\t0\t30\n' >entry.tsv
+    conus query slabs.nii.gz --probe np.json --pose entry.tsv --range 0,7 --format tsv -q | diff <(printf '%s\n' "$output") -
+}
+
+@test "contacts that lie outside of the atlas are told, by the name of their file" {
+    probe
+    run -0 --separate-stderr conus query slabs.nii.gz --probe np.json --origin 0,300,500 --direction 0,0,-1 --format tsv
+    [[ "$stderr" == *"note: np.json: 20 of 20 points lie more than the radius outside of the atlas"* ]]
+}
+
+@test "channels decide the string of Open Ephys, heights above the tip that of SpikeGLX" {
+    probe
+    answers query slabs.nii.gz --probe np.json "${AIM[@]}" --format open-ephys -q
+    [[ "$output" =~ ^0-0,SlP,[0-9A-F]{6}\;13-18,SlA,[0-9A-F]{6}$ ]]
+    answers query slabs.nii.gz --probe np.json "${AIM[@]}" --format spikeglx -q
+    [[ "$output" =~ ^\[0,0\]\(2500,8500,[0-9]+,[0-9]+,[0-9]+,SlA\)\(20500,21000,[0-9]+,[0-9]+,[0-9]+,SlP\)$ ]]
+}
+
+@test "BEP032: electrodes, probes and a sidecar that calls it a draft; the result is verified" {
+    probe
+    run -0 --separate-stderr conus query slabs.nii.gz --probe np.json "${AIM[@]}" --format bep032 -q --probes sub-1_probes.tsv \
+        -o sub-1_electrodes.tsv
+    [ "$(head -1 sub-1_probes.tsv)" = $'probe_name\ttype\themisphere\tanatomical_location\tanatomical_location_id' ]
+    [ "$(wc -l <sub-1_electrodes.tsv)" -eq 21 ]
+    grep -q '"BIDSExtension": "draft BEP032' sub-1_electrodes.json
+    answers verify sub-1_electrodes.tsv
+    has 'identical'
+    sed -i '5s/Slab/Slob/' sub-1_electrodes.tsv
+    run -1 conus verify sub-1_electrodes.tsv
+}
+
+@test "what does not go together is said, and no file is left" {
+    probe
+    local q=(query slabs.nii.gz "${AIM[@]}")
+    sed 's/"probe_planar_contour".*\]\]/"annotations":{}/' np.json >blunt.json
+    sed 's/"e1"/"e0"/' np.json >twice.json
+    head -c 200 np.json >cut.json
+    printf 'x\ty\tz\tdx\tdy\tdz\n0\t0\t0\t0\t1\t0\n0\t0\t0\t0\t1\t0\n' >two.tsv
+    printf '0 0 0\n' >point.txt
+    fails 3 'probes[0]: probe_planar_contour: there is none' "${q[@]}" --probe blunt.json -o out.tsv
+    fails 3 'two contacts are called "e0"' "${q[@]}" --probe twice.json -o out.tsv
+    fails 3 'cut.json: line 1' "${q[@]}" --probe cut.json -o out.tsv
+    fails 3 'none.json: cannot open' "${q[@]}" --probe none.json -o out.tsv
+    fails 3 'found 2 poses, wanted are 1' query slabs.nii.gz --probe np.json --pose two.tsv -o out.tsv
+    fails 3 'without the direction that a probe needs' query slabs.nii.gz --probe np.json --pose point.txt -o out.tsv
+    fails 2 'bep032 lists the contacts of probes' "${q[@]}" --format bep032
+    fails 2 'beside --format bep032' "${q[@]}" --probe np.json --probes probes.tsv
+    fails 2 'bids adds to a table' "${q[@]}" --probe np.json --format bids
+    fails 2 'exclude each other' "${q[@]}" --probe np.json --angle 5
+    fails 2 'has no effect without --probe' "${q[@]}" --probe-tip 1
+    fails 2 'out of range' "${q[@]}" --probe np.json --probe-tip 0
+    [ ! -e out.tsv ] && [ ! -e out.json ] && [ ! -e probes.tsv ]
+    conus "${q[@]}" --probe blunt.json --probe-tip 2 --format tsv -q | diff - <(conus "${q[@]}" --probe np.json --format tsv -q)
+}
