@@ -308,6 +308,14 @@ def test_a_moved_atlas_has_the_rows_of_the_program(tmp_path):
     frame = conus.load(AAL, transforms=[file]).select((-90, 20, 20), toward=(0, -10, 10), angle=20).to_dataframe()
     assert_rows_of_the_program(frame, rows)
     assert "atlas_x" in frame.columns
+    shifts = (f"Transform: TranslationTransform_double_3_3\nParameters: 0 0 {z}\nFixedParameters:\n" for z in (1, 2, 5))
+    (tmp_path / "list.tfm").write_text("#Insight Transform File V1.0\n" + "".join(shifts))
+    one = conus.load(AAL, transforms=[{"file": tmp_path / "list.tfm", "transform": 2}])
+    contact = one.select((-90, 20, 20), toward=(0, -10, 10), angle=20).to_dataframe().iloc[0]
+    assert contact["atlas_z"] == pytest.approx(contact["contact_z"] + 5)
+    for bad in (tmp_path / "list.tfm", {"file": tmp_path / "list.tfm", "transform": 3}):
+        with pytest.raises(conus.Error):
+            conus.load(AAL, transforms=[bad])
 
 
 @needs_aal
