@@ -362,9 +362,7 @@ static conus_status itk_take_line(struct itk_list *list, struct text line)
         return CONUS_OK;
     }
     if (itk_take_key(&values, line, "Transform")) {
-        conus_status status = values.size ? CONUS_OK : fail(CONUS_ERROR_DATA, "Transform: has no type");
-        status = status || is_composite(values) ? status : check_type(values);
-        return status ? status : itk_list_add(list, values);
+        return values.size ? itk_list_add(list, values) : fail(CONUS_ERROR_DATA, "Transform: has no type");
     }
     struct itk_entry *entry = list->count ? &list->items[list->count - 1] : NULL;
     bool is_parameters = itk_take_key(&values, line, "Parameters");

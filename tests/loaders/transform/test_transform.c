@@ -329,6 +329,13 @@ static void lists_are_no_chains(void **state)
         assert_near(made.first[14], number < 3 ? 0 : 7, 0);
         transform_finish(&made);
     }
+    static const char mixed[] = ITK SHIFT "Transform: UnknownTransform_double_3_3\nParameters: 1\nFixedParameters: 2\n";
+    const struct bytes some = {(uint8_t *)mixed, sizeof mixed - 1};
+    assert_ok(transform_parse(&made, &some, "x.tfm", &(conus_transform_options){.transform = 1}));
+    transform_finish(&made);
+    assert_fails(transform_parse(&made, &some, "x.tfm", &(conus_transform_options){.transform = 2}),
+                 CONUS_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(conus_message(), "UnknownTransform_double_3_3; read are"));
     assert_fails(transform_parse(&made, &file, "x.tfm", &(conus_transform_options){.transform = 5}),
                  CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "transform=4: there are fewer"));
