@@ -11,6 +11,7 @@
 enum {
     ZARR_AXES = 5,              /**< At most: OME has t, c, z, y, x. */
     ZARR_CODECS = 4,            /**< Packings of a chunk. */
+    ZARR_AROUND = 16,           /**< Bytes of the sums that may be around an unpacked chunk. */
     ZARR_JSON_LIMIT = 16 << 20, /**< Bytes of a file of metadata. */
     ZARR_NAME = 24              /**< Bytes of the name of a type or a codec in a message. */
 };
@@ -48,13 +49,12 @@ conus_status zarr_array_parse(struct zarr_array *out, struct text text);
 
 struct zarr_unpacker;
 
-/** What unpacks chunks, and the memory for that. */
+/** What unpacks chunks. */
 conus_status zarr_unpacker_create(struct zarr_unpacker **out);
 void zarr_unpacker_destroy(struct zarr_unpacker *unpacker);
 
-/** Unpacks what @p chain packed, which must give exactly @p wanted bytes. @p out points into @p data or into the
- * unpacker, until it is used again. */
-conus_status zarr_unpack(const uint8_t **out, struct zarr_unpacker *unpacker, const struct zarr_chain *chain,
+/** Unpacks what @p chain packed, which must give exactly @p wanted bytes. @p out has room for ZARR_AROUND more. */
+conus_status zarr_unpack(uint8_t *out, struct zarr_unpacker *unpacker, const struct zarr_chain *chain,
                          const uint8_t *data, size_t size, size_t wanted);
 
 /** What was read of an array. */

@@ -23,6 +23,12 @@ struct shard {
     struct file_state state;
 };
 
+/* A chunk of the row that is being read. */
+struct chunk {
+    uint8_t *room; /* for its numbers, kept from row to row; NULL where it was never there */
+    bool there;    /* else it has the fill value */
+};
+
 struct reading {
     const struct zarr_array *array;
     const char *folder;
@@ -36,7 +42,11 @@ struct reading {
     size_t entries, first;   /* of a shard's index: all, and the volume's first */
     struct shard *shards;    /* [files[1]][files[2]] of a row */
     struct zarr_unpacker *unpacker;
-    struct bytes stored, slab;
+    size_t chunks[SPACE]; /* of the array */
+    struct chunk *row;    /* [chunks[1]][chunks[2]] */
+    uint8_t *line;        /* a row of a chunk's voxels that are copied together, */
+    uint8_t *fill;        /* and one of fill values */
+    struct bytes stored;
     struct buffer path;
     size_t key; /* where it begins in the path */
     struct sha256_ctx sum;
@@ -46,6 +56,18 @@ struct reading {
 static size_t smaller(size_t a, size_t b)
 {
     return a < b ? a : b;
+}
+
+/* Copies a row of numbers that lie `step` apart; a step of 0 repeats one. */
+static void copy_row(uint8_t *out, const uint8_t *from, size_t count, size_t step, size_t size)
+{
+    if (step == 1) {
+        memcpy(out, from, count * size);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) {
+        memcpy(out + i * size, from + i * step * size, size);
+    }
 }
 
 /* Finds the volume along the axes ahead of space, the last of which is the fastest, and in what is stored. */
@@ -78,8 +100,8 @@ static conus_status reading_init(struct reading *reading, uint64_t volume)
 {
     const struct zarr_array *array = reading->array;
     size_t ahead = array->rank - SPACE;
-    size_t bytes = array->size;
-    bool fits = array->chunk_bytes <= reading->limit;
+    size_t line = (size_t)array->chunk[array->rank - 1] * array->size;
+    size_t bytes = array->chunk_bytes + ZARR_AROUND + 2 * line + sizeof *reading->row; /* of the row of chunks */
     find_volume(reading, volume);
     for (size_t i = 0; i < SPACE; i++) {
         size_t file = (size_t)array->file_chunk[ahead + i];
@@ -87,13 +109,14 @@ static conus_status reading_init(struct reading *reading, uint64_t volume)
         reading->chunk[i] = (size_t)array->chunk[ahead + i];
         reading->each[i] = file / reading->chunk[i];
         reading->files[i] = (reading->size[i] + file - 1) / file;
-        fits =
-            fits && memory_multiply(bytes, i ? reading->size[i] : smaller(reading->size[0], reading->chunk[0]), &bytes);
+        reading->chunks[i] = (reading->size[i] + reading->chunk[i] - 1) / reading->chunk[i];
     }
     reading->found.wanted = (uint64_t)reading->files[0] * reading->files[1] * reading->files[2];
     size_t shards = array->sharded ? reading->files[1] * reading->files[2] : 0;
     size_t indexes = sizeof *reading->shards + reading->entries * sizeof(struct entry);
-    fits = fits && memory_multiply(indexes, shards, &indexes) && indexes <= reading->limit;
+    bool fits = memory_multiply(bytes, reading->chunks[1], &bytes) &&
+                memory_multiply(bytes, reading->chunks[2], &bytes) && memory_multiply(indexes, shards, &indexes) &&
+                indexes <= reading->limit;
     if (!fits || bytes > reading->limit - indexes) {
         return fail(CONUS_ERROR_MEMORY,
                     "chunk_shape: a row of chunks takes more memory than the %llu bytes allowed "
@@ -101,17 +124,27 @@ static conus_status reading_init(struct reading *reading, uint64_t volume)
                     (unsigned long long)reading->limit);
     }
     sha256_init(&reading->sum);
-    reading->slab.data = memory_raw(bytes, 1);
+    reading->row = memory_zeroed(reading->chunks[1] * reading->chunks[2], sizeof *reading->row);
     reading->shards = shards ? memory_zeroed(shards, sizeof *reading->shards) : NULL;
-    bool made = reading->slab.data && (reading->shards || !shards);
-    return made ? zarr_unpacker_create(&reading->unpacker) : CONUS_ERROR_MEMORY;
+    reading->line = memory_raw(line, 1);
+    reading->fill = memory_raw(line, 1);
+    if (!reading->row || (shards && !reading->shards) || !reading->line || !reading->fill) {
+        return CONUS_ERROR_MEMORY;
+    }
+    copy_row(reading->fill, array->fill, (size_t)array->chunk[array->rank - 1], 0, array->size);
+    return zarr_unpacker_create(&reading->unpacker);
 }
 
 static void reading_finish(struct reading *reading)
 {
     zarr_unpacker_destroy(reading->unpacker);
     bytes_finish(&reading->stored);
-    bytes_finish(&reading->slab);
+    for (size_t i = 0; reading->row && i < reading->chunks[1] * reading->chunks[2]; i++) {
+        memory_free(reading->row[i].room);
+    }
+    memory_free(reading->row);
+    memory_free(reading->line);
+    memory_free(reading->fill);
     for (size_t i = 0; reading->shards && i < reading->files[1] * reading->files[2]; i++) {
         memory_free(reading->shards[i].entries);
     }
@@ -165,64 +198,24 @@ static void add_line(struct reading *reading, const char hex[65])
     reading->found.files++;
 }
 
-/* The place in the slab of a chunk's first voxel, and how many of its voxels are in the array. */
-static uint8_t *find_place(size_t count[SPACE], const struct reading *reading, const size_t at[SPACE])
+static struct chunk *find_chunk(const struct reading *reading, const size_t at[SPACE])
 {
-    size_t first[SPACE];
-    for (size_t i = 0; i < SPACE; i++) {
-        first[i] = at[i] * reading->chunk[i];
-        count[i] = smaller(reading->chunk[i], reading->size[i] - first[i]);
-    }
-    return reading->slab.data + (first[1] * reading->size[2] + first[2]) * reading->array->size;
+    return &reading->row[at[1] * reading->chunks[2] + at[2]];
 }
 
-/* Copies a row of numbers that lie `step` apart; a step of 0 repeats one. */
-static void copy_row(uint8_t *out, const uint8_t *from, size_t count, size_t step, size_t size)
-{
-    if (step == 1) {
-        memcpy(out, from, count * size);
-        return;
-    }
-    for (size_t i = 0; i < count; i++) {
-        memcpy(out + i * size, from + i * step * size, size);
-    }
-}
-
-/* Puts the unpacked chunk at `at`, counted in chunks along space, into the slab; NULL = it has the fill value. */
-static void place_chunk(struct reading *reading, const size_t at[SPACE], const uint8_t *chunk)
-{
-    static const uint8_t zeros[sizeof reading->array->fill];
-    const struct zarr_array *array = reading->array;
-    size_t count[SPACE];
-    uint8_t *out = find_place(count, reading, at);
-    chunk = chunk ? chunk + reading->start * array->size : NULL;
-    size_t size = array->size;
-    bool is_zero = memcmp(array->fill, zeros, sizeof zeros) == 0;
-    for (size_t z = 0; z < count[0]; z++) {
-        for (size_t y = 0; y < count[1]; y++) {
-            uint8_t *row = out + (z * reading->size[1] + y) * reading->size[2] * size;
-            if (!chunk && is_zero) {
-                memset(row, 0, count[2] * size);
-            } else {
-                const uint8_t *from =
-                    chunk ? chunk + (z * reading->step[0] + y * reading->step[1]) * size : array->fill;
-                copy_row(row, from, count[2], chunk ? reading->step[2] : 0, size);
-            }
-        }
-    }
-}
-
-/* Unpacks `size` stored bytes of the chunk at `at`. */
+/* Unpacks `size` stored bytes of the chunk at `at`, counted in chunks along space. */
 static conus_status take_chunk(struct reading *reading, const size_t at[SPACE], const uint8_t *data, size_t size)
 {
     const struct zarr_array *array = reading->array;
-    const uint8_t *chunk = NULL;
-    conus_status status = zarr_unpack(&chunk, reading->unpacker, &array->chain, data, size, array->chunk_bytes);
-    if (status) {
-        return fail_in(status, reading->path.data);
+    struct chunk *chunk = find_chunk(reading, at);
+    if (!chunk->room) {
+        chunk->room = memory_raw(array->chunk_bytes + ZARR_AROUND, 1);
     }
-    place_chunk(reading, at, chunk);
-    return CONUS_OK;
+    conus_status status =
+        chunk->room ? zarr_unpack(chunk->room, reading->unpacker, &array->chain, data, size, array->chunk_bytes)
+                    : CONUS_ERROR_MEMORY;
+    chunk->there = !status;
+    return status ? fail_in(status, reading->path.data) : CONUS_OK;
 }
 
 /* The chunk of a file that has one. */
@@ -320,7 +313,6 @@ static conus_status read_index(struct entry **out, struct reading *reading, cons
     size_t plain = count * sizeof(struct entry);
     size_t size = plain + array->index.count * sizeof(uint32_t);
     const struct entry own = {array->index_first ? 0 : whole - size, size};
-    const uint8_t *data = NULL;
     if (size > whole) {
         return fail(CONUS_ERROR_DATA, "%s: %llu bytes, its index alone takes %zu", file->path,
                     (unsigned long long)whole, size);
@@ -329,13 +321,13 @@ static conus_status read_index(struct entry **out, struct reading *reading, cons
     if (status) {
         return status;
     }
-    status = zarr_unpack(&data, reading->unpacker, &array->index, reading->stored.data, size, plain);
-    struct entry *entries = status ? NULL : memory_raw(count, sizeof *entries);
-    status = status || entries ? status : CONUS_ERROR_MEMORY;
+    struct entry *entries = memory_raw(plain + ZARR_AROUND, 1);
+    status = entries
+                 ? zarr_unpack((uint8_t *)entries, reading->unpacker, &array->index, reading->stored.data, size, plain)
+                 : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < count; i++) {
-        const uint8_t *entry = data + i * sizeof *entries;
-        entries[i].from = order_u64(entry, array->index.swapped);
-        entries[i].size = order_u64(entry + sizeof entries->from, array->index.swapped);
+        entries[i].from = order_u64((uint8_t *)&entries[i].from, array->index.swapped);
+        entries[i].size = order_u64((uint8_t *)&entries[i].size, array->index.swapped);
     }
     status = status ? status : check_index(entries, count, whole, &own);
     if (status) {
@@ -361,7 +353,7 @@ static conus_status fill_chunks(struct reading *reading, const struct open_file 
             const struct entry *entry =
                 entries ? &entries[reading->first + (row % each[0] * each[1] + y) * each[2] + x] : NULL;
             if (inside && (!entry || entry->from == UINT64_MAX)) {
-                place_chunk(reading, chunk, NULL);
+                find_chunk(reading, chunk)->there = false;
             } else if (inside) {
                 status = read_part(reading, file, entry->from, (size_t)entry->size);
                 status = status ? status : take_chunk(reading, chunk, reading->stored.data, reading->stored.size);
@@ -389,7 +381,7 @@ static conus_status find_shard(const struct shard **out, struct reading *reading
     return status;
 }
 
-/* Fills the part of the slab that the file at `at` has: of its chunks those of the row `row`. */
+/* Reads of the chunks of the file at `at` those of the row `row`. */
 static conus_status read_file(struct reading *reading, const size_t at[SPACE], size_t row)
 {
     struct open_file file = {.descriptor = -1};
@@ -414,7 +406,7 @@ static conus_status read_file(struct reading *reading, const size_t at[SPACE], s
     return status;
 }
 
-/* Fills the slab with the row `row` of chunks. */
+/* Reads the row `row` of chunks. */
 static conus_status read_row(struct reading *reading, size_t row)
 {
     conus_status status = CONUS_OK;
@@ -427,16 +419,39 @@ static conus_status read_row(struct reading *reading, size_t row)
     return status;
 }
 
+/* Gives the sink a row of voxels along the last axis, of the plane `z` of the row of chunks: piece by piece, as they
+ * lie in the chunks. */
+static conus_status give_line(const struct reading *reading, size_t z, size_t y, gzip_sink *sink, void *user)
+{
+    const size_t size = reading->array->size;
+    const size_t *step = reading->step;
+    size_t at[SPACE] = {0, y / reading->chunk[1], 0};
+    size_t first = reading->start + z * step[0] + y % reading->chunk[1] * step[1];
+    conus_status status = CONUS_OK;
+    for (at[2] = 0; !status && at[2] < reading->chunks[2]; at[2]++) {
+        const struct chunk *chunk = find_chunk(reading, at);
+        const uint8_t *from = chunk->there ? chunk->room + first * size : reading->fill;
+        size_t count = smaller(reading->chunk[2], reading->size[2] - at[2] * reading->chunk[2]);
+        if (chunk->there && step[2] != 1) {
+            copy_row(reading->line, from, count, step[2], size);
+            from = reading->line;
+        }
+        status = sink(user, from, count * size);
+    }
+    return status;
+}
+
 conus_status zarr_read(struct zarr_found *out, const struct zarr_array *array, const char *folder, uint64_t volume,
                        uint64_t limit, gzip_sink *sink, void *user)
 {
     struct reading reading = {.array = array, .folder = folder, .limit = limit};
     conus_status status = reading_init(&reading, volume);
-    size_t plane = reading.size[1] * reading.size[2] * array->size;
     for (size_t row = 0; !status && row * reading.chunk[0] < reading.size[0]; row++) {
         size_t planes = smaller(reading.chunk[0], reading.size[0] - row * reading.chunk[0]);
         status = read_row(&reading, row);
-        status = status ? status : sink(user, reading.slab.data, planes * plane);
+        for (size_t line = 0; !status && line < planes * reading.size[1]; line++) {
+            status = give_line(&reading, line / reading.size[1], line % reading.size[1], sink, user);
+        }
     }
     if (!status && !reading.found.files) {
         status = fail(CONUS_ERROR_DATA, "%s: no chunk of this array is there: it was not downloaded", folder);

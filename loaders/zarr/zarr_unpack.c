@@ -6,6 +6,7 @@
 
 #include <dlfcn.h>
 #include <libdeflate.h>
+#include <string.h>
 #include <zstd.h>
 
 struct zarr_unpacker {
@@ -14,7 +15,6 @@ struct zarr_unpacker {
     void *blosc; /* the library, once a chunk needs it */
     int (*blosc_check)(const void *data, size_t size, size_t *unpacked);
     int (*blosc_unpack)(const void *data, void *out, size_t size, int threads);
-    struct bytes room; /* for what is unpacked */
 };
 
 conus_status zarr_unpacker_create(struct zarr_unpacker **out)
@@ -37,7 +37,6 @@ void zarr_unpacker_destroy(struct zarr_unpacker *unpacker)
     if (unpacker) {
         ZSTD_freeDCtx(unpacker->zstd);
         libdeflate_free_decompressor(unpacker->deflate);
-        bytes_finish(&unpacker->room);
         if (unpacker->blosc) {
             dlclose(unpacker->blosc);
         }
@@ -60,11 +59,10 @@ static conus_status load_blosc(struct zarr_unpacker *unpacker)
                : fail(CONUS_ERROR_UNSUPPORTED, "packed with blosc: libblosc.so.1 is needed (Debian: libblosc1)");
 }
 
-/* Decompresses into the unpacker's room; *fine tells whether it came out as `wanted` bytes. */
-static conus_status decompress(bool *fine, struct zarr_unpacker *unpacker, enum zarr_packing packing,
+/* *fine tells whether it came out as `wanted` bytes. */
+static conus_status decompress(bool *fine, uint8_t *out, struct zarr_unpacker *unpacker, enum zarr_packing packing,
                                const uint8_t *data, size_t size, size_t wanted)
 {
-    uint8_t *out = unpacker->room.data;
     size_t used = 0;
     size_t got = 0;
     conus_status status = packing == ZARR_BLOSC ? load_blosc(unpacker) : CONUS_OK;
@@ -112,18 +110,12 @@ static uint32_t crc32c(const uint8_t *data, size_t size)
     return ~sum;
 }
 
-conus_status zarr_unpack(const uint8_t **out, struct zarr_unpacker *unpacker, const struct zarr_chain *chain,
+conus_status zarr_unpack(uint8_t *out, struct zarr_unpacker *unpacker, const struct zarr_chain *chain,
                          const uint8_t *data, size_t size, size_t wanted)
 {
     enum { SUM = sizeof(uint32_t) };
     conus_status status = CONUS_OK;
     bool fine = true;
-    if (unpacker->room.size < wanted + ZARR_CODECS * SUM) {
-        bytes_finish(&unpacker->room);
-        unpacker->room.data = memory_raw(wanted + ZARR_CODECS * SUM, 1);
-        unpacker->room.size = unpacker->room.data ? wanted + ZARR_CODECS * SUM : 0;
-        status = unpacker->room.data ? CONUS_OK : CONUS_ERROR_MEMORY;
-    }
     for (size_t i = chain->count; !status && fine && i-- > 0;) {
         size_t inside = wanted; /* with the sums that are still around it */
         for (size_t k = 0; k < i; k++) {
@@ -133,14 +125,16 @@ conus_status zarr_unpack(const uint8_t **out, struct zarr_unpacker *unpacker, co
             fine = size >= SUM && crc32c(data, size - SUM) == order_u32(data + size - SUM, !BIG_ENDIAN_IS_SWAPPED);
             size -= SUM;
         } else {
-            status = decompress(&fine, unpacker, chain->packings[i], data, size, inside);
-            data = unpacker->room.data;
+            status = decompress(&fine, out, unpacker, chain->packings[i], data, size, inside);
+            data = out;
             size = inside;
         }
     }
     if (!status && !(fine && size == wanted)) {
         return fail(CONUS_ERROR_DATA, "damaged, or not the %zu bytes of a chunk", wanted);
     }
-    *out = status ? *out : data;
+    if (!status && data != out) {
+        memcpy(out, data, wanted);
+    }
     return status;
 }

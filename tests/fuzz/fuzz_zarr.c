@@ -32,10 +32,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     for (int packing = ZARR_ZSTD; packing <= ZARR_CRC32C; packing++) {
         const struct zarr_chain chain = {.packings = {(enum zarr_packing)packing}, .count = 1};
-        const uint8_t *out = NULL;
-        if (zarr_unpack(&out, unpacker, &chain, data, size, WANTED) == CONUS_OK && !out) {
-            abort();
-        }
+        uint8_t out[WANTED + ZARR_AROUND];
+        (void)zarr_unpack(out, unpacker, &chain, data, size, WANTED);
     }
     return 0;
 }
