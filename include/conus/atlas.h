@@ -54,8 +54,8 @@ typedef struct conus_load_options {
 /**
  * Loads an atlas. The content of the file decides what it is, not its name:
  *
- *  - a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, NRRD, MetaImage, AFNI, a TIFF stack, or
- *    an FSL atlas XML of type Label;
+ *  - a labelled volume: NIfTI-1/2 (.nii, .hdr/.img, each also .gz), .mgz/.mgh, NRRD, MetaImage, AFNI, MINC 2, a TIFF
+ *    stack, or an FSL atlas XML of type Label;
  *  - an FSL atlas XML of another type, or a file of several volumes with a table of their names: areas of
  *    probabilities, which may overlap;
  *  - a manifest NAME.atlas.json, which joins parcellations, surfaces, pathways and a context;

@@ -206,7 +206,7 @@ static conus_status cifti_load(conus_atlas **out, const char *path, struct load_
 enum { JSON_LIMIT = 64 << 20 };
 
 static const char atlas_needed[] =
-    "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, OME-Zarr), a surface, a folder of surfaces, a "
+    "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC, OME-Zarr), a surface, a folder of surfaces, a "
     "manifest (with the key \"conus_atlas\") or an FSL atlas XML";
 
 static conus_status load_volume(conus_atlas **out, const struct probe *probe, const char *path,

@@ -104,8 +104,8 @@ static char *source_path(const struct loading *loading, const struct manifest_vo
 static conus_status load_parcellation(struct parcellation *part, struct loading *loading,
                                       const struct manifest_parcellation *from)
 {
-    static const char needed[] =
-        "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF or OME-Zarr) or an FSL atlas XML of type Label";
+    static const char needed[] = "a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC or OME-Zarr) or an "
+                                 "FSL atlas XML of type Label";
     const struct note_sink *sink = part->notes.sink;
     conus_load_options options = *loading->options;
     char *labels = from->labels && !options.labels ? file_beside(loading->path, from->labels) : NULL;

@@ -12,6 +12,7 @@
 #include "loaders/formats/signatures.h"
 #include "loaders/tiff/tiff.h"
 #include "loaders/volumes/mgh.h"
+#include "loaders/volumes/minc.h"
 #include "loaders/volumes/nifti.h"
 #include "loaders/volumes/stored/stored_file.h"
 #include "loaders/volumes/volume_header.h"
@@ -121,7 +122,7 @@ static conus_status tiff_volume_header(struct volume_header *out, const struct t
     return CONUS_OK;
 }
 
-static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF or OME-Zarr)";
+static const char default_needed[] = "a volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC or OME-Zarr)";
 enum {
     HEAD_LIMIT = 1 << 26, /* of the header file of a pair */
     HEADER_READ = 1 << 16 /* of a file of which the header alone is wanted; packed, it takes less */
@@ -159,6 +160,7 @@ struct opening {
     enum stored_use use;     /* of an index of packed voxels */
     struct tiff tiff;        /* of a TIFF stack, else no pages */
     struct volume_zarr zarr; /* of OME-Zarr, else no folder */
+    struct minc minc;        /* of MINC, else no HDF5 */
     struct file_sums read;
     struct label_reader *labels; /* gets packed voxels slab by slab if that takes less memory; NULL: they are kept */
     struct volume_file like;     /* what the labels are read as, without voxels */
@@ -172,6 +174,7 @@ static void opening_finish(struct opening *opening)
     notes_finish(&opening->notes);
     tiff_finish(&opening->tiff);
     volume_zarr_finish(&opening->zarr);
+    minc_finish(&opening->minc);
     file_sums_finish(&opening->read);
     volume_selector_finish(&opening->selector);
 }
@@ -189,6 +192,8 @@ static conus_status parse_head(struct volume_header *out, const struct stored *s
              : volume_text_is(&head)        ? volume_text_parse_stored(out, stored, notes)
              : stored->packed && tiff_is(head.data, head.size)
                  ? fail(CONUS_ERROR_UNSUPPORTED, "content: TIFF packed with gzip: unpack it")
+             : stored->packed && hdf5_is(head.data, head.size)
+                 ? fail(CONUS_ERROR_UNSUPPORTED, "content: HDF5 packed with gzip: unpack it")
              : head.size || !stored->packed
                  ? file_kind_fail(stored->path, &stored->bytes, needed)
                  : fail(CONUS_ERROR_DATA, "content: the file unpacks to nothing: it is empty or cut off; needed is %s",
@@ -345,6 +350,11 @@ static conus_status open_and_read_header(struct opening *o, const char *path)
         (status = is_image_half(&image, &at, &o->voxels))) {
         return status;
     }
+    if (hdf5_is(o->voxels.bytes.data, o->voxels.bytes.size)) {
+        status = volume_selector_refuse_level(&o->selector, path);
+        status = status ? status : minc_open(&o->minc, &o->header, &o->voxels.bytes, o->limit);
+        return status ? fail_in(status, path) : CONUS_OK;
+    }
     return image ? open_by_image(o, at) : open_by_header(o);
 }
 
@@ -354,7 +364,7 @@ static conus_status open_and_read_header(struct opening *o, const char *path)
 static bool goes_in_slabs(const struct opening *o)
 {
     const struct volume_header *header = &o->header;
-    if (o->zarr.folder) {
+    if (o->zarr.folder || o->minc.hdf5) {
         return o->labels && !o->all;
     }
     bool is_packed = header->text ? volume_text_is_packed(header, o->voxels.packed) : o->voxels.packed;
@@ -393,7 +403,7 @@ static conus_status choose_volume(struct opening *o)
 /* The header file of a pair whole, or what lies before the voxels of a single file. */
 static conus_status take_head(struct volume_file *file, const struct opening *o)
 {
-    if (o->tiff.pages) {
+    if (o->tiff.pages || o->minc.hdf5) {
         return CONUS_OK; /* what lies before the voxels is no table of labels */
     }
     if (!o->header.pair) {
@@ -426,16 +436,18 @@ static conus_status fill(void *user, const uint8_t *data, size_t size)
     return CONUS_OK;
 }
 
-/* Reads the voxels of OME-Zarr into the sink of the range, or else into `out`. */
-static conus_status take_zarr(struct bytes *out, char sha256[65], const struct gzip_range *range, struct opening *o)
+/* Reads the voxels of OME-Zarr or MINC into the sink of the range, or else into `out`. */
+static conus_status take_slabs(struct bytes *out, char sha256[65], const struct gzip_range *range, struct opening *o)
 {
     struct filling filling = {.data = range->sink ? NULL : memory_raw(range->count, 1)};
     if (!range->sink && !filling.data) {
         return CONUS_ERROR_MEMORY;
     }
-    conus_status status =
-        volume_zarr_read(sha256, &o->zarr, o->header.info.volume, o->limit, range->sink ? range->sink : fill,
-                         range->sink ? range->user : &filling, &o->notes);
+    gzip_sink *sink = range->sink ? range->sink : fill;
+    void *user = range->sink ? range->user : &filling;
+    conus_status status = o->minc.hdf5 ? minc_read(&o->minc, sink, user)
+                                       : volume_zarr_read(sha256, &o->zarr, o->header.info.volume, o->limit, sink, user,
+                                                          &o->notes);
     if (status) {
         memory_free(filling.data);
         return status;
@@ -466,11 +478,11 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
         range.user = o->labels;
         status = label_reader_init(o->labels, &o->like, &(struct bytes){0});
     }
-    status = status           ? status
-             : o->zarr.folder ? take_zarr(out, file->info.sha256, &range, o)
-             : scattered      ? tiff_unpack(out, &o->tiff)
-             : header->text   ? volume_text_voxels(out, &range, header, stored, o->all, sha256)
-                              : stored_range(out, &range, stored, sha256);
+    status = status                           ? status
+             : o->zarr.folder || o->minc.hdf5 ? take_slabs(out, file->info.sha256, &range, o)
+             : scattered                      ? tiff_unpack(out, &o->tiff)
+             : header->text                   ? volume_text_voxels(out, &range, header, stored, o->all, sha256)
+                                              : stored_range(out, &range, stored, sha256);
     if (status) {
         return status;
     }
@@ -536,6 +548,7 @@ static conus_status volume_take_all(struct volume_file *file, struct opening *o)
     file->info = o->header.info;
     file->datatype = o->header.datatype;
     file->swapped = o->header.swapped;
+    file->label_slack = o->header.label_slack;
     file->intent_code = o->header.intent_code;
     bool big = o->header.swapped == BIG_ENDIAN_IS_SWAPPED;
     snprintf(file->info.format, sizeof file->info.format, "%.16s%s%s%s", o->header.info.format,
@@ -642,11 +655,32 @@ conus_status volume_bytes_header(conus_volume_info *out, const char *path, const
     return status;
 }
 
+/* Of a format whose header has no place of its own in the file: HDF5. */
+static conus_status header_of_all(conus_volume_info *out, const char *path)
+{
+    struct volume_file file = {0};
+    struct notes notes = {0};
+    conus_status status = volume_file_open(&file, path, 0, &notes);
+    if (!status) {
+        *out = file.info;
+        out->path = NULL;
+    }
+    volume_file_finish(&file);
+    notes_finish(&notes);
+    return status;
+}
+
 conus_status volume_file_header(conus_volume_info *out, const char *path)
 {
     struct volume_header header;
     struct bytes head = {0};
-    conus_status status = volume_file_peek(&header, &head, path);
+    conus_status status = file_read_head(&head, path, HEADER_READ);
+    bool is_hdf5 = !status && hdf5_is(head.data, head.size);
+    bytes_finish(&head);
+    if (is_hdf5) {
+        return header_of_all(out, path);
+    }
+    status = status ? status : volume_file_peek(&header, &head, path);
     bytes_finish(&head);
     if (!status) {
         *out = header.info;

@@ -25,6 +25,7 @@ struct volume_file {
     struct bytes voxels;    /**< The chosen volume's voxels, stored form, unpacked, i fastest.                */
     int datatype;           /**< NIfTI datatype code (DT_UINT8 = 2, ...), for MGH translated.                 */
     bool swapped;           /**< Stored in the other byte order than this machine's.                         */
+    double label_slack;     /**< How far from a whole number a label may be: of MINC, where scales make them. */
     struct volume_extension *extensions;
     size_t extension_count;
     struct text embedded; /**< Between the last extension (or header) and the voxels, NULs at both ends left out. */

@@ -34,6 +34,7 @@ struct volume_header {
     uint64_t offset;    /**< Bytes before the first volume in the file of the voxels. */
     size_t volume_size; /**< Bytes of one volume.                                                             */
     int intent_code;
+    double label_slack;       /**< How far from a whole number a label may be. */
     struct text_volume *text; /**< Further facts of a text header (volume_text.h), owned; else NULL. */
 };
 

@@ -94,11 +94,11 @@ double volume_value_at(const uint8_t *data, int datatype, bool swapped)
     return value;
 }
 
-/* False where some value, scaled if the file has a scale, is no label. */
+/* False where some value, scaled if the file has a scale, and rounded within its slack, is no label. */
 static bool block_labels(uint32_t *out, const struct decoder *decoder, const struct volume_file *file,
                          const uint8_t *in, size_t count)
 {
-    if (!is_scaled(file)) {
+    if (!is_scaled(file) && !(file->label_slack > 0)) {
         return decoder->labels(out, in, count, file->swapped);
     }
     double values[BLOCK];
@@ -106,6 +106,7 @@ static bool block_labels(uint32_t *out, const struct decoder *decoder, const str
     decoder->doubles(values, in, count, file->swapped);
     for (size_t i = 0; i < count; i++) {
         double v = values[i] * file->info.slope + file->info.intercept;
+        v = fabs(v - rint(v)) <= file->label_slack ? rint(v) : v;
         bool good = v >= 0 && v < 0x1p32 && v == floor(v);
         fine &= good;
         out[i] = good ? (uint32_t)v : 0;

@@ -71,9 +71,9 @@ refuses() {
 
 @test "an empty file, text, HTML" {
     : >empty.nii
-    refuses 'content: the file is empty; needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, OME-Zarr), a surface, a folder' empty.nii
+    refuses 'content: the file is empty; needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC, OME-Zarr), a surface, a folder' empty.nii
     : >empty.nii.gz
-    refuses 'content: the file is empty; needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, OME-Zarr), a surface, a folder' empty.nii.gz
+    refuses 'content: the file is empty; needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC, OME-Zarr), a surface, a folder' empty.nii.gz
     gzip -c empty.nii >packed.nii.gz
     refuses 'content: the file unpacks to nothing: it is empty or cut off; needed is' packed.nii.gz
     echo 'just some text' >text.nii
@@ -210,6 +210,35 @@ refuses() {
     fails 2 'toward: is the origin itself' query ball.nii --quiet --origin 0,0,90 --toward 0,0,90
     fails 2 'parallel to the direction' query ball.nii --quiet --origin 0,0,90 --toward 0,0,0 --up 0,0,1
     fails 2 'up: 0,0,0' query ball.nii --quiet --origin 0,0,90 --toward 0,0,0 --up 0,0,0
+}
+
+@test "MINC: its labels come through scales; a file that lies, an image, colours, MINC 1" {
+    [ -x "${CONUS_HDF5:-${CONUS%/*}/conus-hdf5}" ] || skip 'no conus-hdf5'
+    local make=(/usr/bin/python3 "$BATS_TEST_DIRNAME/hdf5.py")
+    "${make[@]}" minc box.mnc || skip 'no python3-h5py'
+    "${make[@]}" image image.mnc
+    "${make[@]}" colour colour.mnc
+    answers query box.mnc --origin 0,0,100 --radius 1 --toward 0,0,0 --format tsv -q
+    output=$(conus info box.mnc --format tsv 2>err)
+    [ "$(grep -c '^area' <<<"$output")" -eq 2 ]
+    [ "$(cell index 1)/$(cell voxels 1)/$(cell index 2)/$(cell voxels 2)" = 1/7000/3/1000 ]
+    output=$(conus info box.mnc --pathway image.mnc,threshold=5e-5 --format tsv 2>err)
+    [ "$(cell kind 3)/$(cell voxels 3)" = pathway/4000 ]
+    refuses 'dimorder: found vector_dimension of 20, allowed are xspace, yspace and zspace, and one time' colour.mnc
+    gzip -k box.mnc
+    refuses 'content: HDF5 packed with gzip: unpack it' box.mnc.gz
+    printf 'CDF\1 and more' >one.mnc
+    refuses 'this is a MINC-1 volume: convert it to MINC 2 (mincconvert -2); needed is' one.mnc
+    "${make[@]}" simnibs coil.mat
+    refuses 'HDF5, but no volume of MINC: there is no /minc-2.0/image/0/image' coil.mat
+    head -c 9000 box.mnc >cut.mnc
+    refuses 'HDF5: cannot open it: ' cut.mnc
+    ball # an affine of FSL asks the volume for its place only
+    printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >flirt.mat
+    conus query ball.nii --atlas-transform flirt.mat,from=ball.nii,to=box.mnc --origin 0,0,90 --toward 0,0,0 \
+        --angle 5 --quiet -o moved.tsv
+    CONUS_HDF5=$PWD/none fails 3 'box.mnc: CONUS_HDF5: ' info box.mnc
+    fails 3 'box.mnc: ' info box.mnc --max-memory 10000
 }
 
 @test "truncated at every 97th byte, AAL is refused without a crash" {

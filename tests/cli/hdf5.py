@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""python3 hdf5.py KIND OUT: a file of HDF5 of another program. Exit code 77 where there is no h5py. KIND is
+"""python3 hdf5.py KIND OUT [N]: a file of HDF5 of another program. Exit code 77 where there is no h5py. KIND is
 
 lead-dbs  MATLAB 7.3: reco.mni.coords_mm, contacts at (10, 20, 30 + i) and none on the left, and native, 1 mm beside
 simnibs   MATLAB 7.3: pos(1, 2), each with a name and a matsimnibs
-table     MATLAB 7.3: reco is an object"""
+table     MATLAB 7.3: reco is an object
+minc      MINC 2: N = 20 voxels of 1 mm each way around 0, a box of label 3 (10 mm) in label 1; each slice has a scale
+image     MINC 2: the same grid, values from 0 to 1e-4
+colour    MINC 2 with a vector_dimension"""
 import sys
 
 try:
@@ -63,4 +66,32 @@ def table(file):
     put(file, "reco", "table", np.zeros((1, 6), "u4")).attrs["MATLAB_object_decode"] = np.int32(3)
 
 
-matlab(sys.argv[2], {"lead-dbs": lead_dbs, "simnibs": simnibs, "table": table}[sys.argv[1]])
+def minc(file, values, names):
+    """A volume in 16 bits, which a scale of each slice makes of the values."""
+    file.create_group("minc-2.0/info")
+    low, high = values.min(axis=(1, 2)), values.max(axis=(1, 2))
+    width = (high - low)[:, None, None]
+    stored = np.rint((values - low[:, None, None]) / np.where(width, width, 1) * 65535).astype("u2")
+    for name, data in (("image", stored), ("image-min", low), ("image-max", high)):
+        node = file.create_dataset(f"minc-2.0/image/0/{name}", data=data)
+        node.attrs["dimorder"] = np.bytes_(",".join(names[: data.ndim]))
+    for name, length in zip(names, stored.shape):
+        node = file.create_dataset(f"minc-2.0/dimensions/{name}", data=np.int32(0))
+        facts = {"start": 0.5 - length / 2, "step": 1.0, "length": length, "spacing": np.bytes_("regular__")}
+        node.attrs.update(facts)
+
+
+def volume(kind, path, n="20"):
+    centred = np.indices([int(n)] * 3) - (int(n) - 1) / 2
+    values = np.where((np.abs(centred) < 5).all(axis=0), 3.0, 1.0)
+    if kind == "image":
+        values = (centred[2] / (int(n) - 1) + 0.5) * 1e-4
+    names = ["zspace", "yspace", "vector_dimension" if kind == "colour" else "xspace"]
+    with h5py.File(path, "w") as file:
+        minc(file, values, names)
+
+
+if sys.argv[1] in ("minc", "image", "colour"):
+    volume(*sys.argv[1:])
+else:
+    matlab(sys.argv[2], {"lead-dbs": lead_dbs, "simnibs": simnibs, "table": table}[sys.argv[1]])

@@ -36,8 +36,8 @@ static const struct {
     {"a.mha", BYTES("ObjectType = Image\nNDims = 3\n"), "a volume", "ATLAS"},
     {"a.mhd", BYTES("NDims = 3\n"), "a volume", "ATLAS"},
     {"a.mat", BYTES("MATLAB 7.3 MAT-file, Platform: GLNXA64"), "a MATLAB file of version 7.3", "convert it to NIfTI"},
-    {"a.mnc", BYTES("CDF\1\0\0"), "a MINC-1 volume", "mnc2nii"},
-    {"a.mnc", BYTES("\x89HDF\r\n\x1a\n\0"), "an HDF5 file (a MINC-2 volume, say)", "mnc2nii"},
+    {"a.mnc", BYTES("CDF\1\0\0"), "a MINC-1 volume", "mincconvert -2"},
+    {"a.mnc", BYTES("\x89HDF\r\n\x1a\n\0"), "an HDF5 file (a MINC-2 volume, say)", "give a volume as ATLAS"},
     {"a+tlrc.HEAD", BYTES("\ntype = string-attribute\nname = HISTORY_NOTE\n"), "a volume", "ATLAS"},
     {"a+tlrc.BRIK.gz", BYTES("\1\2\3\4\5\6\7\0"), "the voxels of an AFNI data set", "its .HEAD"},
     {"lh.aparc.annot", BYTES("\0\0\x27\x0a\0\0\0\0\0"), "a FreeSurfer annotation", "--labels"},
@@ -185,9 +185,9 @@ static void write_volume(const char *name)
     buffer_finish(&file.bytes);
 }
 
-static const char atlas_needs[] =
-    "needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, OME-Zarr), a surface, a folder of surfaces, "
-    "a manifest (with the key \"conus_atlas\") or an FSL atlas XML";
+static const char atlas_needs[] = "needed is a labelled volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC, "
+                                  "OME-Zarr), a surface, a folder of surfaces, "
+                                  "a manifest (with the key \"conus_atlas\") or an FSL atlas XML";
 
 static void each_place_says_what_it_takes(void **state)
 {
@@ -218,16 +218,17 @@ static void each_place_says_what_it_takes(void **state)
     refuse_labels("v.nii", "a.md", "not a label table of a known format (known: ");
     assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), NULL));
     assert_message(conus_atlas_add_pathway(atlas, test_in("a.trk"), NULL), "a.trk",
-                   "needed is a volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF or OME-Zarr)");
+                   "needed is a volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC or OME-Zarr)");
     assert_message(
         conus_atlas_add_pathway(atlas, test_in("a.xml"), NULL), "a.xml",
         "this is an FSL atlas XML: 'conus manifest FOLDER' makes pathways of its volumes; needed is a volume");
     assert_message(conus_atlas_set_context(atlas, test_in("a.txt"), NULL), "a.txt", "needed is a volume (NIfTI, MGH");
     conus_atlas_destroy(atlas);
     write_text("m.atlas.json", "{\"conus_atlas\": 1, \"parcellation\": \"a.mif\"}");
-    refuse_atlas("m.atlas.json",
-                 "a.mif: this is an MRtrix image: convert it to NIfTI (mrconvert); needed is a labelled "
-                 "volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF or OME-Zarr) or an FSL atlas XML of type Label");
+    refuse_atlas(
+        "m.atlas.json",
+        "a.mif: this is an MRtrix image: convert it to NIfTI (mrconvert); needed is a labelled "
+        "volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC or OME-Zarr) or an FSL atlas XML of type Label");
 }
 
 /* FreeSurfer writes values of vertices as volumes of N x 1 x 1. */

@@ -415,7 +415,8 @@ static void other_files_are_refused(void **state)
     } cases[] = {
         {"", "content: the file is empty"},
         {"x", "content: found plain text, \"x\""},
-        {"\1\2x", "content: found \"..x\"; needed is a volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF or OME-Zarr)"},
+        {"\1\2x",
+         "content: found \"..x\"; needed is a volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC or OME-Zarr)"},
         {"<!DOCTYPE html><html>", "this is a web page; needed is a volume"},
         {"1 Precentral_L\n", "this is a label table: give it as --labels"},
         {"\x1f\x8b\x08", "content: the file unpacks to nothing: it is empty or cut off"},
