@@ -445,9 +445,9 @@ static conus_status take_slabs(struct bytes *out, char sha256[65], const struct 
     }
     gzip_sink *sink = range->sink ? range->sink : fill;
     void *user = range->sink ? range->user : &filling;
-    conus_status status = o->minc.hdf5 ? minc_read(&o->minc, sink, user)
-                                       : volume_zarr_read(sha256, &o->zarr, o->header.info.volume, o->limit, sink, user,
-                                                          &o->notes);
+    conus_status status =
+        o->minc.hdf5 ? minc_read(&o->minc, sink, user)
+                     : volume_zarr_read(sha256, &o->zarr, o->header.info.volume, o->limit, sink, user, &o->notes);
     if (status) {
         memory_free(filling.data);
         return status;

@@ -442,7 +442,8 @@ def check_grid(conus, random, folder, name, count):
     rows = compare(f"grid {name}", question, table, folder)
     check_answers(question, table, folder, ("avoid", "9", 0.5))
     check_leeways(question, table, rows, folder, random, 10000 if LONG else 500)
-    check_shanks(question, table, folder, f"grid {name}")
+    if LONG or count > 20:  # of one grid
+        check_shanks(question, table if LONG else table[:14], folder, f"grid {name}")
     question.constraints = [("first", "3,4", None), ("reach", "3,4", 0.0)]
     compare(f"grid {name}, first", question, table, folder)
     others, walk = os.path.join(folder, "others.tsv"), os.path.join(folder, "walks.tck")

@@ -5,6 +5,7 @@ A needle is the part of a line from depth near to depth far. Objects are sets of
 capsules. A sphere round each piece tells which can be the nearest; those are measured exactly. There is no tree."""
 
 import collections
+import functools
 import itertools
 
 import numpy as np
@@ -26,24 +27,29 @@ def needle_from_row(row, near=0.0, far=np.inf):
     return needle(row[:3], row[3:6], *(row[6:8] if len(row) > 6 else (near, far)))
 
 
+@functools.lru_cache(8)
+def choices(numbers, rows, size):
+    """(bound unknowns, free ones, pseudo-inverse of these ones' columns), for a matrix of these numbers."""
+    matrix = np.frombuffer(numbers).reshape(rows, size)
+    every = itertools.chain.from_iterable(itertools.combinations(range(size), n) for n in range(rows + 1))
+    return [([k for k in range(size) if k not in free], list(free),
+             np.linalg.pinv(matrix[:, free]) if free else np.zeros((0, rows))) for free in every]
+
+
 def least_square(matrix, offsets, low, high):
     """min |offset + matrix x| over low <= x <= high, for each offset: (distance, x[0] least, x[0] greatest).
 
     For every choice of which unknowns lie at which bound the others are solved for, and cut to their bounds. The choice
     of an optimum finds it, all others find something that is allowed. An optimal set that is no point has corners, which
     are found likewise."""
-    rows, size = matrix.shape
     distances, firsts = [], []
-    for free in itertools.chain.from_iterable(itertools.combinations(range(size), n) for n in range(rows + 1)):
-        fixed, free = [k for k in range(size) if k not in free], list(free)
-        inverse = np.linalg.pinv(matrix[:, free]) if free else np.zeros((0, rows))
-        for bounds in itertools.product((low, high), repeat=len(fixed)):
-            x = np.zeros((len(offsets), size))
-            x[:, fixed] = [bound[k] for bound, k in zip(bounds, fixed)]
-            rest = offsets + x @ matrix.T
-            x[:, free] = np.clip(-rest @ inverse.T, low[free], high[free])
-            distances.append(np.linalg.norm(rest + x[:, free] @ matrix[:, free].T, axis=1))
-            firsts.append(x[:, 0])
+    for fixed, free, inverse in choices(np.ascontiguousarray(matrix).tobytes(), *matrix.shape):
+        corners = np.array([*itertools.product(*zip(low[fixed], high[fixed]))])
+        rest = offsets + (corners @ matrix[:, fixed].T)[:, None]
+        x = np.minimum(np.maximum(-rest @ inverse.T, low[free]), high[free])
+        rest += x @ matrix[:, free].T
+        distances.extend(np.sqrt(np.einsum("cik,cik->ci", rest, rest)))
+        firsts.extend(x[..., free.index(0)] if 0 in free else np.repeat(corners[:, [fixed.index(0)]], len(offsets), 1))
     distances, firsts = np.array(distances), np.array(firsts)
     distances[distances < 1e-12] = 0
     best = distances.min(0)
