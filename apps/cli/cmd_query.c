@@ -42,9 +42,6 @@ static const struct option point_options[] = {
     {0},
 };
 
-/* Of the ball around a contact of --probe without --radius, mm: what holds the contact. */
-static const double contact_radius = 1e-6;
-
 static const struct option probe_options[] = {
     {.name = "probe",
      .type = OPTION_TEXT,
@@ -317,7 +314,7 @@ static int answer_row(void *user, const conus_pose_row *row)
     struct query *query = user;
     struct request *request = &query->request;
     double radius = request->settings->engine.radius;
-    radius = query->probe && radius == 0 ? contact_radius : radius;
+    radius = query->probe && radius == 0 ? CONUS_POINT_RADIUS : radius;
     struct asked_row question = {.id = row->id,
                                  .line = row->line,
                                  .pose = row->pose,

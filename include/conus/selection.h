@@ -134,6 +134,10 @@ CONUS_API const char *conus_selector_engine(const conus_selector *selector);
 CONUS_CHECKED conus_status conus_select(conus_selection **out, conus_selector *selector, const conus_pose *pose,
                                         double angle);
 
+/** A ball for conus_select_ball(), mm, that stands for its centre: its results are the objects that contain the point.
+ * Contacts of probes are asked so where no radius is given. */
+#define CONUS_POINT_RADIUS 1e-6
+
 /**
  * Finds what is at a point and near it, instead of in a cone. An object with a voxel's cell or a part of its surface in
  * the ball has a result. Volume, fraction and the like are those of voxels with their centre in the ball. Share is

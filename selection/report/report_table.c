@@ -142,8 +142,12 @@ void table_write_query(struct buffer *out, const conus_report *report, const str
         memcpy(middle, query->cone.pose.world_from_device + 12, sizeof middle);
         report_point(report, middle);
         int digits = table_digits(report);
-        buffer_format(out, "ball of radius %.4g mm around (%.*f, %.*f, %.*f)", query->ball, digits, middle[0], digits,
-                      middle[1], digits, middle[2]);
+        if (query->ball <= CONUS_POINT_RADIUS) {
+            buffer_text(out, "point (");
+        } else {
+            buffer_format(out, "ball of radius %.4g mm around (", query->ball);
+        }
+        buffer_format(out, "%.*f, %.*f, %.*f)", digits, middle[0], digits, middle[1], digits, middle[2]);
     } else {
         if (report->options.rows == CONUS_ROWS_SHARES) {
             buffer_text(out, query->cone.aperture == CONUS_APERTURE_SQUARE ? "square pyramids" : "cones");

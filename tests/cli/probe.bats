@@ -64,6 +64,19 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     run -1 conus verify sub-1_electrodes.tsv
 }
 
+@test "without a radius contacts are points, in the table and in what is cited" {
+    probe
+    conus query slabs.nii.gz "${AIM[@]}" --probe np.json -q >table.txt
+    grep -q '^query .*: point (' table.txt
+    ! grep -q 'ball of radius' table.txt || false
+    conus query slabs.nii.gz "${AIM[@]}" --probe np.json -q -o points.tsv
+    conus cite points.tsv | tr '\n' ' ' >cited.txt
+    grep -q 'that contain a point were determined for each of' cited.txt
+    ! grep -q 'ball' cited.txt || false
+    conus query slabs.nii.gz "${AIM[@]}" --probe np.json --radius 1 -q -o balls.tsv
+    conus cite balls.tsv | tr '\n' ' ' | grep -q 'a ball with a radius of 1 mm'
+}
+
 @test "what does not go together is said, and no file is left" {
     probe
     local q=(query slabs.nii.gz "${AIM[@]}")

@@ -229,20 +229,26 @@ static void put_angles(FILE *out, const struct citation *citation)
     }
 }
 
+/* The largest radius of the question's balls, mm. */
+static double largest_ball(const struct citation *citation)
+{
+    double radius = 0;
+    size_t index;
+    const json_t *query;
+    json_array_foreach(queries(citation), index, query)
+    {
+        radius = fmax(radius, json_number_value(json_object_get(query, "radius_mm")));
+    }
+    return radius;
+}
+
 /* "a cone ... angle of 20°,", or what stands in its place. */
 static void put_shape(FILE *out, const struct citation *citation)
 {
     double radius = json_number_value(citation_setting(citation, "radius_mm"));
     bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
     if (is_ball(citation)) {
-        double ball = 0;
-        size_t index;
-        const json_t *query;
-        json_array_foreach(queries(citation), index, query)
-        {
-            ball = fmax(ball, json_number_value(json_object_get(query, "radius_mm")));
-        }
-        fprintf(out, "a ball with a radius of %.9g mm", ball);
+        fprintf(out, "a ball with a radius of %.9g mm", largest_ball(citation));
     } else if (radius > 0) {
         fprintf(out, "%s of %.9g mm about the device's axis",
                 is_square ? "a square prism with half an edge" : "a cylinder with a radius", radius);
@@ -434,6 +440,12 @@ static void put_determined(FILE *out, const struct citation *citation)
 
 static void put_ball(FILE *out, const struct citation *citation)
 {
+    if (largest_ball(citation) <= CONUS_POINT_RADIUS) { /* contacts of a probe, without a radius */
+        fprintf(out, "The %s that contain a point were determined for ", objects_of(citation, MANY, true));
+        put_poses(out, citation);
+        put_program(out, citation);
+        return;
+    }
     put_determined(out, citation);
     fputs(
         " Distances are to the nearest point of an object's voxels (whole cells) or surface; volumes and fractions are "
