@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tries poses of a stream by threads, and keeps the best of them. */
+/* Has poses of a stream tried by threads, and keeps the best of them. */
 #include "selection/plan/plan.h"
 
 #include "base/buffer.h"
@@ -11,6 +11,7 @@
 #include "selection/batch/ring.h"
 #include "selection/batch/worker.h"
 #include "selection/plan/plan_known.h"
+#include "selection/plan/plan_trial.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -34,32 +35,8 @@ struct entries {
     size_t count, capacity;
 };
 
-/* What is known of the poses before, so that less need be asked of those behind. */
-struct bar {
-    bool has_maps; /* of all constraints */
-    bool has_feasible;
-    bool is_full;      /* keys are those of the last pose of a full list: whatever follows has to be better */
-    size_t infeasible; /* so many are kept */
-    double *keys;      /* [rank_count] */
-    double *misses;    /* [count] By how much the nearest miss breaks each constraint. */
-};
-
-/* A pose that is tried. */
-struct trial {
-    conus_planned planned; /* the id is that at `id` of the block's strings */
-    size_t id;
-    conus_verdict *verdicts;
-    double *keys, *pareto; /* as they are compared */
-    double *bar; /* [rank_count] What it has to be better than, where it has a bar: the last of a full list, or
-                    the best of its entry or target so far where that is less. */
-    bool has_bar;
-    bool is_known;    /* a state has it, and has counted it */
-    bool is_measured; /* all of this is whole */
-    bool is_lone;     /* it breaks planned.broken and nothing else */
-};
-
 struct block {
-    struct trial *trials; /* [BLOCK] */
+    struct plan_trial *trials; /* [BLOCK] */
     size_t count;
     conus_verdict *verdicts; /* theirs */
     double *keys;
@@ -72,11 +49,6 @@ struct block {
     uint64_t end; /* position of the stream behind its rows */
 };
 
-struct worker {
-    struct plan_judge judge;
-    struct bar bar; /* as it was when the block began */
-};
-
 /* The best pose of each entry, or of each target. */
 struct bests {
     uint64_t count;
@@ -87,13 +59,8 @@ struct bests {
 enum { OF_ENTRY, OF_TARGET, BESTS };
 
 struct conus_plan {
-    conus_selector *selector;
-    conus_plan_options options; /* Defaults filled in; strings are not kept. */
-    double (*shanks)[2];        /* [options.shank_count] */
-    struct plan_constraint *constraints;
-    size_t count;
-    struct plan_order order;
-    struct plan_jitter jitter;
+    struct plan_asked asked;
+    double (*shanks)[2]; /* [options.shank_count] */
     bool was_run, was_mapped, is_done;
     uint64_t *left; /* [count + 1] The funnel. */
     struct rejected rejected;
@@ -104,14 +71,14 @@ struct conus_plan {
     uint64_t *front_poses;     /* [feasible] and their numbers */
     size_t front_capacity, pose_capacity, feasible;
     struct bests bests[BESTS];
-    struct bar bar;
+    struct plan_bar bar;
     pthread_mutex_t lock; /* of the bar, during a run */
-    struct worker *workers;
+    struct plan_worker *workers;
     struct block *blocks;     /* [ring_slots + 1] The last one is conus_plan_try()'s. */
     conus_pose_stream *poses; /* of the run */
     uint64_t start, done;     /* its positions at first, and behind what was delivered */
     uint64_t rows;            /* still to be read */
-    size_t asked;             /* listed poses that are asked for their chances */
+    size_t listed;            /* so many poses of the list are asked for their chances */
     uint64_t known;           /* position behind the rows of states; 0 = there are none */
     struct plan_numbers kept; /* candidates of theirs, to be tried again, */
     size_t next;              /* and the first that is not read yet */
@@ -127,36 +94,20 @@ static void finish_entries(struct entries *entries)
     *entries = (struct entries){0};
 }
 
-static conus_status init_bar(struct bar *out, const conus_plan *plan)
-{
-    out->keys = memory_zeroed(plan->order.rank_count, sizeof *out->keys);
-    out->misses = memory_raw(plan->count, sizeof *out->misses);
-    for (size_t i = 0; out->misses && i < plan->count; i++) {
-        out->misses[i] = INFINITY;
-    }
-    return out->keys && out->misses ? CONUS_OK : CONUS_ERROR_MEMORY;
-}
-
-static void finish_bar(struct bar *bar)
-{
-    memory_free(bar->keys);
-    memory_free(bar->misses);
-}
-
 static conus_status init_block(struct block *block, const conus_plan *plan)
 {
-    size_t key_count = 2 * plan->order.rank_count + plan->order.pareto_count;
+    size_t key_count = 2 * plan->asked.order.rank_count + plan->asked.order.pareto_count;
     block->trials = memory_zeroed(BLOCK, sizeof *block->trials);
-    block->verdicts = memory_zeroed(BLOCK * plan->count, sizeof *block->verdicts);
+    block->verdicts = memory_zeroed(BLOCK * plan->asked.count, sizeof *block->verdicts);
     block->keys = memory_zeroed(BLOCK * key_count, sizeof *block->keys);
     if (!block->trials || !block->verdicts || !block->keys) {
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < BLOCK; i++) {
-        block->trials[i].verdicts = block->verdicts + i * plan->count;
+        block->trials[i].verdicts = block->verdicts + i * plan->asked.count;
         block->trials[i].keys = block->keys + i * key_count;
-        block->trials[i].bar = block->trials[i].keys + plan->order.rank_count;
-        block->trials[i].pareto = block->trials[i].bar + plan->order.rank_count;
+        block->trials[i].bar = block->trials[i].keys + plan->asked.order.rank_count;
+        block->trials[i].pareto = block->trials[i].bar + plan->asked.order.rank_count;
     }
     return CONUS_OK;
 }
@@ -164,8 +115,8 @@ static conus_status init_block(struct block *block, const conus_plan *plan)
 static conus_status init_shanks(conus_plan *plan)
 {
     static const double axis[2] = {0, 0};
-    const double *asked = plan->options.shanks ? plan->options.shanks : axis;
-    size_t count = plan->options.shanks ? plan->options.shank_count : 1;
+    const double *asked = plan->asked.options.shanks ? plan->asked.options.shanks : axis;
+    size_t count = plan->asked.options.shanks ? plan->asked.options.shank_count : 1;
     if (!count || count > SHANK_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "shanks: %zu, allowed are 1 to %d", count, SHANK_LIMIT);
     }
@@ -176,8 +127,8 @@ static conus_status init_shanks(conus_plan *plan)
         }
     }
     plan->shanks = memory_copy(asked, count, sizeof *plan->shanks);
-    plan->options.shanks = NULL;
-    plan->options.shank_count = count;
+    plan->asked.options.shanks = NULL;
+    plan->asked.options.shank_count = count;
     return plan->shanks ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
@@ -193,14 +144,15 @@ static conus_status init_constraints(conus_plan *plan, const conus_constraint *c
     if (!count || count > PLAN_CONSTRAINTS) {
         return fail(CONUS_ERROR_ARGUMENT, "constraints: %zu, allowed is 1 to %d", count, PLAN_CONSTRAINTS);
     }
-    plan->constraints = memory_zeroed(count, sizeof *plan->constraints);
-    conus_status status = plan->constraints ? CONUS_OK : CONUS_ERROR_MEMORY;
+    plan->asked.constraints = memory_zeroed(count, sizeof *plan->asked.constraints);
+    conus_status status = plan->asked.constraints ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; i < count && !status; i++) {
         const conus_constraint asked = constraint_at(constraints, i);
-        status = plan_constraint_init(&plan->constraints[i], plan->selector, &asked, plan->options.shank_count);
-        plan->count++;
+        status = plan_constraint_init(&plan->asked.constraints[i], plan->asked.selector, &asked,
+                                      plan->asked.options.shank_count);
+        plan->asked.count++;
     }
-    return status ? status : plan_constraints_check(plan->constraints, count, plan->selector->atlas);
+    return status ? status : plan_constraints_check(plan->asked.constraints, count, plan->asked.selector->atlas);
 }
 
 static conus_status init_bests(struct bests *out, uint64_t count, size_t rank_count)
@@ -223,16 +175,18 @@ static conus_status init_bests(struct bests *out, uint64_t count, size_t rank_co
 static conus_status init_options(conus_plan *plan, const conus_jitter_options *asked)
 {
     uint32_t block = BLOCK;
-    double far = plan->options.far;
-    plan->options.top = plan->options.top ? plan->options.top : DEFAULT_TOP;
+    double far = plan->asked.options.far;
+    plan->asked.options.top = plan->asked.options.top ? plan->asked.options.top : DEFAULT_TOP;
     conus_status status = !(far >= 0 && isfinite(far))
                               ? fail(CONUS_ERROR_ARGUMENT, "far: %g mm, allowed is 0 or more", far)
-                          : plan->options.angle != 0 ? pose_check_angle(plan->options.angle)
-                                                     : CONUS_OK;
-    status = status ? status : batch_fill_in(&plan->options.threads, &block, &plan->options.angle, plan->selector);
-    plan->options.rank = plan->options.score = plan->options.pareto = NULL;
-    plan->options.jitter = NULL;
-    return status ? status : plan_jitter_init(&plan->jitter, asked);
+                          : plan->asked.options.angle != 0 ? pose_check_angle(plan->asked.options.angle)
+                                                           : CONUS_OK;
+    status =
+        status ? status
+               : batch_fill_in(&plan->asked.options.threads, &block, &plan->asked.options.angle, plan->asked.selector);
+    plan->asked.options.rank = plan->asked.options.score = plan->asked.options.pareto = NULL;
+    plan->asked.options.jitter = NULL;
+    return status ? status : plan_jitter_init(&plan->asked.jitter, asked);
 }
 
 conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const conus_constraint *constraints,
@@ -243,29 +197,30 @@ conus_status conus_plan_create(conus_plan **out, conus_selector *selector, const
         return CONUS_ERROR_MEMORY;
     }
     const conus_plan_options filled = *options_of(conus_plan_options, options);
-    plan->selector = selector;
-    plan->options = filled;
+    plan->asked.selector = selector;
+    plan->asked.options = filled;
     conus_status status = init_shanks(plan);
     status = status ? status : init_constraints(plan, constraints, count);
-    status = status ? status : plan_order_init(&plan->order, plan->constraints, plan->count, &filled);
+    status = status ? status : plan_order_init(&plan->asked.order, plan->asked.constraints, plan->asked.count, &filled);
     status = status ? status : init_options(plan, filled.jitter);
     if (!status) {
-        plan->left = memory_zeroed(plan->count + 1, sizeof *plan->left);
-        plan->misses = memory_zeroed(plan->count, sizeof(struct entry *));
-        plan->workers = memory_zeroed(plan->options.threads, sizeof *plan->workers);
-        plan->blocks = memory_zeroed(ring_slots(plan->options.threads) + 1, sizeof *plan->blocks);
-        status = plan->left && plan->misses && plan->workers && plan->blocks ? init_bar(&plan->bar, plan)
+        plan->left = memory_zeroed(plan->asked.count + 1, sizeof *plan->left);
+        plan->misses = memory_zeroed(plan->asked.count, sizeof(struct entry *));
+        plan->workers = memory_zeroed(plan->asked.options.threads, sizeof *plan->workers);
+        plan->blocks = memory_zeroed(ring_slots(plan->asked.options.threads) + 1, sizeof *plan->blocks);
+        status = plan->left && plan->misses && plan->workers && plan->blocks ? plan_bar_init(&plan->bar, &plan->asked)
                                                                              : CONUS_ERROR_MEMORY;
     }
     for (size_t k = 0; k < BESTS && !status; k++) {
-        status = init_bests(&plan->bests[k], k == OF_ENTRY ? filled.entries : filled.targets, plan->order.rank_count);
+        status =
+            init_bests(&plan->bests[k], k == OF_ENTRY ? filled.entries : filled.targets, plan->asked.order.rank_count);
     }
-    for (size_t i = 0; !status && i < plan->options.threads; i++) {
-        status = plan_judge_init(&plan->workers[i].judge, selector, plan->constraints, (const double(*)[2])plan->shanks,
-                                 plan->options.shank_count);
-        status = status ? status : init_bar(&plan->workers[i].bar, plan);
+    for (size_t i = 0; !status && i < plan->asked.options.threads; i++) {
+        status = plan_judge_init(&plan->workers[i].judge, selector, plan->asked.constraints,
+                                 (const double(*)[2])plan->shanks, plan->asked.options.shank_count);
+        status = status ? status : plan_bar_init(&plan->workers[i].bar, &plan->asked);
     }
-    for (size_t i = 0; !status && i <= ring_slots(plan->options.threads); i++) {
+    for (size_t i = 0; !status && i <= ring_slots(plan->asked.options.threads); i++) {
         status = init_block(&plan->blocks[i], plan);
     }
     if (status) {
@@ -281,26 +236,26 @@ void conus_plan_destroy(conus_plan *plan)
     if (!plan) {
         return;
     }
-    for (size_t i = 0; plan->workers && i < plan->options.threads; i++) {
+    for (size_t i = 0; plan->workers && i < plan->asked.options.threads; i++) {
         plan_judge_finish(&plan->workers[i].judge);
-        finish_bar(&plan->workers[i].bar);
+        plan_bar_finish(&plan->workers[i].bar);
     }
-    for (size_t i = 0; plan->blocks && i <= ring_slots(plan->options.threads); i++) {
+    for (size_t i = 0; plan->blocks && i <= ring_slots(plan->asked.options.threads); i++) {
         memory_free(plan->blocks[i].trials);
         memory_free(plan->blocks[i].verdicts);
         memory_free(plan->blocks[i].keys);
         buffer_finish(&plan->blocks[i].strings);
     }
-    for (size_t i = 0; i < plan->count; i++) {
-        plan_constraint_finish(&plan->constraints[i]);
+    for (size_t i = 0; i < plan->asked.count; i++) {
+        plan_constraint_finish(&plan->asked.constraints[i]);
         memory_free(plan->misses ? plan->misses[i] : NULL);
     }
-    plan_order_finish(&plan->order);
+    plan_order_finish(&plan->asked.order);
     finish_entries(&plan->list);
     finish_entries(&plan->infeasible);
-    finish_bar(&plan->bar);
-    memory_free(plan->jitter.errors);
-    memory_free(plan->constraints);
+    plan_bar_finish(&plan->bar);
+    memory_free(plan->asked.jitter.errors);
+    memory_free(plan->asked.constraints);
     memory_free(plan->shanks);
     memory_free(plan->left);
     memory_free((void *)plan->misses);
@@ -315,41 +270,6 @@ void conus_plan_destroy(conus_plan *plan)
     memory_free(plan->kept.items);
     buffer_finish(&plan->state);
     memory_free(plan);
-}
-
-/* Why a row is no candidate; NULL where it is one, and `out` has its needle. */
-static const char *take_needle(conus_planned *out, const conus_pose_row *row, const conus_plan *plan)
-{
-    const double *range = plan->selector->options.range;
-    if (row->error || row->is_point) {
-        return row->error ? row->error : "a point, without the direction that a needle needs";
-    }
-    bool has_angle = row->angle != 0 && plan->selector->options.radius == 0;
-    bool has_normal = vec3_dot(row->normal, row->normal) > 0;
-    *out = (conus_planned){.pose = row->pose,
-                           .near = isnan(row->range[0]) ? range[0] : row->range[0],
-                           .far = !isnan(row->range[1])   ? row->range[1]
-                                  : plan->options.far > 0 ? plan->options.far
-                                                          : range[1],
-                           .angle = has_angle ? row->angle : plan->options.angle,
-                           .has_angle = has_angle,
-                           .entry = row->entry,
-                           .target = row->target,
-                           .p_ok = NAN,
-                           .entry_angle = vec3_angle(row->pose.world_from_device + 8, row->normal)};
-    memcpy(out->normal, row->normal, sizeof out->normal);
-    out->entry_angle = has_normal ? out->entry_angle : NAN;
-    if (has_angle && pose_check_angle(row->angle)) {
-        return conus_message();
-    }
-    for (size_t i = 0; i < plan->count && !has_normal; i++) {
-        if (plan->constraints[i].asked.kind == CONUS_CONSTRAINT_ENTRY_ANGLE) {
-            return "no normal at its entry, which the entry angle needs";
-        }
-    }
-    return out->far == 0 ? "no far end: nothing says how deep it goes"
-           : !(out->near >= 0 && out->far > out->near && isfinite(out->far)) ? "its far end is not beyond its near end"
-                                                                             : NULL;
 }
 
 static void reject(struct rejected *rejected, size_t line, const char *why)
@@ -371,8 +291,8 @@ static conus_status make_maps(conus_plan *plan)
 {
     conus_status status = CONUS_OK;
     plan->was_mapped = true;
-    for (size_t i = 0; i < plan->count && !status; i++) {
-        status = plan_constraint_map(&plan->constraints[i], plan->selector);
+    for (size_t i = 0; i < plan->asked.count && !status; i++) {
+        status = plan_constraint_map(&plan->asked.constraints[i], plan->asked.selector);
     }
     pthread_mutex_lock(&plan->lock);
     plan->bar.has_maps = !status;
@@ -421,8 +341,8 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
         status = !status && is_known && !count ? fail_known(plan) : status;
         plan->rows -= count;
         for (size_t i = 0; i < count && !status; i++) {
-            struct trial *trial = &block->trials[block->count];
-            const char *why = take_needle(&trial->planned, &rows[i], plan);
+            struct plan_trial *trial = &block->trials[block->count];
+            const char *why = plan_trial_begin(&trial->planned, &rows[i], &plan->asked);
             if (why && is_known) {
                 status = fail_known(plan);
                 continue;
@@ -441,147 +361,22 @@ static conus_status read_block(void *user, size_t slot, bool *may_follow)
     }
     *may_follow = count && plan->rows;
     block->end = pose_stream_position(plan->poses);
-    if (!status && !plan->options.no_pruning && !plan->was_mapped &&
+    if (!status && !plan->asked.options.no_pruning && !plan->was_mapped &&
         pose_stream_position(plan->poses) - plan->start >= MAPS_AFTER) {
         status = make_maps(plan);
     }
     return status ? status : buffer_status(&block->strings);
 }
 
-/* The least of all verdicts, and the keys. */
-static void summarise(struct trial *trial, const conus_plan *plan)
-{
-    conus_planned *planned = &trial->planned;
-    double radius = plan->selector->options.radius;
-    planned->leeway = planned->slack = planned->clearance = NAN;
-    planned->leeway_of = planned->clearance_of = SIZE_MAX;
-    for (size_t i = 0; i < plan->count; i++) {
-        const conus_verdict *verdict = &trial->verdicts[i];
-        if (!isnan(verdict->leeway) && !(verdict->leeway >= planned->leeway)) {
-            planned->leeway = verdict->leeway;
-            planned->leeway_of = i;
-        }
-        if (plan_is_clearance(&plan->constraints[i])) {
-            planned->slack = fmin(planned->slack, verdict->slack);
-            if (!(verdict->value - radius >= planned->clearance)) {
-                planned->clearance = verdict->value - radius;
-                planned->clearance_of = i;
-            }
-        }
-    }
-    plan_order_keys(trial->keys, trial->pareto, planned, &plan->order);
-}
-
-static conus_status measure(struct trial *trial, struct plan_judge *judge, const conus_plan *plan, enum plan_care care)
-{
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; i < plan->count && !status; i++) {
-        status = plan_judge(&trial->verdicts[i], judge, i, care);
-    }
-    if (!status) {
-        summarise(trial, plan);
-        trial->is_measured = care == PLAN_ALL;
-    }
-    return status;
-}
-
-/* Adds the key of probability, or that it is below `least`. */
-static conus_status add_chance(struct trial *trial, struct worker *worker, const conus_plan *plan, double least)
-{
-    conus_status status = plan_jitter_ask(&trial->planned, trial->verdicts, &worker->judge, plan->count, &plan->jitter,
-                                          false, least, !plan->options.no_pruning);
-    plan_order_keys(trial->keys, trial->pareto, &trial->planned, &plan->order);
-    return status;
-}
-
-/* Whether a feasible pose may be better than its bar: it is measured no more than that takes. What a
- * pose before it has for its keys is enough to be before it. */
-static conus_status may_enter(bool *out, struct trial *trial, struct worker *worker, const conus_plan *plan)
-{
-    const struct plan_key *first = &plan->order.rank[0];
-    enum plan_quantity quantity = plan->order.names[first->name].quantity;
-    conus_status status = CONUS_OK;
-    *out = true;
-    if (!trial->has_bar) {
-        return CONUS_OK;
-    }
-    double least = trial->bar[0] * (first->step > 0 ? first->step : 1); /* less what nine digits may hide */
-    least -= 1e-8 * fabs(least) + 1e-9;
-    bool has_least = !first->smaller && least > 0 && quantity <= PLAN_CHANCE;
-    for (size_t i = 0; i < 2 * plan->count && has_least && quantity < PLAN_CHANCE && *out && !status;
-         i++) { /* clearances, which are cheaper, first */
-        if (plan_is_clearance(&plan->constraints[i % plan->count]) == (i < plan->count)) {
-            status = plan_judge_least(out, &worker->judge, i % plan->count, quantity, least);
-        }
-    }
-    if (*out && !status) {
-        status = measure(trial, &worker->judge, plan, plan->order.needs_leeway ? PLAN_ALL : PLAN_SLACKS);
-        if (!status && plan->order.needs_chance &&
-            plan_keys_compare(trial->keys, trial->bar, plan->order.sure_count) >= 0) {
-            status = add_chance(trial, worker, plan, has_least && quantity == PLAN_CHANCE ? least : 0);
-        }
-        *out = plan_keys_compare(trial->keys, trial->bar, plan->order.rank_count) > 0;
-        trial->is_measured = trial->is_measured && (*out || !plan->order.needs_chance);
-    }
-    return status;
-}
-
-static conus_status try_pose(struct trial *trial, struct worker *worker, const conus_plan *plan)
-{
-    bool measures_all = plan->options.no_pruning;
-    size_t breaks = 0;
-    size_t enough = measures_all ? SIZE_MAX : worker->bar.has_feasible ? 1 : 2; /* a miss breaks one constraint */
-    conus_status status = CONUS_OK;
-    trial->planned.broken = SIZE_MAX;
-    trial->is_measured = false;
-    plan_judge_turn(&worker->judge, &trial->planned);
-    for (size_t i = 0; i < plan->count && breaks < enough && !status; i++) {
-        status = plan_judge(&trial->verdicts[i], &worker->judge, i, PLAN_HOLDS);
-        if (!trial->verdicts[i].holds && breaks++ == 0) {
-            trial->planned.broken = i;
-        }
-    }
-    trial->planned.feasible = !breaks;
-    trial->is_lone = breaks == 1 && enough > 1;
-    bool is_wanted = measures_all;
-    if (!status && !is_wanted && trial->planned.feasible) {
-        is_wanted = true;
-        status = plan->order.pareto_count ? CONUS_OK : may_enter(&is_wanted, trial, worker, plan);
-    } else if (!status && !is_wanted) {
-        is_wanted = plan->options.infeasible && worker->bar.infeasible < plan->options.top;
-    }
-    if (!status && !is_wanted && trial->is_lone) {
-        conus_verdict *broken = &trial->verdicts[trial->planned.broken];
-        status = plan_judge(broken, &worker->judge, trial->planned.broken, PLAN_SLACKS);
-        is_wanted = -broken->slack < worker->bar.misses[trial->planned.broken];
-    }
-    if (status || !is_wanted) {
-        return status;
-    }
-    status = trial->is_measured ? CONUS_OK : measure(trial, &worker->judge, plan, PLAN_ALL);
-    bool is_due = plan->order.needs_chance && trial->planned.feasible && isnan(trial->planned.p_ok);
-    return status || !is_due ? status : add_chance(trial, worker, plan, 0);
-}
-
-static void copy_bar(struct bar *to, const struct bar *from, const conus_plan *plan)
-{
-    to->has_maps = from->has_maps;
-    to->has_feasible = from->has_feasible;
-    to->is_full = from->is_full;
-    to->infeasible = from->infeasible;
-    memcpy(to->keys, from->keys, plan->order.rank_count * sizeof *to->keys);
-    memcpy(to->misses, from->misses, plan->count * sizeof *to->misses);
-}
-
 /* The best pose so far of a pose's entry or target, with its keys; NULL where it is not kept. */
-static conus_plan_best *best_of(double **keys, const conus_plan *plan, const struct trial *trial, size_t kind)
+static conus_plan_best *best_of(double **keys, const conus_plan *plan, const struct plan_trial *trial, size_t kind)
 {
     const struct bests *bests = &plan->bests[kind];
     uint64_t site = kind == OF_ENTRY ? trial->planned.entry : trial->planned.target;
     if (!site || site > bests->count) {
         return NULL;
     }
-    *keys = bests->keys + (site - 1) * plan->order.rank_count;
+    *keys = bests->keys + (site - 1) * plan->asked.order.rank_count;
     return &bests->items[site - 1];
 }
 
@@ -589,8 +384,8 @@ static conus_plan_best *best_of(double **keys, const conus_plan *plan, const str
  * block may come, too. */
 static void set_bar(struct block *block, size_t index, const conus_plan *plan)
 {
-    struct trial *trial = &block->trials[index];
-    size_t count = plan->order.rank_count;
+    struct plan_trial *trial = &block->trials[index];
+    size_t count = plan->asked.order.rank_count;
     const double *least = plan->bar.keys;
     trial->has_bar = plan->bar.is_full;
     for (size_t k = 0; k < BESTS && trial->has_bar; k++) {
@@ -598,7 +393,7 @@ static void set_bar(struct block *block, size_t index, const conus_plan *plan)
         const conus_plan_best *best = best_of(&keys, plan, trial, k);
         const double *most = best && best->candidate ? keys : NULL;
         for (size_t i = 0; i < index && best; i++) {
-            const struct trial *before = &block->trials[i];
+            const struct plan_trial *before = &block->trials[i];
             double *own = NULL;
             if (before->planned.feasible && before->is_measured && best_of(&own, plan, before, k) == best &&
                 (!most || plan_keys_compare(before->keys, most, count) > 0)) {
@@ -618,26 +413,27 @@ static conus_status answer_block(void *user, size_t slot, size_t worker, const a
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < block->count && !status && !atomic_load_explicit(stop, memory_order_relaxed); i++) {
         pthread_mutex_lock(&plan->lock);
-        copy_bar(&plan->workers[worker].bar, &plan->bar, plan);
+        plan_bar_copy(&plan->workers[worker].bar, &plan->bar, &plan->asked);
         set_bar(block, i, plan);
         pthread_mutex_unlock(&plan->lock);
         plan->workers[worker].judge.leeway.uses_maps = plan->workers[worker].bar.has_maps;
-        status = try_pose(&block->trials[i], &plan->workers[worker], plan);
+        status = plan_trial_try(&block->trials[i], &plan->workers[worker], &plan->asked);
     }
     return status;
 }
 
 /* NULL without memory. */
-static struct entry *keep(const struct trial *trial, const struct block *block, const conus_plan *plan)
+static struct entry *keep(const struct plan_trial *trial, const struct block *block, const conus_plan *plan)
 {
     const char *id = block->strings.data + trial->id;
-    size_t verdicts = plan->count * sizeof(conus_verdict);
-    size_t keys = plan->order.rank_count * sizeof(double);
+    size_t verdicts = plan->asked.count * sizeof(conus_verdict);
+    size_t keys = plan->asked.order.rank_count * sizeof(double);
     size_t size = strlen(id) + 1;
     struct entry *entry = memory_raw(1, sizeof *entry + verdicts + keys + size);
     if (entry) {
         char *behind = (char *)(entry + 1);
-        *entry = (struct entry){trial->planned, (double *)(behind + verdicts), plan->order.rank_count, plan->feasible};
+        *entry =
+            (struct entry){trial->planned, (double *)(behind + verdicts), plan->asked.order.rank_count, plan->feasible};
         entry->planned.verdicts = memcpy(behind, trial->verdicts, verdicts);
         memcpy(behind + verdicts, trial->keys, keys);
         entry->planned.id = memcpy(behind + verdicts + keys, id, size);
@@ -645,7 +441,7 @@ static struct entry *keep(const struct trial *trial, const struct block *block, 
     return entry;
 }
 
-static conus_status keep_in(struct entries *entries, const struct trial *trial, const struct block *block,
+static conus_status keep_in(struct entries *entries, const struct plan_trial *trial, const struct block *block,
                             const conus_plan *plan)
 {
     struct entry *entry = keep(trial, block, plan);
@@ -673,14 +469,14 @@ static void cut_list(conus_plan *plan)
     if (list->count) {
         qsort((void *)list->items, list->count, sizeof(struct entry *), better_first);
     }
-    while (list->count > plan->options.top) {
+    while (list->count > plan->asked.options.top) {
         memory_free(list->items[--list->count]);
     }
 }
 
-static void take_best(conus_plan *plan, const struct trial *trial, size_t kind)
+static void take_best(conus_plan *plan, const struct plan_trial *trial, size_t kind)
 {
-    size_t count = plan->order.rank_count;
+    size_t count = plan->asked.order.rank_count;
     double *keys = NULL;
     conus_plan_best *best = best_of(&keys, plan, trial, kind);
     if (!best) {
@@ -690,7 +486,7 @@ static void take_best(conus_plan *plan, const struct trial *trial, size_t kind)
     if (trial->is_measured && (!best->candidate || plan_keys_compare(trial->keys, keys, count) > 0)) {
         const conus_planned *planned = &trial->planned;
         size_t reach = 0;
-        while (reach < plan->count && plan->constraints[reach].asked.kind != CONUS_CONSTRAINT_REACH) {
+        while (reach < plan->asked.count && plan->asked.constraints[reach].asked.kind != CONUS_CONSTRAINT_REACH) {
             reach++;
         }
         *best = (conus_plan_best){best->feasible,
@@ -699,15 +495,15 @@ static void take_best(conus_plan *plan, const struct trial *trial, size_t kind)
                                   planned->slack,
                                   planned->far,
                                   planned->entry_angle,
-                                  reach < plan->count ? trial->verdicts[reach].value : NAN};
+                                  reach < plan->asked.count ? trial->verdicts[reach].value : NAN};
         memcpy(keys, trial->keys, count * sizeof *keys);
     }
 }
 
-static conus_status take_feasible(conus_plan *plan, const struct trial *trial, const struct block *block)
+static conus_status take_feasible(conus_plan *plan, const struct plan_trial *trial, const struct block *block)
 {
     struct entries *list = &plan->list;
-    size_t keys = plan->order.pareto_count;
+    size_t keys = plan->asked.order.pareto_count;
     conus_status status = CONUS_OK;
     if (keys) {
         if (!memory_reserve(&plan->fronts, &plan->front_capacity, (plan->feasible + 1) * keys, sizeof *plan->fronts) ||
@@ -725,19 +521,20 @@ static conus_status take_feasible(conus_plan *plan, const struct trial *trial, c
         status = keep_in(list, trial, block, plan);
     }
     plan->feasible++;
-    if (list->count > plan->options.top && list->count - plan->options.top > plan->options.top / 4 + SPARE) {
+    if (list->count > plan->asked.options.top &&
+        list->count - plan->asked.options.top > plan->asked.options.top / 4 + SPARE) {
         cut_list(plan);
         plan->bar.is_full = true;
-        memcpy(plan->bar.keys, list->items[list->count - 1]->keys, plan->order.rank_count * sizeof(double));
+        memcpy(plan->bar.keys, list->items[list->count - 1]->keys, plan->asked.order.rank_count * sizeof(double));
     }
     return status;
 }
 
-static conus_status take_infeasible(conus_plan *plan, const struct trial *trial, const struct block *block)
+static conus_status take_infeasible(conus_plan *plan, const struct plan_trial *trial, const struct block *block)
 {
     size_t broken = trial->planned.broken;
     conus_status status = CONUS_OK;
-    if (plan->options.infeasible && plan->infeasible.count < plan->options.top) {
+    if (plan->asked.options.infeasible && plan->infeasible.count < plan->asked.options.top) {
         status = keep_in(&plan->infeasible, trial, block, plan);
         plan->bar.infeasible = plan->infeasible.count;
     }
@@ -753,8 +550,8 @@ static conus_status take_infeasible(conus_plan *plan, const struct trial *trial,
 
 static conus_status report_progress(const conus_plan *plan)
 {
-    conus_progress progress = plan->options.progress;
-    return progress && !progress(plan->options.progress_user, (size_t)plan->left[0], 0)
+    conus_progress progress = plan->asked.options.progress;
+    return progress && !progress(plan->asked.options.progress_user, (size_t)plan->left[0], 0)
                ? fail(CONUS_ERROR_CANCELLED, "the plan was cancelled")
                : CONUS_OK;
 }
@@ -766,8 +563,8 @@ static conus_status deliver_block(void *user, size_t slot)
     conus_status status = CONUS_OK;
     pthread_mutex_lock(&plan->lock);
     for (size_t i = 0; i < block->count && !status; i++) {
-        const struct trial *trial = &block->trials[i];
-        for (size_t k = 0; k <= plan->count && (k == 0 || trial->planned.broken > k - 1); k++) {
+        const struct plan_trial *trial = &block->trials[i];
+        for (size_t k = 0; k <= plan->asked.count && (k == 0 || trial->planned.broken > k - 1); k++) {
             plan->left[k] += !trial->is_known;
         }
         status = trial->planned.feasible ? take_feasible(plan, trial, block) : take_infeasible(plan, trial, block);
@@ -786,11 +583,11 @@ static void stop_reading(void *user)
 /* From what was kept to what is listed. */
 static conus_status complete(conus_plan *plan)
 {
-    uint64_t *front = plan->order.pareto_count ? memory_zeroed(plan->feasible, sizeof *front) : NULL;
+    uint64_t *front = plan->asked.order.pareto_count ? memory_zeroed(plan->feasible, sizeof *front) : NULL;
     conus_status status = CONUS_OK;
-    if (plan->order.pareto_count) {
-        status =
-            front ? plan_fronts(front, plan->fronts, plan->feasible, plan->order.pareto_count) : CONUS_ERROR_MEMORY;
+    if (plan->asked.order.pareto_count) {
+        status = front ? plan_fronts(front, plan->fronts, plan->feasible, plan->asked.order.pareto_count)
+                       : CONUS_ERROR_MEMORY;
     }
     cut_list(plan);
     for (size_t i = 0; i < plan->list.count && !status; i++) {
@@ -799,8 +596,8 @@ static conus_status complete(conus_plan *plan)
         entry->planned.front = front ? front[entry->feasible] : 0;
     }
     memory_free(front);
-    size_t more = plan->options.top - plan->list.count < plan->infeasible.count
-                      ? (size_t)(plan->options.top - plan->list.count)
+    size_t more = plan->asked.options.top - plan->list.count < plan->infeasible.count
+                      ? (size_t)(plan->asked.options.top - plan->list.count)
                       : plan->infeasible.count;
     if (!status &&
         !memory_reserve(&plan->list.items, &plan->list.capacity, plan->list.count + more + 1, sizeof(struct entry *))) {
@@ -816,8 +613,8 @@ static conus_status complete(conus_plan *plan)
 static conus_status read_listed(void *user, size_t slot, bool *may_follow)
 {
     conus_plan *plan = user;
-    plan->blocks[slot].listed = plan->list.items[plan->asked++];
-    *may_follow = plan->asked < plan->list.count;
+    plan->blocks[slot].listed = plan->list.items[plan->listed++];
+    *may_follow = plan->listed < plan->list.count;
     return CONUS_OK;
 }
 
@@ -825,10 +622,11 @@ static conus_status ask_chances(void *user, size_t slot, size_t worker, const at
 {
     conus_plan *plan = user;
     struct entry *entry = plan->blocks[slot].listed;
-    conus_status status = plan_jitter_ask(&entry->planned, (conus_verdict *)(entry + 1), &plan->workers[worker].judge,
-                                          plan->count, &plan->jitter, true, 0, !plan->options.no_pruning);
+    conus_status status =
+        plan_jitter_ask(&entry->planned, (conus_verdict *)(entry + 1), &plan->workers[worker].judge, plan->asked.count,
+                        &plan->asked.jitter, true, 0, !plan->asked.options.no_pruning);
     (void)stop;
-    plan_order_keys(NULL, NULL, &entry->planned, &plan->order); /* the score, of those that are infeasible, too */
+    plan_order_keys(NULL, NULL, &entry->planned, &plan->asked.order); /* the score, of those that are infeasible, too */
     return status;
 }
 
@@ -841,11 +639,11 @@ static conus_status deliver_listed(void *user, size_t slot)
 /* Adds the probabilities of all listed poses. */
 static conus_status add_chances(conus_plan *plan)
 {
-    return !plan->list.count || !plan->jitter.errors
+    return !plan->list.count || !plan->asked.jitter.errors
                ? CONUS_OK
                : ring_run(&(const struct ring){.user = plan,
-                                               .workers = plan->options.threads,
-                                               .slots = ring_slots(plan->options.threads),
+                                               .workers = plan->asked.options.threads,
+                                               .slots = ring_slots(plan->asked.options.threads),
                                                .read = read_listed,
                                                .answer = ask_chances,
                                                .deliver = deliver_listed});
@@ -866,8 +664,8 @@ conus_status conus_plan_run(conus_plan *plan, conus_pose_stream *poses, uint64_t
     plan->start = plan->done;
     pthread_mutex_init(&plan->lock, NULL);
     conus_status status = ring_run(&(const struct ring){.user = plan,
-                                                        .workers = plan->options.threads,
-                                                        .slots = ring_slots(plan->options.threads),
+                                                        .workers = plan->asked.options.threads,
+                                                        .slots = ring_slots(plan->asked.options.threads),
                                                         .read = read_block,
                                                         .answer = answer_block,
                                                         .deliver = deliver_block,
@@ -886,9 +684,9 @@ static conus_status check_state(const conus_plan *plan, const struct plan_known 
     if (plan->was_run) {
         return fail(CONUS_ERROR_ARGUMENT, "a plan that was run takes no state");
     }
-    if (state->lines[PLAN_LEFT].count != plan->count + 1 || (plan->known && from != plan->known)) {
+    if (state->lines[PLAN_LEFT].count != plan->asked.count + 1 || (plan->known && from != plan->known)) {
         return fail(CONUS_ERROR_DATA, "a state of %zu constraints from row %llu on, expected are %zu from row %llu on",
-                    state->lines[PLAN_LEFT].count - 1, (unsigned long long)from + 1, plan->count,
+                    state->lines[PLAN_LEFT].count - 1, (unsigned long long)from + 1, plan->asked.count,
                     (unsigned long long)plan->known + 1);
     }
     for (size_t k = 0; k < BESTS; k++) {
@@ -924,7 +722,7 @@ conus_status conus_plan_add_state(uint64_t *end, conus_plan *plan, const char *t
         plan->kept = (struct plan_numbers){kept, count};
         plan->start = plan->known ? plan->start : lines[PLAN_ROWS].items[0];
         plan->known = lines[PLAN_ROWS].items[1];
-        for (size_t i = 0; i <= plan->count; i++) {
+        for (size_t i = 0; i <= plan->asked.count; i++) {
             plan->left[i] += lines[PLAN_LEFT].items[i];
         }
         for (size_t k = 0; k < BESTS; k++) {
@@ -932,7 +730,7 @@ conus_status conus_plan_add_state(uint64_t *end, conus_plan *plan, const char *t
                 plan->bests[k].items[i].feasible += lines[PLAN_ENTRIES + k].items[i];
             }
         }
-        plan->bar.has_feasible = plan->left[plan->count] > 0;
+        plan->bar.has_feasible = plan->left[plan->asked.count] > 0;
         *end = plan->known;
     }
     plan_known_finish(&state);
@@ -959,8 +757,8 @@ static void list_kept(struct plan_numbers *out, const conus_plan *plan)
             all[count++] = entry ? entry->planned.candidate : 0;
         }
     }
-    for (size_t i = 0; i < plan->count; i++) {
-        bool is_told = plan->misses[i] && !plan->left[plan->count];
+    for (size_t i = 0; i < plan->asked.count; i++) {
+        bool is_told = plan->misses[i] && !plan->left[plan->asked.count];
         all[count++] = is_told ? plan->misses[i]->planned.candidate : 0;
     }
     for (size_t k = 0; k < BESTS; k++) {
@@ -968,7 +766,7 @@ static void list_kept(struct plan_numbers *out, const conus_plan *plan)
             all[count++] = plan->bests[k].items[i].candidate;
         }
     }
-    for (size_t i = 0; i < plan->feasible && plan->order.pareto_count; i++) {
+    for (size_t i = 0; i < plan->feasible && plan->asked.order.pareto_count; i++) {
         all[count++] = plan->front_poses[i];
     }
     for (size_t i = 0; i < plan->kept.count; i++) {
@@ -987,14 +785,15 @@ conus_status conus_plan_state(const char **text, size_t *size, conus_plan *plan)
     uint64_t rows[] = {plan->start, plan->done > plan->known ? plan->done : plan->known};
     uint64_t none[] = {plan->rejected.count, plan->rejected.line};
     size_t sites = (size_t)plan->bests[OF_ENTRY].count + (size_t)plan->bests[OF_TARGET].count;
-    size_t most = plan->list.count + plan->infeasible.count + plan->count + sites + plan->feasible + plan->kept.count;
+    size_t most =
+        plan->list.count + plan->infeasible.count + plan->asked.count + sites + plan->feasible + plan->kept.count;
     uint64_t *numbers = memory_raw(most + sites, sizeof *numbers);
     uint64_t *feasible = numbers;
     if (!numbers) {
         return CONUS_ERROR_MEMORY;
     }
     struct plan_known state = {.lines = {[PLAN_ROWS] = {rows, 2},
-                                         [PLAN_LEFT] = {plan->left, plan->count + 1},
+                                         [PLAN_LEFT] = {plan->left, plan->asked.count + 1},
                                          [PLAN_NONE] = {none, 2},
                                          [PLAN_KEPT] = {numbers + sites, 0}}};
     memcpy(state.why, plan->rejected.why, sizeof state.why);
@@ -1043,12 +842,12 @@ const conus_plan_best *conus_plan_target(const conus_plan *plan, uint64_t target
 
 uint64_t conus_plan_left(const conus_plan *plan, size_t constraints)
 {
-    return constraints <= plan->count ? plan->left[constraints] : 0;
+    return constraints <= plan->asked.count ? plan->left[constraints] : 0;
 }
 
 const conus_planned *conus_plan_miss(const conus_plan *plan, size_t index)
 {
-    bool has_miss = plan->is_done && !plan->left[plan->count] && index < plan->count && plan->misses[index];
+    bool has_miss = plan->is_done && !plan->left[plan->asked.count] && index < plan->asked.count && plan->misses[index];
     return has_miss ? &plan->misses[index]->planned : NULL;
 }
 
@@ -1059,12 +858,12 @@ conus_plan_faults conus_plan_rejected(const conus_plan *plan)
 
 const conus_jitter_options *conus_plan_jitter(const conus_plan *plan)
 {
-    return plan->jitter.errors ? &plan->jitter.options : NULL;
+    return plan->asked.jitter.errors ? &plan->asked.jitter.options : NULL;
 }
 
 bool conus_plan_has_leeway(const conus_plan *plan, size_t index)
 {
-    return index < plan->count && plan->constraints[index].has_leeway;
+    return index < plan->asked.count && plan->asked.constraints[index].has_leeway;
 }
 
 struct plan_judge *plan_judge_of(conus_plan *plan)
@@ -1074,12 +873,12 @@ struct plan_judge *plan_judge_of(conus_plan *plan)
 
 conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const conus_pose_row *row)
 {
-    struct block *block = &plan->blocks[ring_slots(plan->options.threads)];
-    struct trial *trial = block->trials;
+    struct block *block = &plan->blocks[ring_slots(plan->asked.options.threads)];
+    struct plan_trial *trial = block->trials;
     struct plan_judge *judge = plan_judge_of(plan);
     conus_pose_row asked = *row;
     conus_status status = row->error ? CONUS_OK : conus_pose_from_matrix(&asked.pose, row->pose.world_from_device);
-    const char *why = status ? NULL : take_needle(&trial->planned, &asked, plan);
+    const char *why = status ? NULL : plan_trial_begin(&trial->planned, &asked, &plan->asked);
     if (status || why) {
         return status || why == conus_message() ? CONUS_ERROR_ARGUMENT : fail(CONUS_ERROR_ARGUMENT, "%s", why);
     }
@@ -1090,12 +889,13 @@ conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const c
     trial->planned.verdicts = trial->verdicts;
     trial->planned.broken = SIZE_MAX;
     plan_judge_turn(judge, &trial->planned);
-    status = status ? status : measure(trial, judge, plan, PLAN_ALL);
-    if (!status && plan->jitter.errors) {
-        status = plan_jitter_ask(&trial->planned, trial->verdicts, judge, plan->count, &plan->jitter, true, 0, true);
-        plan_order_keys(NULL, NULL, &trial->planned, &plan->order);
+    status = status ? status : plan_trial_measure(trial, judge, &plan->asked, PLAN_ALL);
+    if (!status && plan->asked.jitter.errors) {
+        status = plan_jitter_ask(&trial->planned, trial->verdicts, judge, plan->asked.count, &plan->asked.jitter, true,
+                                 0, true);
+        plan_order_keys(NULL, NULL, &trial->planned, &plan->asked.order);
     }
-    for (size_t i = plan->count; i-- > 0;) {
+    for (size_t i = plan->asked.count; i-- > 0;) {
         trial->planned.broken = trial->verdicts[i].holds ? trial->planned.broken : i;
     }
     trial->planned.feasible = trial->planned.broken == SIZE_MAX;
@@ -1108,7 +908,7 @@ conus_status conus_plan_try(const conus_planned **out, conus_plan *plan, const c
 conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, size_t constraint, double depth)
 {
     const conus_planned *planned = conus_plan_pose(plan, pose);
-    if (!planned || constraint >= plan->count || !plan->constraints[constraint].has || !isfinite(depth)) {
+    if (!planned || constraint >= plan->asked.count || !plan->asked.constraints[constraint].has || !isfinite(depth)) {
         return fail(CONUS_ERROR_ARGUMENT, "pose %zu, constraint %zu, %g mm: no such pose, structure or depth", pose,
                     constraint, depth);
     }
@@ -1121,15 +921,15 @@ conus_status conus_plan_distance(double *out, conus_plan *plan, size_t pose, siz
 
 size_t conus_plan_constraint_count(const conus_plan *plan)
 {
-    return plan ? plan->count : 0;
+    return plan ? plan->asked.count : 0;
 }
 
 const conus_constraint *conus_plan_constraint(const conus_plan *plan, size_t index)
 {
-    return index < plan->count ? &plan->constraints[index].asked : NULL;
+    return index < plan->asked.count ? &plan->asked.constraints[index].asked : NULL;
 }
 
 const char *conus_plan_name(const conus_plan *plan, size_t index)
 {
-    return index < plan->count ? plan->constraints[index].name : NULL;
+    return index < plan->asked.count ? plan->asked.constraints[index].name : NULL;
 }

@@ -95,6 +95,10 @@ void plan_judge_finish(struct plan_judge *judge);
 /** Turns to another candidate. */
 void plan_judge_turn(struct plan_judge *judge, const conus_planned *pose);
 
+/** mm to the farthest point of the pose's needles from a point, or from the line through it along the unit vector
+ * @p along unless that is NULL. */
+double plan_judge_lever(const struct plan_judge *judge, const double pivot[3], const double along[3]);
+
 /** The verdict on constraint @p index. Less care leaves members as they were. */
 conus_status plan_judge(conus_verdict *out, struct plan_judge *judge, size_t index, enum plan_care care);
 

@@ -279,15 +279,7 @@ static conus_status init_box(struct box *out, struct plan_judge *judge, const co
     memcpy(out->shifts, options->shifts, sizeof out->shifts);
     vec3_add_scaled(out->pivot, m + 12, options->pivot_at_tip ? pose->far : options->pivot, direction);
     plan_judge_turn(judge, pose);
-    for (size_t i = 0; i < judge->shank_count; i++) {
-        const struct needle *needle = &judge->shanks[i].needle;
-        for (int end = 0; end < 2; end++) {
-            double at[3];
-            needle_point(at, needle, end ? needle->far : needle->near);
-            vec3_sub(at, at, out->pivot);
-            out->lever = fmax(out->lever, vec3_length(at));
-        }
-    }
+    out->lever = plan_judge_lever(judge, out->pivot, NULL);
     return CONUS_OK;
 }
 

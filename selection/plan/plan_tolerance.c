@@ -59,25 +59,6 @@ static void move(conus_planned *out, const struct motion *motion, double s)
     }
 }
 
-/* mm that a point of a needle moves at most by a turn of 1: both its ends are looked at. */
-static double find_lever(const struct motion *motion, struct plan_judge *judge)
-{
-    double lever = 0;
-    plan_judge_turn(judge, motion->from);
-    for (size_t i = 0; i < judge->shank_count; i++) {
-        const struct needle *needle = &judge->shanks[i].needle;
-        for (int end = 0; end < 2; end++) {
-            double at[3];
-            double across[3];
-            needle_point(at, needle, end ? needle->far : needle->near);
-            vec3_sub(at, at, motion->pivot);
-            vec3_cross(across, at, motion->along);
-            lever = fmax(lever, vec3_length(across));
-        }
-    }
-    return lever;
-}
-
 static void init_motion(struct motion *out, struct plan_judge *judge, const conus_planned *pose,
                         const conus_tolerance *row, const conus_tolerance_options *options)
 {
@@ -117,7 +98,8 @@ static void init_motion(struct motion *out, struct plan_judge *judge, const conu
     vec3_scale(out->along, out->along, row->negative ? -1 : 1);
     double pivot = options->pivot_at_tip ? pose->far : options->pivot;
     vec3_add_scaled(out->pivot, m + 12, pivot, direction);
-    out->lever = out->is_turn ? find_lever(out, judge) : 1;
+    plan_judge_turn(judge, pose);
+    out->lever = out->is_turn ? plan_judge_lever(judge, out->pivot, out->along) : 1;
 }
 
 static struct course start_course(const struct plan_constraint *constraint, const struct motion *motion,

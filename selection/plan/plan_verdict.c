@@ -55,6 +55,22 @@ void plan_judge_turn(struct plan_judge *judge, const conus_planned *pose)
     }
 }
 
+double plan_judge_lever(const struct plan_judge *judge, const double pivot[3], const double along[3])
+{
+    double lever = 0;
+    for (size_t i = 0; i < 2 * judge->shank_count; i++) { /* the farthest is an end of one */
+        const struct needle *needle = &judge->shanks[i / 2].needle;
+        double at[3];
+        needle_point(at, needle, i % 2 ? needle->far : needle->near);
+        vec3_sub(at, at, pivot);
+        if (along) {
+            vec3_cross(at, at, along);
+        }
+        lever = fmax(lever, vec3_length(at));
+    }
+    return lever;
+}
+
 static conus_status follow(struct plan_judge *judge)
 {
     conus_status status = CONUS_OK;
