@@ -181,6 +181,14 @@ const struct traced *file_trace_find(const struct file_trace *trace, const char 
     const struct traced key = {.kind = TRACE_FILE, .path = (char *)path};
     const struct traced *found =
         trace->count ? bsearch(&key, trace->items, trace->count, sizeof key, compare_items) : NULL;
+    size_t length = strlen(path);
+    bool is_folder = found && found->kind == TRACE_FOLDER;
+    for (size_t i = 0; is_folder && i < trace->count; i++) {
+        const struct traced *item = &trace->items[i];
+        if (item->kind == TRACE_FILE && strncmp(item->path, path, length) == 0 && item->path[length] == '/') {
+            return item;
+        }
+    }
     return found && found->kind == TRACE_FILE ? found : NULL;
 }
 

@@ -56,7 +56,7 @@ bool file_trace_is_settled(const struct file_trace *trace);
 /** Whether every question has the same answer now. Files are opened for it: on NFS, only that asks the server. */
 bool file_trace_holds(const struct file_trace *trace);
 
-/** The regular file @p path of an ended trace, or NULL. */
+/** The regular file @p path of an ended trace, or one in the folder @p path, such as a store of Zarr; else NULL. */
 const struct traced *file_trace_find(const struct file_trace *trace, const char *path);
 
 /** Appends the trace as bytes. */

@@ -113,6 +113,23 @@ is_kept() {
     [ "$stderr" = 'conus: note: nothing is kept, since neither XDG_CACHE_HOME nor HOME is an absolute path' ]
 }
 
+@test "a store of Zarr is kept, and read again when a chunk comes" {
+    own_cache
+    mkdir two.zarr
+    echo '{"zarr_format": 2, "shape": [2, 2, 2], "chunks": [1, 2, 2], "dtype": "|u1", "order": "C", "compressor": null,
+        "fill_value": 0}' > two.zarr/.zarray
+    printf 1111 > two.zarr/0.0.0
+    local store=two.zarr,resolution=1000,orientation=asr
+    wait_until "$BASHPID" is_kept $store --origin=-1,-1,3 --direction=0,0,-1
+    "$CONUS" info $store --format json > second
+    CONUS_CACHE=off "$CONUS" info $store --format json > without
+    cmp without second
+    grep -q '1 of 2 chunks are there' second
+    printf 2222 > two.zarr/1.0.0
+    "$CONUS" info $store --format json > third
+    grep -q '"index": 50' third
+}
+
 @test "what is neither off nor a size is refused, but not where no cache is asked for" {
     own_cache
     "$CONUS" phantom sphere -o phantom
