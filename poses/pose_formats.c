@@ -2,6 +2,7 @@
 /* The formats of poses: their names and parsers, and what a file's first bytes say that it is. */
 #include "poses/pose_formats.h"
 
+#include "base/child/hdf5.h"
 #include "base/formats/matlab.h"
 #include "base/status.h"
 #include "poses/pose_table.h"
@@ -36,6 +37,7 @@ static const struct {
     [CONUS_POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse},
     [CONUS_POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native},
     [CONUS_POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse},
+    [CONUS_POSE_FORMAT_NWB] = {"nwb", pose_nwb_parse},
 };
 
 enum { FORMATS = sizeof formats / sizeof formats[0] };
@@ -71,9 +73,10 @@ conus_pose_format pose_format_guess(struct text text, bool all, size_t *used)
     const char *begin = text.data;
     const char *end = text.data + text.size;
     struct text line;
-    if (matlab_is(text)) { /* which program's is found when all of it is read */
+    bool is_hdf5 = hdf5_is((const uint8_t *)text.data, text.size);
+    if (matlab_is(text) || is_hdf5) { /* which program's MATLAB is found when all of it is read */
         *used = 0;
-        return CONUS_POSE_FORMAT_SIMNIBS;
+        return matlab_is(text) ? CONUS_POSE_FORMAT_SIMNIBS : CONUS_POSE_FORMAT_NWB;
     }
     *used = text.size;
     while (text_line(&text, &line)) {
@@ -107,7 +110,6 @@ const char *pose_format_refused(struct text text)
         {"BZh", "packed by bzip2: unpack it, or let bzip2 -dc write it to standard input"},
         {"\x28\xb5\x2f\xfd", "packed by zstd: unpack it, or let zstd -dc write it to standard input"},
         {"PK\x03\x04", "a zip file or a spreadsheet: unpack it, or export it as text with tabs or commas"},
-        {"\x89HDF", "HDF5, but not of MATLAB"},
         {"\xd0\xcf\x11\xe0", "a spreadsheet: export it as text with tabs or commas"},
         {"(", "a table of the sites of SpikeGLX's probe (.imro) says which are on, and not where the probe lies"},
         {"channel_groups", "a layout of a probe's channels (.prb) says where they are on it, and not where it lies"},

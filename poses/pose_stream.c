@@ -142,6 +142,11 @@ static bool is_whole(const conus_pose_stream *stream)
     return pose_format_parser(stream->format) != NULL;
 }
 
+static bool is_of_rodents(conus_pose_format format)
+{
+    return format == CONUS_POSE_FORMAT_IBL || format == CONUS_POSE_FORMAT_NWB;
+}
+
 /* Warns where a head in metres would be as small: all positions lie within 1 mm of the origin, but not at it, or three
  * and more within 0.2 mm of each other. In the CCF, from bregma and in IBL's files the positions of a probe are as near
  * to each other. */
@@ -149,7 +154,7 @@ static conus_status note_extent(conus_pose_stream *stream)
 {
     const struct extent extent = stream->extent;
     stream->extent = (struct extent){0};
-    bool of_people = stream->options.space < CONUS_SPACE_CCF && stream->format != CONUS_POSE_FORMAT_IBL;
+    bool of_people = stream->options.space < CONUS_SPACE_CCF && !is_of_rodents(stream->format);
     if (!of_people || stream->is_partial) {
         return CONUS_OK;
     }
@@ -188,11 +193,11 @@ static conus_status read_whole(conus_pose_stream *stream)
         status = pose_ibl_is(&is_ibl, text);
         stream->format = is_ibl ? CONUS_POSE_FORMAT_IBL : stream->format;
     }
-    /* Positions in the CCF or from bregma are of tables, points and of IBL; other programs' files are of people. */
-    if (!status && stream->options.space >= CONUS_SPACE_CCF && stream->format != CONUS_POSE_FORMAT_IBL) {
-        status =
-            fail(CONUS_ERROR_DATA, "positions of format %s are not in space %s, which tables, points and ibl may be",
-                 conus_pose_format_name(stream->format), conus_space_name((size_t)stream->options.space));
+    /* Positions in the CCF or from bregma are of tables, points, IBL and NWB; other programs' files are of people. */
+    if (!status && stream->options.space >= CONUS_SPACE_CCF && !is_of_rodents(stream->format)) {
+        status = fail(CONUS_ERROR_DATA,
+                      "positions of format %s are not in space %s, which tables, points, ibl and nwb may be",
+                      conus_pose_format_name(stream->format), conus_space_name((size_t)stream->options.space));
     }
     status = status ? status : pose_format_parser(stream->format)(&stream->whole, text, &stream->options);
     if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {

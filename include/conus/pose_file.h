@@ -47,8 +47,9 @@ typedef enum conus_pose_format {
     CONUS_POSE_FORMAT_INVESALIUS, /**< InVesalius's markers, .mkss. */
     CONUS_POSE_FORMAT_LEAD_DBS,   /**< Lead-DBS's reconstruction: contacts in MNI space, points. */
     CONUS_POSE_FORMAT_LEAD_DBS_NATIVE, /**< The same in the patient's own space. */
-    CONUS_POSE_FORMAT_IBL /**< The International Brain Laboratory's xyz_picks.json and channel_locations.json:
+    CONUS_POSE_FORMAT_IBL, /**< The International Brain Laboratory's xyz_picks.json and channel_locations.json:
                                      points, in #CONUS_SPACE_CCF or #CONUS_SPACE_BREGMA only. */
+    CONUS_POSE_FORMAT_NWB  /**< Electrodes of Neurodata Without Borders: points, in the same spaces only. */
 } conus_pose_format;
 
 /**

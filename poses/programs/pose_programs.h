@@ -5,6 +5,7 @@
 #ifndef CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
 #define CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H
 
+#include "base/child/hdf5.h"
 #include "conus/pose_file.h"
 #include "poses/rows/pose_list.h"
 
@@ -53,6 +54,12 @@ conus_status pose_lead_dbs_find(bool *found, struct text text, const conus_pose_
 
 /** Localite's markers, InstrumentMarker*.xml and TriggerMarkers*.xml. */
 conus_status pose_localite_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+
+/** The electrodes of NWB, in HDF5: points, in a frame in CCF or from bregma. @p text is no longer than pose_memory().
+ */
+conus_status pose_nwb_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
+/** The same of the columns of electrodes in @p hdf5. */
+conus_status pose_nwb_from_hdf5(conus_pose_list *list, const struct hdf5 *hdf5, const conus_pose_options *options);
 
 /** 3D Slicer's markups: .mrk.json, lines and points, or .fcsv, points. */
 conus_status pose_markups_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);

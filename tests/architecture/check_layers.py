@@ -72,8 +72,8 @@ LIBRARY = {
     "atlas/fit": "base base/geometry atlas/surface atlas",
     "atlas/phantom": "base base/geometry atlas/labels atlas/surface atlas",
     "poses/rows": "base base/files base/geometry",
-    "poses/programs": "base base/files base/geometry base/formats poses/rows",
-    "poses": "base base/geometry base/formats poses/rows poses/programs",
+    "poses/programs": "base base/files base/child base/geometry base/formats poses/rows",
+    "poses": "base base/child base/geometry base/formats poses/rows poses/programs",
     "loaders/formats": "base base/files base/formats base/child",
     # file_kind.c asks the table of formats, and the readers of label tables.
     "loaders": "base loaders/labels loaders/formats base/formats",

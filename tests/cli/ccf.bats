@@ -39,6 +39,22 @@ ask() {
     done
 }
 
+@test "NWB: electrodes are points in CCF, of micrometres; what AllenSDK wrote lacks a side" {
+    [ -x "${CONUS_HDF5:-${CONUS%/*}/conus-hdf5}" ] || skip 'no conus-hdf5'
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/hdf5.py" nwb "$BATS_TEST_TMPDIR/e.nwb" || skip 'no python3-h5py'
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/hdf5.py" allensdk "$BATS_TEST_TMPDIR/allen.nwb"
+    ask ras.nii --space ccf --pose "$BATS_TEST_TMPDIR/e.nwb"
+    diff expected.txt "$BATS_TEST_TMPDIR/labels"
+    [ "$(sed -n '2s/\t.*//p' <<<"$output")" = probe-0 ]
+    fails 3 'e.nwb: NWB states neither the origin nor the unit of its positions: space ccf or bregma is needed' \
+        query ras.nii --pose "$BATS_TEST_TMPDIR/e.nwb" --radius 1
+    fails 3 'allen.nwb: columns y and z are equal in every row' \
+        query ras.nii --space ccf --pose "$BATS_TEST_TMPDIR/allen.nwb" --radius 1 --quiet
+    head -c 3000 "$BATS_TEST_TMPDIR/e.nwb" >"$BATS_TEST_TMPDIR/cut.nwb"
+    fails 3 'cut.nwb: HDF5: cannot open it' \
+        query ras.nii --space ccf --pose "$BATS_TEST_TMPDIR/cut.nwb" --radius 1 --quiet
+}
+
 @test "a position from bregma is the same voxel, and --bregma puts it elsewhere" {
     for form in $forms; do
         ask $form --space bregma --pose bregma.txt

@@ -6,7 +6,9 @@ simnibs   MATLAB 7.3: pos(1, 2), each with a name and a matsimnibs
 table     MATLAB 7.3: reco is an object
 minc      MINC 2: N = 20 voxels of 1 mm each way around 0, a box of label 3 (10 mm) in label 1; each slice has a scale
 image     MINC 2: the same grid, values from 0 to 1e-4
-colour    MINC 2 with a vector_dimension"""
+colour    MINC 2 with a vector_dimension
+nwb       electrodes at the positions "x y z" of the lines of points.txt, in micrometres
+allensdk  the same, but that z is y"""
 import sys
 
 try:
@@ -91,7 +93,20 @@ def volume(kind, path, n="20"):
         minc(file, values, names)
 
 
-if sys.argv[1] in ("minc", "image", "colour"):
+def nwb(kind, path):
+    points = np.loadtxt("points.txt", ndmin=2)[:, :3]
+    points[:, 2] = points[:, 1] if kind == "allensdk" else points[:, 2]
+    with h5py.File(path, "w") as file:
+        table = file.create_group("general/extracellular_ephys/electrodes")
+        for name, column in zip("xyz", points.T):
+            table[name] = column.astype("f4")
+        table["id"] = np.arange(len(points))
+        table["group_name"] = np.array(["probe"] * len(points), h5py.string_dtype())
+
+
+if sys.argv[1] in ("nwb", "allensdk"):
+    nwb(*sys.argv[1:])
+elif sys.argv[1] in ("minc", "image", "colour"):
     volume(*sys.argv[1:])
 else:
     matlab(sys.argv[2], {"lead-dbs": lead_dbs, "simnibs": simnibs, "table": table}[sys.argv[1]])

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A pose that is read without error is rigid, whatever the format, the axis and the space; and passing over rows counts
  * them as reading does. */
+#include "base/child/hdf5.h"
 #include "base/geometry/math3.h"
 #include "poses/pose_stream.h"
 
@@ -34,6 +35,9 @@ static size_t read_rows(struct text text, const conus_pose_options *options)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     const struct text text = {(const char *)data, size};
+    if (hdf5_is(data, size) || text_starts(text, "MATLAB 7")) {
+        return 0; /* a process of conus-hdf5 each; see fuzz_matlab.c, fuzz_nwb.c */
+    }
     const conus_pose_options axes = {.space = CONUS_SPACE_LPS, .axis = (conus_axis)(size % 7)};
     const conus_pose_options shafts = {.format = CONUS_POSE_FORMAT_ELECTRODES, .along_shafts = true};
     const conus_pose_options coils = {.format = CONUS_POSE_FORMAT_SIMNIBS, .max_memory = 1 << 20};
