@@ -6,8 +6,8 @@
 #include "base/status.h"
 #include "conus/mask.h"
 
-/** NIfTI's codes of a scanner's own space, and of one that is aligned to something. */
-enum { SPACE_SCANNER = 1, SPACE_ALIGNED = 2 };
+/** NIfTI's codes of a scanner's own space, of one that is aligned to something, and of the MNI's. */
+enum { SPACE_SCANNER = 1, SPACE_ALIGNED = 2, SPACE_MNI = 4 };
 
 /** out = inverse of @p m, which must be affine, finite and not singular. The error names @p words, the source of m. */
 conus_status space_invert(double out[16], const double m[16], const char *words);

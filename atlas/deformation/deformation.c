@@ -10,7 +10,8 @@
 
 /* The eight nodes around a point. */
 struct cell {
-    const float *corner[8]; /* bit 0: the second along i; bit 1: along j; bit 2: along k */
+    const struct deformation *field;
+    size_t corner[8]; /* where their vectors begin; bit 0: the second along i; bit 1: along j; bit 2: along k */
     double part[3];
     bool flat[3]; /* at the border, where the value does not change */
 };
@@ -32,8 +33,22 @@ static void find_cell(struct cell *out, const struct deformation *field, const d
         size_t i = c & 1 ? high[0] : low[0];
         size_t j = c & 2 ? high[1] : low[1];
         size_t k = c & 4 ? high[2] : low[2];
-        out->corner[c] = field->vectors + 3 * (i + field->dim[0] * (j + field->dim[1] * k));
+        out->corner[c] = 3 * (i + field->dim[0] * (j + field->dim[1] * k));
     }
+    out->field = field;
+}
+
+/* The number at this place among the vectors. */
+static double number_at(const struct deformation *field, size_t place)
+{
+    double number = (double)field->vectors[place];
+    return field->rest ? number + (double)field->rest[place] : number;
+}
+
+/* Component n of the vector at a corner. */
+static double corner_of(const struct cell *cell, int corner, int n)
+{
+    return number_at(cell->field, cell->corner[corner] + (size_t)n);
 }
 
 static double between(double a, double b, double part)
@@ -46,7 +61,7 @@ static double value_in(const struct cell *cell, int n)
 {
     double along[4];
     for (int c = 0; c < 4; c++) {
-        along[c] = between((double)cell->corner[2 * c][n], (double)cell->corner[2 * c + 1][n], cell->part[0]);
+        along[c] = between(corner_of(cell, 2 * c, n), corner_of(cell, 2 * c + 1, n), cell->part[0]);
     }
     return between(between(along[0], along[1], cell->part[1]), between(along[2], along[3], cell->part[1]),
                    cell->part[2]);
@@ -61,7 +76,7 @@ static double slope_in(const struct cell *cell, int n, int axis)
     double edges[4];
     for (int e = 0; e < 4; e++) {
         int c = (e & 1 ? bits[u] : 0) + (e & 2 ? bits[v] : 0);
-        edges[e] = (double)cell->corner[c + bits[axis]][n] - (double)cell->corner[c][n];
+        edges[e] = corner_of(cell, c + bits[axis], n) - corner_of(cell, c, n);
     }
     return between(between(edges[0], edges[1], cell->part[u]), between(edges[2], edges[3], cell->part[u]),
                    cell->part[v]);
@@ -182,12 +197,20 @@ bool deformation_holds(const struct deformation *field, const double q[3])
     return true;
 }
 
+/* Where no vector is, points stay, unless an affine is a part of the field. */
+static bool has_affine(const struct deformation *field)
+{
+    return !mat4_is_same(field->base, field->world_from_voxel);
+}
+
 bool deformation_point(double out[3], const struct deformation *field, const double p[3])
 {
     double q[3];
     mat4_point(q, field->voxel_from_world, p);
     if (deformation_holds(field, q)) {
         deformation_at(out, field, q);
+    } else if (field->stays_outside && has_affine(field)) {
+        mat4_point(out, field->base, q);
     } else if (field->stays_outside) {
         memmove(out, p, 3 * sizeof *out);
     } else {
@@ -212,8 +235,22 @@ void deformation_finish(struct deformation *field)
     if (!field->is_borrowed) {
         memory_free(field->vectors);
         memory_free(field->coefficients);
+        memory_free(field->rest);
     }
     *field = (struct deformation){0};
+}
+
+void deformation_fold(struct deformation *field, const double before[16], const double after[16])
+{
+    double world[16];
+    if (mat4_invert_affine(world, before)) { /* the caller has tried */
+        mat4_multiply(field->world_from_voxel, world, field->world_from_voxel);
+        mat4_multiply(field->voxel_from_world, field->voxel_from_world, before);
+    }
+    mat4_multiply(field->base, after, field->base);
+    for (int column = 0; column < 3; column++) {
+        mat4_direction(field->linear + (ptrdiff_t)4 * column, after, field->linear + (ptrdiff_t)4 * column);
+    }
 }
 
 void transform_finish(struct transform *transform)
@@ -253,8 +290,8 @@ static void find_image(double out[3], double q[3], const struct deformation *fie
     if (field->coefficients) {
         deformation_at(out, field, q);
     } else {
-        const float *v = field->vectors + 3 * (place[0] + field->dim[0] * (place[1] + field->dim[1] * place[2]));
-        const double vector[3] = {(double)v[0], (double)v[1], (double)v[2]};
+        const size_t v = 3 * (place[0] + field->dim[0] * (place[1] + field->dim[1] * place[2]));
+        const double vector[3] = {number_at(field, v), number_at(field, v + 1), number_at(field, v + 2)};
         place_vector(out, field, q, vector);
     }
 }
@@ -460,10 +497,14 @@ static bool is_within_reach(const struct deformation *field, const double target
 static enum deformation_found outside(double out[3], const struct deformation *field, const double target[3])
 {
     double q[3];
-    mat4_point(q, field->voxel_from_world, target);
+    double p[3];
+    double voxel_from_image[16];
+    bool moves = has_affine(field) && mat4_invert_affine(voxel_from_image, field->base);
+    mat4_point(q, moves ? voxel_from_image : field->voxel_from_world, target);
+    mat4_point(p, field->world_from_voxel, q);
     bool stays = field->stays_outside && !deformation_holds(field, q);
     for (int a = 0; a < 3; a++) {
-        out[a] = stays ? target[a] : NAN;
+        out[a] = !stays ? NAN : moves ? p[a] : target[a];
     }
     return DEFORMATION_OUTSIDE;
 }
@@ -482,6 +523,18 @@ enum deformation_found deformation_find(double out[3], const struct deformation 
         return DEFORMATION_FOUND;
     }
     return is_at_border(q, field) ? outside(out, field, goal) : DEFORMATION_LOST;
+}
+
+enum deformation_found deformations_find(double out[3], const struct deformation *fields, size_t count,
+                                         const double target[3])
+{
+    enum deformation_found found = DEFORMATION_FOUND;
+    memmove(out, target, 3 * sizeof *out);
+    for (size_t i = 0; i < count && found != DEFORMATION_LOST && vec3_is_finite(out); i++) {
+        enum deformation_found step = deformation_find(out, &fields[i], out);
+        found = step == DEFORMATION_FOUND ? found : step;
+    }
+    return found;
 }
 
 enum { MEASURED = 64 }; /* nodes along an axis that are enough */

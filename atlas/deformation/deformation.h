@@ -15,11 +15,12 @@ struct deformation {
     double linear[16];      /**< From a vector to mm. The last column is 0.                                           */
     float *vectors;         /**< [3 dim[0] dim[1] dim[2]] The three of a node together, i fastest; owned. NaN: the
                                field says nothing there.                                                              */
+    float *rest;            /**< The same: what doubles have beyond the vectors' single precision; NULL = nothing.    */
     double *coefficients;   /**< [3][dim[0] dim[1] dim[2]] In place of vectors, those of x, then y, then z, i fastest;
                                owned. v(q) is their sum by cubic B-splines of the 64 nodes around q. The grid then has
                                4 nodes or more along each axis, and ends at the last but one. */
-    bool stays_outside;     /**< A point outside of the grid stays in place; else it has no image. */
-    bool is_borrowed;       /**< Vectors and coefficients are not the field's own.                                    */
+    bool stays_outside;     /**< Outside of the grid a vector is 0: a point q goes to base q. Else it has no image.   */
+    bool is_borrowed;       /**< Vectors, rest and coefficients are not the field's own.                              */
     double start[16];       /**< An affine near the inverse of the field, from mm to indices: deformation_measure(). */
     double low[3], high[3]; /**< Approximate bounds of the nodes' positions: deformation_measure(). */
 };
@@ -81,9 +82,17 @@ enum deformation_found {
     DEFORMATION_LOST,    /**< The search ended inside of the grid: the field folds there, or has no values. */
 };
 
+/** Affines that points go through before the field, and behind it, become parts of the field. */
+void deformation_fold(struct deformation *field, const double before[16], const double after[16]);
+
 /** Finds the world point whose image is @p target: Newton's steps, halved until they come nearer, from the affine near
  * the inverse, then from the nearest of some nodes. @p out is set with DEFORMATION_FOUND; with DEFORMATION_OUTSIDE and
- * stays_outside it is @p target if that lies outside of the grid, and NaN otherwise. One of several points is found. */
+ * stays_outside it is the point outside of the grid that goes there, and NaN where there is none. One of several points
+ * is found. */
 enum deformation_found deformation_find(double out[3], const struct deformation *field, const double target[3]);
+
+/** The same back through @p count fields, the first one first. DEFORMATION_OUTSIDE if it was outside of any. */
+enum deformation_found deformations_find(double out[3], const struct deformation *fields, size_t count,
+                                         const double target[3]);
 
 #endif

@@ -113,48 +113,55 @@ struct parts {
     struct notes notes; /* about the surfaces' shapes */
 };
 
-/* Reserves a place for one more warp, which counts only when the atlas has moved. */
-static conus_status reserve_warp(struct warp_way *way, conus_atlas *atlas, const struct deformation *field)
+/* Reserves places for more warps, which count only when the atlas has moved. */
+static conus_status reserve_warps(struct warp_way *way, conus_atlas *atlas, const struct deformation *fields,
+                                  size_t count)
 {
-    struct warp *warps = memory_resize(atlas->warps, atlas->warp_count + 1, sizeof *warps);
+    struct warp *warps = memory_resize(atlas->warps, atlas->warp_count + count, sizeof *warps);
     if (!warps) {
         return CONUS_ERROR_MEMORY;
     }
     atlas->warps = warps;
-    warps[atlas->warp_count].field = *field;
-    mat4_identity(warps[atlas->warp_count].after);
+    for (size_t i = 0; i < count; i++) {
+        warps[atlas->warp_count + i].field = fields[i];
+        mat4_identity(warps[atlas->warp_count + i].after);
+    }
     if (atlas->is_moved) {
         memcpy(warps[atlas->warp_count].after, atlas->own_from_world, sizeof atlas->own_from_world);
     }
-    *way = (struct warp_way){.warps = warps, .count = atlas->warp_count + 1};
+    *way = (struct warp_way){.warps = warps, .count = atlas->warp_count + count};
     mat4_identity(way->first);
     return CONUS_OK;
 }
 
-conus_status atlas_warp(conus_atlas *atlas, struct deformation *field, const struct warp_plan *plan)
+conus_status atlas_warp_all(conus_atlas *atlas, struct deformation *fields, size_t count, const struct warp_plan *plan)
 {
     struct parts parts = {0};
     struct warp_way way;
     size_t note_count = atlas->notes.count;
     conus_status status = check_state(atlas);
-    status = status ? status : reserve_warp(&way, atlas, field);
+    bool stays = true;
+    status = status ? status : reserve_warps(&way, atlas, fields, count);
     status = status ? status : warped_volumes_init(&parts.volumes, atlas, &way, plan);
-    status = status ? status : warped_meshes_init(&parts.meshes, atlas, field, &parts.notes);
-    status = status ? status : warped_tracts_init(&parts.tracts, atlas, field);
+    status = status ? status : warped_meshes_init(&parts.meshes, atlas, fields, count, &parts.notes);
+    status = status ? status : warped_tracts_init(&parts.tracts, atlas, fields, count);
     if (!status) {
         status = note_move(&atlas->notes, plan);
-        status = status ? status : note_facts(&atlas->notes, field, plan->words);
+        for (size_t i = 0; !status && i < count; i++) {
+            status = note_facts(&atlas->notes, &fields[i], plan->words);
+            stays = stays && fields[i].stays_outside;
+        }
         status = status ? status : warped_volumes_note(&parts.volumes, atlas, plan->words);
-        status = status ? status : note_meshes(&atlas->notes, &parts.meshes, field->stays_outside, plan->words);
-        status = status ? status : note_tracts(&atlas->notes, &parts.tracts, field->stays_outside, plan->words);
+        status = status ? status : note_meshes(&atlas->notes, &parts.meshes, stays, plan->words);
+        status = status ? status : note_tracts(&atlas->notes, &parts.tracts, stays, plan->words);
         status = status ? status : notes_move(&atlas->notes, &parts.notes);
     }
     if (!status) {
         warped_volumes_take(&parts.volumes, atlas);
         warped_meshes_take(&parts.meshes, atlas);
         bundles_take(atlas, parts.tracts.items);
-        atlas->warps[atlas->warp_count++].field = *field;
-        *field = (struct deformation){0};
+        atlas->warp_count += count;
+        memset(fields, 0, count * sizeof *fields);
         mat4_identity(atlas->own_from_world);
         atlas->is_moved = true;
     } else {
@@ -165,6 +172,11 @@ conus_status atlas_warp(conus_atlas *atlas, struct deformation *field, const str
     warped_tracts_finish(&parts.tracts, atlas->tractogram_count);
     notes_finish(&parts.notes);
     return status;
+}
+
+conus_status atlas_warp(conus_atlas *atlas, struct deformation *field, const struct warp_plan *plan)
+{
+    return atlas_warp_all(atlas, field, 1, plan);
 }
 
 conus_status atlas_move_onto(conus_atlas *atlas, const double atlas_from_world[16], const struct warp_plan *plan)

@@ -21,6 +21,10 @@ struct warp_plan {
  * is hidden, or an attached atlas was warped before; CONUS_ERROR_MEMORY. */
 conus_status atlas_warp(conus_atlas *atlas, struct deformation *field, const struct warp_plan *plan);
 
+/** The same by @p count fields at once, through which points of the new space go, the last one first: all of them move
+ * the atlas, or none. */
+conus_status atlas_warp_all(conus_atlas *atlas, struct deformation *fields, size_t count, const struct warp_plan *plan);
+
 /** atlas_move(), and resamples the voxels that warps have moved on plan->grid. CONUS_ERROR_ARGUMENT if none has. */
 conus_status atlas_move_onto(conus_atlas *atlas, const double atlas_from_world[16], const struct warp_plan *plan);
 

@@ -57,8 +57,18 @@ static const char *name_of(const conus_atlas *atlas, size_t mesh)
     return "a surface";
 }
 
+/* Whether the map of the fields as a whole mirrors. */
+static bool mirrors(const struct deformation *fields, size_t count)
+{
+    bool is = false;
+    for (size_t i = 0; i < count; i++) {
+        is = is != (mat4_determinant3(fields[i].start) * mat4_determinant3(fields[i].world_from_voxel) < 0);
+    }
+    return is;
+}
+
 static conus_status move_mesh(struct warped_meshes *out, size_t index, const conus_atlas *atlas,
-                              const struct deformation *field, struct notes *notes)
+                              const struct deformation *fields, size_t count, struct notes *notes)
 {
     const struct mesh *old = &atlas->meshes[index];
     struct mesh *mesh = &out->items[index];
@@ -70,7 +80,7 @@ static conus_status move_mesh(struct warped_meshes *out, size_t index, const con
     for (size_t i = 0; i < mesh->vertex_count; i++) {
         float *p = &mesh->positions[3 * i];
         double point[3] = {(double)p[0], (double)p[1], (double)p[2]};
-        enum deformation_found found = deformation_find(point, field, point);
+        enum deformation_found found = deformations_find(point, fields, count, point);
         out->vertices++;
         out->outside += found == DEFORMATION_OUTSIDE;
         out->lost += found == DEFORMATION_LOST;
@@ -88,7 +98,7 @@ static conus_status move_mesh(struct warped_meshes *out, size_t index, const con
     if (!mesh->triangle_count) {
         return fail(CONUS_ERROR_DATA, "nothing of %s is where the field leads to", name_of(atlas, index));
     }
-    if (mat4_determinant3(field->start) * mat4_determinant3(field->world_from_voxel) < 0) {
+    if (mirrors(fields, count)) {
         for (size_t i = 0; i < mesh->triangle_count; i++) {
             uint32_t second = mesh->triangles[3 * i + 1];
             mesh->triangles[3 * i + 1] = mesh->triangles[3 * i + 2];
@@ -99,13 +109,13 @@ static conus_status move_mesh(struct warped_meshes *out, size_t index, const con
     return status ? status : mesh_measure(&mesh->shape, mesh);
 }
 
-conus_status warped_meshes_init(struct warped_meshes *out, const conus_atlas *atlas, const struct deformation *field,
-                                struct notes *notes)
+conus_status warped_meshes_init(struct warped_meshes *out, const conus_atlas *atlas, const struct deformation *fields,
+                                size_t count, struct notes *notes)
 {
     struct warped_meshes meshes = {.items = memory_zeroed(atlas->mesh_count, sizeof *meshes.items)};
     conus_status status = meshes.items ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < atlas->mesh_count; i++) {
-        status = move_mesh(&meshes, i, atlas, field, notes);
+        status = move_mesh(&meshes, i, atlas, fields, count, notes);
     }
     if (status) {
         warped_meshes_finish(&meshes, atlas->mesh_count);

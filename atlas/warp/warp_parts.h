@@ -37,9 +37,9 @@ struct warped_meshes {
     size_t triangles, cut; /**< All, and those left out. */
 };
 
-/** Moves the surfaces back through @p field. */
-conus_status warped_meshes_init(struct warped_meshes *out, const conus_atlas *atlas, const struct deformation *field,
-                                struct notes *notes);
+/** Moves the surfaces back through @p count fields, the first one first. */
+conus_status warped_meshes_init(struct warped_meshes *out, const conus_atlas *atlas, const struct deformation *fields,
+                                size_t count, struct notes *notes);
 void warped_meshes_take(struct warped_meshes *meshes, conus_atlas *atlas);
 void warped_meshes_finish(struct warped_meshes *meshes, size_t count);
 
@@ -50,8 +50,9 @@ struct warped_tracts {
     uint64_t streamlines, cut; /**< All, and those left out. */
 };
 
-/** Moves streamlines back through @p field. CONUS_ERROR_DATA where nothing of a tractogram is left. */
-conus_status warped_tracts_init(struct warped_tracts *out, const conus_atlas *atlas, const struct deformation *field);
+/** Moves streamlines likewise. CONUS_ERROR_DATA where nothing of a tractogram is left. */
+conus_status warped_tracts_init(struct warped_tracts *out, const conus_atlas *atlas, const struct deformation *fields,
+                                size_t count);
 void warped_tracts_finish(struct warped_tracts *tracts, size_t count);
 
 #endif

@@ -21,14 +21,14 @@ void warped_tracts_finish(struct warped_tracts *tracts, size_t count)
 
 /* Moves the points of streamline @p k behind those of @p out. False where one has no place. */
 static bool move_streamline(struct warped_tracts *counts, struct tractogram *out, const struct tractogram *old,
-                            uint32_t k, const struct deformation *field)
+                            uint32_t k, const struct deformation *fields, size_t count)
 {
     bool whole = true;
     float *to = out->points + 3 * out->point_count;
     for (uint64_t i = old->first[k]; i < old->first[k + 1]; i++, to += 3) {
         double point[3];
         tractogram_point(point, old, i);
-        enum deformation_found found = deformation_find(point, field, point);
+        enum deformation_found found = deformations_find(point, fields, count, point);
         counts->points++;
         counts->outside += found == DEFORMATION_OUTSIDE;
         counts->lost += found == DEFORMATION_LOST;
@@ -113,7 +113,7 @@ static conus_status settle(struct tractogram *out, const uint32_t *numbers, cons
 }
 
 static conus_status move_tractogram(struct warped_tracts *counts, struct tractogram *out, const struct tractogram *old,
-                                    const struct deformation *field)
+                                    const struct deformation *fields, size_t count)
 {
     uint32_t *numbers = memory_raw(old->streamline_count, sizeof *numbers);
     out->points = memory_raw(old->point_count, 3 * sizeof *out->points);
@@ -121,7 +121,7 @@ static conus_status move_tractogram(struct warped_tracts *counts, struct tractog
     conus_status status = numbers && out->points && out->first ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
         for (uint32_t k = 0; k < old->streamline_count; k++) {
-            bool whole = move_streamline(counts, out, old, k, field);
+            bool whole = move_streamline(counts, out, old, k, fields, count);
             numbers[k] = whole ? (uint32_t)out->streamline_count++ : GONE;
             if (whole) {
                 out->point_count += old->first[k + 1] - old->first[k];
@@ -136,12 +136,13 @@ static conus_status move_tractogram(struct warped_tracts *counts, struct tractog
     return status;
 }
 
-conus_status warped_tracts_init(struct warped_tracts *out, const conus_atlas *atlas, const struct deformation *field)
+conus_status warped_tracts_init(struct warped_tracts *out, const conus_atlas *atlas, const struct deformation *fields,
+                                size_t count)
 {
     struct warped_tracts tracts = {.items = memory_zeroed(atlas->tractogram_count, sizeof *tracts.items)};
     conus_status status = tracts.items ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = 0; !status && i < atlas->tractogram_count; i++) {
-        status = move_tractogram(&tracts, &tracts.items[i], &atlas->tractograms[i], field);
+        status = move_tractogram(&tracts, &tracts.items[i], &atlas->tractograms[i], fields, count);
     }
     if (status) {
         warped_tracts_finish(&tracts, atlas->tractogram_count);

@@ -23,6 +23,9 @@ void file_sums_finish(struct file_sums *sums);
 /** Adds @p path with the sum of @p content, the bytes that were read from it, unless it is there. */
 conus_status file_sums_add(struct file_sums *sums, const char *path, const struct bytes *content);
 
+/** The same of an open file, whose bytes are read for it, a part at a time. */
+conus_status file_sums_add_open(struct file_sums *sums, const struct open_file *file);
+
 /** Adds @p path with its sum, unless it is there. */
 conus_status file_sums_put(struct file_sums *sums, const char *path, const char sha256[65]);
 

@@ -237,10 +237,11 @@ typedef struct conus_transform_options {
 #define CONUS_TRANSFORM_OPTIONS_INIT CONUS_INIT_(conus_transform_options)
 
 /**
- * Brings the atlas to where poses are, by a file that moves points from there to the atlas. By an affine (ITK's text or
- * .mat, FreeSurfer's .lta or register.dat, the MNI's .xfm, FSL's matrix, or 4 x 4 numbers of RAS mm) matrices of voxels
- * are composed, exactly, and vertices and streamlines are moved. By a deformation field (of ITK, SPM or FSL, as NIfTI)
- * or a B-spline (of ITK, as its affines) voxels are resampled: one of the new grid is what the atlas's own voxel
+ * Brings the atlas to where poses are, by a file that moves points from there to the atlas: an affine, a field, a
+ * B-spline, or a composite of these, which in HDF5 (of ITK or X5) needs the program conus-hdf5. By an affine (ITK's text
+ * or .mat, FreeSurfer's .lta or register.dat, the MNI's .xfm, FSL's matrix, or 4 x 4 numbers of RAS mm) matrices of
+ * voxels are composed, exactly, and vertices and streamlines are moved. By a deformation field (of ITK, SPM or FSL, as
+ * NIfTI) or a B-spline (of ITK, as its affines) voxels are resampled: one of the new grid is what the atlas's own voxel
  * nearest to where its centre goes is, by one search through all that moves the atlas. Vertices and points of
  * streamlines go where the field leads back to them, to 1e-6 mm before rounding to float; triangles with one for which
  * there is no such place are left out, and so are whole streamlines with such a point; a note tells. All that the atlas
@@ -248,7 +249,7 @@ typedef struct conus_transform_options {
  * Before a selector or renderer is made, and before something is hidden; conus_atlas_set_hemispheres() comes before a
  * field. Of several transforms, which points go through one after the other, the last one is given first.
  * docs/spaces.md has the formats.
- * @param atlas The atlas; unchanged on failure, but that a part of a composite with a B-spline may have moved it.
+ * @param atlas The atlas; unchanged on failure.
  * @param path The file.
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where the file cannot be read or is damaged, for a matrix

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_transform(): moves an atlas by affines and fields. */
+/* conus_atlas_transform(): moves an atlas by an affine, a field, or a chain of both. */
 #include "atlas/atlas.h"
 #include "atlas/fit/area_points.h"
 #include "atlas/placement.h"
@@ -8,8 +8,10 @@
 #include "base/files/file_sums.h"
 #include "base/geometry/math3.h"
 #include "base/options.h"
+#include "loaders/transform/chain_file.h"
 #include "loaders/transform/field_file.h"
 #include "loaders/transform/transform_file.h"
+#include "loaders/transform/transform_name.h"
 #include "loaders/volumes/volume_file.h"
 
 #include <string.h>
@@ -68,14 +70,12 @@ static conus_status transform_images_note(conus_atlas *atlas, const conus_transf
     return status;
 }
 
-static const double unit[16] = {1, [5] = 1, [10] = 1, [15] = 1};
-
 /* Voxels for what a field moves: its nodes; for a spline, whose nodes are far apart, as small as the atlas's smallest,
  * from one end of its grid to the other. */
 static conus_status find_grid(conus_volume_info *out, const conus_atlas *atlas, const struct deformation *field)
 {
     enum { MOST = 100000 };
-    conus_volume_info grid = {0};
+    conus_volume_info grid = {.volume_count = 1};
     double matrix[16];
     double edge = INFINITY;
     memcpy(matrix, field->world_from_voxel, sizeof matrix);
@@ -105,31 +105,24 @@ static conus_status find_grid(conus_volume_info *out, const conus_atlas *atlas, 
     return status;
 }
 
-/* Moves the atlas by all of a chain, from the last one that points go through to the first. */
-static conus_status move_along(conus_atlas *atlas, struct transform *way, const struct warp_plan *plan)
+/* Moves the atlas by all of a chain, or not at all. */
+static conus_status move_along(conus_atlas *atlas, struct transform_chain *chain, const struct warp_plan *plan)
 {
-    bool is_affine = !mat4_is_same(way->first, unit);
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < way->warp_count; i++) {
-        struct warp *warp = &way->warps[i];
-        conus_volume_info nodes = {0};
-        struct warp_plan own = *plan;
-        bool is_last = i + 1 == way->warp_count && !is_affine;
-        status = mat4_is_same(warp->after, unit) ? CONUS_OK : atlas_move(atlas, warp->after, plan->words);
-        status = status ? status : find_grid(&nodes, atlas, &warp->field);
-        own.grid = is_last && plan->grid ? plan->grid : &nodes;
-        status = status ? status : atlas_warp(atlas, &warp->field, &own);
+    conus_volume_info nodes;
+    struct warp_plan own = *plan;
+    if (!chain->count) {
+        return plan->grid ? atlas_move_onto(atlas, chain->matrix, plan) : atlas_move(atlas, chain->matrix, plan->words);
     }
-    if (status || (way->warp_count && !is_affine)) {
-        return status;
-    }
-    return plan->grid ? atlas_move_onto(atlas, way->first, plan) : atlas_move(atlas, way->first, plan->words);
+    conus_status status = plan->grid ? CONUS_OK : find_grid(&nodes, atlas, &chain->fields[chain->count - 1]);
+    own.grid = plan->grid ? plan->grid : &nodes;
+    return status ? status : atlas_warp_all(atlas, chain->fields, chain->count, &own);
 }
 
 static conus_status move_by_transform(conus_atlas *atlas, const char *path, const conus_transform_options *options,
                                       const struct warp_plan *plan, struct file_sums *read)
 {
     struct transform way = {0};
+    struct transform_chain chain = {0};
     if (options->vectors) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: vectors of a field are relative or absolute, and this is none", path);
     }
@@ -143,7 +136,9 @@ static conus_status move_by_transform(conus_atlas *atlas, const char *path, cons
     status = status || !options->from ? status : transform_images_note(atlas, options);
     status = status ? status : transform_images_sum(read, atlas, options);
     status = status ? status : file_sums_move(&atlas->files, read);
-    status = status ? status : move_along(atlas, &way, plan);
+    status = status ? status : chain_of(&chain, &way);
+    status = status ? status : move_along(atlas, &chain, plan);
+    transform_chain_finish(&chain);
     transform_finish(&way);
     return status;
 }
@@ -163,11 +158,74 @@ static conus_status move_by_field(conus_atlas *atlas, const char *path, const co
     return status;
 }
 
+static bool is_of_mni(const conus_atlas *atlas)
+{
+    bool is = false;
+    for (size_t i = 0; i < atlas->volume_count; i++) {
+        const conus_volume_info *info = &atlas->volumes[i].info;
+        is = is || info->space_code == SPACE_MNI || (info->path && strstr(info->path, "MNI"));
+    }
+    return is;
+}
+
+/* The trap of BIDS names: a file that moves images from the patient to the MNI moves points the other way. */
+static conus_status note_direction(conus_atlas *atlas, const char *path, bool inverse)
+{
+    struct text from;
+    struct text to;
+    if (!transform_name_points(&from, &to, path)) {
+        return CONUS_OK;
+    }
+    if (inverse) {
+        struct text kept = from;
+        from = to;
+        to = kept;
+    }
+    if (is_of_mni(atlas) && transform_name_is_mni(from) && !transform_name_is_mni(to)) {
+        return notes_warn(&atlas->notes,
+                          "%s: by its name it moves points of %.*s to %.*s, but the atlas is in the MNI's space: for "
+                          "poses in %.*s the file of the other direction is needed",
+                          path, TEXT_SHOW(from, 40), TEXT_SHOW(to, 40), TEXT_SHOW(to, 40));
+    }
+    return notes_add(
+        &atlas->notes,
+        "%s: by its name it moves points of %.*s to %.*s: it is for poses in the first and an atlas in the "
+        "second",
+        path, TEXT_SHOW(from, 40), TEXT_SHOW(to, 40));
+}
+
+static conus_status move_by_chain(conus_atlas *atlas, const char *path, const conus_transform_options *options,
+                                  const struct warp_plan *plan, struct file_sums *read)
+{
+    struct transform_chain chain = {0};
+    if (options->from || options->to || options->vectors) {
+        return fail(CONUS_ERROR_ARGUMENT,
+                    "%s: from, to, relative and absolute are of files of FSL, ITK and SPM that are no HDF5", path);
+    }
+    conus_status status = chain_file_read(&chain, path, options->max_memory, read, &atlas->notes);
+    if (!status && options->inverse && chain.count) {
+        status =
+            fail(CONUS_ERROR_UNSUPPORTED,
+                 "%s: a chain with a deformation field is not inverted; the file of the other direction is needed: "
+                 "InverseComposite.h5 for Composite.h5 (ANTs), from-B_to-A for from-A_to-B (fMRIPrep)",
+                 path);
+    }
+    status = status ? status : transform_images_sum(read, atlas, options);
+    status = status ? status : file_sums_move(&atlas->files, read);
+    if (!status && options->inverse) {
+        (void)mat4_invert_affine(chain.matrix, chain.matrix); /* which the reader has tried */
+    }
+    status = status ? status : move_along(atlas, &chain, plan);
+    transform_chain_finish(&chain);
+    return status;
+}
+
 conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const conus_transform_options *options)
 {
     struct file_sums read = {0};
     conus_volume_info grid;
     bool is_field = false;
+    bool is_chain = false;
     if (!atlas || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_transform: an atlas and a path are needed");
     }
@@ -178,7 +236,12 @@ conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const c
     size_t note_count = atlas->notes.count;
     conus_status status = options->grid ? volume_file_header(&grid, options->grid) : CONUS_OK;
     status = status ? status : field_file_is(&is_field, path);
-    status = status ? status : (is_field ? move_by_field : move_by_transform)(atlas, path, options, &plan, &read);
+    status = status || is_field ? status : chain_file_is(&is_chain, path);
+    status = status || is_field ? status : note_direction(atlas, path, options->inverse);
+    status = status ? status
+                    : (is_field   ? move_by_field
+                       : is_chain ? move_by_chain
+                                  : move_by_transform)(atlas, path, options, &plan, &read);
     if (status) {
         file_sums_cut(&atlas->files, file_count);
         notes_cut(&atlas->notes, note_count);

@@ -411,27 +411,17 @@ static conus_status fail_kind(const char *path, const struct bytes *file)
 {
     static const struct {
         const char *begin, *words;
-        const char *tail; /* behind the path; NULL = neither */
     } kinds[] = {
-        {"\x89HDF\r\n\x1a\n",
-         "an HDF5 file, which is not read; ANTs takes a composite apart, into PREFIX and the like: "
-         "CompositeTransformUtil --disassemble ",
-         " PREFIX"},
-        {"MATLAB 5.0",
-         "a MATLAB file of level 5, which is not read as a transform; ITK's (level 4, as "
-         "out_0GenericAffine.mat) and 4 x 4 numbers of RAS mm as text are",
-         NULL},
-        {"(Transform ",
-         "elastix's parameters, which are not read; with (WriteITKCompositeTransform \"true\") and "
-         "(ITKTransformOutputFileNameExtension \"tfm\") among its own, elastix writes ITK's text",
-         NULL},
-        {"/NumWaves", "a design matrix of FSL's statistics, and no transform", NULL},
+        {"MATLAB 5.0", "a MATLAB file of level 5, which is not read as a transform; ITK's (level 4, as "
+                       "out_0GenericAffine.mat) and 4 x 4 numbers of RAS mm as text are"},
+        {"(Transform ", "elastix's parameters, which are not read; with (WriteITKCompositeTransform \"true\") and "
+                        "(ITKTransformOutputFileNameExtension \"tfm\") among its own, elastix writes ITK's text"},
+        {"/NumWaves", "a design matrix of FSL's statistics, and no transform"},
     };
     const struct text text = {(const char *)file->data, file->size};
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         if (text_starts(text, kinds[i].begin) || (kinds[i].begin[0] == '(' && text_mentions(text, "\n(Transform "))) {
-            return fail(CONUS_ERROR_UNSUPPORTED, "%s%s%s", kinds[i].words, kinds[i].tail ? path : "",
-                        kinds[i].tail ? kinds[i].tail : "");
+            return fail(CONUS_ERROR_UNSUPPORTED, "%s", kinds[i].words);
         }
     }
     return file_kind_fail(path, file, transform_needed);

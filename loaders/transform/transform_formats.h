@@ -37,6 +37,10 @@ conus_status itk_text_parse(struct transform *out, struct text text, size_t chos
 bool itk_matlab_is(const uint8_t *data, size_t size);
 conus_status itk_matlab_parse(struct transform *out, const uint8_t *data, size_t size);
 
+/** Whether the type of a transform, "AffineTransform_double_3_3", is @p type, "AffineTransform", in 3-D. */
+bool itk_is_type(struct text name, const char *type);
+bool itk_is_composite(struct text name);
+
 /** FLIRT's coordinates of a voxel: mm along the axes from the first one, x turned around where the axes are
  * right-handed in RAS ("neurological"). */
 void flirt_from_voxel(double out[16], const conus_volume_info *info);

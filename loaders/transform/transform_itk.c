@@ -98,9 +98,10 @@ static bool is_spline(struct text name)
 /* CONUS_OK for the types that are known. */
 static conus_status check_type(struct text name)
 {
-    static const char *const read[] = {"AffineTransform",      "MatrixOffsetTransformBase", "Rigid3DTransform",
-                                       "Euler3DTransform",     "VersorRigid3DTransform",    "Similarity3DTransform",
-                                       "TranslationTransform", "IdentityTransform"};
+    static const char *const read[] = {
+        "AffineTransform",        "MatrixOffsetTransformBase",  "Rigid3DTransform",        "Euler3DTransform",
+        "VersorRigid3DTransform", "Similarity3DTransform",      "TranslationTransform",    "IdentityTransform",
+        "ScaleTransform",         "ScaleSkewVersor3DTransform", "QuaternionRigidTransform"};
     bool found = is_spline(name);
     for (size_t i = 0; i < sizeof read / sizeof read[0]; i++) {
         found = found || is_type(name, read[i]);
@@ -116,8 +117,37 @@ static conus_status check_type(struct text name)
     return found ? CONUS_OK
                  : fail(CONUS_ERROR_UNSUPPORTED,
                         "Transform: %.*s; read are Affine, MatrixOffsetBase, Rigid3D, Euler3D, VersorRigid3D, "
-                        "Similarity3D, Translation, Identity and cubic BSpline, in 3-D, and composites of them",
+                        "Similarity3D, ScaleSkewVersor3D, QuaternionRigid, Scale, Translation, Identity and cubic "
+                        "BSpline, in 3-D, and composites of them",
                         size, name.data);
+}
+
+/* A turn by p[0..2], to which scales p[6..8] and skews p[9..14] are added: itk::ScaleSkewVersor3DTransform. */
+static conus_status set_skewed(double r[3][3], const double *p)
+{
+    static const int place[6][2] = {{0, 1}, {0, 2}, {1, 0}, {1, 2}, {2, 0}, {2, 1}};
+    conus_status status = set_versor(r, p);
+    for (int i = 0; !status && i < 3; i++) {
+        r[i][i] += p[6 + i] - 1;
+    }
+    for (int i = 0; !status && i < 6; i++) {
+        r[place[i][0]][place[i][1]] += p[9 + i];
+    }
+    return status;
+}
+
+/* The matrix of a quaternion as ITK has it: a turn, scaled by the square of the length. */
+static conus_status set_quaternion(double r[3][3], const double q[4])
+{
+    double square = vec3_dot(q, q) + q[3] * q[3];
+    double unit = (q[3] < 0 ? -1 : 1) / sqrt(square);
+    const double v[3] = {unit * q[0], unit * q[1], unit * q[2]};
+    conus_status status =
+        square > 0 ? set_versor(r, v) : fail(CONUS_ERROR_DATA, "Parameters: a quaternion of length 0");
+    for (int i = 0; !status && i < 9; i++) {
+        r[i / 3][i % 3] *= square;
+    }
+    return status;
 }
 
 /* The matrix of an affine one. */
@@ -145,6 +175,20 @@ static conus_status itk_matrix(double out[16], const struct itk_entry *entry)
         t = status ? zero : p + 3;
         for (int i = 0; !status && scaled && i < 9; i++) {
             r[i / 3][i % 3] *= p[6];
+        }
+    } else if (is_type(name, "ScaleSkewVersor3DTransform")) {
+        status = check_counts(name, count, 15, fixed_count, 3, 3);
+        status = status ? status : set_skewed(r, p);
+        t = status ? zero : p + 3;
+    } else if (is_type(name, "QuaternionRigidTransform")) {
+        status = check_counts(name, count, 7, fixed_count, 3, 3);
+        status = status ? status : set_quaternion(r, p);
+        t = status ? zero : p + 4;
+    } else if (is_type(name, "ScaleTransform")) {
+        status = check_counts(name, count, 3, fixed_count, 3, 3);
+        t = zero;
+        for (int i = 0; !status && i < 3; i++) {
+            r[i][i] = p[i];
         }
     } else if (is_type(name, "TranslationTransform")) {
         status = check_counts(name, count, 3, fixed_count, 0, 0);
@@ -476,4 +520,14 @@ conus_status itk_matlab_parse(struct transform *out, const uint8_t *data, size_t
     memory_free(entry.parameters);
     memory_free(entry.fixed);
     return status;
+}
+
+bool itk_is_type(struct text name, const char *type)
+{
+    return is_type(name, type);
+}
+
+bool itk_is_composite(struct text name)
+{
+    return is_composite(name);
 }

@@ -446,7 +446,7 @@ static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
     (void)owner;
     struct warp *warp = item;
     struct warp plain = *warp;
-    plain.field.vectors = NULL;
+    plain.field.vectors = plain.field.rest = NULL;
     plain.field.coefficients = NULL;
     plain.field.is_borrowed = true;
     pack_bytes(walk, &plain, sizeof plain);
@@ -457,7 +457,7 @@ static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
         return;
     }
     if (walk->mode == PACK_ATTACH) {
-        plain.field.vectors = NULL;
+        plain.field.vectors = plain.field.rest = NULL;
         plain.field.coefficients = NULL;
         plain.field.is_borrowed = true;
         *warp = plain;
@@ -465,6 +465,7 @@ static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
     const size_t *dim = plain.field.dim;
     size_t nodes = dim[0] * dim[1] * dim[2];
     pack_array(walk, &warp->field.vectors, nodes, 3 * sizeof *warp->field.vectors);
+    pack_array(walk, &warp->field.rest, nodes, 3 * sizeof *warp->field.rest);
     pack_array(walk, &warp->field.coefficients, nodes, 3 * sizeof *warp->field.coefficients);
     bool is_spline = warp->field.coefficients;
     bool sound = is_spline ? dim[0] > 3 && dim[1] > 3 && dim[2] > 3 : warp->field.vectors != NULL;

@@ -111,6 +111,92 @@ static void a_point_between_two_nodes_has_a_part_of_both(void **state)
     free(made);
 }
 
+/* A rest is what a double has beyond its float: 0.1 is 1.5e-9 more as a float. */
+static void doubles_are_whole(void **state)
+{
+    (void)state;
+    struct made *made = make(stay);
+    size_t node = 5 + 11 * (6 + 13 * 7);
+    size_t count = (size_t)3 * 11 * 13 * 15;
+    made->field.rest = calloc(count, sizeof *made->field.rest);
+    for (size_t n = node; n < node + 2; n++) {
+        made->vectors[3 * n + 1] = 0.1F;
+        made->field.rest[3 * n + 1] = (float)(0.1 - (double)0.1F);
+    }
+    double p[3] = {0.5, 0, 0};
+    const size_t indices[3] = {5, 6, 7};
+    assert_true(deformation_point(p, &made->field, p));
+    assert_near(p[1], 0.1, 1e-16);
+    deformation_node(p, &made->field, indices);
+    assert_near(p[1], 0.1, 1e-16);
+    free(made->field.rest);
+    free(made);
+}
+
+/* before, then the field, then after; outside of the field before, then after. And back. */
+static void affines_become_parts_of_a_field(void **state)
+{
+    (void)state;
+    static const double before[16] = {0.8, 0.6, 0, 0, -0.6, 0.8, 0, 0, 0, 0, 1.25, 0, 1, 2, 3, 1};
+    static const double after[16] = {1, 0.25, 0, 0, 0, 0.5, 0, 0, 0.5, 0, -1, 0, -4, 5, 6, 1};
+    struct made *plain = make(wave);
+    struct made *made = make(wave);
+    uint64_t random = 3;
+    plain->field.stays_outside = made->field.stays_outside = true;
+    deformation_fold(&made->field, before, after);
+    assert_ok(deformation_measure(&plain->field));
+    assert_ok(deformation_measure(&made->field));
+    for (int i = 0; i < 400; i++) {
+        const double p[3] = {test_random(&random, -15, 15), test_random(&random, -15, 15),
+                             test_random(&random, -15, 15)};
+        double got[3];
+        double wanted[3];
+        double back[3];
+        assert_true(deformation_point(got, &made->field, p));
+        mat4_point(wanted, before, p);
+        double inner[3];
+        memcpy(inner, wanted, sizeof inner);
+        assert_true(deformation_point(wanted, &plain->field, wanted));
+        mat4_point(wanted, after, wanted);
+        vec3_sub(wanted, wanted, got);
+        assert_near(vec3_length(wanted), 0, 1e-12);
+        mat4_point(inner, plain->field.voxel_from_world, inner);
+        if (deformation_find(back, &made->field, got) == DEFORMATION_FOUND) {
+            assert_true(deformation_point(back, &made->field, back));
+        } else { /* a point that lies outside and was not moved by the field */
+            assert_false(deformation_holds(&plain->field, inner));
+            assert_true(deformation_point(back, &made->field, back));
+        }
+        vec3_sub(back, back, got);
+        assert_near(vec3_length(back), 0, 2e-6);
+    }
+    free(plain);
+    free(made);
+}
+
+/* Back through two fields is back through one, then the other. */
+static void several_fields_are_gone_back_through_in_turn(void **state)
+{
+    (void)state;
+    struct made *first = make(wave);
+    struct made *second = make(shear);
+    assert_ok(deformation_measure(&first->field));
+    assert_ok(deformation_measure(&second->field));
+    const struct deformation fields[2] = {first->field, second->field};
+    const double start[3] = {1, -2, 3};
+    const double far[3] = {500, 0, 0};
+    double p[3];
+    assert_true(deformation_point(p, &second->field, start));
+    assert_true(deformation_point(p, &first->field, p));
+    assert_int_equal(deformations_find(p, fields, 2, p), DEFORMATION_FOUND);
+    vec3_sub(p, p, start);
+    assert_near(vec3_length(p), 0, 1e-5);
+    assert_int_equal(deformations_find(p, fields, 2, far), DEFORMATION_OUTSIDE);
+    assert_true(isnan(p[0]));
+    free(first);
+    free(second);
+}
+
 /* The last node along x is at 10, so the grid ends at 11; there the vector is the border's, (3, 0, 0). */
 static void the_grid_ends_half_a_step_outside_of_its_nodes(void **state)
 {
@@ -408,6 +494,9 @@ TEST_GROUP(deformation)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_linear_field_is_exact_between_nodes),
         cmocka_unit_test(a_point_between_two_nodes_has_a_part_of_both),
+        cmocka_unit_test(doubles_are_whole),
+        cmocka_unit_test(affines_become_parts_of_a_field),
+        cmocka_unit_test(several_fields_are_gone_back_through_in_turn),
         cmocka_unit_test(the_grid_ends_half_a_step_outside_of_its_nodes),
         cmocka_unit_test(nodes_without_a_value_take_points_nowhere),
         cmocka_unit_test(the_way_back_leads_back),

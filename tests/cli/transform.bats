@@ -203,9 +203,6 @@ shifts() {
     printf '1 0 0 7\n0 1 0 0\n0 0 0 0\n0 0 0 1\n' >flat.txt
     fails 3 "flat.txt: the matrix is singular" query nested.nii.gz $aim --atlas-transform flat.txt
     answers query nested.nii.gz $aim --atlas-transform right.mat,from=nested.nii.gz,to=nested.nii.gz --quiet
-    printf '\211HDF\r\n\032\n' >to_mni.h5
-    fails 3 'to_mni.h5: an HDF5 file, which is not read; ANTs takes a composite apart' query nested.nii.gz $aim \
-        --atlas-transform to_mni.h5
     printf '1 0 0 7\n0 nan 0 0\n0 0 1 0\n0 0 0 1\n' >nan.txt
     fails 3 'nan.txt: matrix: row 2: "nan", four finite numbers are needed' query nested.nii.gz $aim \
         --atlas-transform nan.txt
@@ -245,4 +242,77 @@ END
     has '  covers       x 0 to 64, y 1e-05 to 64, z -32 to 32 mm'
     answers info sphere.nii.gz --atlas-transform turn.txt --format json
     [ "$(jq '.moved.atlas_from_world[0][1] | . != 0 and . > -1e-15 and . < 1e-15' <<<"$output")" = true ]
+}
+
+# right.h5 shifts like right.txt, in two steps; field.h5 by a field; linked.h5 leads to another file.
+composites() {
+    shifts
+    [ -x "$(dirname "$CONUS")/conus-hdf5" ] || skip "no conus-hdf5"
+    /usr/bin/python3 -c 'import h5py' || skip "no python3-h5py"
+    /usr/bin/python3 -B - <<'END'
+import h5py
+import numpy as np
+
+def write(name, *steps):
+    file = h5py.File(name, "w")
+    for i, (kind, numbers, fixed) in enumerate(steps):
+        group = file.create_group(f"TransformGroup/{i}")
+        group.create_dataset("TransformType", data=[f"{kind}_double_3_3"], dtype=h5py.string_dtype())
+        if fixed is not None:
+            group["TransformParameters"] = np.array(numbers, "f8")
+            group["TransformFixedParameters"] = np.array(fixed, "f8")
+    return file
+
+chain = ("CompositeTransform", [], None)
+write("right.h5", chain, ("TranslationTransform", [-3, 5, 0], []), ("TranslationTransform", [-4, -5, 0], []))
+grid = [9, 9, 9, -200, -200, -200, 50, 50, 50, 1, 0, 0, 0, 1, 0, 0, 0, 1]
+write("field.h5", chain, ("DisplacementFieldTransform", np.tile([-7.0, 0, 0], 729), grid))
+file = write("linked.h5", chain)
+file["TransformGroup/1"] = h5py.ExternalLink("right.h5", "/TransformGroup/1")
+END
+}
+
+@test "a composite in HDF5 moves the atlas as its steps do" {
+    composites
+    answers query nested.nii.gz $aim --atlas-transform right.txt --layers all --format tsv --quiet
+    cut -f 2-15 <<<"$output" >plain
+    answers query nested.nii.gz $aim --atlas-transform right.h5 --layers all --format tsv --quiet
+    diff plain <(cut -f 2-15 <<<"$output")
+    answers query nested.nii.gz $aim --layers all --format tsv --quiet
+    cut -f 2-15 <<<"$output" >plain
+    answers query nested.nii.gz $aim --atlas-transform right.h5 --atlas-transform right.h5,inverse --layers all \
+        --format tsv --quiet
+    diff plain <(cut -f 2-15 <<<"$output")
+    run -0 --separate-stderr "$CONUS" query nested.nii.gz --atlas-transform field.h5,grid=nested.nii.gz $aim --format tsv
+    [[ "$stderr" == *'field.h5: of ITK, points go through DisplacementFieldTransform_double_3_3'* ]]
+    awk -v own="$(cell atlas_x 1)" -v x="$(cell contact_x 1)" 'BEGIN { exit (own - x - 7) ^ 2 > 1e-14 }'
+    answers query nested.nii.gz --atlas-transform field.h5,grid=nested.nii.gz $aim --format json --quiet
+    [ "$(jq -r '.Atlas.files[].path' <<<"$output" | grep -c field.h5)" = 1 ]
+    [ "$(jq -r '.Atlas.files[] | select(.path == "field.h5").sha256' <<<"$output")" = "$(sha256sum <field.h5 | cut -c 1-64)" ]
+}
+
+@test "a composite that conus must not read is refused in one line" {
+    composites
+    local ask="query nested.nii.gz $aim --atlas-transform"
+    fails 3 'linked.h5: /TransformGroup/1: a link to another file, which is not followed' $ask linked.h5
+    fails 3 'field.h5: a chain with a deformation field is not inverted' $ask field.h5,inverse
+    fails 2 'right.h5: from, to, relative and absolute are of files' $ask right.h5,relative
+    fails 3 '(--max-memory)' $ask field.h5 --max-memory 20K
+    CONUS_HDF5=$PWD/none fails 3 'right.h5: CONUS_HDF5: ' $ask right.h5
+    printf '\211HDF\r\n\032\n' >cut.h5
+    fails 3 'cut.h5: HDF5: cannot open it' $ask cut.h5
+}
+
+@test "the name of a transform of fMRIPrep says for which poses it is" {
+    composites
+    local ask="query nested.nii.gz $aim --atlas-transform" name=sub-01_from-T1w_to-MNI152_mode-image_xfm.h5
+    cp right.h5 $name
+    run -0 --separate-stderr "$CONUS" $ask $name
+    [[ "$stderr" == *"$name: by its name it moves points of MNI152 to T1w: it is for poses in the first"* ]]
+    cp nested.nii.gz MNI_nested.nii.gz
+    cp nested.tsv MNI_nested.tsv
+    run -0 --separate-stderr "$CONUS" query MNI_nested.nii.gz $aim --atlas-transform $name
+    [[ "$stderr" == *'but the atlas is in the MNI'*'for poses in T1w the file of the other direction is needed'* ]]
+    run -0 --separate-stderr "$CONUS" query MNI_nested.nii.gz $aim --atlas-transform $name,inverse
+    [[ "$stderr" == *"by its name it moves points of T1w to MNI152: it is for poses in the first"* ]]
 }

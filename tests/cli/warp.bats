@@ -165,8 +165,6 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     fails 3 "bytes" $move itk.nii.gz --max-memory 1M
     printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >same.txt
     fails 2 "relative or absolute" $move same.txt,absolute
-    printf '\211HDF\r\n\032\n and more' >composite.h5
-    fails 3 "CompositeTransformUtil --disassemble" $move composite.h5
     gzip -dc itk.nii.gz | head -c 100000 >cut.nii
     fails 3 "cut.nii" $move cut.nii
     field itk 500

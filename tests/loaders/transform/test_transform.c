@@ -234,8 +234,6 @@ static void bad_files_say_what_is_wrong(void **state)
     check_refused("MNI Transform File\nTransform_Type = Linear;\nLinear_Transform =\n1 0 0 0\n0 1 0 inf\n0 0 1 0;\n",
                   "x.xfm", data, "finite");
     check_refused("type = 1\nnxforms = 1\n1 4 4\n1 0 0 0\n0 nan 0 0\n0 0 1 0\n0 0 0 1\n", "x.lta", data, "finite");
-    check_refused("\x89HDF\r\n\x1a\n...", "to_mni.h5", unsupported,
-                  "CompositeTransformUtil --disassemble to_mni.h5 PREFIX");
     check_refused("1 0 0 0\n0 0 0 0\n0 0 1 0\n0 0 0 1\n", "x.txt", data, "singular");
     check_refused(plain, "x.mat", CONUS_ERROR_ARGUMENT, "from=IMAGE and to=IMAGE");
     check_refused("hello\n", "x.txt", data, "needed is an affine transform");

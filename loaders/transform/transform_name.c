@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* What the name of a transform says of its direction. */
+#include "loaders/transform/transform_name.h"
+
+#include "base/files/folder.h"
+
+#include <string.h>
+
+/* The value of the entity `key`, "from-"; false where the name has none. */
+static bool take_entity(struct text *out, struct text name, const char *key)
+{
+    struct text part;
+    for (bool more = true; text_field(&name, '_', &more, &part);) {
+        size_t length = strlen(key);
+        if (text_starts(part, key) && part.size > length) {
+            *out = (struct text){part.data + length, part.size - length};
+            return true;
+        }
+    }
+    return false;
+}
+
+bool transform_name_points(struct text *from, struct text *to, const char *path)
+{
+    struct text name = text_from(path_base(path));
+    struct text mode = {0};
+    struct text first;
+    struct text second;
+    if (!take_entity(&first, name, "from-") || !take_entity(&second, name, "to-") || !text_mentions(name, "_xfm.")) {
+        return false;
+    }
+    bool is_points = take_entity(&mode, name, "mode-") && text_equal(mode, "points");
+    *from = is_points ? first : second;
+    *to = is_points ? second : first;
+    return true;
+}
+
+bool transform_name_is_mni(struct text space)
+{
+    return text_contains(space, text_from("MNI"));
+}

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* dump_points FILE: where a file of transforms takes the points on stdin, three doubles each, as doubles on stdout; NaN
+ * where a point has no image. RAS mm. For tests/oracles/compare_composites.py. Says on stderr what the file is. */
+#include "base/geometry/math3.h"
+#include "loaders/transform/chain_file.h"
+#include "loaders/transform/transform_file.h"
+
+#include <stdio.h>
+
+static conus_status read_file(struct transform_chain *chain, const char *path)
+{
+    struct file_sums read = {0};
+    struct notes notes = {0};
+    struct transform way = {0};
+    bool is_chain = false;
+    conus_status status = chain_file_is(&is_chain, path);
+    if (!status && is_chain) {
+        status = chain_file_read(chain, path, 0, &read, &notes);
+    } else if (!status) {
+        status = transform_file_read(&way, path, &(conus_transform_options){0}, &read);
+        status = status ? status : chain_of(chain, &way);
+        transform_finish(&way);
+    }
+    for (size_t i = 0; i < notes.count; i++) {
+        fprintf(stderr, "%s\n", notes.lines[i]);
+    }
+    notes_finish(&notes);
+    file_sums_finish(&read);
+    return status;
+}
+
+int main(int argc, char **argv)
+{
+    struct transform_chain chain = {0};
+    double p[3];
+    conus_status status = argc == 2 ? read_file(&chain, argv[1]) : CONUS_ERROR_ARGUMENT;
+    if (status) {
+        fprintf(stderr, "%s\n", conus_message());
+        return (int)status;
+    }
+    while (fread(p, sizeof p, 1, stdin) == 1) {
+        for (size_t i = chain.count; i-- > 0;) {
+            (void)deformation_point(p, &chain.fields[i], p);
+        }
+        if (!chain.count) {
+            mat4_point(p, chain.matrix, p);
+        }
+        fwrite(p, sizeof p, 1, stdout);
+    }
+    transform_chain_finish(&chain);
+    return 0;
+}
