@@ -149,7 +149,8 @@ static void every_prefix_is_refused(void **state)
 static void impossible_frames_are_refused(void **state)
 {
     (void)state;
-    static const uint64_t backwards[] = {0, 2, 1, 0};
+    static const uint64_t backwards[] = {0, 2, 1, 2, 0};
+    static const uint64_t more[] = {0, 1, 0};
     static const uint64_t beyond[] = {0, 1, 9, 0};
     static const uint64_t early[] = {1, 1, 1, 0};
     static const char same[8] = "12345678";
@@ -175,7 +176,8 @@ static void impossible_frames_are_refused(void **state)
          "impossible shape"},
         {{HDF5_FRAME_OBJECT, HDF5_FLOAT, 8, 1, {UINT64_C(1) << 61}, 0, "/a", NULL, 0}, "impossible shape"},
         {{HDF5_FRAME_OBJECT, HDF5_FLOAT, 8, 1, {1}, 0, "/a", NULL, UINT64_MAX}, "cut off"},
-        {{HDF5_FRAME_OBJECT, HDF5_STRING, 0, 1, {2}, 0, "/a", backwards, 26}, "impossible shape"},
+        {{HDF5_FRAME_OBJECT, HDF5_STRING, 0, 1, {3}, 0, "/a", backwards, 34}, "impossible shape"},
+        {{HDF5_FRAME_OBJECT, HDF5_STRING, 0, 1, {1}, 0, "/a", more, 24}, "impossible shape"},
         {{HDF5_FRAME_OBJECT, HDF5_STRING, 0, 1, {2}, 0, "/a", beyond, 32}, "impossible shape"},
         {{HDF5_FRAME_OBJECT, HDF5_STRING, 0, 1, {2}, 0, "/a", early, 25}, "impossible shape"},
         {{HDF5_FRAME_OBJECT, HDF5_STRING, 0, 1, {2}, 0, "/a", beyond, 16}, "impossible shape"},
@@ -195,6 +197,21 @@ static void impossible_frames_are_refused(void **state)
         if (!strstr(conus_message(), cases[i].part)) {
             fail_msg("case %zu: \"%s\" does not say \"%s\"", i, conus_message(), cases[i].part);
         }
+        buffer_finish(&builder.bytes);
+    }
+}
+
+static void the_end_counts_the_frames(void **state)
+{
+    (void)state;
+    for (uint64_t count = 0; count < 3; count++) {
+        struct hdf5_builder builder;
+        struct hdf5 *hdf5 = NULL;
+        hdf5_begin(&builder);
+        hdf5_group(&builder, "/a");
+        hdf5_frame(&builder, (struct built_value){.kind = HDF5_FRAME_END, .address = count});
+        assert_int_equal(parse(&hdf5, &builder, builder.bytes.size), count == 1 ? CONUS_OK : CONUS_ERROR_DATA);
+        hdf5_destroy(hdf5);
         buffer_finish(&builder.bytes);
     }
 }
@@ -290,6 +307,7 @@ TEST_GROUP(hdf5)
         cmocka_unit_test(there_is_one_order_of_names),
         cmocka_unit_test(every_prefix_is_refused),
         cmocka_unit_test(impossible_frames_are_refused),
+        cmocka_unit_test(the_end_counts_the_frames),
         cmocka_unit_test(nothing_is_there_twice),
         cmocka_unit_test(failures_are_what_the_file_is_refused_for),
         cmocka_unit_test(an_empty_answer_is_one),
