@@ -117,9 +117,9 @@ const struct option atlas_options[] = {
      .value = "FILE[,KEY]...",
      .help = "bring the atlas to the poses: an affine (ITK, FreeSurfer, MNI, FSL, 4 x 4), a B-spline (ITK), a "
              "deformation field (ITK, SPM, FSL) or a composite of these (ITK, ANTs, X5) from their space to the "
-             "atlas's; keys: from=IMAGE and to=IMAGE of FSL's, inverse (an affine from the atlas), relative or absolute "
-             "(a field's vectors), grid=IMAGE (voxels for the labels), transform=K (number K, from 0, of a list of "
-             "ITK's); may be repeated, points go through the first one first",
+             "atlas's; keys: from=IMAGE and to=IMAGE of FSL's, inverse (an affine from the atlas), relative or "
+             "absolute (a field's vectors), grid=IMAGE (voxels for the labels), transform=K (number K, from 0, of a "
+             "list of ITK's); may be repeated, points go through the first one first",
      .words = "warp, registration, normalise",
      .role = OPTION_READS},
     {.name = "max-memory",
