@@ -368,6 +368,9 @@ static conus_status read_map(void *field, const json_t *value, const struct sche
     if (!status && out->moves) {
         return fail(CONUS_ERROR_DATA, "%s.moves: is of pathways and the context, areas always move", place->key);
     }
+    if (!status && (out->source.orientation || out->source.resolution[0] > 0)) {
+        return fail(CONUS_ERROR_DATA, "%s: resolution and orientation are of pathways", place->key);
+    }
     return status || out->threshold <= 1
                ? status
                : fail(CONUS_ERROR_DATA, "%s.threshold: is %g, a probability is up to 1", place->key, out->threshold);

@@ -431,9 +431,12 @@ static conus_status add_of_series(struct loading *loading, const struct manifest
     return status;
 }
 
+/* Whether both are volumes of a file that says by itself where it lies. */
 static bool of_one_file(const struct manifest_pathway *a, const struct manifest_pathway *b)
 {
-    return a->source.chosen && b->source.chosen && strcmp(a->source.file, b->source.file) == 0;
+    bool placed =
+        a->source.orientation || b->source.orientation || a->source.resolution[0] > 0 || b->source.resolution[0] > 0;
+    return a->source.chosen && b->source.chosen && !placed && strcmp(a->source.file, b->source.file) == 0;
 }
 
 /* Adds the pathways that move with the areas, or those that do not. */

@@ -388,6 +388,29 @@ static void volumes_lie_along_the_axes_ahead_of_space(void **state)
     }
 }
 
+/* Each is placed as the manifest says, also beside another of the same store. */
+static void pathways_of_a_manifest_are_volumes(void **state)
+{
+    (void)state;
+#define PLACED ",\"resolution\":[2000,3000,4000],\"orientation\":\"asr\""
+    static const char manifest[] =
+        "{\"conus_atlas\":1,\"parcellation\":{\"file\":\"volumes\",\"volume\":0" PLACED "},\"pathways\":[{\"file\":"
+        "\"volumes\",\"volume\":1,\"threshold\":2" PLACED "},{\"file\":\"volumes\",\"volume\":3,\"threshold\":2" PLACED
+        "}]}";
+    conus_atlas *atlas;
+    volumes_lie_along_the_axes_ahead_of_space(state);
+    assert_ok(file_write(test_scratch("volumes.atlas.json"), manifest, strlen(manifest)));
+    assert_ok(conus_atlas_load(&atlas, test_scratch("volumes.atlas.json"), NULL));
+    assert_int_equal(conus_atlas_volume_count(atlas), 3);
+    for (size_t i = 0; i < 3; i++) {
+        const conus_volume_info *info = conus_atlas_volume(atlas, i);
+        assert_near(info->world_from_voxel[12], -2, 1e-12); /* half a voxel; OME says 0 */
+        assert_int_equal(info->volume, i ? 2 * i - 1 : 0);
+        assert_int_equal((int)info->maximum, ((int[]){2, 12, 112})[i]);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 static void areas_of_an_image_have_its_names_and_colours(void **state)
 {
     (void)state;
@@ -427,6 +450,7 @@ TEST_GROUP(zarr)
         cmocka_unit_test(a_shard_that_changes_between_rows_is_an_error),
         cmocka_unit_test(indexes_beyond_the_limit_are_refused),
         cmocka_unit_test(volumes_lie_along_the_axes_ahead_of_space),
+        cmocka_unit_test(pathways_of_a_manifest_are_volumes),
         cmocka_unit_test(areas_of_an_image_have_its_names_and_colours),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
