@@ -7,58 +7,158 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
-#define TABLE "/general/extracellular_ephys/electrodes/"
+#define TABLE "/general/extracellular_ephys/electrodes"
+#define PLACES "/general/localization"
+
+enum { AXES = 3 };
 
 /* Positions of a brain: all of a file nearer to the origin than this are in mm, others in micrometres. */
 static const double farthest_mm = 20;
 
+/* Where positions come from: the table of electrodes, or one of ndx-anatomical-localization, which names electrodes. */
 struct table {
     size_t count;
-    const struct hdf5_value *axes[3]; /* to posterior, inferior, right */
-    const struct hdf5_value *ids;
-    const struct hdf5_value *groups; /* their names; NULL = there are none */
-    double um;                       /* micrometres of the file's unit */
+    const struct hdf5_value *columns[AXES]; /* x, y, z */
+    const struct hdf5_value *rows;          /* of the electrodes in their table; NULL = each its own */
+    const struct hdf5_value *ids;           /* of electrodes */
+    const struct hdf5_value *groups;        /* their names; NULL = there are none */
+    size_t from[AXES];                      /* which column leads to posterior, inferior, right, */
+    double sign[AXES];                      /* or -1: the other way */
+    double um;                              /* micrometres of the file's unit; 0 = it states none */
+    bool from_bregma;                       /* else from the corner of the CCF */
 };
 
-/* A column of as many rows as x has; NULL where it is not there, which is an error of those that are needed. */
-static conus_status find_column(const struct hdf5_value **out, const struct table *table, const struct hdf5 *hdf5,
-                                const char *path, bool is_text)
+static const struct text in_table = {TABLE, sizeof TABLE - 1};
+
+/* A column of a table, with @p count rows unless it is 0; NULL where it is not there. */
+static conus_status find_column(const struct hdf5_value **out, const struct hdf5 *hdf5, struct text table,
+                                const char *name, bool is_text, size_t count)
 {
-    const struct hdf5_object *object = hdf5_find(hdf5, path);
+    const struct hdf5_object *object = hdf5_find_in(hdf5, table, name);
     const struct hdf5_value *value = object ? &object->value : NULL;
     bool fine = !value || (value->rank == 1 && (is_text ? value->class == HDF5_STRING : hdf5_is_number(value)) &&
-                           (!table->axes[0] || value->count == table->count));
+                           (!count || value->count == count));
     *out = value;
     return fine ? CONUS_OK
-                : fail(CONUS_ERROR_DATA, "%s: %s for each electrode is needed", path, is_text ? "a text" : "a number");
+                : fail(CONUS_ERROR_DATA, "%.*s/%s: %s for each electrode is needed", TEXT_SHOW(table, 200U), name,
+                       is_text ? "a text" : "a number");
 }
 
-static conus_status find_table(struct table *out, const struct hdf5 *hdf5)
+static struct text get_text(const struct hdf5_object *object, const char *name)
 {
-    static const char *const axes[] = {TABLE "x", TABLE "y", TABLE "z"};
+    const struct hdf5_value *value = object ? hdf5_attribute(object, name) : NULL;
+    bool is_text = value && value->class == HDF5_STRING && value->count == 1;
+    return is_text ? hdf5_string(value, 0) : text_from("");
+}
+
+/* Columns of places, which lie in @p group. */
+static conus_status find_places(struct table *out, const struct hdf5 *hdf5, struct text group)
+{
+    static const char *const names[AXES] = {"x", "y", "z"};
     conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < 3; i++) {
-        status = find_column(&out->axes[i], out, hdf5, axes[i], false);
-        out->count = out->axes[0] ? out->axes[0]->count : 0;
-        if (!status && !out->axes[i]) {
-            status = fail(CONUS_ERROR_DATA, "HDF5, but neither of MATLAB nor electrodes of NWB with positions: no %s",
-                          axes[i]);
+    for (size_t i = 0; !status && i < AXES; i++) {
+        status = find_column(&out->columns[i], hdf5, group, names[i], false, out->count);
+        out->count = out->columns[0] ? out->columns[0]->count : 0;
+        out->from[i] = i;
+        out->sign[i] = 1;
+        if (!status && !out->columns[i]) {
+            status =
+                fail(CONUS_ERROR_DATA, "HDF5, but neither of MATLAB nor electrodes of NWB with positions: no %.*s/%s",
+                     TEXT_SHOW(group, 200U), names[i]);
         }
     }
-    status = status ? status : find_column(&out->ids, out, hdf5, TABLE "id", false);
-    status = status ? status : find_column(&out->groups, out, hdf5, TABLE "group_name", true);
-    return status || (out->ids && out->ids->class != HDF5_FLOAT)
-               ? status
-               : fail(CONUS_ERROR_DATA, TABLE "id: a whole number for each electrode is needed");
+    return status;
 }
 
-/* False where a number is missing. */
-static bool get_point(double out[3], const struct table *table, size_t row)
+/* Which way the columns lead: "PIR" and the like, positive directions. */
+static bool take_orientation(struct table *out, struct text letters)
+{
+    static const char ways[] = "PIRASL"; /* those of the CCF, and the opposite ones */
+    unsigned seen = 0;
+    for (size_t i = 0; letters.size == AXES && i < AXES; i++) {
+        const char *way = letters.data[i] ? strchr(ways, letters.data[i]) : NULL;
+        size_t axis = way ? (size_t)(way - ways) % AXES : 0;
+        seen |= way ? 1U << axis : 0;
+        out->from[axis] = i;
+        out->sign[axis] = way && way >= ways + AXES ? -1 : 1;
+    }
+    return seen == 7;
+}
+
+/* What a Space states: from where, in which unit and directions. */
+static conus_status take_space(struct table *out, const struct hdf5_object *space)
+{
+    struct text origin = get_text(space, "origin");
+    struct text units = get_text(space, "units");
+    struct text ways = get_text(space, "orientation");
+    out->from_bregma = text_contains(origin, text_from("bregma"));
+    out->um = text_equal(units, "um") ? 1 : text_equal(units, "mm") ? 1000 : 0;
+    /* The CCF counts from one corner only, whatever the words for it. */
+    bool is_ccf = text_contains(get_text(space, "space_name"), text_from("ccf")) &&
+                  text_contains(origin, text_from("corner")) && text_equal(ways, "PIR");
+    return take_orientation(out, ways) && out->um > 0 && (out->from_bregma || is_ccf)
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA,
+                      PLACES
+                      ": found origin \"%.*s\", units \"%.*s\", orientation \"%.*s\"; allowed are bregma and the "
+                      "PIR corner of the CCF, um and mm",
+                      TEXT_SHOW(origin, 60U), TEXT_SHOW(units, 20U), TEXT_SHOW(ways, 20U));
+}
+
+/* The one table of ndx-anatomical-localization that is of electrodes; *found = NULL without one. */
+static conus_status find_localization(const struct hdf5_object **found, const struct hdf5 *hdf5)
+{
+    const struct hdf5_object *electrodes = hdf5_find(hdf5, TABLE);
+    const struct hdf5_object *object;
+    size_t at = 0;
+    *found = NULL;
+    while ((object = hdf5_next_in(hdf5, &at, text_from(PLACES)))) {
+        const struct hdf5_object *entity = hdf5_find_in(hdf5, object->value.name, "localized_entity");
+        const struct hdf5_value *table = entity ? hdf5_attribute(entity, "table") : NULL;
+        bool is_ours = electrodes && table && table->class == HDF5_REFERENCE && table->count == 1 &&
+                       (uint64_t)hdf5_whole(table, 0) == electrodes->address;
+        if (is_ours && *found) {
+            return fail(CONUS_ERROR_DATA, PLACES ": found more than one table of electrodes, allowed is one");
+        }
+        *found = is_ours ? object : *found;
+    }
+    return CONUS_OK;
+}
+
+static conus_status find_table(struct table *out, const struct hdf5 *hdf5, bool from_bregma)
+{
+    const struct hdf5_object *places = NULL;
+    conus_status status = find_localization(&places, hdf5);
+    struct text group = places ? places->value.name : in_table;
+    status = status ? status : find_places(out, hdf5, group);
+    out->from_bregma = from_bregma;
+    if (!status && places) {
+        status = take_space(out, hdf5_find_in(hdf5, group, "space"));
+        status = status ? status : find_column(&out->rows, hdf5, group, "localized_entity", false, out->count);
+    }
+    status = status ? status : find_column(&out->ids, hdf5, in_table, "id", false, places ? 0 : out->count);
+    if (!status && (!out->ids || out->ids->class == HDF5_FLOAT)) {
+        status = fail(CONUS_ERROR_DATA, TABLE "/id: a whole number for each electrode is needed");
+    }
+    status = status ? status : find_column(&out->groups, hdf5, in_table, "group_name", true, out->ids->count);
+    for (size_t i = 0; !status && out->rows && i < out->count; i++) {
+        double row = hdf5_number(out->rows, i);
+        if (!(row >= 0 && row < (double)out->ids->count) || out->rows->class == HDF5_FLOAT) {
+            status = fail(CONUS_ERROR_DATA, "%.*s/localized_entity: found %g, allowed are the %zu rows of " TABLE,
+                          TEXT_SHOW(group, 200U), row, out->ids->count);
+        }
+    }
+    return status;
+}
+
+/* To posterior, inferior and right, in the file's unit. False where a number is missing. */
+static bool get_point(double out[AXES], const struct table *table, size_t index)
 {
     bool fine = true;
-    for (size_t i = 0; i < 3; i++) {
-        out[i] = hdf5_number(table->axes[i], row);
+    for (size_t i = 0; i < AXES; i++) {
+        out[i] = table->sign[i] * hdf5_number(table->columns[table->from[i]], index);
         fine = fine && isfinite(out[i]);
     }
     return fine;
@@ -68,12 +168,12 @@ static bool get_point(double out[3], const struct table *table, size_t row)
 static conus_status judge(conus_pose_list *list, struct table *table)
 {
     double farthest = 0;
-    double first[3] = {0};
+    double first[AXES] = {0};
     size_t known = 0;
     bool twice = true; /* z repeats y */
     bool flat = true;  /* one z, and y in steps of 20, as sites lie on a probe */
     for (size_t i = 0; i < table->count; i++) {
-        double p[3];
+        double p[AXES];
         if (get_point(p, table, i)) {
             first[2] = known++ ? first[2] : p[2];
             farthest = fmax(farthest, fmax(fabs(p[0]), fmax(fabs(p[1]), fabs(p[2]))));
@@ -85,23 +185,30 @@ static conus_status judge(conus_pose_list *list, struct table *table)
         return fail(CONUS_ERROR_DATA, "columns y and z are equal in every row, as AllenSDK wrote them: left and right "
                                       "are missing");
     }
-    table->um = farthest > farthest_mm ? 1 : 1000;
     conus_status status = known > 1 && flat
                               ? notes_warn(&list->notes, "all positions have one z, and y in steps of 20: "
                                                          "are they on the probe, not in the brain?")
                               : CONUS_OK;
-    return status ? status
-                  : notes_add(&list->notes,
-                              "NWB states no unit: positions are taken as %s, to posterior, inferior and right",
-                              table->um == 1 ? "micrometres" : "mm");
+    if (status || table->um > 0) {
+        return status || !table->rows ? status
+                                      : notes_add(&list->notes, "positions are those of " PLACES ", from %s",
+                                                  table->from_bregma ? "bregma" : "the corner of the CCF");
+    }
+    table->um = farthest > farthest_mm ? 1 : 1000;
+    return notes_add(&list->notes, "NWB states no unit: positions are taken as %s, to posterior, inferior and right",
+                     table->um == 1 ? "micrometres" : "mm");
 }
 
-/* To the frame's space: in CCF as the file has them, from bregma AP, ML, DV to anterior, right and up. */
-static conus_status find_point(double world[3], const struct table *table, const conus_frame *frame, const double p[3])
+/* To the frame's space: CCF, or AP, ML, DV from bregma, to anterior, right and up. */
+static conus_status find_point(double world[AXES], const struct table *table, const conus_frame *frame,
+                               const double p[AXES])
 {
-    const double um = table->um;
-    const double ccf[3] = {p[0] * um, p[1] * um, p[2] * um};
-    const double mm[3] = {-ccf[0] / 1000, ccf[2] / 1000, -ccf[1] / 1000};
+    const double *b = frame->bregma;
+    double ccf[AXES];
+    for (size_t i = 0; i < AXES; i++) {
+        ccf[i] = p[i] * table->um + (table->from_bregma ? b[i] : 0);
+    }
+    const double mm[AXES] = {(b[0] - ccf[0]) / 1000, (ccf[2] - b[2]) / 1000, (b[1] - ccf[1]) / 1000};
     return conus_frame_to_world(world, frame, frame->space == CONUS_SPACE_CCF ? ccf : mm);
 }
 
@@ -109,13 +216,14 @@ static conus_status add_electrode(conus_pose_list *list, const struct table *tab
                                   size_t index)
 {
     char name[POSE_ID_LIMIT + 2]; /* one byte more than is allowed, so that more is seen */
-    double p[3];
-    double world[3] = {0};
+    double p[AXES];
+    double world[AXES] = {0};
+    size_t electrode = table->rows ? (size_t)hdf5_whole(table->rows, index) : index;
     conus_pose_row row = pose_row_at(list->count + 1);
     row.is_point = true;
-    struct text group = table->groups ? hdf5_string(table->groups, index) : text_from("");
+    struct text group = table->groups ? hdf5_string(table->groups, electrode) : text_from("");
     int size = snprintf(name, sizeof name, "%.*s%s%lld", TEXT_SHOW(group, sizeof name), group.size ? "-" : "",
-                        (long long)hdf5_whole(table->ids, index));
+                        (long long)hdf5_whole(table->ids, electrode));
     struct text id = {name, (size_t)size < sizeof name ? (size_t)size : sizeof name - 1};
     conus_status bad =
         get_point(p, table, index) ? find_point(world, table, frame, p) : fail(CONUS_ERROR_DATA, "x, y, z: not known");
@@ -126,11 +234,8 @@ static conus_status add_electrode(conus_pose_list *list, const struct table *tab
 conus_status pose_nwb_from_hdf5(conus_pose_list *list, const struct hdf5 *hdf5, const conus_pose_options *options)
 {
     struct table table = {0};
-    conus_status status = find_table(&table, hdf5);
+    conus_status status = find_table(&table, hdf5, options->frame->space == CONUS_SPACE_BREGMA);
     status = status ? status : judge(list, &table);
-    if (!status && hdf5_find(hdf5, "/general/localization")) {
-        status = notes_warn(&list->notes, "the file has /general/localization, too, which is not read");
-    }
     for (size_t i = 0; !status && i < table.count; i++) {
         status = add_electrode(list, &table, options->frame, i);
     }
@@ -139,8 +244,18 @@ conus_status pose_nwb_from_hdf5(conus_pose_list *list, const struct hdf5 *hdf5, 
 
 conus_status pose_nwb_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
-    static const char *const wanted[] = {TABLE "x",  TABLE "y",          TABLE "z",
-                                         TABLE "id", TABLE "group_name", "/general/localization"};
+    static const char *const wanted[] = {TABLE,
+                                         TABLE "/id",
+                                         TABLE "/group_name",
+                                         TABLE "/x",
+                                         TABLE "/y",
+                                         TABLE "/z",
+                                         PLACES "/*",
+                                         PLACES "/*/x",
+                                         PLACES "/*/y",
+                                         PLACES "/*/z",
+                                         PLACES "/*/localized_entity",
+                                         PLACES "/*/space"};
     struct hdf5 *hdf5 = NULL;
     if (options->axis != CONUS_AXIS_OF_FORMAT) {
         return fail(CONUS_ERROR_DATA, "electrodes have no axes, so that no axis (%s) can be chosen",
@@ -148,10 +263,9 @@ conus_status pose_nwb_parse(conus_pose_list *list, struct text text, const conus
     }
     uint64_t left = pose_memory(options) - text.size;
     conus_status status = hdf5_read_bytes(&hdf5, text, wanted, sizeof wanted / sizeof wanted[0], left ? left : 1);
-    if (!status && hdf5_find(hdf5, TABLE "x") && options->space < CONUS_SPACE_CCF) {
-        status =
-            fail(CONUS_ERROR_DATA, "NWB states neither the origin nor the unit of its positions: space ccf or bregma "
-                                   "is needed");
+    if (!status && hdf5_find(hdf5, TABLE) && options->space < CONUS_SPACE_CCF) {
+        status = fail(CONUS_ERROR_DATA,
+                      "electrodes of NWB lie in the CCF or count from bregma: space ccf or bregma is needed");
     }
     status = status ? status : pose_nwb_from_hdf5(list, hdf5, options);
     hdf5_destroy(hdf5);

@@ -46,7 +46,11 @@ ask() {
     ask ras.nii --space ccf --pose "$BATS_TEST_TMPDIR/e.nwb"
     diff expected.txt "$BATS_TEST_TMPDIR/labels"
     [ "$(sed -n '2s/\t.*//p' <<<"$output")" = probe-0 ]
-    fails 3 'e.nwb: NWB states neither the origin nor the unit of its positions: space ccf or bregma is needed' \
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/hdf5.py" localized "$BATS_TEST_TMPDIR/places.nwb"
+    ask ras.nii --space ccf --pose "$BATS_TEST_TMPDIR/places.nwb"
+    diff <(tac expected.txt) "$BATS_TEST_TMPDIR/labels"
+    [ "$(sed -n '$s/\t.*//p' <<<"$output")" = probe-0 ]
+    fails 3 'e.nwb: electrodes of NWB lie in the CCF or count from bregma: space ccf or bregma is needed' \
         query ras.nii --pose "$BATS_TEST_TMPDIR/e.nwb" --radius 1
     fails 3 'allen.nwb: columns y and z are equal in every row' \
         query ras.nii --space ccf --pose "$BATS_TEST_TMPDIR/allen.nwb" --radius 1 --quiet

@@ -8,7 +8,8 @@ minc      MINC 2: N = 20 voxels of 1 mm each way around 0, a box of label 3 (10 
 image     MINC 2: the same grid, values from 0 to 1e-4
 colour    MINC 2 with a vector_dimension
 nwb       electrodes at the positions "x y z" of the lines of points.txt, in micrometres
-allensdk  the same, but that z is y"""
+allensdk  the same, but that z is y
+localized electrodes at 0, and their positions in a table of ndx-anatomical-localization, the last one first"""
 import sys
 
 try:
@@ -99,12 +100,22 @@ def nwb(kind, path):
     with h5py.File(path, "w") as file:
         table = file.create_group("general/extracellular_ephys/electrodes")
         for name, column in zip("xyz", points.T):
-            table[name] = column.astype("f4")
+            table[name] = column.astype("f4") * (kind != "localized")
         table["id"] = np.arange(len(points))
         table["group_name"] = np.array(["probe"] * len(points), h5py.string_dtype())
+        if kind == "localized":
+            space = file.create_group("general/localization/CCF")
+            space.attrs.update({"space_name": "AllenCCFv3", "units": "um", "orientation": "PIR",
+                                "origin": "Anterior-Superior-Left (ASL) corner of the 3D image volume"})
+            places = file.create_group("general/localization/places")
+            for name, column in zip("xyz", points[::-1].T):
+                places[name] = column
+            places["localized_entity"] = np.arange(len(points))[::-1]
+            places["localized_entity"].attrs["table"] = table.ref
+            places["space"] = h5py.SoftLink("/general/localization/CCF")
 
 
-if sys.argv[1] in ("nwb", "allensdk"):
+if sys.argv[1] in ("nwb", "allensdk", "localized"):
     nwb(*sys.argv[1:])
 elif sys.argv[1] in ("minc", "image", "colour"):
     volume(*sys.argv[1:])

@@ -26,7 +26,9 @@ struct columns {
     size_t count, z_count; /* 0 = as many as count */
     const char *missing;   /* a column */
     bool is_text;          /* x is */
-    bool has_localization;
+    int tables; /* of ndx-anatomical-localization, in which rows 2 and 0 have the places (1, 2, 3), (4, 5, 6) */
+    const char *origin, *units, *ways;
+    double row; /* instead of 2 */
 };
 
 static const struct columns plain = {
@@ -42,12 +44,62 @@ static void put(struct hdf5_builder *builder, const struct columns *columns, con
     }
 }
 
+static void put_reference(struct hdf5_builder *builder, const char *name, uint64_t address)
+{
+    hdf5_frame(builder, (struct built_value){.kind = HDF5_FRAME_ATTRIBUTE,
+                                             .class = HDF5_REFERENCE,
+                                             .size = 8,
+                                             .name = name,
+                                             .data = &address,
+                                             .data_size = 8});
+}
+
+enum { ELECTRODES = 30 }; /* the address of their table */
+
+/* Tables beside a Space, and one that is of something else. */
+static void put_localization(struct hdf5_builder *builder, const struct columns *columns)
+{
+    static const double places[3][2] = {{1, 4}, {2, 5}, {3, 6}};
+    static const char *const name = "AllenCCFv3";
+    for (int i = -1; i < columns->tables; i++) {
+        char path[64];
+        const int32_t rows[] = {columns->row != 0 ? (int32_t)columns->row : 2, 0};
+        snprintf(path, sizeof path, "/general/localization/%d", i + 1);
+        hdf5_group(builder, path);
+        for (int a = 0; a < 3; a++) {
+            snprintf(path, sizeof path, "/general/localization/%d/%c", i + 1, "xyz"[a]);
+            hdf5_doubles(builder, HDF5_FRAME_OBJECT, path, places[a], 2);
+        }
+        snprintf(path, sizeof path, "/general/localization/%d/localized_entity", i + 1);
+        hdf5_frame(builder, (struct built_value){.kind = HDF5_FRAME_OBJECT,
+                                                 .class = HDF5_SIGNED,
+                                                 .size = 4,
+                                                 .rank = 1,
+                                                 .dims = {2},
+                                                 .address = 60,
+                                                 .name = path,
+                                                 .data = rows,
+                                                 .data_size = 8});
+        put_reference(builder, "table", i < 0 ? 77 : ELECTRODES);
+        snprintf(path, sizeof path, "/general/localization/%d/space", i + 1);
+        hdf5_group(builder, path);
+        hdf5_strings(builder, HDF5_FRAME_ATTRIBUTE, "space_name", &name, 1);
+        hdf5_strings(builder, HDF5_FRAME_ATTRIBUTE, "origin", &columns->origin, 1);
+        hdf5_strings(builder, HDF5_FRAME_ATTRIBUTE, "units", &columns->units, 1);
+        hdf5_strings(builder, HDF5_FRAME_ATTRIBUTE, "orientation", &columns->ways, 1);
+    }
+}
+
 static void build(struct hdf5_builder *builder, const struct columns *columns)
 {
     static const char *const groups[] = {"probe0", "probe0", "probe1", ""};
     static const uint64_t ids[] = {7, 8, 9, 10};
     size_t n = columns->count;
     hdf5_begin(builder);
+    hdf5_frame(builder, (struct built_value){.kind = HDF5_FRAME_OBJECT,
+                                             .class = HDF5_GROUP,
+                                             .address = ELECTRODES,
+                                             .name = "/general/extracellular_ephys/electrodes"});
     if (columns->is_text) {
         hdf5_strings(builder, HDF5_FRAME_OBJECT, TABLE "x", groups, n);
     } else {
@@ -69,8 +121,8 @@ static void build(struct hdf5_builder *builder, const struct columns *columns)
     if (!columns->missing || strcmp(columns->missing, "group_name") != 0) {
         hdf5_strings(builder, HDF5_FRAME_OBJECT, TABLE "group_name", groups, n);
     }
-    if (columns->has_localization) {
-        hdf5_group(builder, "/general/localization");
+    if (columns->tables) {
+        put_localization(builder, columns);
     }
     hdf5_end(builder);
 }
@@ -128,12 +180,36 @@ static void from_bregma_in_either_unit(void **state)
 static void what_looks_wrong(void **state)
 {
     (void)state;
-    const struct columns flat = {{5000, 5016, 5000}, {20, 40, 3840}, {1, 1, 1}, 3, .has_localization = true};
+    const struct columns flat = {{5000, 5016, 5000}, {20, 40, 3840}, {1, 1, 1}, 3, .missing = NULL};
     conus_pose_list list = {0};
     parse(&list, &flat, &ccf);
     assert_true(pose_has_note(&list, "are they on the probe"));
-    assert_true(pose_has_note(&list, "/general/localization, too, which is not read"));
     pose_list_finish(&list);
+}
+
+static const struct columns localized = {
+    {0}, {0}, {0}, 3, .missing = "x", .tables = 1, .origin = "Bregma (skull)", .units = "mm", .ways = "RAS"};
+
+/* Its origin, unit and directions are stated, whichever space is asked for; electrodes need no positions of their own.
+ */
+static void localization_is_preferred(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        conus_pose_list list = {0};
+        parse(&list, &localized, i ? &bregma : &ccf);
+        assert_int_equal(list.count, 2);
+        assert_row_at(pose_row_of(&list, 0, "probe1-9"), 5.739 + 1, -5.4 + 2, -0.332 + 3);
+        assert_row_at(pose_row_of(&list, 1, "probe0-7"), 5.739 + 4, -5.4 + 5, -0.332 + 6);
+        assert_true(pose_has_note(&list, "positions are those of /general/localization, from bregma"));
+        pose_list_finish(&list);
+        struct columns corner = localized;
+        corner.origin = "Anterior-Superior-Left (ASL) corner of the 3D image volume";
+        corner.ways = "PIR";
+        parse(&list, &corner, i ? &bregma : &ccf);
+        assert_row_at(pose_row_of(&list, 0, "probe1-9"), 3, -1, -2);
+        pose_list_finish(&list);
+    }
 }
 
 static void what_is_refused(void **state)
@@ -149,6 +225,14 @@ static void what_is_refused(void **state)
         {{{1, 2}, {3, 4}, {5, 6}, 2, .missing = "id"}, TABLE "id: a whole number"},
         {{{1, 2}, {3, 4}, {5, 6}, 2, .z_count = 3}, TABLE "z: a number for each"},
         {{{1, 2}, {3, 4}, {5, 6}, 2, .is_text = true}, TABLE "x: a number for each"},
+        {{.count = 3, .tables = 2, .origin = "bregma", .units = "mm", .ways = "RAS"}, "more than one table"},
+        {{.count = 3, .tables = 1, .origin = "lambda", .units = "mm", .ways = "RAS"}, "origin \"lambda\""},
+        {{.count = 3, .tables = 1, .origin = "bregma", .units = "m", .ways = "RAS"}, "units \"m\""},
+        {{.count = 3, .tables = 1, .origin = "bregma", .units = "mm", .ways = "RAP"}, "orientation \"RAP\""},
+        {{.count = 3, .tables = 1, .origin = "bregma", .units = "mm", .ways = "RA"}, "orientation \"RA\""},
+        {{.count = 3, .tables = 1, .origin = "a corner", .units = "um", .ways = "ASL"}, "orientation \"ASL\""},
+        {{.count = 3, .tables = 1, .origin = "bregma", .units = "mm", .ways = "RAS", .row = 3}, "found 3, allowed are"},
+        {{.count = 3, .tables = 1, .origin = "bregma", .units = "mm", .ways = "RAS", .row = -1}, "found -1, allowed"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct hdf5_builder builder;
@@ -176,20 +260,20 @@ static conus_status attempt(void *builder)
 static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;
-    struct hdf5_builder builder;
-    build(&builder, &plain);
-    test_every_allocation(attempt, &builder);
-    buffer_finish(&builder.bytes);
+    for (int i = 0; i < 2; i++) {
+        struct hdf5_builder builder;
+        build(&builder, i ? &localized : &plain);
+        test_every_allocation(attempt, &builder);
+        buffer_finish(&builder.bytes);
+    }
 }
 
 TEST_GROUP(pose_nwb)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(micrometres_in_ccf),
-        cmocka_unit_test(from_bregma_in_either_unit),
-        cmocka_unit_test(what_looks_wrong),
-        cmocka_unit_test(what_is_refused),
-        cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(micrometres_in_ccf), cmocka_unit_test(from_bregma_in_either_unit),
+        cmocka_unit_test(what_looks_wrong),   cmocka_unit_test(localization_is_preferred),
+        cmocka_unit_test(what_is_refused),    cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
