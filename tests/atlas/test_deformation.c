@@ -124,10 +124,10 @@ static void doubles_are_whole(void **state)
         made->field.rest[3 * n + 1] = (float)(0.1 - (double)0.1F);
     }
     double p[3] = {0.5, 0, 0};
-    const size_t indices[3] = {5, 6, 7};
+    const double q[3] = {5, 6, 7};
     assert_true(deformation_point(p, &made->field, p));
     assert_near(p[1], 0.1, 1e-16);
-    deformation_node(p, &made->field, indices);
+    deformation_at(p, &made->field, q);
     assert_near(p[1], 0.1, 1e-16);
     free(made->field.rest);
     free(made);
