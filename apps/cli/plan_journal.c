@@ -213,7 +213,11 @@ static int take_over(uint64_t *end, conus_plan *plan, const struct journal *jour
     }
     conus_status status = conus_plan_add_state(end, plan, journal->state, journal->state_size);
     if (status) {
-        print_error_line("%s.journal: %s", list, conus_message());
+        const char *why = conus_message();
+        print_error_line("%s.journal: %s%s", list, why,
+                         strstr(why, "needs a map of entries")   ? "; run it again with --map"
+                         : strstr(why, "needs a map of targets") ? "; run it again with --target-map"
+                                                                 : "");
     }
     return status ? exit_code_of(status) : EXIT_DONE;
 }

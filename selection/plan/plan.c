@@ -693,8 +693,7 @@ static conus_status check_state(const conus_plan *plan, const struct plan_known 
         size_t count = state->lines[PLAN_ENTRIES + k].count;
         const char *sites = k == OF_ENTRY ? "entries" : "targets";
         if (plan->bests[k].count && !count) {
-            return fail(CONUS_ERROR_DATA, "a state without the best poses of %s: run that part again, with a map (%s)",
-                        sites, k == OF_ENTRY ? "--map" : "--target-map");
+            return fail(CONUS_ERROR_DATA, "a state without the best poses: that part needs a map of %s, too", sites);
         }
         if (plan->bests[k].count && count != plan->bests[k].count) {
             return fail(CONUS_ERROR_DATA, "a state with the best poses of %zu %s, needed are those of %llu", count,

@@ -78,8 +78,13 @@ needles() {
     fails 3 'a.tsv.journal: is no journal of a plan, or not whole' $few --shard 0/2 -o a.tsv --resume -q
     conus $few --shard 0/2 -o a.tsv --force -q
     conus $few --merge a.tsv --merge b.tsv -o c.tsv -q
-    fails 3 'a.tsv.journal: a state without the best poses of targets: run that part again, with a map (--target-map)' \
+    fails 3 'a.tsv.journal: a state without the best poses: that part needs a map of targets, too; run it again with --target-map' \
         $few --merge a.tsv --merge b.tsv --target-map map.nii.gz -o e.tsv -q
+    conus query u-shape.nii.gz --origin 40,0,5 --toward 0,0,5 -q --mask mask.nii.gz >/dev/null
+    local masked='plan u-shape.nii.gz --reach U --from mask.nii.gz,spacing=8 --toward centroid --depth target'
+    conus $masked --shard 0/1 -o m.tsv -q
+    fails 3 'm.tsv.journal: a state without the best poses: that part needs a map of entries, too; run it again with --map' \
+        $masked --merge m.tsv --map map.nii.gz -o e.tsv -q
     conus $few --shard 0/1 -o one.tsv -q
     conus $few --merge one.tsv -o d.tsv -q
     cmp c.tsv d.tsv
