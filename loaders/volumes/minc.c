@@ -103,7 +103,7 @@ static conus_status take_axes(double world[16], int64_t dim[7], const struct hdf
             which++;
         }
         const uint64_t length = axis < image->value.rank ? image->value.dims[axis] : 0;
-        if (which == SPACE && !(text_equal(name, "time") && length <= 1)) {
+        if (which == SPACE && !(text_equal(name, "time") && length == 1)) {
             return fail(CONUS_ERROR_UNSUPPORTED,
                         "dimorder: found %.*s of %llu, allowed are xspace, yspace and zspace, and one time",
                         TEXT_SHOW(name, 40U), (unsigned long long)length);

@@ -67,14 +67,14 @@ static const double numbers[] = {1, 2, 3, 4, 5, 6};
 static const uint16_t units[] = {'M', '1', 0xe9, 0xd83d, 0xde00};
 static const uint64_t none[] = {0, 3};
 
-/* s(1, 2) with the fields cell = {numbers, [], null} and name; one = struct('a', numbers); small = single(...); empty;
+/* s(1, 3) with the fields cell = {numbers, [], null} and name; one = struct('a', numbers); small = single(...); empty;
  * an object; and MATLAB's own folder of what references lead to. */
 static void build(struct hdf5_builder *builder)
 {
     static const float small[] = {1.5F, -2};
     static const int8_t whole[] = {-1, 127};
     static const uint64_t cells[] = {10, 11, 0};
-    static const uint64_t both[][2] = {{12, 12}, {13, 14}};
+    static const uint64_t both[][3] = {{12, 12, 12}, {13, 14, 13}};
     hdf5_begin(builder);
     put(builder, (struct built_array){"/", NULL, HDF5_GROUP, 0, 0, 0, 1, NULL, false});
     put(builder, (struct built_array){"/#refs#", NULL, HDF5_GROUP, 0, 0, 0, 2, NULL, false});
@@ -86,8 +86,8 @@ static void build(struct hdf5_builder *builder)
     put(builder, (struct built_array){"/one", "struct", HDF5_GROUP, 0, 0, 0, 20, NULL, false});
     put_numbers(builder, "/one/a", 21, numbers);
     put(builder, (struct built_array){"/s", "struct", HDF5_GROUP, 0, 0, 0, 30, NULL, false});
-    put(builder, (struct built_array){"/s/cell", NULL, HDF5_REFERENCE, 8, 2, 1, 31, both[0], false});
-    put(builder, (struct built_array){"/s/name", NULL, HDF5_REFERENCE, 8, 2, 1, 32, both[1], false});
+    put(builder, (struct built_array){"/s/cell", NULL, HDF5_REFERENCE, 8, 3, 1, 31, both[0], false});
+    put(builder, (struct built_array){"/s/name", NULL, HDF5_REFERENCE, 8, 3, 1, 32, both[1], false});
     put(builder, (struct built_array){"/small", "single", HDF5_FLOAT, 4, 1, 2, 40, small, false});
     put(builder, (struct built_array){"/whole", "int8", HDF5_SIGNED, 1, 2, 1, 41, whole, false});
     put(builder, (struct built_array){"/complex", "double", HDF5_OTHER, 0, 2, 1, 42, NULL, false});
@@ -137,9 +137,9 @@ static void all_that_is_read(void **state)
     assert_null(matlab_field(&matlab, matlab_variable(&matlab, "one"), 1, "a"));
 
     const struct matlab_array *s = matlab_variable(&matlab, "s");
-    assert_int_equal(s->count, 2);
+    assert_int_equal(s->count, 3);
     assert_int_equal(s->fields, 2);
-    for (size_t i = 0; i < 2; i++) {
+    for (size_t i = 0; i < 3; i++) {
         const struct matlab_array *cell = matlab_field(&matlab, s, i, "cell");
         assert_int_equal(cell->kind, MATLAB_CELL);
         assert_int_equal(cell->count, 3);

@@ -177,6 +177,26 @@ static void plain_voxels(void **state)
     buffer_finish(&builder.bytes);
 }
 
+/* A scale that says nothing does not make all stored values valid. */
+static void plain_scale_of_a_part(void **state)
+{
+    (void)state;
+    struct hdf5_builder builder;
+    struct minc minc = {0};
+    struct volume_header header = {0};
+    struct gathered gathered = {.size = 0};
+    build(&builder, &(struct bent){.high = {100, 100}, .high_count = 2});
+    assert_ok(open_built(&minc, &header, &builder));
+    assert_ok(minc_read(&minc, gather, &gathered));
+    double values[6];
+    assert_int_equal(gathered.size, sizeof values);
+    memcpy(values, gathered.bytes, sizeof values);
+    assert_near(values[3], 100, 0);
+    assert_true(isnan(values[5]));
+    minc_finish(&minc);
+    buffer_finish(&builder.bytes);
+}
+
 /* A slice of one value has no range of real values, whatever is stored. */
 static void constant_slices(void **state)
 {
@@ -208,7 +228,7 @@ static void what_is_refused(void **state)
         {{.image_class = HDF5_OTHER}, CONUS_ERROR_UNSUPPORTED, "one number for each voxel"},
         {{.order = "zspace,xspace"}, CONUS_ERROR_DATA, "zspace: length: found 1, the image has 2"},
         {{.order = "yspace,zspace"}, CONUS_ERROR_DATA, "found 2 names for 3 dimensions"},
-        {{.order = "yspace,zspace,xspace,time"}, CONUS_ERROR_DATA, "found 4 names for 3 dimensions"},
+        {{.order = "yspace,zspace,xspace,time"}, CONUS_ERROR_UNSUPPORTED, "found time of 0"},
         {{.order = "yspace,zspace,yspace"}, CONUS_ERROR_DATA, "yspace: needed is one of"},
         {{.order = "yspace,zspace,vector_dimension"}, CONUS_ERROR_UNSUPPORTED, "found vector_dimension of 3"},
         {{.order = "time,zspace,xspace"}, CONUS_ERROR_UNSUPPORTED, "found time of 2"},
@@ -271,11 +291,9 @@ static void every_failing_allocation_is_clean(void **state)
 TEST_GROUP(minc)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(place_and_scales),
-        cmocka_unit_test(plain_voxels),
-        cmocka_unit_test(constant_slices),
-        cmocka_unit_test(what_is_refused),
-        cmocka_unit_test(every_failing_allocation_is_clean),
+        cmocka_unit_test(place_and_scales),      cmocka_unit_test(plain_voxels),
+        cmocka_unit_test(plain_scale_of_a_part), cmocka_unit_test(constant_slices),
+        cmocka_unit_test(what_is_refused),       cmocka_unit_test(every_failing_allocation_is_clean),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
