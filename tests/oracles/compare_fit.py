@@ -8,7 +8,7 @@ metres for mm. Numbers of `conus info` are compared with numpy, which finds the 
 counted what the notes say.
 
 usage: compare_fit.py CONUS [CASES]; so many of each kind (docs/verification.md has those of 15); without, one of each
-of the brain only. Exit 77 = skipped."""
+of the brain only, moved far, and in scripts/test --long less far, too. Exit 77 = skipped."""
 import json
 import os
 import subprocess
@@ -26,6 +26,8 @@ except ImportError:
 if not os.path.exists(TEMPLATES + "aal.nii.gz"):
     print("skipped: no mricron-data")
     sys.exit(77)
+
+from sample import LONG
 
 FLIP = np.diag([-1.0, -1, 1, 1])
 SIZES = {"small": (5, 10, 0.05), "medium": (15, 30, 0.15), "large": (30, 60, 0.2)}  # degrees, mm, scale
@@ -129,7 +131,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for name, what in names.items() if cases else [("brain", names["brain"])]:
             patient = Patient(*what)
-            for size, limits in SIZES.items() if cases else [*SIZES.items()][1:]:
+            for size, limits in SIZES.items() if cases else [*SIZES.items()][1 if LONG else 2:]:
                 for kind in [*WORDS] * max(cases, 1):
                     matrix = random_affine(random, *limits)
                     patient.write(os.path.join(folder, "t1.nii"), matrix)

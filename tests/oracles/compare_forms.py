@@ -28,8 +28,9 @@ except ImportError:
     sys.exit(77)
 
 from compare_query import device_frame
+from sample import LONG
 
-POSES = 1000
+POSES = 1000 if LONG else 300
 N = 8  # pixels along a cone's edge
 BESIDE = 16  # rays around one that differs
 

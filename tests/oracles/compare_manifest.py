@@ -26,8 +26,10 @@ except ImportError:
     print("skipped: no python3-nibabel")
     sys.exit(77)
 
+from sample import LONG
+
 THRESHOLD = 65535 / 4  # uint16 over its whole range
-RAYS = 120
+RAYS = 120 if LONG else 40
 RIGHT_OFFSET = 1000
 
 

@@ -8,7 +8,7 @@ Voxels of parallel grids have in common the product of what their edges have; of
 sum over the vertices of the polytope of their twelve planes, for a linear functional c: (c v)^3 / (3! |det| g0 g1 g2)
 with g from the normals of the three planes at v. That is no clipping and has no order of faces.
 
-usage: compare_overlap.py CONUS [DATA] [COUNT]: COUNT random regions, else 4, 12 in scripts/test --long; exit 77 = skipped."""
+usage: compare_overlap.py CONUS [DATA] [COUNT]: COUNT random regions, else 3, 12 in scripts/test --long; exit 77 = skipped."""
 import csv
 import glob
 import io
@@ -178,7 +178,7 @@ def main():
     atlas = nibabel.load(ATLAS)
     labels = np.asarray(atlas.dataobj).astype(int)
     conus = sys.argv[1]
-    count = int(sys.argv[3]) if len(sys.argv) > 3 else 12 if LONG else 4
+    count = int(sys.argv[3]) if len(sys.argv) > 3 else 12 if LONG else 3
     random = np.random.default_rng(7)
     compared = 0
     worst = {PARALLEL: 0, OBLIQUE: 0}
@@ -206,7 +206,7 @@ def main():
                 check(write(folder, f"{number}.nii", region, affine), 0, OBLIQUE if is_oblique else PARALLEL)
     pathways = sorted(glob.glob(os.path.join(sys.argv[2], "prob/juelich-fibre-pathways-u16/**/*.nii.gz"),
                                 recursive=True)) if len(sys.argv) > 2 else []
-    pathways = every(6, pathways)
+    pathways = every(9, pathways)
     for path in pathways:
         check(path, 6554, PARALLEL)  # a tenth of uint16's range
     print(f"{compared} rows as numpy has them, {2 * count} of the regions random and {len(pathways)} Jülich pathways; "

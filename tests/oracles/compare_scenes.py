@@ -24,9 +24,7 @@ except ImportError:
     print("skipped: no python3-nibabel")
     sys.exit(77)
 
-from compare_manifest import Scene, ask, check, read_gifti, read_obj
-
-RAYS = 120
+from compare_manifest import RAYS, Scene, ask, check, read_gifti, read_obj
 
 
 def brainglobe(folder):
