@@ -238,11 +238,11 @@ typedef struct conus_transform_options {
 
 /**
  * Brings the atlas to where poses are, by a file that moves points from there to the atlas: an affine, a field, a
- * B-spline, or a composite of these, which in HDF5 (of ITK or X5) needs the program conus-hdf5. By an affine (ITK's text
- * or .mat, FreeSurfer's .lta or register.dat, the MNI's .xfm, FSL's matrix, or 4 x 4 numbers of RAS mm) matrices of
- * voxels are composed, exactly, and vertices and streamlines are moved. By a deformation field (of ITK, SPM or FSL, as
- * NIfTI) or a B-spline (of ITK, as its affines) voxels are resampled: one of the new grid is what the atlas's own voxel
- * nearest to where its centre goes is, by one search through all that moves the atlas. Vertices and points of
+ * B-spline, or a composite of these, which in HDF5 (of ITK or X5) needs the program conus-hdf5. By an affine (ITK's
+ * text or .mat, FreeSurfer's .lta or register.dat, the MNI's .xfm, FSL's matrix, or 4 x 4 numbers of RAS mm) matrices
+ * of voxels are composed, exactly, and vertices and streamlines are moved. By a deformation field (of ITK, SPM or FSL,
+ * as NIfTI) or a B-spline (of ITK, as its affines) voxels are resampled: one of the new grid is what the atlas's own
+ * voxel nearest to where its centre goes is, by one search through all that moves the atlas. Vertices and points of
  * streamlines go where the field leads back to them, to 1e-6 mm before rounding to float; triangles with one for which
  * there is no such place are left out, and so are whole streamlines with such a point; a note tells. All that the atlas
  * has moves with it, its context too; what is added later does not. Lengths and volumes are then those where poses are.
