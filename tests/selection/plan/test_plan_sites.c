@@ -63,7 +63,7 @@ static void destroy(struct made *made)
     conus_atlas_destroy(made->atlas);
 }
 
-/* mm from the centre of a voxel to the nearest centre that is not of label 1, of a grid with 2 voxels more around. */
+/* mm from the centre of a voxel to the nearest centre that is not of its label, of a grid with 2 voxels more around. */
 static double depth_of(const uint8_t *labels, size_t voxel)
 {
     double least = INFINITY;
@@ -75,7 +75,7 @@ static double depth_of(const uint8_t *labels, size_t voxel)
                 const double index[3] = {x, y, z};
                 double to[3];
                 bool is_there = x >= 0 && y >= 0 && z >= 0 && x < N && y < N && z < N;
-                if (!is_there || labels[x + N * (y + N * z)] != 1) {
+                if (!is_there || labels[x + N * (y + N * z)] != labels[voxel]) {
                     mat4_point(to, GRID, index);
                     vec3_sub(to, to, from);
                     least = fmin(least, vec3_length(to));
@@ -126,6 +126,27 @@ static void targets_of_a_structure(void **state)
     }
     assert_fails(conus_sites_find(&found[0], made.selector, "Onee", CONUS_SITES_VOXELS), CONUS_ERROR_ARGUMENT);
     assert_non_null(strstr(conus_message(), "did you mean \"One\"?"));
+    destroy(&made);
+}
+
+/* Two lies at five sides of the grid; without these its deepest voxels would be at the bottom. */
+static void the_edge_of_the_grid_ends_a_structure(void **state)
+{
+    (void)state;
+    struct made made;
+    make(&made);
+    conus_sites *found = NULL;
+    size_t deepest = 0;
+    double most = 0;
+    for (size_t voxel = 0; voxel < sizeof made.labels; voxel++) {
+        double depth = made.labels[voxel] == 2 ? depth_of(made.labels, voxel) : 0;
+        deepest = depth > most + 1e-9 ? voxel : deepest;
+        most = fmax(most, depth);
+    }
+    assert_int_equal(deepest / N / N, 1);
+    assert_ok(conus_sites_find(&found, made.selector, "Two", CONUS_SITES_DEEPEST));
+    assert_int_equal(conus_sites_source(found, 0), deepest);
+    conus_sites_destroy(found);
     destroy(&made);
 }
 
@@ -355,6 +376,7 @@ TEST_GROUP(plan_sites)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(targets_of_a_structure),
+        cmocka_unit_test(the_edge_of_the_grid_ends_a_structure),
         cmocka_unit_test(what_is_in_a_structure_is_kept),
         cmocka_unit_test(borders_of_a_region),
         cmocka_unit_test(spacing_is_greedy),
