@@ -313,14 +313,15 @@ static conus_status place_between(double m[16], const conus_volume_info images[2
     double world_from_to[16];
     conus_status status = image_from_world(from_world, &images[0], coordinates);
     status = status ? status : image_from_world(to_world, &images[1], coordinates);
-    if (!status && !mat4_invert_affine(world_from_to, to_world)) {
-        status = fail(CONUS_ERROR_DATA, "the matrix of an image is singular");
+    if (status) {
+        return status;
     }
-    if (!status) {
-        mat4_multiply(m, m, from_world);
-        mat4_multiply(m, world_from_to, m);
+    if (!mat4_invert_affine(world_from_to, to_world)) {
+        return fail(CONUS_ERROR_DATA, "the matrix of an image is singular");
     }
-    return status;
+    mat4_multiply(m, m, from_world);
+    mat4_multiply(m, world_from_to, m);
+    return CONUS_OK;
 }
 
 static conus_status read_images(conus_volume_info images[2], const char *from, const char *to)
