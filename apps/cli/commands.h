@@ -23,6 +23,7 @@ extern const struct command cmd_phantom;
 extern const struct command cmd_diff;
 extern const struct command cmd_verify;
 extern const struct command cmd_cite;
+extern const struct command cmd_page;
 extern const struct command cmd_view; /**< Another program's. */
 
 /** Turns this program into conus-view, with @p words as its command line; gives an exit code where that fails. */

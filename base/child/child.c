@@ -12,6 +12,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -61,6 +62,11 @@ static conus_status take_chosen(char **path, const char *chosen, const struct ch
     }
     *path = found;
     return CONUS_OK;
+}
+
+int child_create_input(const char *name)
+{
+    return memfd_create(name, MFD_CLOEXEC);
 }
 
 conus_status child_find(char **path, const struct child_program *program)

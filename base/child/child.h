@@ -39,6 +39,9 @@ struct child_task {
  * there is none. memory_free() it. */
 conus_status child_find(char **path, const struct child_program *program);
 
+/** An empty file in memory for a program's input, which shows up as @p name; -1 and errno where there is none. */
+int child_create_input(const char *name);
+
 /** Runs the program to its end. @p rest is what it wrote and `take` did not use, the caller's to finish. Fails with
  * what `take` returns, or with one line about what became of the program: a crash, too much memory or time, what it
  * said on stderr. Whatever it returns, no process is left. */

@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 
 enum { SWAPPED = !BIG_ENDIAN_IS_SWAPPED };
 
@@ -389,7 +388,7 @@ conus_status hdf5_read(struct hdf5 **out, const struct open_file *file, const ch
 conus_status hdf5_read_bytes(struct hdf5 **out, struct text file, const char *const *wanted, size_t count,
                              uint64_t max_memory)
 {
-    struct open_file copy = {.descriptor = memfd_create("conus-hdf5", MFD_CLOEXEC)};
+    struct open_file copy = {.descriptor = child_create_input("conus-hdf5")};
     bool is_there = copy.descriptor >= 0 && file_write_fully(copy.descriptor, file.data, file.size) &&
                     file_state_of(&copy.before, copy.descriptor);
     conus_status status = is_there ? hdf5_read(out, &copy, wanted, count, max_memory)

@@ -13,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -214,7 +213,7 @@ enum { ATTEMPTS = 100 };
 static bool find_name(char *out, size_t length, const char *path)
 {
     uint32_t number;
-    if (getrandom(&number, sizeof number, 0) != (ssize_t)sizeof number) {
+    if (getentropy(&number, sizeof number) != 0) {
         return false;
     }
     snprintf(out, length, "%s.%08" PRIx32 ".part", path, number);

@@ -13,6 +13,8 @@
 #include <string.h>
 #if defined(__SSE2__)
 #include <immintrin.h>
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
 #endif
 
 #define INLINE inline __attribute__((always_inline))
@@ -250,6 +252,8 @@ static INLINE unsigned bits_of(truths which)
     return (unsigned)_mm256_movemask_ps((__m256)which);
 #elif defined(__SSE2__) && LANES == 4
     return (unsigned)_mm_movemask_ps((__m128)which);
+#elif defined(__wasm_simd128__) && LANES == 4
+    return wasm_i32x4_bitmask((v128_t)which);
 #else
     unsigned bits = 0;
     for (int l = 0; l < LANES; l++) {
@@ -275,6 +279,8 @@ static INLINE bool all_halves(halves which)
     return _mm256_movemask_pd((__m256d)which) == 15;
 #elif defined(__SSE2__) && LANES == 4
     return _mm_movemask_pd((__m128d)which) == 3;
+#elif defined(__wasm_simd128__) && LANES == 4
+    return wasm_i64x2_bitmask((v128_t)which) == 3;
 #else
     int64_t bits = -1;
     for (int l = 0; l < HALF; l++) {

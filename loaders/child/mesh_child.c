@@ -6,7 +6,6 @@
 
 #include <errno.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <unistd.h>
 
 static const struct child_program program = {"conus-mesh", "CONUS_MESH", "VTK"};
@@ -74,7 +73,7 @@ static conus_status take_frames(void *user, size_t *used, size_t *wanted, const 
 /* The request as a file in memory, or -1. */
 static int request_file(const struct mesh_child_request *request)
 {
-    int descriptor = memfd_create(program.name, MFD_CLOEXEC);
+    int descriptor = child_create_input(program.name);
     if (descriptor >= 0 && !(file_write_fully(descriptor, request->head.data, request->head.size) &&
                              file_write_fully(descriptor, request->voxels, request->size))) {
         close(descriptor);

@@ -5,7 +5,7 @@
 
 #include "render/colour/renderer.h"
 #include "render/flat/font.h"
-#include "selection/selection.h"
+#include "selection/picture/picture_emphasis.h"
 
 /** Tangents of a frustum's edges are at most so large. */
 enum { PICTURE_FRUSTUM_LIMIT = 1000 };
@@ -70,10 +70,6 @@ static inline bool picture_lists(const conus_result *result)
 {
     return !result->object || result->pixels > 0;
 }
-
-/** How each object, by number, stands out in a picture of @p selection: [object count + 1] of enum emphasis, to be
- * freed. @p chosen (0 = none) and what is below it in the area tree are never pale. NULL without memory. */
-uint8_t *picture_emphasis(const conus_selection *selection, uint32_t chosen);
 
 /** Adds paths and SHA-256 of the atlas's files to the image's header; those of the context only if @p context. */
 conus_status picture_add_volumes(conus_image *image, const conus_atlas *atlas, bool context);

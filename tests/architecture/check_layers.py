@@ -36,6 +36,7 @@ APPS = {
     " apps/cli/verify apps/cli/cite",
     "apps/mpi": "apps/options apps/pages apps/batch",
     "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
+    "apps/web": "",
     "apps/hdf5": "base/child",  # hdf5_protocol.h: what conus and conus-hdf5 send each other
     "apps/viewer/pictures": "apps/link apps/options",
     "apps/viewer/devices": "apps/link",

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files: those inside the page, those that are dropped or chosen, and which of them is the atlas.
+
+const LIMIT = 2 ** 31;
+/** Endings of what can be an atlas, the likeliest first; others (tables, colours) lie beside one. */
+const ATLASES = [/\.atlas\.json$/, /\.nii(\.gz)?$/, /\.mg[hz]$/, /\.n(rrd|hdr)$/, /\.mh[ad]$/, /\.head$/, /\.tiff?$/, /\.gii(\.gz)?$/, /\.annot$/,
+  /\.(pial|white|inflated)$/, /\.(obj|ply|stl|vt[kp]|off|mz3)$/, /\.(trk|tck|trx|tt\.gz)$/];
+
+/** Unpacks a block of base64, packed by gzip or not. @param {Element} block */
+export async function unpack(block) {
+  const bytes = Uint8Array.from(atob((block.textContent ?? "").trim()), (c) => c.charCodeAt(0));
+  if (/** @type {HTMLElement} */ (block).dataset.packed === undefined) return bytes.buffer;
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+}
+
+/** The files that the page has inside: [[name, bytes, whether it is an image below], ...], the atlas first. */
+export async function inside() {
+  const blocks = [...document.querySelectorAll("script[data-file]")];
+  return Promise.all(blocks.map(async (block) => [/** @type {HTMLElement} */ (block).dataset.file ?? "", await unpack(block), block.hasAttribute("data-context")]));
+}
+
+/** @param {FileSystemEntry} entry @returns {Promise<[string, File][]>} */
+async function walk(entry) {
+  if (entry.isFile) {
+    const file = await new Promise((done, failed) => /** @type {FileSystemFileEntry} */ (entry).file(done, failed));
+    return [[entry.fullPath.replace(/^\//, ""), file]];
+  }
+  const reader = /** @type {FileSystemDirectoryEntry} */ (entry).createReader();
+  const all = [];
+  for (;;) { // each call gives some
+    const some = await new Promise((done, failed) => reader.readEntries(done, failed));
+    if (!some.length) return (await Promise.all(all.map(walk))).flat();
+    all.push(...some);
+  }
+}
+
+/** @param {DataTransfer} transfer @returns {Promise<[string, File][]>} */
+export async function dropped(transfer) {
+  const entries = [...transfer.items].map((item) => item.webkitGetAsEntry()).filter(Boolean);
+  return (await Promise.all(entries.map((entry) => walk(/** @type {FileSystemEntry} */ (entry))))).flat();
+}
+
+/** @param {FileList} list @returns {[string, File][]} */
+export const chosen = (list) => [...list].map((file) => [file.webkitRelativePath || file.name, file]);
+
+/** Reads them, or says which are too large. @param {[string, File][]} files */
+export async function read(files) {
+  const size = files.reduce((sum, [, file]) => sum + file.size, 0);
+  if (size > LIMIT) throw new Error(`${(size / 1e9).toFixed(1)} GB: a page opens 2 GB; the program conus has no such limit`);
+  return Promise.all(files.map(async ([name, file]) => /** @type {[string, ArrayBuffer]} */ ([name, await file.arrayBuffer()])));
+}
+
+/** Which of the names may be the atlas, the likeliest first. @param {string[]} names */
+export function candidates(names) {
+  const place = (/** @type {string} */ name) => ATLASES.findIndex((ending) => ending.test(name.toLowerCase()));
+  return names.filter((name) => place(name) >= 0).sort((a, b) => place(a) - place(b) || a.length - b.length || (a < b ? -1 : 1));
+}

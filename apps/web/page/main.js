@@ -1,0 +1,537 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The page: joins files, fields, pictures and table; the worker owns conus.
+import { START, digits, fromFragment, readWithin, toCommand, toFragment } from "./state.js";
+import { CUTS, Cut, View } from "./panes.js";
+import { candidates, chosen as chosenFiles, dropped, inside, read, unpack } from "./files.js";
+
+/** @typedef {import("./state.js").Question} Question */
+const source = `<!doctype html>\n${document.documentElement.outerHTML}`; // before anything changes
+const FORMATS = { tsv: 1, csv: 2, json: 3 }; // of enum conus_format
+const REST = 150; // ms without a change, and pictures are drawn in full
+const SPEAK = 700; // ms, and the answer is spoken
+const NUDGES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+const $ = (/** @type {string} */ selector) => /** @type {any} */ (document.querySelector(selector));
+const form = $("#aim");
+const cuts = CUTS.map((plane, i) => new Cut(plane, $(`[data-pane="${i}"]`)));
+const view = new View($('[data-pane="3"]'));
+const panes = [...cuts, view];
+
+/** @type {Question} */
+let question = { ...START };
+let end = /** @type {"origin" | "toward" | "cut"} */ ("toward");
+let chosen = 0;
+/** @type {any} */
+let atlas = null;
+/** @type {[string, number, number, number][]} */
+let objects = [];
+/** Each with whether it is an image below the areas. @type {[string, ArrayBuffer, boolean?][]} */
+let files = [];
+let atlasFile = "";
+let linked = ""; // the atlas that the link is for
+let refused = ""; // why the question has no rows, until somebody changes it: its link is for another atlas
+let given = null; // the question and rows that the program wrote into the page
+/** @type {any[]} */
+let rows = [];
+let rowsText = ""; // of the same, as conus wrote them
+
+// ---- The worker: one message at a time -----------------------------------------------------------------------------
+
+/** @type {Worker} */
+let worker;
+let last = 0;
+const waiting = new Map();
+
+/** @param {string} call @param {object} [data] @param {Transferable[]} [give] @returns {Promise<any>} */
+function ask(call, data = {}, give = []) {
+  return new Promise((done, failed) => {
+    waiting.set(++last, { done, failed });
+    worker.postMessage({ id: last, call, ...data }, give);
+  });
+}
+
+async function startWorker() {
+  const code = await unpack($("#worker"));
+  worker = new Worker(URL.createObjectURL(new Blob([code], { type: "text/javascript" })));
+  worker.onmessage = ({ data }) => {
+    const { done, failed } = waiting.get(data.id);
+    waiting.delete(data.id);
+    if (data.error === undefined) done(data);
+    else failed(new Error(data.error));
+  };
+  worker.onerror = (event) => say(`the page cannot run: ${event.message}`);
+  const wasm = await unpack($("#wasm"));
+  await ask("start", { wasm }, [wasm]);
+}
+
+// ---- Words ---------------------------------------------------------------------------------------------------------
+
+/** Shows an error; "" takes it away. @param {string} words */
+function say(words) {
+  $("#error").textContent = words;
+  $("#error").hidden = !words;
+}
+
+/** Runs a step whose error the page shows. @param {() => any} step */
+const attempt = async (step) => {
+  try {
+    say("");
+    await step();
+  } catch (error) {
+    say(/** @type {Error} */ (error).message);
+  }
+};
+
+const identity = () => (atlas ? `${atlas.name}@${atlas.sha256.slice(0, 8)}` : "");
+
+function describeAtlas() {
+  const names = atlas.source ? `names: ${atlas.source}` : "areas have no names, only numbers";
+  $("#atlas").textContent = `${atlas.name} (${atlas.sha256.slice(0, 8)}), ${atlas.objects} objects; ${names}${atlas.notes.map((/** @type {string} */ note) => `. ${note}`).join("")}`;
+  $("#version").textContent = `conus ${atlas.version}`;
+}
+
+let speaking = 0;
+function describeAnswer() {
+  const hits = rows.filter((row) => row.kind !== "unassigned" && (row.pixels > 0 || question.layers === "all"));
+  const first = hits.slice(0, 3).map((row) => `${row.name} ${(100 * row.share).toFixed(1)} %`).join(", ");
+  const words = hits.length ? `${first}; ${hits.length} ${hits.length === 1 ? "area" : "areas"}` : "Nothing is in the cone.";
+  clearTimeout(speaking);
+  speaking = window.setTimeout(() => { $("#said").textContent = words; }, $("#said").textContent ? SPEAK : 0);
+}
+
+// ---- Table ---------------------------------------------------------------------------------------------------------
+
+/** @param {string} text @param {string} [tag] */
+function cell(text, tag = "td") {
+  const out = document.createElement(tag);
+  out.textContent = text;
+  return out;
+}
+
+function fillTable() {
+  $("tbody").replaceChildren(...rows.filter((row) => row.kind !== "unassigned").map((row) => {
+    const tr = document.createElement("tr");
+    const name = cell("");
+    const swatch = document.createElement("span");
+    const number = objects.findIndex((object) => object[0] === row.name) + 1;
+    const [, ...rgb] = objects[number - 1] ?? ["", 128, 128, 128];
+    swatch.className = "swatch";
+    swatch.style.setProperty("background", `rgb(${rgb})`);
+    name.append(swatch, row.name);
+    const nearest = row.distance_mm ?? row.entry_mm;
+    tr.append(cell(String(row.rank)), name, cell(`${(100 * row.share).toFixed(2)} %`), cell(String(row.pixels)), cell(typeof nearest === "number" ? nearest.toFixed(1) : ""));
+    tr.tabIndex = 0;
+    tr.setAttribute("aria-selected", String(number === chosen && chosen > 0));
+    const choose = () => { chosen = chosen === number ? 0 : number; redraw(); };
+    tr.onclick = choose;
+    tr.onkeydown = (event) => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); choose(); } };
+    return tr;
+  }));
+}
+
+/** Whether rows differ in nothing but the last digits of numbers, as those of surfaces do: Embree works in single precision.
+ * @param {string} a @param {string} b */
+function nearlyEqual(a, b) {
+  const number = /-?\d+\.?\d*(e[-+]?\d+)?/g;
+  const [x, y] = [a, b].map((text) => (text.match(number) ?? []).map(Number));
+  return a.replace(number, "#") === b.replace(number, "#") && x.every((v, i) => Math.abs(v - y[i]) <= 1e-6 * Math.max(1, Math.abs(v)));
+}
+
+/** Compares the rows with those that the program wrote into the page. @param {string} text */
+function compare(text) {
+  const same = given && toFragment({ ...given.question, cut: question.cut }, "") === toFragment(question, "");
+  $("#equal").hidden = !same;
+  if (same) $("#equal").textContent = text === given.rows ? `These rows are equal to those of conus ${given.version}.`
+    : nearlyEqual(text, given.rows) ? `These rows are equal to those of conus ${given.version} to a millionth.`
+      : `These rows are NOT those that conus ${given.version} wrote into this page: ${given.rows}`;
+}
+
+// ---- Drawing: at most one question under way; the newest waits ------------------------------------------------------
+
+let busy = false;
+let again = false;
+let moving = false;
+let resting = 0;
+
+/** @param {boolean} [isMoving] */
+function redraw(isMoving = false) {
+  moving = isMoving;
+  clearTimeout(resting);
+  if (isMoving) resting = window.setTimeout(() => redraw(false), REST);
+  fillFields();
+  for (const pane of panes) pane.annotate(question, end);
+  if (!atlas || busy) {
+    again = Boolean(atlas);
+    return;
+  }
+  requestAnimationFrame(draw);
+  busy = true;
+}
+
+async function draw() {
+  again = false;
+  const shown = panes.filter((pane) => pane.box.offsetParent !== null);
+  const requests = cuts.filter((cut) => shown.includes(cut)).map((cut) => ({ cut, ...cut.request(question, moving, 0.55, atlas.window ?? [0, 0]) }));
+  const solid = shown.includes(view) ? view.request(moving) : null;
+  try {
+    const answer = await ask("draw", { question, cuts: requests.map(({ cut, ...rest }) => rest), view: solid, chosen });
+    requests.forEach(({ cut, width }, i) => cut.show(answer.cuts[i], width));
+    if (solid) view.show(answer.view, solid.side);
+    rowsText = answer.rows;
+    rows = refused ? [] : answer.rows.trim().split("\n").filter(Boolean).map((/** @type {string} */ row) => JSON.parse(row));
+    fillTable();
+    if (!refused) describeAnswer();
+    compare(answer.rows);
+    say(refused);
+    document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
+  } catch (error) {
+    rows = [];
+    fillTable();
+    say(/** @type {Error} */ (error).message);
+  }
+  for (const pane of panes) pane.annotate(question, end);
+  busy = false;
+  if (again) redraw(moving);
+  else if (!moving && !document.body.classList.contains("embed")) history.replaceState(null, "", `#${toFragment(question, identity())}`);
+}
+
+// ---- Fields --------------------------------------------------------------------------------------------------------
+
+function fillFields() {
+  const write = (/** @type {string} */ name, /** @type {string} */ text) => {
+    const field = form.elements.namedItem(name);
+    if (document.activeElement !== field) field.value = text;
+    if (document.activeElement !== field) field.removeAttribute("aria-invalid");
+  };
+  for (const a of [0, 1, 2]) {
+    write(`origin${a}`, digits(question.origin[a]));
+    write(`toward${a}`, digits(question.toward[a]));
+  }
+  write("angle", digits(question.angle));
+  form.elements.layers.value = question.layers;
+  form.elements.resolution.value = String(question.resolution);
+  form.elements.end.value = end;
+}
+
+form.addEventListener("input", (/** @type {Event} */ event) => {
+  const field = /** @type {HTMLInputElement} */ (event.target);
+  try {
+    const found = /^(origin|toward)(\d)$/.exec(field.name);
+    if (found) question[/** @type {"origin"} */ (found[1])] = /** @type {any} */ (question[/** @type {"origin"} */ (found[1])].map((v, a) => (a === Number(found[2]) ? readWithin(field.value, -1e5, 1e5) : v)));
+    else if (field.name === "angle") question.angle = readWithin(field.value, 0.001, 170);
+    else if (field.name === "layers") question.layers = /** @type {any} */ (field.value);
+    else if (field.name === "resolution") question.resolution = Number(field.value);
+    else end = /** @type {any} */ (field.value);
+    field.removeAttribute("aria-invalid");
+    refused = "";
+    say("");
+  } catch (error) {
+    field.setAttribute("aria-invalid", "true");
+    say(/** @type {Error} */ (error).message);
+    return;
+  }
+  if (end === "toward" && field.name.startsWith("toward")) question.cut = [...question.toward];
+  redraw();
+});
+form.addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
+
+// ---- Pointers and keys ---------------------------------------------------------------------------------------------
+
+/** @param {"origin" | "toward" | "cut"} which @param {import("./state.js").Point} position */
+function put(which, position) {
+  refused = "";
+  question[which] = /** @type {any} */ (position.map((v) => Number(v.toFixed(2))));
+  if (which === "toward") question.cut = [...question.toward];
+}
+
+/** The point of a pane under a pointer. @param {HTMLElement} over @param {{clientX: number, clientY: number}} event */
+function pointOf(over, event) {
+  const box = over.getBoundingClientRect();
+  return [event.clientX - box.left, event.clientY - box.top];
+}
+
+panes.forEach((pane, number) => {
+  const over = pane.over;
+  const touches = new Map();
+  let drag = /** @type {any} */ (null);
+  const nameAt = (/** @type {number[]} */ at) => objects[(pane instanceof Cut ? pane.object(at) : pane.pick(at)?.object ?? 0) - 1]?.[0] ?? "";
+  over.addEventListener("pointerdown", (event) => {
+    over.setPointerCapture(event.pointerId);
+    touches.set(event.pointerId, pointOf(over, event));
+    const at = pointOf(over, event);
+    const held = pane instanceof Cut ? pane.end(at, question) : null;
+    drag = { at, held, moved: false, spread: 0 };
+    if (held) end = held;
+    if (pane instanceof Cut && !held && end === "cut") put("cut", pane.position(at, question.cut)), redraw(true);
+  });
+  over.addEventListener("pointermove", (event) => {
+    const at = pointOf(over, event);
+    over.title = nameAt(at);
+    if (!drag || !touches.has(event.pointerId)) return;
+    touches.set(event.pointerId, at);
+    if (touches.size === 2) {
+      const [a, b] = [...touches.values()];
+      const spread = Math.hypot(a[0] - b[0], a[1] - b[1]);
+      if (drag.spread) pane.zoom = Math.min(20, Math.max(0.3, pane.zoom * spread / drag.spread));
+      drag.spread = spread;
+      drag.moved = true;
+      return redraw(true);
+    }
+    drag.moved ||= Math.hypot(at[0] - drag.at[0], at[1] - drag.at[1]) > 3;
+    if (!drag.moved) return;
+    if (pane instanceof Cut) {
+      const which = drag.held ?? (end === "cut" ? "cut" : null);
+      if (which) put(which, pane.position(at, which === "cut" ? question.cut : question[/** @type {"origin"} */ (which)]));
+      else {
+        pane.middle[0] -= (at[0] - drag.at[0]) * pane.mmPerPoint;
+        pane.middle[1] += (at[1] - drag.at[1]) * pane.mmPerPoint;
+        drag.at = at;
+      }
+    } else {
+      pane.turn -= (at[0] - drag.at[0]) / 120;
+      pane.tilt = Math.min(1.5, Math.max(-1.5, pane.tilt + (at[1] - drag.at[1]) / 120));
+      drag.at = at;
+    }
+    redraw(true);
+  });
+  const release = (/** @type {PointerEvent} */ event) => {
+    const at = pointOf(over, event);
+    touches.delete(event.pointerId);
+    if (drag && !drag.moved && event.type === "pointerup") {
+      if (pane instanceof Cut && !drag.held) put(end, pane.position(at, question.cut));
+      else if (pane instanceof View) {
+        const hit = pane.pick(at);
+        if (hit && (event.shiftKey || end === "origin")) {
+          put("origin", /** @type {any} */ (hit.position.map((v, a) => v - 30 * hit.inward[a])));
+          put("toward", /** @type {any} */ (hit.position.map((v, a) => v + 30 * hit.inward[a])));
+        } else if (hit) put(end, hit.position);
+      }
+      redraw();
+    }
+    if (!touches.size) drag = null;
+  };
+  over.addEventListener("pointerup", release);
+  over.addEventListener("pointercancel", release);
+  over.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    if (event.altKey) question.angle = Math.min(170, Math.max(0.5, question.angle - Math.sign(event.deltaY)));
+    else pane.zoom = Math.min(20, Math.max(0.3, pane.zoom * Math.exp(-event.deltaY / 500)));
+    redraw(true);
+  }, { passive: false });
+  over.addEventListener("keydown", (event) => { if (key(event, pane, number)) event.preventDefault(); });
+});
+
+/** @param {KeyboardEvent} event @param {Cut | View} pane @param {number} number */
+function key(event, pane, number) {
+  const step = event.shiftKey ? 10 : event.altKey ? 0.1 : 1;
+  const nudge = NUDGES[/** @type {"ArrowUp"} */ (event.key)];
+  if (nudge && pane instanceof View && (event.ctrlKey || end === "cut")) {
+    pane.turn -= nudge[0] / 10;
+    pane.tilt = Math.min(1.5, Math.max(-1.5, pane.tilt - nudge[1] / 10));
+  } else if (nudge) {
+    const { right, up } = pane instanceof Cut ? pane.plane : CUTS[0];
+    const moved = [...question[end]];
+    moved[right] += step * nudge[0];
+    moved[up] += step * nudge[1];
+    put(end, /** @type {any} */ (moved));
+  } else if ((event.key === "PageUp" || event.key === "PageDown") && pane instanceof Cut) {
+    const cut = [...question.cut];
+    cut[pane.plane.through] += event.key === "PageUp" ? step : -step;
+    question.cut = /** @type {any} */ (cut);
+  } else if (event.key === "[" || event.key === "]") question.angle = Math.min(170, Math.max(1, question.angle + (event.key === "]" ? 1 : -1)));
+  else if (event.key === "+" || event.key === "-") pane.zoom = Math.min(20, Math.max(0.3, pane.zoom * (event.key === "+" ? 1.25 : 0.8)));
+  else if (event.key === "s") end = "origin";
+  else if (event.key === "t") end = "toward";
+  else if (event.key === "c" && !event.ctrlKey && !event.metaKey) save("link");
+  else if (event.key === "?") $("details").open = true;
+  else return false;
+  redraw(true);
+  return true;
+}
+
+// ---- Tabs of a narrow screen ---------------------------------------------------------------------------------------
+
+["Axial", "Coronal", "Sagittal", "3-D"].forEach((name, number) => {
+  const tab = document.createElement("button");
+  tab.type = "button";
+  tab.textContent = name;
+  tab.setAttribute("role", "tab");
+  tab.onclick = () => showTab(number);
+  $("#tabs").append(tab);
+  panes[number].over.setAttribute("aria-label", number < 3 ? `${name} cut with the cone. Arrows move its chosen end.` : "3-D view of the atlas. Ctrl and arrows turn it.");
+});
+
+/** @param {number} number */
+function showTab(number) {
+  panes.forEach((pane, i) => pane.box.classList.toggle("shown", i === number));
+  [...$("#tabs").children].forEach((tab, i) => tab.setAttribute("aria-selected", String(i === number)));
+  layOut();
+  redraw();
+}
+
+/** Canvases are squares in the middle of their boxes. */
+function layOut() {
+  for (const pane of panes) {
+    for (const canvas of [pane.canvas, pane.over]) canvas.style.setProperty("width", `${pane.side}px`), canvas.style.setProperty("height", `${pane.side}px`);
+  }
+}
+new ResizeObserver(() => { layOut(); redraw(true); }).observe($("#panes"));
+
+// ---- Files ---------------------------------------------------------------------------------------------------------
+
+/** @param {string} name */
+async function open(name) {
+  ({ atlas, objects } = await ask("open", { name }));
+  atlasFile = name;
+  chosen = 0;
+  for (const pane of panes) pane.frame(atlas.low, atlas.high);
+  describeAtlas();
+  $("#choose-t1").disabled = false;
+  checkLink();
+}
+
+/** A link's question is for its atlas alone. */
+function checkLink() {
+  if (linked && linked !== identity()) refused = `This link is for ${linked}, not for ${identity()}, so that no rows are shown. Open that atlas, or change the question.`;
+  linked = "";
+}
+
+/** @param {[string, File][]} list */
+const take = (list) => attempt(async () => {
+  const added = await read(list);
+  await ask("put", { files: added });
+  files = [...files.filter(([name]) => !added.some(([other]) => other === name)), ...added];
+  const names = candidates(added.map(([name]) => name));
+  if (!names.length) throw new Error(`${list.map(([name]) => name).join(", ")}: no atlas among them; drop a volume (NIfTI, NRRD, …), surfaces or a manifest, with its label table`);
+  const select = $("#which select");
+  select.replaceChildren(...names.map((name) => new Option(name, name)));
+  $("#which").hidden = names.length < 2;
+  await open(names[0]).finally(() => redraw());
+});
+
+$("#choose").onclick = () => $("#files").click();
+$("#choose-t1").onclick = () => $("#t1").click();
+$("#files").onchange = (/** @type {any} */ event) => take(chosenFiles(event.target.files));
+$("#which select").onchange = (/** @type {any} */ event) => attempt(() => open(event.target.value).finally(() => redraw()));
+$("#t1").onchange = (/** @type {any} */ event) => attempt(async () => {
+  const added = await read(chosenFiles(event.target.files));
+  await ask("put", { files: added });
+  ({ atlas, objects } = await ask("context", { name: added[0][0] }));
+  files = [...files.filter((file) => !file[2]), [...added[0], true]];
+  redraw();
+});
+$("#safe").onchange = (/** @type {any} */ event) => attempt(async () => {
+  ({ objects } = await ask("colours", { safe: event.target.checked }));
+  redraw();
+});
+addEventListener("dragover", (event) => { event.preventDefault(); document.body.classList.add("dropping"); });
+addEventListener("dragleave", () => document.body.classList.remove("dropping"));
+addEventListener("drop", async (event) => {
+  event.preventDefault();
+  document.body.classList.remove("dropping");
+  if (event.dataTransfer) await take(await dropped(event.dataTransfer));
+});
+
+// ---- Saving --------------------------------------------------------------------------------------------------------
+
+/** @param {string} name @param {Blob} blob */
+function download(name, blob) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+}
+
+/** @param {string} text */
+const escape = (text) => text.replaceAll("&", "&amp;").replaceAll('"', "&quot;").replaceAll("<", "&lt;");
+
+/** @param {ArrayBuffer} bytes */
+function toBase64(bytes) {
+  const all = new Uint8Array(bytes);
+  let text = "";
+  for (let i = 0; i < all.length; i += 0x8000) text += String.fromCharCode(...all.subarray(i, i + 0x8000));
+  return btoa(text);
+}
+
+/** This page with the open atlas and the question inside. */
+function wholePage() {
+  const first = files.filter(([name]) => name === atlasFile);
+  const blocks = [...first, ...files.filter(([name]) => name !== atlasFile)].map(([name, bytes, isImage]) =>
+    `<script type="application/octet-stream" data-file="${escape(name)}"${isImage ? " data-context" : ""}>${toBase64(bytes)}</` + "script>");
+  const asked = JSON.stringify({ fragment: toFragment(question, identity()), version: atlas.version, rows: rowsText });
+  const mark = source.indexOf("<!-- atlas -->"); // behind it: the blocks that were inside, then this code
+  const code = source.indexOf("<script>", mark);
+  return `${source.slice(0, mark)}<!-- atlas -->\n${blocks.join("\n")}\n<script type="application/json" id="question">${asked.replaceAll("<", "\\u003c")}</` + `script>\n${source.slice(code)}`;
+}
+
+/** The four pictures side by side with what is drawn over them. */
+function picture() {
+  const shown = panes.filter((pane) => pane.box.offsetParent !== null);
+  const side = Math.max(...shown.map((pane) => pane.canvas.width));
+  const columns = shown.length > 1 ? 2 : 1;
+  const sheet = new OffscreenCanvas(columns * side, Math.ceil(shown.length / columns) * side);
+  const c = /** @type {OffscreenCanvasRenderingContext2D} */ (sheet.getContext("2d"));
+  shown.forEach((pane, i) => {
+    for (const canvas of [pane.canvas, pane.over]) c.drawImage(canvas, i % columns * side, Math.floor(i / columns) * side, side, side);
+  });
+  return sheet.convertToBlob({ type: "image/png" });
+}
+
+/** @param {string} kind */
+const save = (kind) => attempt(async () => {
+  if (!atlas) throw new Error("open an atlas first");
+  const name = `conus-${atlas.name.replace(/\..*/, "")}`;
+  const copy = (/** @type {string} */ text) => navigator.clipboard.writeText(text).catch(() => { window.prompt("Copy this:", text); });
+  if (kind === "link") await copy(`${location.href.replace(/#.*/s, "")}#${toFragment(question, identity())}`);
+  else if (kind === "command") await copy(toCommand(question, atlasFile));
+  else if (kind === "png") download(`${name}.png`, await picture());
+  else if (kind === "page") download(`${name}.html`, new Blob([wholePage()], { type: "text/html" }));
+  else {
+    const format = kind === "sidecar" ? kind : FORMATS[/** @type {"tsv"} */ (kind)];
+    download(`${name}.${kind === "sidecar" ? "json" : kind}`, new Blob([(await ask("text", { format })).text]));
+  }
+});
+for (const button of document.querySelectorAll("[data-save]")) {
+  /** @type {HTMLElement} */ (button).onclick = () => save(/** @type {HTMLElement} */ (button).dataset.save ?? "");
+}
+
+// ---- Start ---------------------------------------------------------------------------------------------------------
+
+function readLink() {
+  const link = fromFragment(location.hash);
+  question = link.question;
+  linked = link.atlas;
+  document.body.classList.toggle("embed", link.embed);
+}
+
+addEventListener("hashchange", () => attempt(async () => {
+  readLink();
+  if (atlas) checkLink();
+  redraw();
+}));
+
+attempt(async () => {
+  showTab(0);
+  const block = document.getElementById("question");
+  if (block) {
+    given = JSON.parse(block.textContent ?? "");
+    given.question = fromFragment(given.fragment).question;
+    question = { ...given.question };
+  }
+  try {
+    if (location.hash) readLink();
+  } catch (error) {
+    refused = /** @type {Error} */ (error).message; // and nothing is guessed
+  }
+  await startWorker();
+  files = /** @type {any} */ (await inside());
+  if (files.length) {
+    await ask("put", { files });
+    await open(files[0][0]).finally(() => redraw());
+    const image = /** @type {any} */ (files).find((/** @type {any} */ file) => file[2]);
+    if (image) ({ atlas, objects } = await ask("context", { name: image[0] }));
+    redraw();
+  }
+  say(refused);
+}).finally(() => { document.body.dataset.ready = "yes"; });

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The three cuts and the 3-D view: canvases, what a pointer and keys do in them, and the handles of the cone.
+
+/** @typedef {import("./state.js").Point} Point */
+/** @typedef {{origin: Point, toward: Point, angle: number, cut: Point}} Aim */
+
+/** Each cut: its name, the axes to its right and top, the axis through it, and letters of its left, right, top, bottom. */
+export const CUTS = [
+  { name: "Axial", right: 0, up: 1, through: 2, letters: "LRAP" },
+  { name: "Coronal", right: 0, up: 2, through: 1, letters: "LRSI" },
+  { name: "Sagittal", right: 1, up: 2, through: 0, letters: "PASI" },
+];
+const HANDLE = 12; // pixels of the page around an end of the axis that take it
+
+/** Pixels of RGBA onto a canvas of their size. @param {HTMLCanvasElement} canvas @param {ArrayBuffer} rgba @param {number} width */
+export function paint(canvas, rgba, width) {
+  const height = rgba.byteLength / 4 / width;
+  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+  canvas.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(rgba), width, height), 0, 0);
+}
+
+/** A cut and what is drawn over it. */
+export class Cut {
+  /** @param {typeof CUTS[number]} plane @param {HTMLElement} box */
+  constructor(plane, box) {
+    this.plane = plane;
+    this.box = box;
+    this.canvas = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas"));
+    this.over = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas.over"));
+    this.zoom = 1;
+    this.middle = [0, 0];
+    this.fit = 1;
+    /** @type {Uint32Array} */
+    this.objects = new Uint32Array();
+  }
+
+  /** Shows the whole of a box of the world, mm. @param {Point} low @param {Point} high */
+  frame(low, high) {
+    const { right, up } = this.plane;
+    const margin = 1.25;
+    this.middle = [(low[right] + high[right]) / 2, (low[up] + high[up]) / 2];
+    this.extent = margin * Math.max(...[0, 1, 2].map((a) => high[a] - low[a]));
+    this.zoom = 1;
+  }
+
+  get side() { return Math.max(50, Math.min(this.box.clientWidth, this.box.clientHeight)); }
+  get mmPerPoint() { return (this.extent ?? 200) / this.side / this.zoom; }
+
+  /** What the worker draws: at the screen's density, or coarse while something moves. @param {Aim} aim @param {boolean} moving */
+  request(aim, moving, fill, window) {
+    const width = Math.round(Math.min(moving ? 300 : 800, this.side * (moving ? 1 : devicePixelRatio)));
+    const centre = [...aim.cut];
+    centre[this.plane.right] = this.middle[0];
+    centre[this.plane.up] = this.middle[1];
+    return { right: this.plane.right, up: this.plane.up, centre, width, height: width, mm: this.mmPerPoint * this.side / width, fill, window };
+  }
+
+  /** Where a position is on the page, points from the box's corner. @param {number[]} p */
+  place(p) {
+    const mm = this.mmPerPoint;
+    return [(p[this.plane.right] - this.middle[0]) / mm + this.side / 2, this.side / 2 - (p[this.plane.up] - this.middle[1]) / mm];
+  }
+
+  /** The position in the cut under a point of the page. @param {number[]} at @param {number[]} cut */
+  position(at, cut) {
+    const p = [...cut];
+    p[this.plane.right] = (at[0] - this.side / 2) * this.mmPerPoint + this.middle[0];
+    p[this.plane.up] = (this.side / 2 - at[1]) * this.mmPerPoint + this.middle[1];
+    return /** @type {Point} */ (p);
+  }
+
+  /** The object there, 0 if none. @param {number[]} at */
+  object(at) {
+    const n = this.canvas.width;
+    const [x, y] = at.map((v) => Math.floor(v / this.side * n));
+    return x >= 0 && y >= 0 && x < n && y < n ? this.objects[y * n + x] ?? 0 : 0;
+  }
+
+  /** Which end of the axis is under a point: "origin", "toward" or null. @param {number[]} at @param {Aim} aim */
+  end(at, aim) {
+    const near = (/** @type {"origin" | "toward"} */ end) => Math.hypot(...this.place(aim[end]).map((v, i) => v - at[i])) <= HANDLE;
+    return near("toward") ? "toward" : near("origin") ? "origin" : null;
+  }
+
+  /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer}} picture @param {number} width */
+  show(picture, width) {
+    paint(this.canvas, picture.rgba, width);
+    this.objects = new Uint32Array(picture.objects);
+  }
+
+  /** The axis with its ends, the lines of the other cuts, letters and a scale. @param {Aim} aim @param {string} chosenEnd */
+  annotate(aim, chosenEnd) {
+    const scale = devicePixelRatio;
+    const side = this.side;
+    [this.over.width, this.over.height] = [side * scale, side * scale];
+    const c = this.over.getContext("2d");
+    if (!c) return;
+    c.scale(scale, scale);
+    const [x, y] = this.place(aim.cut);
+    line(c, "rgba(255,255,255,0.35)", 1, [[x, 0], [x, side]]);
+    line(c, "rgba(255,255,255,0.35)", 1, [[0, y], [side, y]]);
+    axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);
+    c.font = "bold 13px sans-serif";
+    c.textAlign = "center";
+    for (const [i, at] of [[10, side / 2], [side - 10, side / 2], [side / 2, 16], [side / 2, side - 8]].entries()) {
+      outlined(c, this.plane.letters[i], at[0], at[1]);
+    }
+    const mm = [1, 2, 5, 10, 20, 50, 100].filter((length) => length / this.mmPerPoint <= side / 3).pop() ?? 1;
+    line(c, "#fff", 2, [[12, side - 12], [12 + mm / this.mmPerPoint, side - 12]]);
+    c.textAlign = "left";
+    outlined(c, `${mm} mm`, 12, side - 18);
+  }
+}
+
+/** @param {CanvasRenderingContext2D} c @param {string} colour @param {number} width @param {number[][]} points */
+function line(c, colour, width, points) {
+  c.beginPath();
+  points.forEach(([x, y], i) => (i ? c.lineTo(x, y) : c.moveTo(x, y)));
+  c.strokeStyle = colour;
+  c.lineWidth = width;
+  c.stroke();
+}
+
+/** @param {CanvasRenderingContext2D} c @param {string} text @param {number} x @param {number} y */
+function outlined(c, text, x, y) {
+  c.strokeStyle = "#000";
+  c.lineWidth = 3;
+  c.strokeText(text, x, y);
+  c.fillStyle = "#fff";
+  c.fillText(text, x, y);
+}
+
+/** The axis from its start, a ring, to its target, a cross. @param {CanvasRenderingContext2D} c @param {number[]} from @param {number[]} to */
+export function axis(c, from, to, chosenEnd) {
+  for (const [colour, width] of /** @type {[string, number][]} */ ([["#000", 4], ["#fff", 1.5]])) {
+    line(c, colour, width, [from, to]);
+    line(c, colour, width + 1, [[to[0] - 7, to[1]], [to[0] + 7, to[1]]]);
+    line(c, colour, width + 1, [[to[0], to[1] - 7], [to[0], to[1] + 7]]);
+    c.beginPath();
+    c.arc(from[0], from[1], 7, 0, 7);
+    c.stroke();
+    const end = chosenEnd === "origin" ? from : to;
+    if (colour === "#fff") {
+      c.setLineDash([3, 3]);
+      c.beginPath();
+      c.arc(end[0], end[1], HANDLE, 0, 7);
+      c.stroke();
+      c.setLineDash([]);
+    }
+  }
+}
+
+/** The 3-D view: an eye on a sphere around the middle of the atlas. */
+export class View {
+  /** @param {HTMLElement} box */
+  constructor(box) {
+    this.box = box;
+    this.canvas = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas"));
+    this.over = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas.over"));
+    this.angle = 30;
+    this.objects = new Uint32Array();
+    this.distances = new Float32Array();
+    this.frame([-70, -100, -50], [70, 70, 80]);
+  }
+
+  /** @param {Point} low @param {Point} high */
+  frame(low, high) {
+    this.middle = low.map((v, a) => (v + high[a]) / 2);
+    this.radius = Math.hypot(...low.map((v, a) => (high[a] - v) / 2));
+    this.turn = Math.PI * 0.86; // degrees of longitude from +x: the left side, a little from the front
+    this.tilt = 0.35;
+    this.zoom = 1;
+  }
+
+  get side() { return Math.max(50, Math.min(this.box.clientWidth, this.box.clientHeight)); }
+
+  get eye() {
+    const far = 1.05 * this.radius / Math.sin(this.angle * Math.PI / 360) / this.zoom;
+    const flat = Math.cos(this.tilt);
+    return [Math.cos(this.turn) * flat, Math.sin(this.turn) * flat, Math.sin(this.tilt)].map((v, a) => this.middle[a] + far * v);
+  }
+
+  /** @param {boolean} moving */
+  request(moving) {
+    return { side: moving ? 128 : 384, eye: this.eye, toward: this.middle, angle: this.angle };
+  }
+
+  /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer, distances: ArrayBuffer}} picture @param {number} side */
+  show(picture, side) {
+    paint(this.canvas, picture.rgba, side);
+    this.objects = new Uint32Array(picture.objects);
+    this.distances = new Float32Array(picture.distances);
+    this.drawn = { side, eye: this.eye };
+  }
+
+  /** Unit vectors to the right, the top and ahead. */
+  get axes() {
+    const eye = this.eye;
+    const length = Math.hypot(...eye.map((v, a) => this.middle[a] - v));
+    const ahead = eye.map((v, a) => (this.middle[a] - v) / length);
+    const flat = Math.hypot(ahead[0], ahead[1]);
+    const right = [ahead[1] / flat, -ahead[0] / flat, 0];
+    const up = [right[1] * ahead[2] - right[2] * ahead[1], right[2] * ahead[0] - right[0] * ahead[2], right[0] * ahead[1] - right[1] * ahead[0]];
+    return { right, up, ahead };
+  }
+
+  /** @param {number[]} at @returns {{object: number, position: Point, inward: Point} | null} */
+  pick(at) {
+    if (!this.drawn) return null;
+    const n = this.drawn.side;
+    const [x, y] = at.map((v) => Math.floor(v / this.side * n));
+    const pixel = y * n + x;
+    if (!(x >= 0 && y >= 0 && x < n && y < n) || !this.objects[pixel]) return null;
+    const { right, up, ahead } = this.axes;
+    const half = Math.tan(this.angle * Math.PI / 360);
+    const [u, v] = [(2 * (x + 0.5) / n - 1) * half, (1 - 2 * (y + 0.5) / n) * half];
+    const ray = ahead.map((value, a) => value + u * right[a] + v * up[a]);
+    const length = Math.hypot(...ray);
+    const inward = /** @type {Point} */ (ray.map((value) => value / length));
+    return { object: this.objects[pixel], inward, position: /** @type {Point} */ (inward.map((value, a) => this.eye[a] + this.distances[pixel] * value)) };
+  }
+
+  /** @param {number[]} p */
+  place(p) {
+    const { right, up, ahead } = this.axes;
+    const offset = p.map((v, a) => v - this.eye[a]);
+    const along = (/** @type {number[]} */ d) => d.reduce((sum, v, a) => sum + v * offset[a], 0);
+    const half = Math.tan(this.angle * Math.PI / 360) * Math.max(along(ahead), 1);
+    return [(along(right) / half + 1) / 2 * this.side, (1 - along(up) / half) / 2 * this.side];
+  }
+
+  /** @param {Aim} aim @param {string} chosenEnd */
+  annotate(aim, chosenEnd) {
+    const scale = devicePixelRatio;
+    [this.over.width, this.over.height] = [this.side * scale, this.side * scale];
+    const c = this.over.getContext("2d");
+    if (!c) return;
+    c.scale(scale, scale);
+    axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);
+  }
+}

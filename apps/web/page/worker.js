@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Owns conus: the page sends one message at a time, {id, call, ...}, and gets {id, ...} or {id, error}.
+import createConus from "conus.mjs";
+
+const FOLDER = "/atlas/";
+/** Numbers of web.c's functions; those of text have "string". */
+const SIGNATURES = {
+  open: ["string", ["string"]], add_context: ["string", ["string"]], objects: ["string", []], use_safe_colours: [null, ["number"]],
+  ask: ["string", Array(9).fill("number")], rows: ["string", ["number"]], sidecar: ["string", []], error: ["string", []],
+  cut: ["number", Array(12).fill("number")], cut_objects: ["number", []],
+  view: ["number", Array(9).fill("number")], view_objects: ["number", []], view_distances: ["number", []],
+};
+const NDJSON = 4;
+let module, conus;
+
+const parse = (text) => {
+  const value = JSON.parse(text);
+  if (value.error) throw new Error(value.error);
+  return value;
+};
+const pixels = (at, bytes) => {
+  if (!at) parse(conus.error());
+  return module.HEAPU8.slice(at, at + bytes).buffer;
+};
+
+const CALLS = {
+  async start({ wasm }) {
+    module = await createConus({ wasmBinary: wasm, locateFile: (name) => name });
+    module.FS.mkdir(FOLDER.slice(0, -1));
+    conus = Object.fromEntries(Object.entries(SIGNATURES).map(([name, [result, args]]) => [name, module.cwrap(`web_${name}`, result, args)]));
+    return {};
+  },
+  /** Puts files where conus can open them: [[name with folders, bytes], ...]. */
+  put({ files }) {
+    for (const [name, bytes] of files) {
+      const parts = name.split("/").filter((part) => part && part !== "." && part !== "..");
+      for (let i = 1; i < parts.length; i++) {
+        const folder = FOLDER + parts.slice(0, i).join("/");
+        if (!module.FS.analyzePath(folder).exists) module.FS.mkdir(folder);
+      }
+      module.FS.writeFile(FOLDER + parts.join("/"), new Uint8Array(bytes));
+    }
+    return {};
+  },
+  open: ({ name }) => ({ atlas: parse(conus.open(FOLDER + name)), objects: JSON.parse(conus.objects()) }),
+  context: ({ name }) => ({ atlas: parse(conus.add_context(FOLDER + name)), objects: JSON.parse(conus.objects()) }),
+  colours({ safe }) {
+    conus.use_safe_colours(safe ? 1 : 0);
+    return { objects: JSON.parse(conus.objects()) };
+  },
+  /** The answer to a question and all pictures of it. */
+  draw({ question: q, cuts, view, chosen }) {
+    parse(conus.ask(...q.origin, ...q.toward, q.angle, q.resolution, q.layers === "all" ? 1 : 0));
+    const out = { rows: conus.rows(NDJSON), cuts: [] };
+    for (const c of cuts) {
+      const size = 4 * c.width * c.height;
+      const rgba = pixels(conus.cut(c.right, c.up, ...c.centre, c.width, c.height, c.mm, c.fill, c.window[0], c.window[1], chosen), size);
+      out.cuts.push({ rgba, objects: pixels(conus.cut_objects(), size) });
+    }
+    if (view) {
+      const size = 4 * view.side * view.side;
+      const rgba = pixels(conus.view(view.side, ...view.eye, ...view.toward, view.angle, chosen), size);
+      out.view = { rgba, objects: pixels(conus.view_objects(), size), distances: pixels(conus.view_distances(), size) };
+    }
+    return out;
+  },
+  /** The answer as text: a number of enum conus_format, or the sidecar. */
+  text: ({ format }) => ({ text: format === "sidecar" ? conus.sidecar() : conus.rows(format) }),
+};
+
+self.onmessage = async ({ data }) => {
+  try {
+    const out = await CALLS[data.call](data);
+    const give = [...(out.cuts ?? []), ...(out.view ? [out.view] : [])].flatMap((picture) => Object.values(picture));
+    self.postMessage({ id: data.id, ...out }, give);
+  } catch (error) {
+    const words = error instanceof WebAssembly.RuntimeError ? "conus has stopped: this file needs more than a page has; the program can open it"
+      : String(error?.message ?? error);
+    self.postMessage({ id: data.id, error: words });
+  }
+};

@@ -1,0 +1,361 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * What the web page calls: an atlas, one question at a time, cuts and a view of it. Strings that are returned are
+ * JSON or a report's text, valid until the next call; {"error": "..."} is conus's own message. Pixels are rows of
+ * RGBA, top row first. All lengths are mm, all angles degrees, all positions RAS mm.
+ */
+#include <conus/conus.h>
+#include <emscripten.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#pragma GCC diagnostic ignored "-Wmissing-prototypes" /* the page's JavaScript has no header to read */
+
+enum { SIDE_LIMIT = 512, REACH = 3 };
+
+static const double RADIANS = 3.14159265358979323846 / 180;
+
+/* The page has one atlas, hence one of each. */
+static struct {
+    conus_atlas *atlas;
+    conus_selector *selector; /* of the question */
+    conus_selector *viewer;   /* of the 3-D view: all pixels' first hits */
+    conus_cutter *cutter;
+    conus_selection *selection; /* the answer; NULL before the first */
+    conus_report *report;
+    uint32_t resolution, side;
+    bool all_layers;
+    char *text;
+    size_t text_size;
+    uint8_t rgba[4 * SIDE_LIMIT * SIDE_LIMIT];
+    uint32_t objects[SIDE_LIMIT * SIDE_LIMIT];
+    float distances[SIDE_LIMIT * SIDE_LIMIT];
+} page;
+
+static FILE *begin_text(void)
+{
+    free(page.text);
+    page.text = NULL;
+    return open_memstream(&page.text, &page.text_size);
+}
+
+static const char *end_text(FILE *out)
+{
+    return !out || fclose(out) ? "{\"error\": \"no memory\"}" : page.text;
+}
+
+static void write_string(FILE *out, const char *text)
+{
+    fputc('"', out);
+    for (; *text; text++) {
+        if ((unsigned char)*text < ' ' || *text == '"' || *text == '\\') {
+            fprintf(out, "\\u%04x", (unsigned)*text);
+        } else {
+            fputc(*text, out);
+        }
+    }
+    fputc('"', out);
+}
+
+static const char *say_error(void)
+{
+    FILE *out = begin_text();
+    if (out) {
+        fputs("{\"error\": ", out);
+        write_string(out, conus_message());
+        fputc('}', out);
+    }
+    return end_text(out);
+}
+
+static void forget_answers(void)
+{
+    conus_report_destroy(page.report);
+    conus_selection_destroy(page.selection);
+    conus_selector_destroy(page.selector);
+    conus_selector_destroy(page.viewer);
+    conus_cutter_destroy(page.cutter);
+    page.report = NULL;
+    page.selection = NULL;
+    page.selector = NULL;
+    page.viewer = NULL;
+    page.cutter = NULL;
+}
+
+static void write_notes(FILE *out)
+{
+    fputs(", \"notes\": [", out);
+    for (size_t i = 0; i < conus_atlas_note_count(page.atlas); i++) {
+        fputs(i ? ", " : "", out);
+        write_string(out, conus_atlas_note(page.atlas, i));
+    }
+    fputs("]", out);
+}
+
+/* name, sha256, source of the names, number of objects, box, grey window and notes. */
+static const char *describe_atlas(void)
+{
+    double low[3] = {0};
+    double high[3] = {0};
+    const conus_volume_info *first = conus_atlas_volume_count(page.atlas) ? conus_atlas_volume(page.atlas, 0) : NULL;
+    const char *path = first && first->role != CONUS_ROLE_CONTEXT ? first->path
+                       : conus_atlas_file_count(page.atlas)       ? conus_atlas_file(page.atlas, 0)
+                                                                  : "";
+    if (conus_atlas_bounds(low, high, page.atlas)) {
+        return say_error();
+    }
+    FILE *out = begin_text();
+    if (!out) {
+        return end_text(out);
+    }
+    fputs("{\"name\": ", out);
+    write_string(out, strrchr(path, '/') ? strrchr(path, '/') + 1 : path);
+    fprintf(out, ", \"sha256\": \"%s\", \"transform\": ", first ? first->sha256 : "");
+    write_string(out, first ? first->transform : "");
+    fputs(", \"source\": ", out);
+    const char *source = conus_atlas_label_source(page.atlas);
+    write_string(out, source ? source : "");
+    fprintf(out, ", \"objects\": %zu, \"low\": [%.9g, %.9g, %.9g], \"high\": [%.9g, %.9g, %.9g], \"version\": \"%s\"",
+            conus_atlas_object_count(page.atlas), low[0], low[1], low[2], high[0], high[1], high[2], conus_version());
+    for (size_t i = 0; i < conus_atlas_volume_count(page.atlas); i++) {
+        double window[2];
+        if (conus_atlas_volume(page.atlas, i)->role == CONUS_ROLE_CONTEXT &&
+            !conus_atlas_window(window, page.atlas, i)) {
+            fprintf(out, ", \"window\": [%.9g, %.9g]", window[0], window[1]);
+        }
+    }
+    write_notes(out);
+    fputs("}", out);
+    return end_text(out);
+}
+
+/* Opens an atlas in place of that which is open; after an error that stays. */
+EMSCRIPTEN_KEEPALIVE const char *web_open(const char *path)
+{
+    conus_atlas *atlas = NULL;
+    if (conus_atlas_load(&atlas, path, NULL)) {
+        return say_error();
+    }
+    forget_answers();
+    conus_atlas_destroy(page.atlas);
+    page.atlas = atlas;
+    return describe_atlas();
+}
+
+EMSCRIPTEN_KEEPALIVE const char *web_add_context(const char *path)
+{
+    forget_answers();
+    return conus_atlas_set_context(page.atlas, path, NULL) ? say_error() : describe_atlas();
+}
+
+EMSCRIPTEN_KEEPALIVE void web_use_safe_colours(int safe)
+{
+    (safe ? conus_atlas_use_safe_colours : conus_atlas_use_own_colours)(page.atlas);
+    forget_answers();
+}
+
+/* [[name, red, green, blue], ...] of the objects from 1 on. */
+EMSCRIPTEN_KEEPALIVE const char *web_objects(void)
+{
+    FILE *out = begin_text();
+    for (size_t i = 1; out && i <= conus_atlas_object_count(page.atlas); i++) {
+        const conus_object *object = conus_atlas_object(page.atlas, i);
+        fputs(i > 1 ? ", [" : "[[", out);
+        write_string(out, object->name);
+        fprintf(out, ", %d, %d, %d]", object->rgb[0], object->rgb[1], object->rgb[2]);
+    }
+    if (out) {
+        fputs(conus_atlas_object_count(page.atlas) ? "]" : "[]", out);
+    }
+    return end_text(out);
+}
+
+static conus_status prepare_selector(conus_selector **selector, uint32_t resolution, bool all_layers)
+{
+    conus_selector_options options = CONUS_SELECTOR_OPTIONS_INIT;
+    options.resolution = resolution;
+    options.layers = all_layers ? CONUS_LAYERS_ALL : CONUS_LAYERS_VISIBLE;
+    return *selector ? CONUS_OK : conus_selector_create(selector, page.atlas, &options);
+}
+
+/* Asks what is in a cone. {} or {"error": ...}; web_rows() has the answer. */
+EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double toward_x, double toward_y,
+                                         double toward_z, double angle, uint32_t resolution, int all_layers)
+{
+    conus_pose pose;
+    conus_selection *selection = NULL;
+    if (page.selector && (page.resolution != resolution || page.all_layers != (all_layers != 0))) {
+        conus_report_destroy(page.report);
+        conus_selection_destroy(page.selection);
+        conus_selector_destroy(page.selector);
+        page.report = NULL;
+        page.selection = NULL;
+        page.selector = NULL;
+    }
+    conus_status status = prepare_selector(&page.selector, resolution, all_layers);
+    page.resolution = resolution;
+    page.all_layers = all_layers;
+    status = status ? status
+                    : conus_pose_toward(&pose, (const double[]){x, y, z},
+                                        (const double[]){toward_x, toward_y, toward_z}, NULL);
+    status = status ? status : conus_select(&selection, page.selector, &pose, angle * RADIANS);
+    if (status) {
+        return say_error();
+    }
+    conus_selection_destroy(page.selection);
+    page.selection = selection;
+    return "{}";
+}
+
+static conus_status write_report(conus_format format)
+{
+    const conus_report_options options = {.format = format};
+    conus_report_destroy(page.report);
+    page.report = NULL;
+    conus_status status = conus_report_create(&page.report, page.selector, &options);
+    return status ? status : conus_report_add(page.report, "1", page.selection);
+}
+
+/* The rows of the answer, as enum conus_format says. */
+EMSCRIPTEN_KEEPALIVE const char *web_rows(int format)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    bool failed = !page.selection || write_report((conus_format)format) || conus_report_text(&text, &size, page.report);
+    return failed ? say_error() : text;
+}
+
+/* The sidecar of the answer: columns, units, files with their SHA-256, settings, version. */
+EMSCRIPTEN_KEEPALIVE const char *web_sidecar(void)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    bool failed = !page.selection || write_report(CONUS_FORMAT_TSV) || conus_report_sidecar(&text, &size, page.report);
+    return failed ? say_error() : text;
+}
+
+/* Draws a cut with the cone in it: right and up are unit vectors along axes of the world, each a digit of "xyz" as 0 to
+ * 2. The objects of its pixels are web_objects_drawn(). NULL after an error. */
+EMSCRIPTEN_KEEPALIVE const uint8_t *web_cut(int right, int up, double x, double y, double z, uint32_t width,
+                                            uint32_t height, double mm_per_pixel, double fill, double black,
+                                            double white, uint32_t chosen)
+{
+    conus_cut_view view = CONUS_CUT_VIEW_INIT;
+    view.centre[0] = x;
+    view.centre[1] = y;
+    view.centre[2] = z;
+    view.right[right] = 1;
+    view.up[up] = 1;
+    view.width = width;
+    view.height = height;
+    view.mm_per_pixel = mm_per_pixel;
+    view.fill = fill;
+    view.window[0] = black;
+    view.window[1] = white;
+    view.selection = page.selection;
+    view.chosen = chosen;
+    bool failed =
+        (!page.cutter && conus_cutter_create(&page.cutter, page.atlas)) || conus_cutter_draw(page.cutter, &view);
+    return failed ? NULL : conus_cutter_rgba(page.cutter);
+}
+
+EMSCRIPTEN_KEEPALIVE const uint32_t *web_cut_objects(void)
+{
+    return conus_cutter_objects(page.cutter);
+}
+
+/* The mean distance of the pixels around one that show the same surface: voxels have corners, brains do not. */
+static double smooth_distance(const conus_evidence *evidence, int x, int y, double step)
+{
+    const int side = (int)evidence->resolution;
+    const double here = evidence->distance[y * side + x];
+    double sum = 0;
+    int count = 0;
+    for (int v = y < REACH ? 0 : y - REACH; v <= y + REACH && v < side; v++) {
+        for (int u = x < REACH ? 0 : x - REACH; u <= x + REACH && u < side; u++) {
+            double there = evidence->distance[v * side + u];
+            if (fabs(there - here) <= step) {
+                sum += there;
+                count++;
+            }
+        }
+    }
+    return sum / count;
+}
+
+static double at_or(const float *distances, int from, int to, double step)
+{
+    return fabs(distances[to] - distances[from]) <= step ? distances[to] : distances[from];
+}
+
+/* Lambert's cosine of a light at the eye, from the slopes of the distances. `pixel` is a pixel's width at 1 mm. */
+static double shade(int x, int y, int side, double pixel, double step)
+{
+    const int here = y * side + x;
+    const float *d = page.distances;
+    double scale = 2 * d[here] * pixel;
+    double across = at_or(d, here, x + 1 < side ? here + 1 : here, step) - at_or(d, here, x ? here - 1 : here, step);
+    double down =
+        at_or(d, here, y + 1 < side ? here + side : here, step) - at_or(d, here, y ? here - side : here, step);
+    return 1 / sqrt(1 + (across * across + down * down) / (scale * scale));
+}
+
+/* Draws what is seen from a point: first hits of side x side rays, so that each pixel's object is exact. Its pixels
+ * have web_view_objects() and web_view_distances(). NULL after an error. */
+EMSCRIPTEN_KEEPALIVE const uint8_t *web_view(uint32_t side, double x, double y, double z, double toward_x,
+                                             double toward_y, double toward_z, double angle, uint32_t chosen)
+{
+    static const double up[3] = {0, 0, 1};
+    conus_pose pose;
+    conus_selection *selection = NULL;
+    if (page.viewer && page.side != side) {
+        conus_selector_destroy(page.viewer);
+        page.viewer = NULL;
+    }
+    page.side = side;
+    if (side > SIDE_LIMIT || prepare_selector(&page.viewer, side, false) ||
+        conus_pose_toward(&pose, (const double[]){x, y, z}, (const double[]){toward_x, toward_y, toward_z}, up) ||
+        conus_select(&selection, page.viewer, &pose, angle * RADIANS)) {
+        return NULL;
+    }
+    const conus_evidence evidence = conus_selection_evidence(selection);
+    const double step = 6; /* mm: farther apart are two surfaces */
+    const double pixel = 2 * tan(angle * RADIANS / 2) / side;
+    const int n = (int)side;
+    for (int p = 0; p < n * n; p++) {
+        int from = (n - 1 - p / n) * n + p % n; /* the device's row 0 is at the bottom */
+        page.objects[p] = evidence.object[from];
+        page.distances[p] =
+            isfinite(evidence.distance[from]) ? (float)smooth_distance(&evidence, from % n, from / n, step) : INFINITY;
+    }
+    for (int p = 0; p < n * n; p++) {
+        const conus_object *object = page.objects[p] ? conus_atlas_object(page.atlas, page.objects[p]) : NULL;
+        uint8_t *out = page.rgba + 4 * p;
+        double light = object ? 0.25 + 0.75 * shade(p % n, p / n, n, pixel, step) : 0;
+        light *= object && chosen && chosen != page.objects[p] ? 0.4 : 1;
+        for (int c = 0; c < 3; c++) {
+            out[c] = object ? (uint8_t)(object->rgb[c] * light) : 0;
+        }
+        out[3] = object ? 255 : 0;
+    }
+    conus_selection_destroy(selection);
+    return page.rgba;
+}
+
+EMSCRIPTEN_KEEPALIVE const uint32_t *web_view_objects(void)
+{
+    return page.objects;
+}
+
+EMSCRIPTEN_KEEPALIVE const float *web_view_distances(void)
+{
+    return page.distances;
+}
+
+EMSCRIPTEN_KEEPALIVE const char *web_error(void)
+{
+    return say_error();
+}

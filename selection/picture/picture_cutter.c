@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The picture of cuts through the atlas with the cone in them. */
+#include "selection/picture/picture_cutter.h"
+
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "base/options.h"
+#include "render/flat/cut.h"
+#include "selection/picture/picture_emphasis.h"
+
+#include <string.h>
+
+enum { SIDE_LIMIT = 16384 };
+
+struct conus_cutter {
+    struct cut cut;
+    double window[2]; /* conus_atlas_window(), once it was asked for */
+    bool has_window;
+};
+
+static bool is_unit_frame(const double right[3], const double up[3])
+{
+    static const double slack = 1e-6;
+    return fabs(vec3_dot(right, right) - 1) < slack && fabs(vec3_dot(up, up) - 1) < slack &&
+           fabs(vec3_dot(right, up)) < slack;
+}
+
+conus_status cut_view_check_size(const conus_cut_view *view)
+{
+    if (view->width < 1 || view->height < 1 || view->width > SIDE_LIMIT || view->height > SIDE_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "cut of %u x %u pixels; allowed is 1 to %d", view->width, view->height,
+                    SIDE_LIMIT);
+    }
+    return CONUS_OK;
+}
+
+static conus_status check_view(const conus_cut_view *view)
+{
+    bool default_frame = vec3_length(view->right) == 0 && vec3_length(view->up) == 0;
+    if (cut_view_check_size(view)) {
+        return CONUS_ERROR_ARGUMENT;
+    }
+    if (!default_frame && !is_unit_frame(view->right, view->up)) {
+        return fail(CONUS_ERROR_ARGUMENT, "cut: right and up are no perpendicular unit vectors");
+    }
+    if (!vec3_is_finite(view->centre) || !(view->mm_per_pixel >= 0 && isfinite(view->mm_per_pixel))) {
+        return fail(CONUS_ERROR_ARGUMENT, "cut: a centre of numbers and mm per pixel from 0 on are needed");
+    }
+    if (!(view->fill >= 0 && view->fill <= 1)) {
+        return fail(CONUS_ERROR_ARGUMENT, "cut: fill of %g; allowed is 0 to 1", view->fill);
+    }
+    return CONUS_OK;
+}
+
+static conus_status choose_window(double out[2], conus_cutter *cutter, const double given[2])
+{
+    const conus_atlas *atlas = cutter->cut.atlas;
+    const struct volume *context = atlas_context(atlas);
+    out[0] = given[0];
+    out[1] = given[1] > given[0] ? given[1] : given[0] + 1;
+    if (given[0] != 0 || given[1] != 0 || !context) {
+        return CONUS_OK;
+    }
+    conus_status status = CONUS_OK;
+    if (!cutter->has_window) {
+        status = conus_atlas_window(cutter->window, atlas, (size_t)(context - atlas->volumes));
+        cutter->has_window = !status;
+    }
+    memcpy(out, cutter->window, sizeof cutter->window);
+    return status;
+}
+
+void cut_view_axes(double right[3], double up[3], const conus_cut_view *view)
+{
+    bool is_axial = vec3_length(view->right) == 0;
+    memcpy(right, is_axial ? (const double[]){1, 0, 0} : view->right, 3 * sizeof *right);
+    memcpy(up, is_axial ? (const double[]){0, 1, 0} : view->up, 3 * sizeof *up);
+}
+
+static conus_status draw(conus_cutter *cutter, const conus_cut_view *view)
+{
+    struct cut_cone cone;
+    uint8_t *emphasis = NULL;
+    struct cut_view what = {.place = {.width = view->width,
+                                      .height = view->height,
+                                      .mm_per_pixel = view->mm_per_pixel > 0 ? view->mm_per_pixel : 1},
+                            .fill = view->fill,
+                            .no_outlines = view->no_outlines};
+    memcpy(what.place.centre, view->centre, sizeof what.place.centre);
+    cut_view_axes(what.place.right, what.place.up, view);
+    conus_status status = choose_window(what.window, cutter, view->window);
+    if (!status && view->selection) {
+        const struct cone *of = &view->selection->cone;
+        bool has_range = cone_has_range(of);
+        cone = (struct cut_cone){.world_from_cone = of->pose.world_from_device,
+                                 .slope = tan(of->angle / 2),
+                                 .radius = of->radius,
+                                 .near = has_range ? of->range[0] : 0,
+                                 .far = has_range ? of->range[1] : INFINITY};
+        what.cone = &cone;
+        what.emphasis = emphasis = picture_emphasis(view->selection, view->chosen);
+        status = emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    status = status ? status : cut_draw(&cutter->cut, &what);
+    memory_free(emphasis);
+    return status;
+}
+
+conus_status conus_cutter_create(conus_cutter **out, const conus_atlas *atlas)
+{
+    conus_cutter *cutter = memory_zeroed(1, sizeof *cutter);
+    conus_status status = cutter ? cut_init(&cutter->cut, atlas) : CONUS_ERROR_MEMORY;
+    if (status) {
+        memory_free(cutter);
+        return status;
+    }
+    *out = cutter;
+    return CONUS_OK;
+}
+
+void conus_cutter_destroy(conus_cutter *cutter)
+{
+    if (cutter) {
+        cut_finish(&cutter->cut);
+        memory_free(cutter);
+    }
+}
+
+conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view)
+{
+    view = options_of(conus_cut_view, view);
+    conus_status status = check_view(view);
+    return status ? status : draw(cutter, view);
+}
+
+const uint8_t *conus_cutter_rgba(const conus_cutter *cutter)
+{
+    return cutter->cut.rgba;
+}
+
+const uint32_t *conus_cutter_objects(const conus_cutter *cutter)
+{
+    return cutter->cut.objects;
+}
+
+conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const conus_atlas *atlas, const conus_cut_view *view)
+{
+    conus_cutter *cutter = NULL;
+    conus_status status = conus_cutter_create(&cutter, atlas);
+    status = status ? status : conus_cutter_draw(cutter, view);
+    if (!status) {
+        size_t pixels = (size_t)view->width * view->height;
+        memcpy(rgba, cutter->cut.rgba, 4 * pixels);
+        if (objects) {
+            memcpy(objects, cutter->cut.objects, pixels * sizeof *objects);
+        }
+    }
+    conus_cutter_destroy(cutter);
+    return status;
+}

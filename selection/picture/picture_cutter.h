@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file A cut's view, as the picture of a cut and the figure around it read it. */
+#ifndef CONUS_SELECTION_PICTURE_PICTURE_CUTTER_H
+#define CONUS_SELECTION_PICTURE_PICTURE_CUTTER_H
+
+#include "base/status.h"
+#include "conus/picture.h"
+
+/** CONUS_ERROR_ARGUMENT for a width or height that no cut has. */
+conus_status cut_view_check_size(const conus_cut_view *view);
+
+/** The axes of the picture; those of an axial cut unless the caller chose some. */
+void cut_view_axes(double right[3], double up[3], const conus_cut_view *view);
+
+#endif

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Stands for pictures and their files, in a build without them: each function says so. */
+#include "render/image/image_codecs.h"
+
+#include "conus/picture.h"
+
+static conus_status refuse(void)
+{
+    return fail(CONUS_ERROR_UNSUPPORTED, "this build of conus leaves out pictures");
+}
+
+conus_status image_format_exr(struct bytes *out, const conus_image *image)
+{
+    (void)out, (void)image;
+    return refuse();
+}
+
+conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size)
+{
+    (void)out, (void)data, (void)size;
+    return refuse();
+}
+
+conus_status image_format_png(struct bytes *out, const conus_image *image)
+{
+    (void)out, (void)image;
+    return refuse();
+}
+
+conus_status image_parse_png(conus_image **out, const uint8_t *data, size_t size)
+{
+    (void)out, (void)data, (void)size;
+    return refuse();
+}
+
+conus_status conus_image_of_selection(conus_image **out, const conus_selection *selection)
+{
+    (void)out, (void)selection;
+    return refuse();
+}
+
+conus_status conus_selection_write_deep(const conus_selection *selection, const char *path)
+{
+    (void)selection, (void)path;
+    return refuse();
+}
+
+conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const conus_cut_view *view,
+                             const conus_view *sheet)
+{
+    (void)out, (void)atlas, (void)view, (void)sheet;
+    return refuse();
+}
+
+conus_status conus_window_camera(conus_pose *camera, double frustum[4], const conus_pose *window, const double size[2],
+                                 const double eye[3])
+{
+    (void)camera, (void)frustum, (void)window, (void)size, (void)eye;
+    return refuse();
+}
+
+conus_status conus_renderer_create(conus_renderer **out, const conus_atlas *atlas,
+                                   const conus_renderer_options *options)
+{
+    (void)out, (void)atlas, (void)options;
+    return refuse();
+}
+
+/* There is no renderer, so none of these is called with one. */
+void conus_renderer_destroy(conus_renderer *renderer)
+{
+    (void)renderer;
+}
+
+const char *conus_renderer_device(const conus_renderer *renderer)
+{
+    (void)renderer;
+    return "";
+}
+
+const conus_transfer_point *conus_renderer_transfer(size_t *count, const conus_renderer *renderer)
+{
+    (void)renderer;
+    *count = 0;
+    return NULL;
+}
+
+conus_status conus_renderer_set_transfer(conus_renderer *renderer, const conus_transfer_point *points, size_t count)
+{
+    (void)renderer, (void)points, (void)count;
+    return refuse();
+}
+
+conus_status conus_renderer_update(conus_renderer *renderer)
+{
+    (void)renderer;
+    return refuse();
+}
+
+conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view)
+{
+    (void)out, (void)renderer, (void)view;
+    return refuse();
+}

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/*
+ * The functions that the web page calls, on this machine. The program is linked without OpenGL, OpenEXR, libpng,
+ * FreeType and fontconfig: whoever makes answers or cuts need one of them learns it here, when it does not link.
+ */
+#include "web/web.c"
+
+#include "test.h"
+
+#include <unistd.h>
+
+/* Two boxes across y, |x| and |z| at most 20 mm: the anterior one from y = 6 to 12, object 1, the posterior one from
+ * -12 to -6, object 2. */
+static int open_slabs(void **state)
+{
+    (void)state;
+    static char folder[] = "web-XXXXXX";
+    char path[64];
+    assert_non_null(mkdtemp(folder));
+    assert_int_equal(conus_phantom_write("slabs", folder, NULL), CONUS_OK);
+    snprintf(path, sizeof path, "%s/slabs.nii.gz", folder);
+    const char *said = web_open(path);
+    assert_non_null(strstr(said, "\"name\": \"slabs.nii.gz\""));
+    assert_non_null(strstr(said, "\"objects\": 2"));
+    assert_non_null(strstr(said, "\"low\": [-20, -12, -20], \"high\": [20, 12, 20]"));
+    return 0;
+}
+
+static void test_objects_have_names_and_colours(void **state)
+{
+    (void)state;
+    assert_string_equal(web_objects(), "[[\"Slab anterior\", 242, 186, 133], [\"Slab posterior\", 121, 105, 191]]");
+}
+
+/* Down the y axis from y = 50, the anterior box begins at a distance of 38 mm and hides the other. */
+static void test_rows_of_an_answer(void **state)
+{
+    (void)state;
+    assert_string_equal(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 0), "{}");
+    const char *first = web_rows(CONUS_FORMAT_CSV);
+    assert_non_null(strstr(first, "Slab anterior,SlA,1,1,208,1,"));
+    assert_null(strstr(first, "Slab posterior"));
+    assert_string_equal(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 1), "{}");
+    assert_non_null(strstr(web_rows(CONUS_FORMAT_CSV), "Slab posterior"));
+    assert_non_null(strstr(web_sidecar(), "\"sha256\""));
+}
+
+static void test_errors_are_words(void **state)
+{
+    (void)state;
+    assert_non_null(strstr(web_open("nothing.nii.gz"), "{\"error\": \"nothing.nii.gz"));
+    assert_non_null(strstr(web_ask(1, 1, 1, 1, 1, 1, 20, 16, 0), "{\"error\": \"toward"));
+    assert_string_equal(web_ask(3, 50, 4, 3, 0, 4, 1, 16, 0), "{}"); /* the atlas is still open */
+}
+
+/* One pixel a mm, x to the right and y to the top: y = 9 is 9 rows above the middle. */
+static void test_cut_has_its_top_row_first(void **state)
+{
+    (void)state;
+    assert_non_null(web_cut(0, 1, 0, 0, 0, 64, 64, 1, 0.5, 0, 0, 0));
+    const uint32_t *objects = web_cut_objects();
+    assert_int_equal(objects[23 * 64 + 32], 1);
+    assert_int_equal(objects[32 * 64 + 32], 0);
+    assert_int_equal(objects[41 * 64 + 32], 2);
+}
+
+/* From the left the front is at the left. At the boxes, 80 mm away, half of 64 pixels are 80 tan(15°) = 21.4 mm: y = 9
+ * is 13 columns from the middle. With the eye at the height of their upper edge they fill the lower half. */
+static void test_view_is_upright_and_not_mirrored(void **state)
+{
+    (void)state;
+    assert_non_null(web_view(64, -100, 0, 20, 0, 0, 20, 30, 0));
+    const uint32_t *objects = web_view_objects();
+    assert_int_equal(objects[48 * 64 + 18], 1);
+    assert_int_equal(objects[48 * 64 + 45], 2);
+    assert_int_equal(objects[16 * 64 + 18], 0);
+    assert_true(fabs(web_view_distances()[32 * 64 + 18] - 80 / cos(atan(13.5 / 32 * tan(15 * RADIANS)))) < 0.5);
+    assert_null(web_view(100000, -100, 0, 20, 0, 0, 20, 30, 0));
+}
+
+/* A flat face that is seen from straight ahead has the area's own colour in its middle, to rounding. */
+static void test_view_is_lit_from_the_eye(void **state)
+{
+    (void)state;
+    const uint8_t *rgba = web_view(64, 0, 100, 0, 0, 0, 0, 10, 0);
+    static const uint8_t colour[] = {242, 186, 133, 255};
+    for (int c = 0; c < 4; c++) {
+        assert_in_range(rgba[4 * (32 * 64 + 32) + c], colour[c] - 1, colour[c]);
+    }
+    rgba = web_view(64, 0, 100, 0, 0, 0, 0, 10, 2); /* another is chosen */
+    assert_in_range(rgba[4 * (32 * 64 + 32)], 95, 97);
+}
+
+static void test_pictures_are_refused(void **state)
+{
+    (void)state;
+    conus_renderer *renderer = NULL;
+    assert_int_equal(conus_renderer_create(&renderer, page.atlas, NULL), CONUS_ERROR_UNSUPPORTED);
+    const conus_selector_options gl = {.engine = CONUS_ENGINE_GL};
+    conus_selector *selector = NULL;
+    assert_int_equal(conus_selector_create(&selector, page.atlas, &gl), CONUS_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(conus_message(), "rays"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_objects_have_names_and_colours),
+        cmocka_unit_test(test_rows_of_an_answer),
+        cmocka_unit_test(test_errors_are_words),
+        cmocka_unit_test(test_cut_has_its_top_row_first),
+        cmocka_unit_test(test_view_is_upright_and_not_mirrored),
+        cmocka_unit_test(test_view_is_lit_from_the_eye),
+        cmocka_unit_test(test_pictures_are_refused),
+    };
+    return cmocka_run_group_tests(tests, open_slabs, NULL);
+}

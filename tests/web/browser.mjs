@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The page in a headless Chromium, opened as a file: offline, by mouse, keys and touch. Nothing is asked of its insides:
+// what it shows is read.
+import assert from "node:assert";
+import { execFileSync } from "node:child_process";
+import fs from "node:fs";
+import { createRequire } from "node:module";
+import os from "node:os";
+import path from "node:path";
+import test, { after, before } from "node:test";
+import { CONUS, PAGE, TEMPLATES } from "./conus.mjs";
+
+const require = createRequire(path.join(process.env.NODE_PATH, "x.js"));
+const { chromium } = require("playwright-core");
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), "conus-web-"));
+const files = ["aal.nii.gz", "aal.nii.txt", "aal.nii.lut"].map((name) => path.join(TEMPLATES, name));
+const skip = !fs.existsSync(files[0]) && "mricron-data is not installed";
+const template = path.join(PAGE, "page.html");
+const WAIT = { timeout: 120000 };
+const README = [["1", "Frontal_Inf_Oper_L", "90.51 %", "188"], ["2", "Precentral_L", "7.60 %", "16"], ["3", "Postcentral_L", "1.89 %", "4"]];
+let browser;
+
+const run = (...words) => execFileSync(CONUS, words, { cwd: folder, env: { ...process.env, CONUS_CACHE: "off" } }).toString();
+before(async () => {
+  browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu"] });
+  if (!skip) run("page", files[0], "--origin", "-90,20,20", "--toward", "0,-10,10", "--template", template, "-o", "aal.html", "--quiet");
+});
+after(async () => {
+  await browser.close();
+  fs.rmSync(folder, { recursive: true });
+});
+
+/** Opens a page; fails when it makes a request or says anything on its console. */
+async function visit(file, t, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true, ...options });
+  const page = await context.newPage();
+  const said = [];
+  page.on("console", (message) => said.push(message.text()));
+  page.on("pageerror", (error) => said.push(error.message));
+  page.on("request", (request) => { if (!/^(blob|data):/.test(request.url()) && !request.url().startsWith(`file://${file.replace(/#.*/, "")}`)) said.push(request.url()); });
+  t.after(async () => {
+    await context.close();
+    assert.deepEqual(said, []);
+  });
+  await page.goto(`file://${file}`);
+  await page.locator("body[data-ready]").waitFor({ state: "attached", ...WAIT });
+  return page;
+}
+
+const rows = async (page) => Promise.all((await page.locator("tbody tr").all()).map(async (row) => (await row.locator("td").allInnerTexts()).slice(0, 4)));
+const drawn = (page) => page.locator("body").getAttribute("data-drawn").then(Number);
+
+/** Does something, and waits until the page has drawn it and rests. */
+async function settle(page, step) {
+  const before = await drawn(page);
+  await step();
+  let last = -1;
+  for (let still = 0; still < 4;) {
+    await page.waitForTimeout(200);
+    const now = await drawn(page);
+    still = now === last && now > before ? still + 1 : 0;
+    last = now;
+  }
+}
+
+const choose = (page) => settle(page, () => page.locator("#files").setInputFiles(files));
+
+test("files that are chosen give the README's answer", { skip }, async (t) => {
+  const page = await visit(template, t);
+  assert.match(await page.locator("#atlas").innerText(), /No atlas is open/);
+  await choose(page);
+  assert.deepEqual(await rows(page), README);
+  assert.match(await page.locator("#said").innerText(), /Frontal_Inf_Oper_L 90.5 %, .*3 areas/);
+});
+
+test("a page with an atlas and an answer inside says that its rows are equal", { skip }, async (t) => {
+  const page = await visit(path.join(folder, "aal.html"), t);
+  await page.locator("tbody tr").first().waitFor(WAIT);
+  assert.deepEqual(await rows(page), README);
+  assert.match(await page.locator("#equal").innerText(), /^These rows are equal to those of conus/);
+  await settle(page, () => page.locator("[name=angle]").fill("30"));
+  assert.equal(await page.locator("#equal").isVisible(), false);
+});
+
+test("a page whose rows were changed says so", { skip }, async (t) => {
+  const text = fs.readFileSync(path.join(folder, "aal.html"), "utf8");
+  fs.writeFileSync(path.join(folder, "changed.html"), text.replace(/Precentral_L/, "Precentral_R"));
+  const page = await visit(path.join(folder, "changed.html"), t);
+  await page.locator("tbody tr").first().waitFor(WAIT);
+  assert.match(await page.locator("#equal").innerText(), /NOT/);
+});
+
+test("dragging the target moves the cone, and the rows are those of the program", { skip }, async (t) => {
+  const page = await visit(path.join(folder, "aal.html"), t);
+  await page.locator("tbody tr").first().waitFor(WAIT);
+  const over = page.locator('[data-pane="0"] .over');
+  const box = await over.boundingBox();
+  const at = { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+  await settle(page, async () => {
+    await page.mouse.move(at.x, at.y);
+    await page.mouse.down();
+    for (let i = 1; i <= 100; i++) await page.mouse.move(at.x - i / 2, at.y + i / 4);
+    await page.mouse.up();
+  });
+  const read = (name) => Promise.all([0, 1, 2].map((a) => page.locator(`[name=${name}${a}]`).inputValue()));
+  const toward = await read("toward");
+  assert.notDeepEqual(toward, ["0", "-10", "10"]);
+  assert.equal(toward[2], "10"); // an axial cut moves x and y
+  const native = run("query", files[0], "--origin", (await read("origin")).join(","), "--toward", toward.join(","), "--angle", "20", "--format", "ndjson", "--quiet")
+    .trim().split("\n").map((row) => JSON.parse(row)).filter((row) => row.kind !== "unassigned");
+  assert.deepEqual((await rows(page)).map((row) => [row[1], row[3]]), native.map((row) => [row.name, String(row.pixels)]));
+});
+
+test("keys alone lead from an atlas to an answer", { skip }, async (t) => {
+  const page = await visit(path.join(folder, "aal.html"), t);
+  await page.locator("tbody tr").first().waitFor(WAIT);
+  const pane = () => page.evaluate(() => document.activeElement?.parentElement?.dataset.pane);
+  for (let i = 0; i < 40 && await pane() !== "0"; i++) await page.keyboard.press("Tab");
+  assert.equal(await pane(), "0");
+  await settle(page, () => page.keyboard.press("Shift+ArrowLeft"));
+  assert.equal(await page.locator("[name=toward0]").inputValue(), "-10");
+  await settle(page, () => page.keyboard.press("]"));
+  assert.equal(await page.locator("[name=angle]").inputValue(), "21");
+  await page.keyboard.press("s");
+  await settle(page, () => page.keyboard.press("Alt+ArrowUp"));
+  assert.equal(await page.locator("[name=origin1]").inputValue(), "20.1");
+});
+
+test("a link brings back the question in a new profile; for another atlas it says so", { skip }, async (t) => {
+  const file = path.join(folder, "aal.html");
+  const page = await visit(`${file}#v=1&atlas=aal.nii.gz@b512dcd3&origin=60,0,20&toward=0,0,0&angle=12&layers=all&resolution=32&cut=1,2,3`, t);
+  await page.locator("tbody tr").first().waitFor(WAIT);
+  assert.equal(await page.locator("[name=origin0]").inputValue(), "60");
+  assert.equal(await page.locator("[name=layers]").inputValue(), "all");
+  assert.equal(await page.locator("#error").isVisible(), false);
+  const other = await visit(`${file}#v=1&atlas=other.nii.gz@00000000&origin=60,0,20`, t);
+  await other.locator("#error").waitFor(WAIT);
+  assert.match(await other.locator("#error").innerText(), /for other.nii.gz@00000000/);
+  await settle(other, () => other.locator("[name=angle]").fill("21"));
+  assert.equal(await other.locator("#error").isVisible(), false); // it is a question of one's own now
+  assert.notEqual((await rows(other)).length, 0);
+  const unknown = await visit(`${file}#v=1&colour=red`, t);
+  await unknown.locator("#error").waitFor(WAIT);
+  assert.match(await unknown.locator("#error").innerText(), /"colour"/);
+});
+
+test("a saved page has the atlas and the answer, and saves TSV, JSON and PNG", { skip }, async (t) => {
+  const page = await visit(template, t);
+  await choose(page);
+  const save = async (kind) => {
+    const [download] = await Promise.all([page.waitForEvent("download", WAIT), page.locator(`[data-save=${kind}]`).click()]);
+    const to = path.join(folder, `saved-${kind}-${download.suggestedFilename()}`);
+    await download.saveAs(to);
+    return to;
+  };
+  const again = await visit(await save("page"), t);
+  await again.locator("tbody tr").first().waitFor(WAIT);
+  assert.deepEqual(await rows(again), README);
+  assert.match(await again.locator("#equal").innerText(), /equal to those/);
+  const native = (format) => run("query", files[0], "--origin", "-90,20,20", "--toward", "0,-10,10", "--angle", "20", "--format", format, "--quiet");
+  assert.equal(fs.readFileSync(await save("tsv"), "utf8"), native("tsv"));
+  assert.equal(fs.readFileSync(await save("csv"), "utf8"), native("csv"));
+  assert.equal(JSON.parse(fs.readFileSync(await save("sidecar"), "utf8")).error, undefined);
+  const png = fs.readFileSync(await save("png"));
+  assert.equal(png.subarray(1, 4).toString(), "PNG");
+  assert.ok(png.readUInt32BE(16) >= 600 && png.readUInt32BE(16) === png.readUInt32BE(20));
+});
+
+test("names are text, whatever they look like", async (t) => {
+  fs.mkdirSync(path.join(folder, "evil"));
+  run("phantom", "slabs", "-o", "evil");
+  fs.writeFileSync(path.join(folder, "evil/slabs.tsv"), "index\tname\n1\t<img src=x onerror=document.title='owned'>\n300\tb\n");
+  const page = await visit(template, t);
+  await settle(page, () => page.locator("#files").setInputFiles(["slabs.nii.gz", "slabs.tsv"].map((name) => path.join(folder, "evil", name))));
+  await settle(page, async () => {
+    for (const [name, value] of Object.entries({ origin0: "3", origin1: "50", origin2: "4", toward0: "3", toward1: "0", toward2: "4" })) await page.locator(`[name=${name}]`).fill(value);
+  });
+  assert.equal((await rows(page))[0][1], "<img src=x onerror=document.title='owned'>");
+  assert.notEqual(await page.title(), "owned");
+});
+
+test("what is no atlas is refused in words, and the atlas stays", { skip }, async (t) => {
+  const page = await visit(path.join(folder, "aal.html"), t);
+  await page.locator("tbody tr").first().waitFor(WAIT);
+  fs.writeFileSync(path.join(folder, "broken.nii.gz"), fs.readFileSync(files[0]).subarray(0, 5000));
+  fs.writeFileSync(path.join(folder, "notes.docx"), "no atlas");
+  for (const [file, words] of [["broken.nii.gz", /broken/], ["notes.docx", /no atlas among them/]]) {
+    await page.locator("#files").setInputFiles(path.join(folder, file));
+    await page.locator("#error").filter({ hasText: words }).waitFor(WAIT);
+  }
+  assert.match(await page.locator("#atlas").innerText(), /aal.nii.gz/);
+});
+
+test("fields that cannot be are marked", { skip }, async (t) => {
+  const page = await visit(path.join(folder, "aal.html"), t);
+  await page.locator("tbody tr").first().waitFor(WAIT);
+  for (const [name, value] of [["angle", "500"], ["origin0", "left"], ["toward2", ""]]) {
+    await page.locator(`[name=${name}]`).fill(value);
+    assert.equal(await page.locator(`[name=${name}]`).getAttribute("aria-invalid"), "true");
+    assert.equal(await page.locator("#error").isVisible(), true);
+  }
+});
+
+for (const colorScheme of ["light", "dark"]) {
+  test(`accessibility rules of axe-core, ${colorScheme}`, { skip }, async (t) => {
+    const page = await visit(path.join(folder, "aal.html"), t, { colorScheme });
+    await page.locator("tbody tr").first().waitFor(WAIT);
+    await page.evaluate(fs.readFileSync(require.resolve("axe-core/axe.min.js"), "utf8").replace(/new Function\(/g, "(() => { throw 0 })("));
+    const found = await page.evaluate(() => window.axe.run({ runOnly: ["wcag2a", "wcag2aa", "wcag21aa", "wcag22aa"] }));
+    assert.deepEqual(found.violations.map((violation) => [violation.id, violation.nodes.map((node) => node.html.slice(0, 120))]), []);
+  });
+}
+
+test("a narrow touch screen: tabs, and a tap that sets the target", { skip }, async (t) => {
+  const page = await visit(path.join(folder, "aal.html"), t, { viewport: { width: 390, height: 844 }, hasTouch: true });
+  await page.locator("tbody tr").first().waitFor(WAIT);
+  await page.getByRole("tab", { name: "Coronal" }).tap();
+  const over = page.locator('[data-pane="1"] .over');
+  await over.waitFor();
+  const box = await over.boundingBox();
+  await settle(page, () => page.touchscreen.tap(box.x + box.width * 0.6, box.y + box.height * 0.4));
+  assert.notEqual(await page.locator("[name=toward0]").inputValue(), "0");
+  assert.equal(await page.locator("[name=toward1]").inputValue(), "-10");
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+});
+
+test("3-D: a click sets the target on what is hit; figures of speed", { skip }, async (t) => {
+  const page = await visit(path.join(folder, "aal.html"), t);
+  await page.locator("tbody tr").first().waitFor(WAIT);
+  const over = page.locator('[data-pane="3"] .over');
+  const box = await over.boundingBox();
+  await settle(page, () => page.mouse.click(box.x + box.width / 2, box.y + box.height / 2));
+  const toward = await Promise.all([0, 1, 2].map((a) => page.locator(`[name=toward${a}]`).inputValue().then(Number)));
+  assert.ok(toward[0] < -30, `${toward}`); // on the left side, which faces the eye
+  const over0 = page.locator('[data-pane="0"] .over');
+  const frame = await over0.boundingBox();
+  const before = await drawn(page);
+  const start = performance.now();
+  await page.mouse.move(frame.x + 40, frame.y + 40);
+  await settle(page, async () => { for (let i = 0; i < 60; i++) await page.mouse.wheel(0, i % 2 ? 10 : -10); });
+  t.diagnostic(`${await drawn(page) - before} pictures in ${(performance.now() - start).toFixed(0)} ms`);
+  assert.ok(await page.evaluate(() => document.querySelectorAll("*").length) < 3000);
+});

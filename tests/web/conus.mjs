@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// conus in node, as the page's worker has it.
+import fs from "node:fs";
+import { createRequire } from "node:module";
+import path from "node:path";
+import { pathToFileURL } from "node:url";
+
+export const PAGE = process.env.PAGE;
+export const CONUS = process.env.CONUS;
+export const TEMPLATES = process.env.CONUS_TEMPLATES ?? "/usr/share/mricron/templates";
+globalThis.require = createRequire(import.meta.url); // what emscripten's module asks for in node
+globalThis.__dirname = PAGE;
+const { default: create } = await import(pathToFileURL(path.join(PAGE, "conus.mjs")));
+
+/** A new conus with functions by their names in web.c. */
+export async function start() {
+  const module = await create({ wasmBinary: fs.readFileSync(path.join(PAGE, "conus.wasm")), print() {}, printErr() {} });
+  module.FS.mkdir("/atlas");
+  const wrap = (name, result, count, type = "number") => module.cwrap(`web_${name}`, result, Array(count).fill(type));
+  return { module, open: wrap("open", "string", 1, "string"), ask: wrap("ask", "string", 9), rows: wrap("rows", "string", 1), cut: wrap("cut", "number", 12),
+    put: (file, name = path.basename(file)) => module.FS.writeFile(`/atlas/${name}`, fs.readFileSync(file)) };
+}
+
+/** Numbers from 0 to 1, the same in every run (Numerical Recipes' quick generator). */
+export function random(seed) {
+  let x = seed;
+  return () => (x = (Math.imul(x, 1664525) + 1013904223) >>> 0) / 2 ** 32;
+}

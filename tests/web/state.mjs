@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Links: what is written is read again, and what is not known is refused.
+import assert from "node:assert";
+import test from "node:test";
+import { START, fromFragment, toCommand, toFragment } from "../../apps/web/page/state.js";
+import { candidates } from "../../apps/web/page/files.js";
+
+const seeded = (x) => () => (x = (Math.imul(x, 1664525) + 1013904223) >>> 0) / 2 ** 32;
+
+test("10,000 random questions come back from their links", () => {
+  const next = seeded(1);
+  const number = (low, high) => Number((low + next() * (high - low)).toFixed(3));
+  const point = () => [number(-300, 300), number(-300, 300), number(-300, 300)];
+  for (let i = 0; i < 10000; i++) {
+    const question = { origin: point(), toward: point(), angle: number(0.01, 170), layers: next() < 0.5 ? "visible" : "all", resolution: 1 + Math.floor(next() * 256), cut: point() };
+    const atlas = next() < 0.2 ? "" : `${String.fromCodePoint(...Array.from({ length: 9 }, () => 32 + Math.floor(next() * 900)))}@1f3c9a2b`;
+    const text = toFragment(question, atlas);
+    assert.deepEqual(fromFragment(`#${text}`), { question, atlas, embed: false }, text);
+    assert.ok(atlas.length > 30 || text.length <= 300, text);
+  }
+});
+
+test("an empty link is the start, embed is a mode", () => {
+  assert.deepEqual(fromFragment(""), { question: START, atlas: "", embed: false });
+  assert.equal(fromFragment("#embed=1").embed, true);
+});
+
+for (const [link, words] of [["v=2", /version 2/], ["colour=red", /"colour"/], ["origin=1,2", /three numbers/], ["origin=1,2,x", /x: a number/], ["angle=0", /0.001 to 170/],
+  ["angle=1e3", /number/], ["angle=", /number/], ["layers=some", /visible and all/], ["resolution=257", /1 to 256/], ["origin=Infinity,0,0", /number/], ["toward=1e999,0,0", /number/],
+  ["__proto__=1", /__proto__/], ["origin=%ZZ", /malformed/i], [`atlas=${"x".repeat(2000)}`, /longer/], ["cut=<img src=x>", /number|three/]]) {
+  test(`#${link.slice(0, 30)} is refused`, () => assert.throws(() => fromFragment(`#${link}`), words));
+}
+
+test("the command has what differs from the defaults", () => {
+  assert.equal(toCommand(START, "aal.nii.gz"), "conus query aal.nii.gz --origin -90,20,20 --toward 0,-10,10 --angle 20");
+  assert.equal(toCommand({ ...START, layers: "all", resolution: 32 }, "it's.nii"),
+    "conus query 'it'\\''s.nii' --origin -90,20,20 --toward 0,-10,10 --angle 20 --layers all --resolution 32");
+});
+
+test("the likeliest atlas of several files comes first", () => {
+  assert.deepEqual(candidates(["aal.nii.txt", "aal.nii.lut", "t1.nii.gz", "aal.nii.gz", "x.atlas.json", "readme"]), ["x.atlas.json", "t1.nii.gz", "aal.nii.gz"]);
+  assert.deepEqual(candidates(["readme"]), []);
+});
