@@ -33,7 +33,7 @@ from ._pose_file import Poses, pose_formats, read_poses
 from ._picture import Picture, Renderer, transfer_presets
 from ._plan import Plan
 from ._probe import Contacts, Probe, read_probe
-from ._program import Difference, SourceFile, Verification, cite, verify
+from ._program import Difference, SourceFile, Verification, cite, page, verify
 from ._track import Tracker
 from ._tracts import Tractogram, is_tractogram
 
@@ -42,6 +42,6 @@ __all__ = [
     "Answers", "ArgumentError", "Atlas", "CancelledError", "Clearances", "Connectivity", "Contacts", "DataError", "Difference", "Error", "FileError",
     "GLError", "Hit", "InstalledAtlas", "Jitter", "OutOfMemoryError", "Overlap", "Picture", "Placement", "Plan", "PoseWarning", "Poses", "Probe", "Renderer",
     "Segments", "Selection", "Selector", "SourceFile", "Step", "Sweep", "Track", "Tracker", "Tractogram",
-    "UnsupportedError", "Verification", "atlases", "cite", "is_tractogram", "load", "pose_formats", "read_poses", "read_probe",
+    "UnsupportedError", "Verification", "atlases", "cite", "is_tractogram", "load", "page", "pose_formats", "read_poses", "read_probe",
     "transfer_presets", "verify",
 ]

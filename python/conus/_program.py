@@ -114,3 +114,36 @@ def cite(
     if ended.returncode:
         _refuse(ended)
     return ended.stdout
+
+
+def page(
+    atlas: Path,
+    output: Path,
+    *,
+    origin: Optional[Sequence[float]] = None,
+    toward: Optional[Sequence[float]] = None,
+    angle: float = 20.0,
+    layers: str = "visible",
+    resolution: int = 16,
+    context: Optional[Path] = None,
+    template: Optional[Path] = None,
+) -> str:
+    """Writes an HTML file with the atlas, and the answer for a cone inside, as ``conus page`` does; gives its path.
+
+    Whoever has the file moves the cone in any browser, without a network. ``origin`` and ``toward`` are RAS mm,
+    ``angle`` degrees; ``atlas`` is a path or the name of an installed atlas. A file that is there is replaced.
+    Jupyter shows it by ``IPython.display.IFrame(path, 1280, 800)``. Runs the program: ``$CONUS``, or ``conus`` in
+    ``$PATH``.
+    """
+    words = [f"--output={_word('output', output)}", "--force", "--quiet"]
+    if origin is not None and toward is not None:
+        points = {"origin": origin, "toward": toward}
+        words += [f"--{name}={','.join(repr(float(x)) for x in point)}" for name, point in points.items()]
+        words += [f"--angle={float(angle)!r}", f"--layers={layers}", f"--resolution={int(resolution)}"]
+    elif origin is not None or toward is not None:
+        raise ArgumentError("origin and toward: both are needed, or none")
+    words += [f"--{name}={_word(name, path)}" for name, path in (("context", context), ("template", template)) if path]
+    ended = _run("page", *words, "--", _word("atlas", atlas))
+    if ended.returncode:
+        _refuse(ended)
+    return os.fsdecode(output)

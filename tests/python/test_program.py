@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""conus.verify and conus.cite say what the program says."""
+"""conus.verify, conus.cite and conus.page say what the program says."""
 import json
 
 import nibabel
@@ -48,6 +48,28 @@ def test_moved_and_missing(rows, tmp_path):
         found = conus.verify(rows, search=search)
         assert found and found.files[0].state == "moved"
         assert found.files[0].found == str((folder / "other.nii.gz").resolve())
+
+
+def test_page(rows):
+    """The rows of the program and the bytes of the atlas are in the page."""
+    import base64
+    import re
+
+    (rows.parent / "template.html").write_text("<!-- atlas -->\n<p>")
+    where = {"origin": (-60, 19, 19), "toward": [19, 19, 19.5]}
+    assert conus.page("plates.nii.gz", "page.html", **where, angle=10, template="template.html") == "page.html"
+    page = (rows.parent / "page.html").read_text()
+    asked = json.loads(re.search(r'id="question">(.*)</script>', page)[1])
+    words = ("--origin=-60,19,19", "--toward=19,19,19.5", "--angle=10", "--format=ndjson", "-q")
+    assert asked["rows"] == call_conus("query", "plates.nii.gz", *words).stdout.decode()
+    inside = re.search(r'data-file="plates.nii.gz">(.*)</script>', page)[1]
+    assert base64.b64decode(inside) == (rows.parent / "plates.nii.gz").read_bytes()
+    conus.page("plates.nii.gz", "page.html", template="template.html")  # replaces it, without a question
+    assert "question" not in (rows.parent / "page.html").read_text()
+    with pytest.raises(conus.ArgumentError, match="both"):
+        conus.page("plates.nii.gz", "page.html", origin=(0, 0, 0))
+    with pytest.raises(conus.DataError, match="nothing.html"):
+        conus.page("plates.nii.gz", "page.html", template="nothing.html")
 
 
 def test_cite(rows):
