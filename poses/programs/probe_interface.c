@@ -111,7 +111,8 @@ static conus_status read_frame(struct reading *reading)
                   json_is_string(unit) ? json_string_value(unit) : "");
 }
 
-/* In three dimensions the plane of the contacts says which way the shanks run; without it they run along y. */
+/* In three dimensions the plane of the contacts says which way the shanks run; else they run along y. In two a plane
+ * that is turned may be that of the probe, or of the contacts alone. */
 static conus_status read_axes(struct reading *reading)
 {
     const json_t *planes;
@@ -120,21 +121,22 @@ static conus_status read_axes(struct reading *reading)
         reading->axes[0][a] = a == 0;
         reading->axes[1][a] = a == 1;
     }
-    for (size_t i = 0; i < reading->count && planes && reading->dims == 3 && !status; i++) {
+    for (size_t i = 0; i < reading->count && planes && !status; i++) {
         const json_t *plane = json_array_get(planes, i);
         double axes[2][3];
-        bool whole = json_array_size(plane) == 2 && read_numbers(axes[0], json_array_get(plane, 0), 3) &&
-                     read_numbers(axes[1], json_array_get(plane, 1), 3) && vec3_normalise(axes[0], axes[0]) &&
-                     vec3_normalise(axes[1], axes[1]) && fabs(vec3_dot(axes[0], axes[1])) <= 1 - PARALLEL;
+        bool whole = json_array_size(plane) == 2 && read_numbers(axes[0], json_array_get(plane, 0), reading->dims) &&
+                     read_numbers(axes[1], json_array_get(plane, 1), reading->dims) &&
+                     vec3_normalise(axes[0], axes[0]) && vec3_normalise(axes[1], axes[1]) &&
+                     fabs(vec3_dot(axes[0], axes[1])) <= 1 - PARALLEL;
         if (!whole) {
             status = refuse(reading, "contact_plane_axes[%zu]: two axes at right angles are needed", i);
-        } else if (i == 0) {
+        } else if (i == 0 && reading->dims == 3) {
             memcpy(reading->axes, axes, sizeof axes);
         } else if (vec3_dot(axes[1], reading->axes[1]) < PARALLEL) {
             status = refuse(reading,
-                            "contact_plane_axes[%zu]: the second axis is not that of the first contact, so that it is "
-                            "not known which way the shank runs",
-                            i);
+                            "contact_plane_axes[%zu]: the second axis is not %s, so that it is not known which way the "
+                            "shank runs; where contacts are turned on a shank along y, leave this key out",
+                            i, reading->dims == 3 ? "that of the first contact" : "y");
         }
     }
     vec3_cross(reading->axes[2], reading->axes[0], reading->axes[1]);

@@ -185,6 +185,11 @@ static void what_is_wrong_is_said(void **state)
         {PROBE("\"contact_positions\":[[0,-1]],\"probe_planar_contour\":[[0,0],[1,9],[-1,9]]"), "1 um below the tip"},
         {PROBE("\"contact_positions\":[[0,1]],\"probe_planar_contour\":[[0,0],[1,0]]"), "has no lowest point"},
         {PROBE("\"contact_positions\":[[0,1]],\"probe_planar_contour\":[[0,0],[1]]"), "probe_planar_contour[1]"},
+        {PROBE(TWO "\"contact_plane_axes\":[[[1,0],[0,1]],[[-1,0],[0,-1]]]"), /* the tip is up */
+         "contact_plane_axes[1]: the second axis is not y"},
+        {PROBE(TWO "\"contact_plane_axes\":[[[0,1],[-1,0]],[[0,1],[-1,0]]]"),
+         "contact_plane_axes[0]: the second axis is not y"},
+        {PROBE(TWO "\"contact_plane_axes\":[[1,0],[0,1]]"), "contact_plane_axes[0]: two axes"},
         {SPACE(DEEP "[[[1,0,0],[0,1,0]]]"), "contact_plane_axes: found 1"},
         {SPACE(DEEP "[[[1,0,0],[0,1,0]],[[1,0,0],[0,0,1]]]"), "contact_plane_axes[1]: the second axis"},
         {SPACE(DEEP "[[[1,0,0],[1,1,0]],[[1,0,0],[0,1,0]]]"), "contact_plane_axes[0]: two axes"},
@@ -206,6 +211,19 @@ static void contacts_may_all_be_unwired(void **state)
     conus_probe *probe = NULL;
     assert_ok(probe_parse(&probe, text_from(PROBE(TWO "\"device_channel_indices\":[-1,-1]")), NULL));
     assert_int_equal(conus_probe_at(probe, 1)->channel, -1);
+    conus_probe_destroy(probe);
+}
+
+/* x of a flat probe is that of its positions, whatever a contact's own x. */
+static void planes_of_flat_probes_turn_nothing(void **state)
+{
+    (void)state;
+    conus_probe *probe = NULL;
+    assert_ok(probe_parse(&probe,
+                          text_from(PROBE("\"contact_positions\":[[3,1]],\"probe_planar_contour\":[[0,0],[9,9],[-9,9]],"
+                                          "\"contact_plane_axes\":[[[-1,0],[0,1]]]")),
+                          NULL));
+    assert_offset(probe, 0, 0.003, 0, 0.001);
     conus_probe_destroy(probe);
 }
 
@@ -279,6 +297,7 @@ TEST_GROUP(probe_interface)
         cmocka_unit_test(poses_place_contacts),
         cmocka_unit_test(what_is_wrong_is_said),
         cmocka_unit_test(contacts_may_all_be_unwired),
+        cmocka_unit_test(planes_of_flat_probes_turn_nothing),
         cmocka_unit_test(every_prefix_is_refused),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(shared_samples),
