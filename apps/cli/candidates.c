@@ -162,6 +162,9 @@ int candidates_parse(struct candidates *out, const struct candidate_settings *se
     if (is_file) {
         return EXIT_DONE;
     }
+    if (!settings->depth && !option_given(arguments, "range")) {
+        return print_usage_error("no far end: --depth MM|target[+MM], or --range NEAR,FAR");
+    }
     if (settings->tilt && numbers_parse(out->tilt, 2, settings->tilt, ',') != 2) {
         return print_usage_error("--tilt: \"%s\" is not two numbers MAX,STEP", settings->tilt);
     }
@@ -204,6 +207,16 @@ static conus_status load_mask(conus_roi **out, const char *path, const struct re
     return conus_roi_load(out, path, &options);
 }
 
+/* A volume without a threshold, which these options do not have. */
+static int print_no_mask(conus_status status)
+{
+    if (status != CONUS_ERROR_ARGUMENT) {
+        return print_status(status);
+    }
+    print_error_line("%s; --from takes a mask, which has one value beside 0", conus_message());
+    return exit_code_of(status);
+}
+
 /* Points of a file or, of entries, voxels of a mask. */
 static int load_points(struct place *place, const struct request *request, bool may_be_mask)
 {
@@ -225,7 +238,7 @@ static int load_points(struct place *place, const struct request *request, bool 
         return of_mask ? print_status(of_mask) : EXIT_DONE;
     }
     if (of_mask == CONUS_ERROR_ARGUMENT) { /* a volume, but no mask */
-        return print_status(of_mask);
+        return print_no_mask(of_mask);
     }
     print_error_line("%s", why);
     return exit_code_of(status);
@@ -245,9 +258,10 @@ static int keep(conus_sites *sites, const char *what, bool inside, const struct 
         status = conus_sites_keep_labelled(sites, what, inside);
     } else if (conus_atlas_is_path(what)) {
         status = load_mask(&mask, what, request);
-        if (!status) {
-            conus_sites_keep_roi(sites, mask, inside);
+        if (status) {
+            return print_no_mask(status);
         }
+        conus_sites_keep_roi(sites, mask, inside);
         conus_roi_destroy(mask);
     } else {
         status = conus_sites_keep_named(sites, request->answerers[0].selector, what, inside);
@@ -322,6 +336,12 @@ static int load_targets(struct place *place, const struct request *request, cons
     const char *names = place->of;
     while (kind < 3 && strcmp(kinds[kind], place->path) != 0) {
         kind++;
+    }
+    if (kind == 3 && !conus_atlas_is_path(place->path) && strcmp(place->path, "-") != 0) {
+        return print_usage_error(
+            "--toward: \"%s\" is neither centroid, deepest, voxels nor normal, and there is no such "
+            "file; a structure's name stands behind of=",
+            place->path);
     }
     if (kind == 3) {
         int code = place->of ? print_usage_error("--toward: of=%s is of centroid, deepest and voxels", place->of)

@@ -217,12 +217,21 @@ static bool read_structure(conus_constraint *out, char *text)
         ",length=",  ",part=",   ",margin=",   ",contacts=",    ",probability=", ",share=",
         ",pierced=", ",volume=", ",fraction=", ",streamlines=", ",shank=",       NULL};
     const char *option = constraint_options[out->kind].name;
+    double number;
     out->names = text;
-    if (!read_keys(out, text)) {
+    if (!read_keys(out, text) || key_left_in_file(option, text, numbers)) {
         return false;
     }
-    return *text ? !key_left_in_file(option, text, numbers)
-                 : (print_error_line("--%s: there is no name of a structure", option), false);
+    const char *last = strrchr(text, ',');
+    last = last ? last + 1 + strspn(last + 1, " ") : "";
+    bool begins_with_number = strspn(text, "0123456789") == strcspn(text, ",");
+    if (out->kind != CONUS_CONSTRAINT_FIRST && !begins_with_number && number_parse(last, &number)) {
+        print_error_line("--%s: \"%s\" ends in a number: %s=%s is in mm, and an area's label behind a name stands in "
+                         "double quotes",
+                         option, text, out->kind == CONUS_CONSTRAINT_AVOID ? "margin" : "length", last);
+        return false;
+    }
+    return *text || (print_error_line("--%s: there is no name of a structure", option), false);
 }
 
 static bool read_length(conus_constraint *out, char *text)

@@ -62,7 +62,7 @@ const char *plan_trial_begin(conus_planned *out, const conus_pose_row *row, cons
             return "no normal at its entry, which the entry angle needs";
         }
     }
-    return out->far == 0 ? "no far end: nothing says how deep it goes"
+    return out->far == 0 ? "no far end: a column far is needed, or a depth or a range of all poses"
            : !(out->near >= 0 && out->far > out->near && isfinite(out->far)) ? "its far end is not beyond its near end"
                                                                              : NULL;
 }

@@ -165,6 +165,11 @@ columns() {
     fails 2 'margin=101 is not a number from 0 to 100' $U --avoid U,margin=101
     fails 2 'margin=nan is not a number' $U --avoid U,margin=nan
     fails 2 'no key "length"' $U --avoid U,length=3
+    fails 2 '--avoid: "Ball,2" ends in a number: margin=2 is in mm' $U --reach U --avoid Ball,2
+    fails 2 '--reach: "U, 0.5" ends in a number: length=0.5 is in mm' $U --reach 'U, 0.5'
+    run -0 conus $U --reach 'U,"2"' -q
+    run -0 conus $U --reach 1,2 -q
+    run -0 conus $U --reach U --first U,2 -q
     fails 2 'is not four numbers' $U --lean 0,0,1
     fails 2 'has no length' $U --lean 0,0,0,30
     fails 2 'allowed are 0 to 180' $U --lean 0,0,1,190
