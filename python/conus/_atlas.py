@@ -31,6 +31,7 @@ from ._library import (
     path_of,
     python_words,
     real,
+    shown,
     text,
     unmasked,
     utf8,
@@ -679,6 +680,8 @@ class Selector:
         Contacts
             The answers in the order of the file.
         """
+        if not isinstance(probe, Probe):
+            raise ArgumentError(f"probe: {shown(probe)}, wanted is what conus.read_probe() gives")
         if poses is None:
             if len(probe.tips) > 1:
                 raise ArgumentError(f"poses: a pose for each of the {len(probe.tips)} probes is needed")

@@ -39,6 +39,14 @@ def _structures(name: str, given: Any) -> list[tuple[str, Any]]:
     return [(names if isinstance(names, str) else ",".join(names), asked) for names, asked in pairs]
 
 
+def _pairs(name: str, given: Any, wanted: str) -> list[Any]:
+    pairs = [tuple(one) if isinstance(one, (tuple, list)) else (one,) for one in items(name, given)]
+    for one in pairs:
+        if len(one) != 2:
+            raise ArgumentError(f"{name}: {shown(one)}, wanted is a list of {wanted}")
+    return pairs
+
+
 class Constraints:
     """The constraints of the library, in the order of the arguments, and what must live as long as they."""
 
@@ -99,10 +107,12 @@ def constraints_of(reach: Any, avoid: Any, length: Any, lean: Any, apart: Any, f
     if length is not None:
         low, high = vector("length", length, 2)
         found.add("length", limit=low, most=high)
-    for direction, degrees in items("lean", lean):
+    for direction, degrees in _pairs("lean", lean, "(direction, degrees)"):
         found.add("lean", direction=vector("lean", direction), limit=math.radians(real("lean", degrees)))
-    for ends, distance in items("apart", apart):
-        needles = np.ascontiguousarray(numbers("apart", ends)).reshape(-1, 6)
+    for ends, distance in _pairs("apart", apart, "(ends, mm)"):
+        needles = np.ascontiguousarray(numbers("apart", ends))
+        if needles.ndim != 3 or needles.shape[1:] != (2, 3):
+            raise ArgumentError(f"apart: an array of shape {needles.shape}, wanted is (n, 2, 3)")
         pointer = ffi.from_buffer("double[]", needles)
         found.add("apart", needles=pointer, needle_count=len(needles), limit=real("apart", distance))
     for names, _ in _structures("first", first):
@@ -137,9 +147,11 @@ def _jitter_of(jitter: Any, samples: int) -> Any:
 def stream_of(array: PoseArray, poses: Any, near: Any, far: Any) -> Iterator[Any]:
     """A conus_pose_stream of them: the library reads candidates from a file, here with all digits."""
     pose = ffi.new("conus_pose *")
-    lines = ["\t".join(["query_id", *(f"m{r}{c}" for r in range(4) for c in range(4)), "near", "far"])]
+    lines = ["\t".join(["query_id", *(f"m{r}{c}" for r in range(4) for c in range(4)), "angle", "near", "far"])]
     ends = np.full((len(array), 2), np.nan)
+    angles = np.full(len(array), np.nan)
     if isinstance(poses, Poses):
+        angles = poses.angles
         ends[:] = [list(lib.conus_pose_list_row(poses._list, i).range) for i in range(len(array))]
     for column, (name, given) in enumerate((("near", near), ("far", far))):
         if given is not None:
@@ -150,7 +162,7 @@ def stream_of(array: PoseArray, poses: Any, near: Any, far: Any) -> Iterator[Any
         if i not in array.reasons:
             check(array.fill(pose, i))
             matrix = np.array(list(pose.world_from_device)).reshape(4, 4).T.ravel()
-        cells = [*matrix, low, high]
+        cells = [*matrix, angles[i], low, high]
         name = name.replace('"', '""')
         lines.append("\t".join([f'"{name}"', *("n/a" if math.isnan(cell) else repr(float(cell)) for cell in cells)]))
     out = ffi.new("conus_pose_stream **")

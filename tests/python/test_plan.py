@@ -54,6 +54,16 @@ def test_measures_of_the_cone(atlas):
         atlas.plan(avoid={"right": {"volume": 5}}, origins=ORIGINS, directions=DIRECTIONS, depth=30)
 
 
+def test_poses_of_a_file_have_openings_of_their_own(atlas, tmp_path):
+    path = tmp_path / "own.tsv"
+    path.write_text("x\ty\tz\tdx\tdy\tdz\tfar\tangle\n" + "".join(f"0\t0\t0\t1\t0\t0\t30\t{a}\n" for a in (20, 60, "n/a")))
+    plan = atlas.plan({"right": {"volume": 1}}, poses=conus.read_poses(path), angle=40, layers="all", infeasible=True)
+    found = plan.to_dataframe().set_index("query")["reach1_mm3"]
+    for query, angle in (("1", 20), ("2", 60), ("3", 40)):  # from 20 to 30 mm, in voxels of 8 mm^3
+        cone = math.pi * math.tan(math.radians(angle / 2)) ** 2 * (30 ** 3 - 20 ** 3) / 3
+        assert found[query] == pytest.approx(cone, rel=0.05)
+
+
 def test_a_pose_that_is_not_exactly_known(atlas):
     # The far end is off by 4 mm: of 10 and of 5 mm in the plate 6 and 1 too many (normal), of 40 mm to the left none.
     plan = atlas.plan({"right": 4}, {"left": 3}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS, radius=1,
@@ -105,6 +115,10 @@ def test_what_is_missed(atlas, tmp_path):
     kinds = atlas.plan(length=(0, 28), lean=[((1, 0, 0), 10)], apart=[([[(0, 5, 0), (9, 5, 0)]], 4)], first=["right"],
                        origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS, top=None)
     assert list(kinds.ids) == ["1"] and kinds.funnel == [3, 2, 2, 1]
+    for wrong in ({"lean": ((1, 0, 0), 10)}, {"lean": (1, 0, 0, 10)}, {"apart": ([[(0, 5, 0), (9, 5, 0)]], 4)},
+                  {"apart": [([(0, 5, 0), (9, 5, 0)], 4)]}, {"apart": [([0, 5, 0, 9, 5], 4)]}):  # tips are no needles
+        with pytest.raises(conus.ArgumentError, match="wanted is"):
+            atlas.plan(origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS, **wrong)
     kinds.save(tmp_path / "plan.tsv")
     assert len((tmp_path / "plan.tsv").read_text().splitlines()) == 2
 

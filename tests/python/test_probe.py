@@ -81,6 +81,8 @@ def test_several_probes_have_a_pose_each(folder, atlas):
     for wrong in ({"poses": matrices[:1]}, aim(), {**aim(), "poses": matrices}):
         with pytest.raises(conus.ArgumentError, match="poses"):
             atlas.contacts(probe, **wrong)
+    with pytest.raises(conus.ArgumentError, match="read_probe"):
+        atlas.contacts(folder / "two.json", poses=matrices)
 
 
 class Recorded(types.SimpleNamespace):
