@@ -237,6 +237,9 @@ conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const c
     conus_status status = options->grid ? volume_file_header(&grid, options->grid) : CONUS_OK;
     status = status ? status : field_file_is(&is_field, path);
     status = status || is_field ? status : chain_file_is(&is_chain, path);
+    if (!status && options->transform && (is_field || is_chain)) {
+        status = fail(CONUS_ERROR_ARGUMENT, "%s: transform is of lists in ITK's text, and this is none", path);
+    }
     status = status || is_field ? status : note_direction(atlas, path, options->inverse);
     status = status ? status
                     : (is_field   ? move_by_field

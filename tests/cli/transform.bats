@@ -297,6 +297,7 @@ END
     fails 3 'linked.h5: /TransformGroup/1: a link to another file, which is not followed' $ask linked.h5
     fails 3 'field.h5: a chain with a deformation field is not inverted' $ask field.h5,inverse
     fails 2 'right.h5: from, to, relative and absolute are of files' $ask right.h5,relative
+    fails 2 'right.h5: transform is of lists in ITK' $ask right.h5,transform=1
     fails 3 '(--max-memory)' $ask field.h5 --max-memory 20K
     CONUS_HDF5=$PWD/none fails 3 'right.h5: CONUS_HDF5: ' $ask right.h5
     printf '\211HDF\r\n\032\n' >cut.h5

@@ -157,6 +157,7 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     fails 2 "from=IMAGE and to=IMAGE are needed" $move rel.nii.gz
     fails 2 "to=IMAGE is needed, too" $move rel.nii.gz,from=nested.nii.gz
     fails 2 "are of FSL's fields" $move itk.nii.gz$images
+    fails 2 'itk.nii.gz: transform is of lists in ITK' $move itk.nii.gz,transform=0
     fails 3 "coefficients of fnirt; 'convertwarp" $move spline.nii.gz$images
     fails 3 "voxel (0, 0, 0): a vector that is not finite" $move nan.nii.gz
     fails 2 "look like positions, and the header does not say so" $move unsaid.nii.gz
