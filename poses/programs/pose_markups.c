@@ -150,7 +150,11 @@ conus_status pose_markups_parse(conus_pose_list *list, struct text text, const c
     conus_status status = json_text_load(&root, text);
     const json_t *markups = json_object_get(root, "markups");
     if (!status && !json_is_array(markups)) {
-        status = fail(CONUS_ERROR_DATA, "no list \"markups\": not a file of 3D Slicer's markups");
+        bool is_probe = text_equal(text_of(json_object_get(root, "specification")), "probeinterface");
+        status = is_probe
+                     ? fail(CONUS_ERROR_DATA, "a probe of ProbeInterface says where contacts are on it, and not where "
+                                              "it lies: its poses are another file")
+                     : fail(CONUS_ERROR_DATA, "no list \"markups\": not a file of 3D Slicer's markups");
     }
     bool fits = options->axis == CONUS_AXIS_OF_FORMAT; /* an axis is for lines */
     for (size_t i = 0; !fits && i < json_array_size(markups); i++) {

@@ -431,7 +431,8 @@ conus_status probe_parse(conus_probe **out, struct text text, const conus_probe_
     }
     json_t *root = NULL;
     conus_probe *probe = memory_zeroed(1, sizeof *probe);
-    conus_status status = probe ? json_text_load(&root, text) : CONUS_ERROR_MEMORY;
+    bool is_object = text_starts(text_trim(text), "{"); /* else no root is found */
+    conus_status status = !probe ? CONUS_ERROR_MEMORY : is_object ? json_text_load(&root, text) : CONUS_OK;
     status = status ? status : read_root(probe, root, options->tip);
     json_decref(root);
     if (status) {

@@ -430,6 +430,8 @@ same_answers() {
     fails 3 'probe.imro: a table of the sites of SpikeGLX' query sphere.nii.gz --pose probe.imro
     printf 'channel_groups = {\n    0: {"channels": [0, 1]}\n}\n' >probe.prb
     fails 3 "probe.prb: a layout of a probe's channels" query sphere.nii.gz --pose probe.prb
+    printf '{"specification": "probeinterface", "probes": []}' >probe.json
+    fails 3 'probe.json: a probe of ProbeInterface says where contacts are on it' query sphere.nii.gz --pose probe.json
 }
 
 @test "a column that is needed and misspelt is asked for, not passed over" {

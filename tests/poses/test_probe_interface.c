@@ -158,7 +158,9 @@ static void what_is_wrong_is_said(void **state)
     static const struct {
         const char *text, *part;
     } wrong[] = {
-        {"", "line 1"},
+        {"", "specification: \"probeinterface\" is needed"},
+        {"x\ty\tz\n1\t2\t3\n", "not a file of ProbeInterface"},
+        {"{", "line 1"},
         {"[]", "specification"},
         {"{\"specification\":\"other\",\"probes\":[]}", "specification"},
         {"{\"specification\":\"probeinterface\",\"probes\":[]}", "probes: found 0"},
