@@ -668,7 +668,8 @@ class Selector:
         origin, toward, direction, up, pose
             As of :meth:`Atlas.select`: the tip of the probe, and its direction from base to tip.
         poses
-            Instead of these: a pose for each probe of the file, as for :meth:`select_many`.
+            Instead of these: a pose for each probe of the file, as for :meth:`select_many`. Where poses of a file have
+            a far end, the tip is there.
         roll
             Turns the probe about its shank, +y of the device towards its +x, degrees. At 0 the probe's x axis points
             along the device's +x.

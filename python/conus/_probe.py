@@ -103,7 +103,7 @@ class Contacts(Answers):
 
 
 def poses_of_probe(array: Any, probe: Probe) -> Any:
-    """A C array of conus_pose, one for each probe."""
+    """A C array of conus_pose, one for each probe: of its tip, which is at the far end where a file of poses has one."""
     if len(array) != len(probe.tips):
         raise ArgumentError(f"poses: {len(array)}, wanted are {len(probe.tips)}: each probe has one of its own")
     if array.reasons:
@@ -111,4 +111,7 @@ def poses_of_probe(array: Any, probe: Probe) -> Any:
     poses = ffi.new("conus_pose[]", len(array))
     for i in range(len(array)):
         check(array.fill(poses + i, i))
+        ends, matrix = array.range(i), poses[i].world_from_device
+        for a in range(3 if ends and ends[1] >= 0 else 0):
+            matrix[12 + a] -= ends[1] * matrix[8 + a]
     return poses

@@ -85,6 +85,16 @@ def test_several_probes_have_a_pose_each(folder, atlas):
         atlas.contacts(folder / "two.json", poses=matrices)
 
 
+# The tip is 12.5 mm behind x = -50, and the first contact 5 mm before it.
+def test_the_tip_is_at_the_far_end_of_a_file_s_pose(folder, atlas):
+    probe = conus.read_probe(folder / "np.json")
+    (folder / "line.tsv").write_text("x\ty\tz\tdx\tdy\tdz\tfar\n-50\t1\t2\t1\t0\t0\t12.5\n")
+    deep = atlas.contacts(probe, poses=conus.read_poses(folder / "line.tsv")).points
+    (folder / "line.tsv").write_text("x\ty\tz\tdx\tdy\tdz\n-50\t1\t2\t1\t0\t0\n")
+    flat = atlas.contacts(probe, poses=conus.read_poses(folder / "line.tsv")).points
+    assert np.allclose(deep[0], [-50 + 12.5 - 5, 1, 2]) and np.allclose(deep - flat, [12.5, 0, 0])
+
+
 class Recorded(types.SimpleNamespace):
     """An object of pynwb that keeps what it is given."""
 
