@@ -159,19 +159,24 @@ static conus_status check_measure(const conus_selector *selector, const conus_co
     return is_part && asked->limit > 1 ? fail(CONUS_ERROR_ARGUMENT, "%g, allowed is 0 to 1", asked->limit) : CONUS_OK;
 }
 
-/* Whether all of the structure is of maps of probabilities. */
-static conus_status check_values(const struct plan_constraint *constraint)
+/* Whether the structure has streamlines, or all of it is of maps of probabilities, where these are measured. */
+static conus_status check_parts(const struct plan_constraint *constraint, conus_measure measure)
 {
+    bool has_streamlines = false;
     for (size_t i = 0; i < constraint->part_count; i++) {
         const struct volume *volume = constraint->parts[i].volume;
-        if (!volume || !volume->values ||
-            (volume->info.role == CONUS_ROLE_SCALAR && !(volume->info.threshold > 0 && volume->info.maximum <= 1))) {
+        has_streamlines = has_streamlines || constraint->parts[i].tractogram;
+        if (measure == CONUS_MEASURE_PROBABILITY &&
+            (!volume || !volume->values ||
+             (volume->info.role == CONUS_ROLE_SCALAR && !(volume->info.threshold > 0 && volume->info.maximum <= 1)))) {
             return fail(CONUS_ERROR_ARGUMENT,
                         "%.200s has no probabilities, as areas and pathways of maps from 0 to 1 have",
                         constraint->name);
         }
     }
-    return CONUS_OK;
+    return measure == CONUS_MEASURE_STREAMLINES && !has_streamlines
+               ? fail(CONUS_ERROR_ARGUMENT, "%.200s has no streamlines, which bundles have", constraint->name)
+               : CONUS_OK;
 }
 
 static bool is_finite(const double *numbers, size_t count)
@@ -261,9 +266,7 @@ static conus_status fill(struct plan_constraint *out, const conus_selector *sele
     if (!status && plan_is_of_cone(asked->measure)) {
         status = find_reported(out, selector);
     }
-    if (!status && asked->measure == CONUS_MEASURE_PROBABILITY) {
-        status = check_values(out);
-    }
+    status = status ? status : check_parts(out, asked->measure);
     out->asked = *asked;
     out->asked.names = NULL;
     out->asked.needles = NULL;

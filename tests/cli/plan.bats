@@ -196,6 +196,7 @@ columns() {
     fails 2 'no effect without --reach' $U --reach U --contacts 8,1,1,0
     fails 2 'is not COUNT,COLUMNS' $U --reach U,contacts=3 --contacts 8,1,1
     fails 2 'has no probabilities' $U --reach U,probability=0.5
+    fails 2 'U has no streamlines' $U --reach U,streamlines=1
     fails 2 'probability=2 is not a number from 0 to 1' $U --reach U,probability=2
     nothing_left needles.tsv u-shape.nii.gz u-shape.tsv u-shape.json
 }
