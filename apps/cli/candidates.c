@@ -226,7 +226,9 @@ static int load_points(struct place *place, const struct request *request, bool 
     char why[1024];
     conus_status status = conus_pose_list_load(&list, place->path, &options);
     if (!status) {
-        int code = take_points(place, list);
+        const struct request_settings *settings = request->settings;
+        int code = settings_match_poses(list, place->path, &request->atlases, &settings->file, &settings->common);
+        code = code ? code : take_points(place, list);
         conus_pose_list_destroy(list);
         return code;
     }

@@ -737,8 +737,10 @@ static int answer_plan(struct planning *planning)
     int code = request_load(request, open_poses, request);
     code = code ? code : request_match(request);
     code = code ? code : request_check_outputs(request, NULL);
+    const struct pose_places places = {&request->frame, &settings->request.file, &request->atlases,
+                                       &settings->request.common};
     code = code ? code
-                : constraints_place(&planning->constraints, &request->frame, &settings->request.file,
+                : constraints_place(&planning->constraints, &places,
                                     planning->candidates.far > 0 ? planning->candidates.far
                                                                  : settings->request.engine.range[1]);
     if (code) {

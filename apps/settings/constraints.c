@@ -402,17 +402,19 @@ void constraints_finish(struct constraints *constraints)
 }
 
 /* The ends of the axes of all poses in the file. */
-static int load_needles(double **out, conus_constraint *constraint, const char *path, const conus_pose_options *options,
+static int load_needles(double **out, conus_constraint *constraint, const char *path, const struct pose_places *places,
                         double far)
 {
+    const conus_pose_options options = settings_pose_options(places->settings, places->frame, 0);
     conus_pose_list *poses = NULL;
-    conus_status status = conus_pose_list_load(&poses, path, options);
+    conus_status status = conus_pose_list_load(&poses, path, &options);
     if (status) {
         return print_status(status);
     }
+    int code = settings_match_poses(poses, path, places->atlases, places->settings, places->common);
     size_t count = conus_pose_list_count(poses);
     double(*ends)[6] = calloc(count + 1, sizeof *ends);
-    int code = ends ? EXIT_DONE : print_no_memory();
+    code = code || ends ? code : print_no_memory();
     for (size_t i = 0; ends && i < count && !code; i++) {
         const conus_pose_row *row = conus_pose_list_row(poses, i);
         const char *why = settings_row_error(row);
@@ -440,17 +442,15 @@ static int load_needles(double **out, conus_constraint *constraint, const char *
     return code;
 }
 
-int constraints_place(struct constraints *constraints, const conus_frame *frame,
-                      const struct pose_file_settings *settings, double far)
+int constraints_place(struct constraints *constraints, const struct pose_places *places, double far)
 {
-    const conus_pose_options options = settings_pose_options(settings, frame, 0);
     int code = EXIT_DONE;
     for (size_t i = 0; i < constraints->count && !code; i++) {
         conus_constraint *constraint = &constraints->items[i];
         if (constraint->kind == CONUS_CONSTRAINT_LEAN) {
-            conus_frame_direction_to_world(constraint->direction, frame, constraint->direction);
+            conus_frame_direction_to_world(constraint->direction, places->frame, constraint->direction);
         } else if (constraint->kind == CONUS_CONSTRAINT_APART) {
-            code = load_needles(&constraints->needles[i], constraint, constraints->texts[i], &options, far);
+            code = load_needles(&constraints->needles[i], constraint, constraints->texts[i], places, far);
         }
     }
     return code;

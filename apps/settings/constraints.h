@@ -38,9 +38,16 @@ bool constraints_are_given(const struct arguments *arguments);
 conus_measure constraints_last_measure(const struct constraints *constraints);
 void constraints_finish(struct constraints *constraints);
 
-/** Turns directions into the world, and loads the needles of --apart, whose poses are in the space of @p frame, too.
+/** Where positions are, and the atlases in which they are to be. */
+struct pose_places {
+    const conus_frame *frame;
+    const struct pose_file_settings *settings;
+    const struct atlases *atlases;
+    const struct common_settings *common;
+};
+
+/** Turns directions into the world, and loads the needles of --apart, whose poses are in the space of the frame, too.
  * Poses without a far end of their own have @p far, mm; 0 = none. Likewise. */
-int constraints_place(struct constraints *constraints, const conus_frame *frame,
-                      const struct pose_file_settings *settings, double far);
+int constraints_place(struct constraints *constraints, const struct pose_places *places, double far);
 
 #endif

@@ -20,7 +20,7 @@ const struct option pose_file_options[] = {
      .value = "FORMAT",
      .help = "format of the file of poses; auto detects it from the content:",
      .choice_at = conus_pose_format_name,
-     .needs = "pose|poses|camera|jobs"},
+     .needs = "pose|poses|camera|jobs|from"},
     {.name = "axis",
      .type = OPTION_CHOICE,
      .offset = offsetof(struct pose_file_settings, axis),
@@ -38,7 +38,7 @@ const struct option pose_file_options[] = {
      .type = OPTION_FLAG,
      .offset = offsetof(struct pose_file_settings, any_space),
      .help = "accept positions even if the file names another space than the atlas",
-     .needs = "pose|poses|camera|jobs"},
+     .needs = "pose|poses|camera|jobs|from"},
     {0},
 };
 

@@ -32,6 +32,8 @@ def _with_keys(name: str, given: Any, allowed: tuple[str, ...]) -> tuple[Any, di
 
 def _points(selector: Selector, name: str, given: Any) -> Any:
     """Sites of the positions of poses, in the world, or of an array, in the selector's space."""
+    if isinstance(given, Poses):
+        given.match(selector.atlas)
     points = given.origins if isinstance(given, Poses) else numbers(name, given)
     if points.ndim != 2 or points.shape[1] != 3:
         raise ArgumentError(f"{name}: an array of shape {points.shape}, wanted is (n, 3)")

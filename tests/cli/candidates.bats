@@ -210,6 +210,28 @@ cells() {
     fails 2 'candidates, allowed are 1.1e+12' $U --from many.txt --toward many.txt --depth 9 --tilt 90,1
 }
 
+# The phantom in MNI's space (code 4), positions in somebody's scan, as Brainsight says: the same as of --poses.
+@test "entries, targets and other needles are of the atlas's space" {
+    needles
+    python3 - <<'EOF'
+import gzip, struct
+bytes_ = bytearray(gzip.decompress(open("u-shape.nii.gz", "rb").read()))
+struct.pack_into("<2h", bytes_, 252, 4, 4)
+open("mni.nii", "wb").write(bytes_)
+EOF
+    { printf '# Version: 13\n# Coordinate system: NIfTI:Scanner\n# Target Name\tLoc. X\tLoc. Y\tLoc. Z'
+      printf '\tm0n0\tm0n1\tm0n2\tm1n0\tm1n1\tm1n2\tm2n0\tm2n1\tm2n2\n'
+      printf 'T\t0\t0\t5\t1\t0\t0\t0\t1\t0\t0\t0\t1\n'; } >scan.txt
+    local asked="plan mni.nii --length 1,99 --depth 9" words='positions are in "NIfTI:Scanner", the atlas in another space'
+    fails 3 "scan.txt: $words" $asked --from scan.txt --toward targets.txt
+    fails 3 "scan.txt: $words" $asked --from entries.txt --toward scan.txt
+    fails 3 "scan.txt: $words" $asked --from entries.txt --toward targets.txt --apart scan.txt,1
+    run -0 conus $asked --from entries.txt --toward scan.txt --any-space -q
+    printf '0.04 0 0.005\n0.03 0 0.005\n' >metres.txt
+    run -0 --separate-stderr conus $asked --from metres.txt --toward targets.txt
+    [[ "$stderr" == *"note: metres.txt: all positions lie within 1 mm of the origin, as if they were in metres"* ]]
+}
+
 @test "a plan from entries can be verified, and knows its files" {
     needles
     conus $P --depth target+4 --tilt 6,3 -q -o plan.tsv

@@ -215,6 +215,8 @@ def test_a_scan_does_not_fit_a_template(tmp_path, caplog):
         lambda: template.track(np.arange(len(poses)), poses=poses),
         lambda: poses.match(template),
         lambda: conus.read_poses(path, atlas=template),
+        lambda: template.plan(["left"], entries=poses, targets="voxels", depth=9),
+        lambda: template.plan(["left"], entries=np.ones((1, 3)), targets=poses, depth=9),
     ):
         with pytest.raises(conus.DataError) as caught:
             ask()

@@ -3,6 +3,7 @@
 #include "viewer/model/plans.h"
 
 #include "options/messages.h"
+#include "settings/atlases.h"
 #include "viewer/model/question.h"
 #include "viewer/model/studies.h"
 
@@ -55,7 +56,10 @@ int plans_open(struct viewer *viewer, const struct arguments *arguments, const c
     if (code || !plans_is_on(viewer)) {
         return code;
     }
-    code = constraints_place(&state->task.constraints, &viewer->frame, &(struct pose_file_settings){0}, depth);
+    struct named_atlas atlas = {.atlas = viewer->atlases->atlas};
+    const struct pose_places places = {&viewer->frame, &(struct pose_file_settings){0}, &(struct atlases){&atlas, 1},
+                                       &(struct common_settings){0}};
+    code = constraints_place(&state->task.constraints, &places, depth);
     if (!code && poses) {
         state->task.poses = strdup(poses);
         state->list.settings.kind = STUDY_PLAN;
