@@ -405,7 +405,8 @@ void constraints_finish(struct constraints *constraints)
 static int load_needles(double **out, conus_constraint *constraint, const char *path, const struct pose_places *places,
                         double far)
 {
-    const conus_pose_options options = settings_pose_options(places->settings, places->frame, 0);
+    const struct pose_file_settings *settings = places->settings ? places->settings : &(struct pose_file_settings){0};
+    const conus_pose_options options = settings_pose_options(settings, places->frame, 0);
     conus_pose_list *poses = NULL;
     conus_status status = conus_pose_list_load(&poses, path, &options);
     if (status) {

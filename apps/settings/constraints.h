@@ -41,7 +41,7 @@ void constraints_finish(struct constraints *constraints);
 /** Where positions are, and the atlases in which they are to be. */
 struct pose_places {
     const conus_frame *frame;
-    const struct pose_file_settings *settings;
+    const struct pose_file_settings *settings; /**< NULL = the command has none. */
     const struct atlases *atlases;
     const struct common_settings *common;
 };

@@ -120,11 +120,11 @@ void settings_say_no_poses(const char *path, const struct common_settings *commo
     }
 }
 
-static int print_match_error(const char *path, const struct named_atlas *atlas)
+static int print_match_error(const char *path, const struct named_atlas *atlas, bool has_any_space)
 {
-    print_error_line("%s: %s%s%s; --atlas-transform FILE brings the atlas to them, --any-space takes them as they are",
-                     settings_poses_name(path), atlas->name ? atlas->name : "", atlas->name ? ": " : "",
-                     conus_message());
+    print_error_line("%s: %s%s%s; --atlas-transform FILE brings the atlas to them%s", settings_poses_name(path),
+                     atlas->name ? atlas->name : "", atlas->name ? ": " : "", conus_message(),
+                     has_any_space ? ", --any-space takes them as they are" : "");
     return EXIT_DATA;
 }
 
@@ -159,9 +159,9 @@ static void say_notes(const void *poses, note_at *at, const char *path, const st
 int settings_match_poses(conus_pose_list *poses, const char *path, const struct atlases *atlases,
                          const struct pose_file_settings *settings, const struct common_settings *common)
 {
-    for (size_t i = 0; i < atlases->count && !settings->any_space; i++) {
+    for (size_t i = 0; i < atlases->count && !(settings && settings->any_space); i++) {
         if (conus_pose_list_match(poses, atlases->items[i].atlas)) {
-            return print_match_error(path, &atlases->items[i]);
+            return print_match_error(path, &atlases->items[i], settings);
         }
     }
     if (!common->quiet) {
@@ -175,7 +175,7 @@ int settings_match_stream(conus_pose_stream *poses, const char *path, const stru
 {
     for (size_t i = 0; i < atlases->count && !settings->any_space; i++) {
         if (conus_pose_stream_match(poses, atlases->items[i].atlas)) {
-            return print_match_error(path, &atlases->items[i]);
+            return print_match_error(path, &atlases->items[i], true);
         }
     }
     if (!common->quiet) {

@@ -46,7 +46,7 @@ void settings_say_no_poses(const char *path, const struct common_settings *commo
  * an error unless it is 0. */
 int settings_match_stream(conus_pose_stream *poses, const char *path, const struct atlases *atlases,
                           const struct pose_file_settings *settings, const struct common_settings *common);
-/** The same for a list. */
+/** The same for a list; @p settings may be NULL, of a command without these options. */
 int settings_match_poses(conus_pose_list *poses, const char *path, const struct atlases *atlases,
                          const struct pose_file_settings *settings, const struct common_settings *common);
 

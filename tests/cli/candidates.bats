@@ -210,18 +210,9 @@ cells() {
     fails 2 'candidates, allowed are 1.1e+12' $U --from many.txt --toward many.txt --depth 9 --tilt 90,1
 }
 
-# The phantom in MNI's space (code 4), positions in somebody's scan, as Brainsight says: the same as of --poses.
 @test "entries, targets and other needles are of the atlas's space" {
     needles
-    python3 - <<'EOF'
-import gzip, struct
-bytes_ = bytearray(gzip.decompress(open("u-shape.nii.gz", "rb").read()))
-struct.pack_into("<2h", bytes_, 252, 4, 4)
-open("mni.nii", "wb").write(bytes_)
-EOF
-    { printf '# Version: 13\n# Coordinate system: NIfTI:Scanner\n# Target Name\tLoc. X\tLoc. Y\tLoc. Z'
-      printf '\tm0n0\tm0n1\tm0n2\tm1n0\tm1n1\tm1n2\tm2n0\tm2n1\tm2n2\n'
-      printf 'T\t0\t0\t5\t1\t0\t0\t0\t1\t0\t0\t0\t1\n'; } >scan.txt
+    positions_of_a_scan u-shape.nii.gz
     local asked="plan mni.nii --length 1,99 --depth 9" words='positions are in "NIfTI:Scanner", the atlas in another space'
     fails 3 "scan.txt: $words" $asked --from scan.txt --toward targets.txt
     fails 3 "scan.txt: $words" $asked --from entries.txt --toward scan.txt

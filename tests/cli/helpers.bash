@@ -238,3 +238,17 @@ need_window() {
     [ -x "${CONUS%/*}/conus-view" ] || skip "conus-view is not built"
     [ -f "$BATS_FILE_TMPDIR/screen" ] || skip "no Xvfb"
 }
+
+# positions_of_a_scan PHANTOM: mni.nii, the phantom in MNI's space (code 4), and scan.txt, a target in somebody's scan, as
+# Brainsight says.
+positions_of_a_scan() {
+    python3 - "$1" <<'EOF'
+import gzip, struct, sys
+volume = bytearray(gzip.decompress(open(sys.argv[1], "rb").read()))
+struct.pack_into("<2h", volume, 252, 4, 4)
+open("mni.nii", "wb").write(volume)
+EOF
+    { printf '# Version: 13\n# Coordinate system: NIfTI:Scanner\n# Target Name\tLoc. X\tLoc. Y\tLoc. Z'
+      printf '\tm0n0\tm0n1\tm0n2\tm1n0\tm1n1\tm1n2\tm2n0\tm2n1\tm2n2\n'
+      printf 'T\t0\t0\t5\t1\t0\t0\t0\t1\t0\t0\t0\t1\n'; } >scan.txt
+}

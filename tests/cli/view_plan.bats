@@ -20,6 +20,17 @@ needles() {
     fails 3 'absent.tsv' view u-shape.nii.gz "${plan[@]}" --poses absent.tsv
 }
 
+@test "positions of another space than the atlas are refused" {
+    need_window
+    needles
+    positions_of_a_scan u-shape.nii.gz
+    : >script
+    local words='scan.txt: positions are in "NIfTI:Scanner", the atlas in another space'
+    fails 3 "$words" view mni.nii --poses scan.txt --script script --quiet
+    [[ "$stderr" != *--any-space* ]]
+    fails 3 "$words" view mni.nii --reach 1 --apart scan.txt,1 --depth 9 --script script --quiet
+}
+
 @test "the list is that of conus plan, its rows are gone to, and a session keeps it all" {
     need_window
     needles

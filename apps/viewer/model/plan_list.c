@@ -92,6 +92,7 @@ conus_status plan_list_fill(struct plan_list *out, const struct plan_task *task,
     conus_pose_stream *stream = NULL;
     conus_status status = conus_plan_create(&plan, selector, asked->items, asked->count, &options);
     status = status ? status : conus_pose_stream_open(&stream, task->poses, &pose_options);
+    status = status ? status : conus_pose_stream_match(stream, atlas);
     status = status ? status : conus_plan_run(plan, stream, UINT64_MAX);
     status = status ? status : take_rows(out, plan, atlas);
     status = status ? status : write_text(out, plan, selector, frame);
