@@ -299,7 +299,7 @@ static conus_status settle(struct hdf5 *hdf5)
     const struct hdf5_value *attributes = hdf5->attributes;
     for (size_t i = 0; i < hdf5->count; i++) {
         hdf5->objects[i].attributes = attributes;
-        attributes += hdf5->objects[i].attribute_count;
+        attributes = attributes ? attributes + hdf5->objects[i].attribute_count : NULL;
     }
     if (hdf5->count) {
         qsort(hdf5->objects, hdf5->count, sizeof *hdf5->objects, compare_objects);
