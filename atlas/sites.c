@@ -111,6 +111,10 @@ conus_status conus_sites_of_roi(conus_sites **out, const conus_roi *roi)
 {
     const size_t *dim = roi->volume.info.dim;
     conus_sites *sites = NULL;
+    if (roi->nodes) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: tetrahedra of a mesh, needed are the voxels of a mask",
+                    roi->volume.info.path);
+    }
     conus_status status = sites_create(&sites, 0, false);
     if (!status) {
         sites->grid = space_grid(&roi->volume.info);
@@ -137,11 +141,37 @@ struct inside_roi {
     bool inside;
 };
 
+/* Whether the point and the middle of some tetrahedron lie on one side of each of its faces. */
+static bool is_in_tetrahedra(const conus_roi *roi, const double point[3])
+{
+    bool inside = false;
+    for (size_t i = 0; !inside && i < roi->voxels; i++) {
+        const uint32_t *corners = roi->tetrahedra[i].nodes;
+        inside = true;
+        for (int k = 0; inside && k < 4; k++) {
+            const double *base = roi->nodes[corners[k]];
+            double b[3];
+            double c[3];
+            double normal[3];
+            double across[3];
+            double to[3];
+            vec3_sub(b, roi->nodes[corners[(k + 1) % 4]], base);
+            vec3_sub(c, roi->nodes[corners[(k + 2) % 4]], base);
+            vec3_sub(across, roi->nodes[corners[(k + 3) % 4]], base);
+            vec3_sub(to, point, base);
+            vec3_cross(normal, b, c);
+            inside = vec3_dot(normal, to) * vec3_dot(normal, across) >= 0;
+        }
+    }
+    return inside;
+}
+
 static bool is_in_roi(const conus_sites *sites, size_t index, void *user)
 {
     const struct inside_roi *asked = user;
     size_t voxel = 0;
-    bool inside = volume_find_voxel(&voxel, &asked->roi->volume, sites->points[index]) && roi_has(asked->roi, voxel);
+    bool inside = volume_find_voxel(&voxel, &asked->roi->volume, sites->points[index]) &&
+                  (asked->roi->nodes ? is_in_tetrahedra(asked->roi, sites->points[index]) : roi_has(asked->roi, voxel));
     return inside == asked->inside;
 }
 

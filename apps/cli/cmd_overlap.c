@@ -19,8 +19,9 @@ static const struct option region_options[] = {
      .type = OPTION_NUMBER,
      .offset = FIELD(threshold),
      .value = "T",
-     .help = "voxels with values of at least T belong to the region; of a negative T, those with values of at most T "
-             "(default, of masks only: all voxels that are not 0)",
+     .help = "voxels, or tetrahedra, with values of at least T belong to the region; of a negative T, those with "
+             "values of at most T "
+             "(default, of masks only: all that are not 0)",
      .words = "binarise, cut-off",
      .common = true},
     {0},
@@ -203,9 +204,12 @@ const struct command cmd_overlap = {
     .repeats = true,
     .description =
         "ROI is a volume on a grid of its own, in the space of ATLAS: a mask (a lesion, a stimulated volume) or a\n"
-        "statistical map with --threshold. Reports for every area and pathway the volume that both have in common,\n"
-        "as a part of the area and of the region, and the region's peak there. Of several ROIs one after the other.",
+        "statistical map with --threshold; or a field of SimNIBS (.hdf5) with --threshold: the tetrahedra whose |E|\n"
+        "reaches it. ROI,field=NAME takes another field, ROI,tissue=1:2 white and grey matter only. Reports for every\n"
+        "area and pathway the volume that both have in common, as a part of the area and of the region, and the\n"
+        "region's peak there. Of several ROIs one after the other.",
     .examples = "  conus overlap aal lesion.nii.gz\n"
+                "  conus overlap aparc+aseg.mgz simulation.hdf5,tissue=2 --threshold 0.5\n"
                 "  conus overlap aal zstat1.nii.gz --threshold 3.1 -o overlap.tsv\n",
     .answers = true,
     .groups = groups,

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { BOX_EDGES = 24 };
+enum { BOX_EDGES = 24, TETRAHEDRON_EDGES = 12 };
 static const double BESIDE = 1e-6; /* tolerance of a box's image, relative to the box */
 
 void convex_finish(struct convex_stack *stack)
@@ -126,6 +126,26 @@ static void measure(struct convex *out, const struct convex_stack *stack)
         }
     }
     out->volume = fabs(sum) / 6;
+}
+
+bool convex_tetrahedron(struct convex *out, struct convex_stack *stack, const double corners[4][3])
+{
+    static const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+    if (!reserve(stack, TETRAHEDRON_EDGES)) {
+        return false;
+    }
+    struct convex tetrahedron = {.first = stack->count, .faces = 4};
+    for (uint32_t face = 0; face < 4; face++) {
+        for (int k = 0; k < 3; k++) {
+            struct convex_edge edge = {.face = face};
+            memcpy(edge.from, corners[faces[face][k]], sizeof edge.from);
+            memcpy(edge.to, corners[faces[face][(k + 1) % 3]], sizeof edge.to);
+            push(stack, &edge);
+        }
+    }
+    measure(&tetrahedron, stack);
+    *out = tetrahedron;
+    return true;
 }
 
 bool convex_move(struct convex *out, struct convex_stack *stack, const struct convex *convex, const double m[16])

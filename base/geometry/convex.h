@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Boxes and convex polyhedra that planes across an axis cut in two (Eq. 16). */
+/** @file Boxes, tetrahedra and other convex polyhedra that planes across an axis cut in two (Eq. 16). */
 #ifndef CONUS_BASE_CONVEX_H
 #define CONUS_BASE_CONVEX_H
 
@@ -32,6 +32,9 @@ void convex_finish(struct convex_stack *stack);
 
 /** A box with faces across the axes. */
 struct convex convex_box(const double low[3], const double high[3]);
+
+/** The tetrahedron of these corners, in either order. False without memory. */
+bool convex_tetrahedron(struct convex *out, struct convex_stack *stack, const double corners[4][3]);
 
 /** The image of @p convex under the affine @p m. A box stays one if m maps axes to axes, within 10⁻⁶ over the box.
  * False without memory. */

@@ -16,14 +16,14 @@
 extern "C" {
 #endif
 
-typedef struct conus_roi conus_roi;         /**< A region of interest: a set of voxels of a volume. */
+typedef struct conus_roi conus_roi;         /**< A region of interest: voxels of a volume, or tetrahedra of a mesh. */
 typedef struct conus_overlap conus_overlap; /**< The areas and pathways that a region of interest covers. */
 
 /** How a region of interest is read. */
 typedef struct conus_roi_options {
     size_t struct_size;  /**< Its size, as #CONUS_ROI_OPTIONS_INIT sets it; 0 = that of this version. */
-    double threshold;    /**< Above 0: voxels with values at or above it are the region; below 0: those at or below it.
-                            0 = all but those of value 0, for a mask: a volume with one value beside 0. */
+    double threshold;    /**< Above 0: voxels or tetrahedra with values at or above it are the region; below 0: those at
+                            or below it. 0 = all but those of value 0, for a mask: with one value beside 0. */
     uint64_t max_memory; /**< As conus_load_options.max_memory; of arrays without meaning. */
     conus_log log;       /**< As conus_load_options.log. */
     void *log_user;      /**< Passed to @p log. */
@@ -36,7 +36,8 @@ typedef struct conus_roi_options {
 /**
  * Reads a region of interest. Values that are not finite belong to nothing.
  * @param[out] out The region; end it with conus_roi_destroy().
- * @param path The volume, as for conus_atlas_load().
+ * @param path The volume, as for conus_atlas_load(); or a mesh with fields of SimNIBS (.hdf5), of which the field |E|
+ * or that behind ",field=NAME" counts, and with ",tissue=A:B" only tetrahedra of these tissues.
  * @param options NULL = defaults.
  * @return #CONUS_OK; the errors of conus_atlas_load() about volumes; #CONUS_ERROR_ARGUMENT for a threshold that is not
  * finite or that no voxel reaches, and where there is none though the volume is no mask; #CONUS_ERROR_DATA for a mask
@@ -67,7 +68,7 @@ CONUS_CHECKED conus_status conus_roi_create(conus_roi **out, const conus_voxels 
 CONUS_API void conus_roi_destroy(conus_roi *roi);
 
 /**
- * Describes the volume of a region of interest.
+ * Describes the volume of a region of interest; of tetrahedra a grid of 2 mm that they lie in.
  * @param roi The region.
  * @return Its threshold is the one that holds, 0 of a mask. Borrowed from the region.
  * @threads Any: the object does not change.
@@ -76,7 +77,7 @@ CONUS_API void conus_roi_destroy(conus_roi *roi);
 CONUS_API const conus_volume_info *conus_roi_volume(const conus_roi *roi);
 
 /**
- * Counts the voxels of a region of interest.
+ * Counts the voxels, or the tetrahedra, of a region of interest.
  * @param roi NULL counts 0.
  * @return At least 1.
  * @threads Any: the object does not change.
@@ -84,9 +85,9 @@ CONUS_API const conus_volume_info *conus_roi_volume(const conus_roi *roi);
  */
 CONUS_API uint64_t conus_roi_voxels(const conus_roi *roi);
 
-/** How much of an object a region of interest covers (Eq. 16): exact for voxels and closed surfaces as they are. What
- * is in no surface, or in one of several that are reported as one area, is measured round 4 x 4 lines through each
- * voxel. */
+/** How much of an object a region of interest covers (Eq. 16): exact for voxels and closed surfaces as they are, and
+ * for tetrahedra in voxels. What is in no surface, or in one of several that are reported as one area, is measured
+ * round 4 x 4 lines through each voxel; what tetrahedra have of surfaces, round lines 0.5 mm from each other. */
 typedef struct conus_coverage {
     conus_kind kind;     /**< Its kind; #CONUS_KIND_UNASSIGNED: the part of the region in no object. */
     uint32_t object;     /**< Number in the atlas, as it is reported (level); 0 for #CONUS_KIND_UNASSIGNED. */
@@ -94,9 +95,9 @@ typedef struct conus_coverage {
     double fraction;     /**< That part of the object, up to 1; NaN for #CONUS_KIND_UNASSIGNED, and where the object's
                             volume is unknown. */
     double roi_fraction; /**< That part of the region. Areas and pathways may overlap: these need not sum to 1. */
-    double peak; /**< Among the region's voxels that are in it at least in part: the value farthest from 0 on the
-                    threshold's side; of a mask its value. */
-    double peak_point[3]; /**< Centre of that voxel, world mm; of several the first in the file. */
+    double peak; /**< Among the region's voxels or tetrahedra that are in it at least in part: the value farthest from 0
+                    on the threshold's side; of a mask its value. */
+    double peak_point[3]; /**< Centre of that one, world mm; of several the first in the file. */
 } conus_coverage;
 
 /**

@@ -13,6 +13,7 @@
 #include "base/text_number.h"
 #include "loaders/labels/fsl_find.h"
 #include "loaders/labels/label_volumes.h"
+#include "loaders/maps/simnibs.h"
 #include "loaders/volumes/volume_values.h"
 
 #include <math.h>
@@ -21,8 +22,10 @@
 #include <string.h>
 #include <strings.h>
 
-/* Most bands of one volume. */
-enum { BAND_LIMIT = 4096 };
+enum {
+    BAND_LIMIT = 4096,  /* most bands of one volume */
+    HDF5_HEAD = 1 << 16 /* where the mark of HDF5 is looked for */
+};
 
 enum { ENDS_SIZE = 2 * TEXT_NUMBER_SIZE + 24 };
 
@@ -415,18 +418,87 @@ conus_status roi_of_volume(conus_roi **out, struct volume_file *file, double thr
     return status;
 }
 
+/* The region in a mesh of SimNIBS. */
+static conus_status roi_of_mesh(conus_roi **out, const struct hdf5 *hdf5, const struct volume_selector *selector,
+                                const struct file_sums *sums, double threshold, struct notes *notes)
+{
+    struct roi_mesh mesh = {0};
+    conus_volume_info info = {.role = CONUS_ROLE_SCALAR,
+                              .path = selector->path,
+                              .format = "SimNIBS, HDF5",
+                              .datatype = "float32",
+                              .volume_count = 1,
+                              .slope = 1,
+                              .threshold = threshold};
+    memcpy(info.sha256, sums->items[0].sha256, sizeof info.sha256);
+    struct notes own = {0};
+    conus_status status = simnibs_find(&mesh, hdf5, selector, &own);
+    if (status) {
+        notes_finish(&own);
+        return fail_in(status, selector->path);
+    }
+    status = notes_move_in(notes, &own, selector->path);
+    notes_finish(&own);
+    status = status ? status : roi_create_mesh(out, &info, &mesh);
+    if (status) {
+        memory_free(mesh.nodes);
+        memory_free(mesh.tetrahedra);
+    }
+    return status;
+}
+
+/* The same of a file; nothing where it is none of them. */
+static conus_status load_mesh_region(conus_roi **out, const struct volume_selector *selector,
+                                     const conus_roi_options *options, struct notes *notes)
+{
+    struct open_file file;
+    struct bytes head = {0};
+    struct file_sums sums = {0};
+    struct hdf5 *hdf5 = NULL;
+    conus_status status = file_read_head(&head, selector->path, HDF5_HEAD);
+    bool is_hdf5 = !status && hdf5_is(head.data, head.size);
+    bytes_finish(&head);
+    if (!is_hdf5) {
+        return CONUS_OK; /* another reader says what is wrong */
+    }
+    status = file_open(&file, selector->path);
+    if (status) {
+        return status;
+    }
+    status = hdf5_read(&hdf5, &file, simnibs_wanted, SIMNIBS_WANTED, options->max_memory);
+    if (!status && simnibs_is(hdf5)) {
+        status = file_sums_add_open(&sums, &file);
+        status = status ? status : roi_of_mesh(out, hdf5, selector, &sums, options->threshold, notes);
+    }
+    hdf5_destroy(hdf5);
+    file_sums_finish(&sums);
+    file_close(&file);
+    return status;
+}
+
 conus_status conus_roi_load(conus_roi **out, const char *path, const conus_roi_options *options)
 {
     struct volume_file file = {0};
+    struct volume_selector selector = {0};
+    conus_roi *roi = NULL;
     if (!out || !path) {
         return fail(CONUS_ERROR_ARGUMENT, "conus_roi_load: a result and a path are needed");
     }
     options = options_of(conus_roi_options, options);
+    conus_status status = volume_selector_parse(&selector, path);
+    if (status) {
+        return status;
+    }
     const struct note_sink sink = {options->log, options->log_user, path};
     struct notes notes = {.sink = &sink};
-    conus_status status = volume_file_open_cached(&file, path, options->max_memory, options->cache, &notes);
-    status = status ? status : roi_of_volume(out, &file, options->threshold, &notes);
+    status = load_mesh_region(&roi, &selector, options, &notes);
+    if (!status && !roi) {
+        status = volume_file_open_cached(&file, path, options->max_memory, options->cache, &notes);
+        status = status ? status : roi_of_volume(&roi, &file, options->threshold, &notes);
+    }
     notes_finish(&notes);
     volume_file_finish(&file);
+    volume_selector_finish(&selector);
+    *out = status ? *out : roi;
     return status;
 }

@@ -57,14 +57,37 @@ static conus_status read_level(struct volume_selector *out, struct text value)
                       value.data);
 }
 
+static conus_status read_field(struct volume_selector *out, struct text value)
+{
+    out->field = value;
+    return value.size ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "field: a name is needed");
+}
+
+/* "2", or "1:2". */
+static conus_status read_tissue(struct volume_selector *out, struct text value)
+{
+    struct text rest = value;
+    struct text part;
+    bool good = true;
+    for (bool more = true; good && text_field(&rest, ':', &more, &part); out->tissue_count++) {
+        uint64_t number = 0;
+        good = out->tissue_count < TISSUE_LIMIT && text_to_uint(part, UINT32_MAX, &number);
+        if (good) {
+            out->tissues[out->tissue_count] = (uint32_t)number;
+        }
+    }
+    return good ? CONUS_OK
+                : fail(CONUS_ERROR_ARGUMENT,
+                       "tissue: found \"%.*s\", allowed are up to %d whole numbers from 0, as in 1:2", (int)value.size,
+                       value.data, TISSUE_LIMIT);
+}
+
 static const struct {
     const char *key;
     conus_status (*read)(struct volume_selector *out, struct text value);
 } keys[] = {
-    {"volume=", read_volume},
-    {"resolution=", read_resolution},
-    {"orientation=", read_orientation},
-    {"level=", read_level},
+    {"volume=", read_volume}, {"resolution=", read_resolution}, {"orientation=", read_orientation},
+    {"level=", read_level},   {"field=", read_field},           {"tissue=", read_tissue},
 };
 enum { KEYS = sizeof keys / sizeof keys[0] };
 
@@ -97,7 +120,8 @@ conus_status volume_selector_parse(struct volume_selector *out, const char *text
         }
         size_t length = i < KEYS ? strlen(keys[i].key) : 0;
         if (!length) {
-            status = fail(CONUS_ERROR_ARGUMENT, "found \"%.*s\", allowed are volume, resolution, orientation and level",
+            status = fail(CONUS_ERROR_ARGUMENT,
+                          "found \"%.*s\", allowed are volume, resolution, orientation, level, field and tissue",
                           (int)field.size, field.data);
         } else if (given[i]) {
             status = fail(CONUS_ERROR_ARGUMENT, "%.*s is given twice", (int)length - 1, keys[i].key);
@@ -130,6 +154,15 @@ conus_status volume_selector_refuse_place(const struct volume_selector *selector
                         "%s: %s is for TIFF stacks and OME-Zarr, this file says itself where it lies", path,
                         place->orientation[0] ? "orientation" : "resolution")
                  : CONUS_OK;
+}
+
+conus_status volume_selector_refuse_field(const struct volume_selector *selector, const char *path)
+{
+    return selector->field.size || selector->tissue_count
+               ? fail(CONUS_ERROR_ARGUMENT,
+                      "%s: %s is for results of SimNIBS (.hdf5) as a region of interest, this file has none", path,
+                      selector->field.size ? "field" : "tissue")
+               : CONUS_OK;
 }
 
 conus_status volume_selector_refuse_level(const struct volume_selector *selector, const char *path)

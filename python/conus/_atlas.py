@@ -1011,10 +1011,11 @@ class Selector:
         Parameters
         ----------
         roi
-            A path, a nibabel image, or (array, affine), in the atlas's space.
+            A path, a nibabel image, or (array, affine), in the atlas's space. A path may be that of a field of SimNIBS
+            in HDF5, ``"FILE.hdf5,tissue=2"``: its tetrahedra are the region.
         threshold
-            From which value on a voxel belongs to the region; of a negative one, down from it. 0 = all but 0, of
-            masks only.
+            From which value on a voxel or tetrahedron belongs to the region; of a negative one, down from it. 0 = all
+            but 0, of masks only.
         max_memory
             Largest file and volume in bytes; 0 = 8 GiB.
         cache

@@ -364,7 +364,8 @@ conus_status conus_report_add_overlap(conus_report *report, const char *query_id
     struct report_query query = {.roi = {.path = memory_text(overlap->path, strlen(overlap->path)),
                                          .volume = overlap->volume,
                                          .threshold = overlap->threshold,
-                                         .volume_mm3 = overlap->volume_mm3}};
+                                         .volume_mm3 = overlap->volume_mm3,
+                                         .tetrahedra = overlap->tetrahedra}};
     memcpy(query.roi.sha256, overlap->sha256, sizeof query.roi.sha256);
     conus_status status = report->options.rows != CONUS_ROWS_COVERAGES ? refuse_rows("an overlap")
                           : query.roi.path                             ? CONUS_OK

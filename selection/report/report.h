@@ -17,6 +17,7 @@ struct report_roi {
     size_t volume;    /**< Index in a 4-D file, from 0.               */
     double threshold; /**< 0 of a mask.                         */
     double volume_mm3;
+    uint64_t tetrahedra; /**< 0 of voxels. */
 };
 
 /** A connection, with what begins all rows. */

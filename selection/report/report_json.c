@@ -95,7 +95,10 @@ static json_t *json_from_shape(const struct report_query *query)
         json_t *entry = json_pack("{s: o, s: o, s: s, s: I, s: f}", "query", json_from_text(query->id), "path",
                                   json_from_text(roi->path), "sha256", roi->sha256, "volume", (json_int_t)roi->volume,
                                   "volume_mm3", roi->volume_mm3);
-        return whole_or_null(entry, roi->threshold == 0 || put_value(entry, "threshold", json_real(roi->threshold)));
+        bool whole = roi->threshold == 0 || put_value(entry, "threshold", json_real(roi->threshold));
+        whole =
+            whole && (!roi->tetrahedra || put_value(entry, "tetrahedra", json_integer((json_int_t)roi->tetrahedra)));
+        return whole_or_null(entry, whole);
     }
     if (query->error) {
         return json_pack("{s: o, s: o}", "query", json_from_text(query->id), "error", json_from_text(query->error));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Adds up the shares of a region's voxels in each object (Eq. 16). */
+/* Adds up the shares of a region's voxels or tetrahedra in each object (Eq. 16). */
 #include "selection/study/study.h"
 
 #include "atlas/roi.h"
@@ -22,11 +22,11 @@ static const double LEAST = 1e-9; /* part of a voxel that is no rounding of the 
 
 /* The sums for one object, as it is reported; number 0 is for no object. */
 struct tally_of_pieces {
-    double voxels;     /* their volume, of which a voxel of the region has 1 */
-    uint64_t last;     /* piece, from 1, that was counted last: an object that is met twice there counts once */
-    size_t peak_voxel; /* where voxels > 0 */
-    uint32_t members;  /* objects of the atlas that are reported as this one */
-    bool is_measured;  /* of one surface, measured by itself: its pieces say only what is in no object */
+    double volume;    /* of which a voxel of the region has 1, a tetrahedron its mm³ */
+    uint64_t last;    /* piece, from 1, that was counted last: an object that is met twice there counts once */
+    size_t peak;      /* voxel or tetrahedron, where volume > 0 */
+    uint32_t members; /* objects of the atlas that are reported as this one */
+    bool is_measured; /* of one surface, measured by itself: its pieces say only what is in no object */
 };
 
 /* A mesh on the line under way: its crossings, of which those up to the piece are behind. */
@@ -46,7 +46,7 @@ struct counting {
     size_t per_voxel;        /* lines along i and along j: LINES, or 1 without surfaces */
     struct crossed *crossed; /* [object_count] */
     size_t crossed_count;
-    size_t voxel;   /* the one under way */
+    size_t voxel;   /* the one under way, or the tetrahedron */
     uint64_t piece; /* likewise, from 1 */
 };
 
@@ -140,14 +140,14 @@ static double pass_crossings(struct counting *counting, double at, double end)
 
 static void add_share(struct counting *counting, struct tally_of_pieces *tally, size_t voxel, double share)
 {
-    const float *values = counting->roi->volume.values;
-    double sign = counting->roi->volume.info.threshold < 0 ? -1 : 1;
-    double more = sign * ((double)values[voxel] - (double)values[tally->peak_voxel]);
+    const conus_roi *roi = counting->roi;
+    double sign = roi->volume.info.threshold < 0 ? -1 : 1;
+    double more = sign * ((double)roi_value(roi, voxel) - (double)roi_value(roi, tally->peak));
     /* The peak is farthest from 0, and of several such voxels the first in the file. */
-    if (tally->voxels == 0 || more > 0 || (more == 0 && voxel < tally->peak_voxel)) {
-        tally->peak_voxel = voxel;
+    if (tally->volume == 0 || more > 0 || (more == 0 && voxel < tally->peak)) {
+        tally->peak = voxel;
     }
-    tally->voxels += share;
+    tally->volume += share;
 }
 
 static void count_object(struct counting *counting, uint32_t object, double share)
@@ -204,6 +204,82 @@ static conus_status count_line(struct counting *counting, size_t i, size_t j)
     return status;
 }
 
+static conus_status count_lines(struct counting *counting)
+{
+    const size_t *count = counting->lines.count;
+    conus_status status = CONUS_OK;
+    for (size_t line = 0; !status && line < count[0] * count[1]; line++) {
+        status = count_line(counting, line % count[0], line / count[0]);
+    }
+    return status;
+}
+
+/* What of `piece` lies between two planes across the axis. False without memory. */
+static bool cut_out(struct convex *out, struct convex_stack *stack, const struct convex *piece, int axis, double low,
+                    double high)
+{
+    struct convex part = *piece;
+    bool fits = low <= part.low[axis] || convex_cut(&part, stack, &part, axis, low, true);
+    fits =
+        fits && (!(part.volume > 0) || high >= part.high[axis] || convex_cut(&part, stack, &part, axis, high, false));
+    *out = part;
+    return fits;
+}
+
+/* Counts a piece of a tetrahedron by bars round lines, cut where meshes cross them. Axis 0 and 1 choose the bar, which
+ * begins with line `line`; axis 2 runs along it. */
+static conus_status count_piece_of_mesh(struct counting *counting, const struct convex *piece, int axis, size_t line,
+                                        double share)
+{
+    struct shares *shares = &counting->shares;
+    const struct mesh_lines *lines = &counting->lines;
+    double step = 1 / (double)counting->per_voxel;
+    double high = piece->low[axis];
+    size_t stride = axis ? lines->count[0] : 1;
+    size_t bar = axis < 2 ? (size_t)fmax(floor((high + 0.5) / step), 0) : 0;
+    conus_status status = CONUS_OK;
+    if (axis == 2) {
+        enter_line(counting, line);
+    }
+    for (double low = high; !status && low < piece->high[axis]; low = high, bar++) {
+        struct convex part;
+        size_t count = shares->stack.count;
+        high = axis < 2 ? fmax((double)(bar + 1) * step - 0.5, low) : pass_crossings(counting, low, piece->high[2]);
+        status = cut_out(&part, &shares->stack, piece, axis, low, high) ? CONUS_OK : CONUS_ERROR_MEMORY;
+        double of_part = !status && part.volume > 0 ? share * fmin(part.volume / piece->volume, 1) : 0;
+        if (of_part > 0) {
+            status = axis < 2 ? count_piece_of_mesh(counting, &part, axis + 1, line + stride * bar, of_part)
+                              : shares_of_convex(shares, &part, of_part);
+        }
+        shares->stack.count = count;
+    }
+    return status;
+}
+
+static conus_status count_tetrahedra(struct counting *counting)
+{
+    const conus_roi *roi = counting->roi;
+    struct shares *shares = &counting->shares;
+    conus_status status = CONUS_OK;
+    for (counting->voxel = 0; !status && counting->voxel < roi->voxels; counting->voxel++) {
+        const struct tetrahedron *tetrahedron = &roi->tetrahedra[counting->voxel];
+        struct convex piece;
+        double corners[4][3];
+        for (int k = 0; k < 4; k++) {
+            mat4_point(corners[k], roi->volume.voxel_from_world, roi->nodes[tetrahedron->nodes[k]]);
+        }
+        double share = roi_tetrahedron_mm3((const double(*)[3])roi->nodes, tetrahedron);
+        status =
+            convex_tetrahedron(&piece, &shares->stack, (const double(*)[3])corners) ? CONUS_OK : CONUS_ERROR_MEMORY;
+        if (!status) {
+            status = counting->per_voxel > 1 ? count_piece_of_mesh(counting, &piece, 0, 0, share)
+                                             : shares_of_convex(shares, &piece, share);
+        }
+        shares->stack.count = 0;
+    }
+    return status;
+}
+
 /* Adds up the inside of the mesh in the region's voxels. */
 static conus_status measure_mesh(struct counting *counting, struct tally_of_pieces *tally, const struct mesh *mesh)
 {
@@ -248,11 +324,8 @@ static conus_status measure_meshes(struct counting *counting)
 static conus_coverage describe(const struct counting *counting, uint32_t object)
 {
     const struct tally_of_pieces *tally = &counting->tallies[object];
-    const struct volume *volume = &counting->roi->volume;
-    const size_t *dim = volume->info.dim;
-    size_t voxel = tally->peak_voxel;
-    const size_t at[3] = {voxel % dim[0], voxel / dim[0] % dim[1], voxel / dim[0] / dim[1]};
-    double part = tally->voxels / (double)counting->roi->voxels;
+    const conus_roi *roi = counting->roi;
+    double part = tally->volume / (roi->nodes ? roi->mm3 : (double)roi->voxels);
     double whole = object ? counting->selector->whole[object] / counting->overlap->volume_mm3 : 0;
     part = whole > 0 ? fmin(part, whole) : part; /* bars round lines may be wider than a thin surface */
     conus_coverage row = {.kind = object ? conus_atlas_object(counting->selector->atlas, object)->kind
@@ -261,11 +334,8 @@ static conus_coverage describe(const struct counting *counting, uint32_t object)
                           .volume = part * counting->overlap->volume_mm3,
                           .fraction = whole > 0 ? part / whole : NAN,
                           .roi_fraction = part,
-                          .peak = (double)volume->values[voxel]};
-    for (int a = 0; a < 3; a++) {
-        row.peak_point[a] = (double)at[a];
-    }
-    mat4_point(row.peak_point, volume->info.world_from_voxel, row.peak_point);
+                          .peak = (double)roi_value(roi, tally->peak)};
+    roi_middle(row.peak_point, roi, tally->peak);
     return row;
 }
 
@@ -289,7 +359,8 @@ static conus_status build(struct conus_overlap *overlap, const conus_selector *s
     struct counting counting = {.selector = selector, .roi = roi, .overlap = overlap};
     overlap->threshold = info->threshold;
     overlap->volume = info->volume;
-    overlap->volume_mm3 = (double)roi->voxels * space_voxel_mm3(info);
+    overlap->volume_mm3 = roi->mm3;
+    overlap->tetrahedra = roi->nodes ? roi->voxels : 0;
     memcpy(overlap->sha256, info->sha256, sizeof overlap->sha256);
     overlap->path = memory_text(info->path, strlen(info->path));
     overlap->rows = memory_raw(count, sizeof *overlap->rows);
@@ -300,15 +371,12 @@ static conus_status build(struct conus_overlap *overlap, const conus_selector *s
         fits ? shares_init(&counting.shares, selector->atlas, info->world_from_voxel, count) : CONUS_ERROR_MEMORY;
     counting.shares.take = count_piece;
     counting.shares.user = &counting;
-    status = status ? status : measure_meshes(&counting);
+    status = status || roi->nodes ? status : measure_meshes(&counting);
     status = status ? status : cross_meshes(&counting);
-    size_t lines = counting.lines.count[0] * counting.lines.count[1];
-    for (size_t line = 0; !status && line < lines; line++) {
-        status = count_line(&counting, line % counting.lines.count[0], line / counting.lines.count[0]);
-    }
+    status = status ? status : roi->nodes ? count_tetrahedra(&counting) : count_lines(&counting);
     if (!status) {
         for (uint32_t object = 0; object < count; object++) {
-            if (counting.tallies[object].voxels > 0) {
+            if (counting.tallies[object].volume > 0) {
                 overlap->rows[overlap->count++] = describe(&counting, object);
             }
         }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cuts a box along the borders of voxels where they part objects, grid after grid. */
+/* Cuts polyhedra along the borders of voxels where they part objects, grid after grid. */
 #include "selection/study/shares.h"
 
 #include "base/geometry/math3.h"
@@ -176,5 +176,10 @@ static conus_status share_piece(struct shares *shares, const struct convex *piec
 conus_status shares_of_box(struct shares *shares, const double low[3], const double high[3], double share)
 {
     const struct convex box = convex_box(low, high);
-    return finish_piece(shares, &box, 0, share);
+    return shares_of_convex(shares, &box, share);
+}
+
+conus_status shares_of_convex(struct shares *shares, const struct convex *convex, double share)
+{
+    return finish_piece(shares, convex, 0, share);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Which shares of a box lie in which objects of an atlas's volumes: the box cut by the borders of voxels (Eq.
- * 16). */
+/** @file Which shares of a box or tetrahedron lie in which objects of an atlas's volumes: it is cut by the borders of
+ * voxels (Eq. 16). */
 #ifndef CONUS_SELECTION_STUDY_SHARES_H
 #define CONUS_SELECTION_STUDY_SHARES_H
 
@@ -36,5 +36,8 @@ void shares_finish(struct shares *shares);
 
 /** Hands the pieces of a box of volume @p share to shares->take; their shares sum to it. CONUS_ERROR_MEMORY. */
 conus_status shares_of_box(struct shares *shares, const double low[3], const double high[3], double share);
+
+/** The same of a polyhedron whose edges are on shares->stack. */
+conus_status shares_of_convex(struct shares *shares, const struct convex *convex, double share);
 
 #endif

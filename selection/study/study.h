@@ -50,9 +50,10 @@ struct conus_overlap {
     size_t count;
     char *path; /**< Path of the region's volume; owned. */
     char sha256[65];
-    size_t volume;     /**< Index in a 4-D file, from 0.          */
-    double threshold;  /**< 0 of a mask.                    */
-    double volume_mm3; /**< Volume of the region.                  */
+    size_t volume;       /**< Index in a 4-D file, from 0.          */
+    double threshold;    /**< 0 of a mask.                    */
+    double volume_mm3;   /**< Volume of the region.                  */
+    uint64_t tetrahedra; /**< How many it has; 0 of voxels. */
 };
 
 /* segments.c: what an axis passes (Eq. 17). */

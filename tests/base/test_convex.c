@@ -23,6 +23,29 @@ static void check_cut(struct convex_stack *stack, const struct convex *convex, i
     }
 }
 
+/* The plane at t along an axis leaves (1 - t)³ / 6 of the corner of a cube, whichever way its corners run round. */
+static void a_tetrahedron_is_cut(void **state)
+{
+    (void)state;
+    struct convex_stack stack = {0};
+    static const double corners[2][4][3] = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                            {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}}};
+    for (int turned = 0; turned < 2; turned++) {
+        struct convex tetrahedron;
+        assert_true(convex_tetrahedron(&tetrahedron, &stack, corners[turned]));
+        assert_near(tetrahedron.volume, 1 / 6.0, 1e-16);
+        for (int axis = 0; axis < 3; axis++) {
+            assert_near(tetrahedron.low[axis], 0, 0);
+            assert_near(tetrahedron.high[axis], 1, 0);
+            for (int i = 1; i < 20; i++) {
+                check_cut(&stack, &tetrahedron, axis, i / 20.0, 1 / 6.0 - pow(1 - i / 20.0, 3) / 6);
+            }
+        }
+        stack.count = 0;
+    }
+    convex_finish(&stack);
+}
+
 static void boxes_stay_boxes(void **state)
 {
     (void)state;
@@ -135,11 +158,9 @@ static void every_failing_allocation_is_survived(void **state)
 TEST_GROUP(convex)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(boxes_stay_boxes),
-        cmocka_unit_test(a_cube_on_its_corner_is_cut),
-        cmocka_unit_test(what_was_cut_is_cut_again),
-        cmocka_unit_test(parts_sum_to_the_whole),
-        cmocka_unit_test(every_failing_allocation_is_survived),
+        cmocka_unit_test(a_tetrahedron_is_cut),        cmocka_unit_test(boxes_stay_boxes),
+        cmocka_unit_test(a_cube_on_its_corner_is_cut), cmocka_unit_test(what_was_cut_is_cut_again),
+        cmocka_unit_test(parts_sum_to_the_whole),      cmocka_unit_test(every_failing_allocation_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

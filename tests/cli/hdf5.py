@@ -9,6 +9,7 @@ image     MINC 2: the same grid, values from 0 to 1e-4
 colour    MINC 2 with a vector_dimension
 nwb       electrodes at the positions "x y z" of the lines of points.txt, in micrometres
 allensdk  the same, but that z is y
+field     a mesh of SimNIBS around 0: tetrahedra of 36 mm3 (tissue 2, |E| 1) and 72 mm3 (tissue 1, |E| 2), J is 10 E
 localized electrodes at 0, and their positions in a table of ndx-anatomical-localization, the last one first"""
 import sys
 
@@ -115,7 +116,20 @@ def nwb(kind, path):
             places["space"] = h5py.SoftLink("/general/localization/CCF")
 
 
-if sys.argv[1] in ("nwb", "allensdk", "localized"):
+def field(path):
+    with h5py.File(path, "w") as file:
+        mesh = file.create_group("mesh_roi")
+        mesh["nodes/node_coord"] = np.array([[0, 0, 0], [6, 0, 0], [0, 6, 0], [0, 0, 6], [6, 6, 6]], float)
+        mesh["elm/elm_type"] = np.array([2, 4, 4], "i4")
+        mesh["elm/tag1"] = np.array([1002, 2, 1], "i4")
+        mesh["elm/node_number_list"] = np.array([[1, 2, 3, -1], [1, 2, 3, 4], [5, 2, 3, 4]], "i4")
+        mesh["elmdata/E"] = np.array([[9, 0, 0], [0, 1, 0], [0, 0, -2]], "f4")
+        mesh["elmdata/J"] = 10 * mesh["elmdata/E"][:]
+
+
+if sys.argv[1] == "field":
+    field(sys.argv[2])
+elif sys.argv[1] in ("nwb", "allensdk", "localized"):
     nwb(*sys.argv[1:])
 elif sys.argv[1] in ("minc", "image", "colour"):
     volume(*sys.argv[1:])

@@ -118,3 +118,39 @@ nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.
     fails 2 "ROI is missing" overlap nested.nii.gz
     fails 3 "is a folder" overlap nested.nii.gz .
 }
+
+@test "a field of SimNIBS: tetrahedra by volume, of tissues; what is not in it is said" {
+    [ -x "${CONUS_HDF5:-${CONUS%/*}/conus-hdf5}" ] || skip 'no conus-hdf5'
+    local make=(/usr/bin/python3 "$BATS_TEST_DIRNAME/hdf5.py")
+    "${make[@]}" field field.hdf5 || skip 'no python3-h5py'
+    scene
+    answers overlap nested.nii.gz field.hdf5 --threshold 1 -q -o field.tsv
+    jq -e '.Queries[0] | [.tetrahedra, .volume_mm3, .threshold] == [2, 108, 1]' field.json
+    [ "$(jq -r '.Queries[0].sha256' field.json)" = "$(sha256sum field.hdf5 | cut -d ' ' -f 1)" ]
+    awk -F'\t' 'NR > 1 { sum += $7 } END { exit (sum - 108) ^ 2 > 1e-9 }' field.tsv
+    answers cite field.tsv
+    has 'A region was the tetrahedra with values of at least 1. Volumes are exact for the tetrahedra'
+    answers verify field.tsv
+    run -0 --separate-stderr "$CONUS" overlap nested.nii.gz field.hdf5 --threshold 1 --format tsv
+    check_message 'field.hdf5: length of E of tetrahedra of all tissues: tag1 2, 1; ",tissue=1:2" takes white'
+    answers overlap nested.nii.gz field.hdf5,tissue=2,field=J --threshold 10 -q --format json
+    jq -e '.Queries[0] | [.tetrahedra, .volume_mm3] == [1, 36]' <<<"$output"
+    answers overlap nested.nii.gz field.hdf5 --threshold 1.5 -q
+    has 'region field.hdf5: values of 1.5 and more, 72.0 mm^3'
+    fails 2 'field.hdf5: field: no magnJ of elements (elmdata); there are E, J' \
+        overlap nested.nii.gz field.hdf5,field=magnJ --threshold 1
+    fails 2 'field.hdf5: tissue: no tetrahedron is of that one (tag1); there are 2, 1' \
+        overlap nested.nii.gz field.hdf5,tissue=5 --threshold 1
+    fails 2 'tissue: found "GM", allowed are up to 16 whole numbers from 0, as in 1:2' \
+        overlap nested.nii.gz field.hdf5,tissue=GM --threshold 1
+    fails 2 'field.hdf5: has values from 1 to 2 and is no mask: a threshold is needed, from which on a tetrahedron' \
+        overlap nested.nii.gz field.hdf5 -q
+    fails 2 'cone.nii.gz: tissue is for results of SimNIBS (.hdf5) as a region of interest, this file has none' \
+        overlap nested.nii.gz cone.nii.gz,tissue=1
+    "${make[@]}" minc mask.mnc # HDF5, too, and a volume
+    answers overlap nested.nii.gz mask.mnc --threshold 2 -q --format json
+    jq -e '.Queries[0] | [.tetrahedra, .volume_mm3] == [null, 1000]' <<<"$output"
+    head -c 5000 field.hdf5 >cut.hdf5
+    fails 3 'cut.hdf5: HDF5: cannot open it: ' overlap nested.nii.gz cut.hdf5 --threshold 1
+    CONUS_HDF5=$PWD/none fails 3 'field.hdf5: CONUS_HDF5: ' overlap nested.nii.gz field.hdf5 --threshold 1
+}

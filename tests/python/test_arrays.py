@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What arrays may be: no masked element is taken for a number, no other matrix for an affine, and bool is 0 and 1."""
 import inspect
+import os
+import pathlib
+import subprocess
 
 import nibabel
 import numpy as np
@@ -172,3 +175,21 @@ def test_bool_is_0_and_1():
         assert same(atlas.select(**RIGHT).results, wanted.results) and wanted[0].name == "plate"
     covered = conus.load(plates(), AFFINE, labels=NAMES).overlap((mask, AFFINE)).to_dataframe()
     assert covered["name"][0] == "right" and covered["volume_mm3"][0] == pytest.approx(72000, rel=1e-9)
+
+
+def test_a_field_of_simnibs_is_a_region(tmp_path, monkeypatch):
+    """Two tetrahedra of 36 and 72 mm^3, of the tissues 2 and 1."""
+    program = pathlib.Path(os.environ.get("CONUS", "conus")).with_name("conus-hdf5")
+    if not program.exists():
+        pytest.skip("no conus-hdf5")
+    monkeypatch.setenv("CONUS_HDF5", str(program))
+    path = tmp_path / "field.hdf5"
+    maker = pathlib.Path(__file__).parents[1] / "cli/hdf5.py"
+    if subprocess.run(["/usr/bin/python3", maker, "field", path], check=False).returncode:
+        pytest.skip("no python3-h5py")
+    atlas = conus.load(plates(), AFFINE, labels=NAMES)
+    for key, volume in (("", 108), (",tissue=2", 36), (",field=J,tissue=1", 72)):
+        covered = atlas.overlap(f"{path}{key}", threshold=0.5).to_dataframe()
+        assert covered["volume_mm3"].sum() == pytest.approx(volume, rel=1e-9)
+    with pytest.raises(conus.ArgumentError, match="tissue: no tetrahedron"):
+        atlas.overlap(f"{path},tissue=7", threshold=0.5)

@@ -548,19 +548,21 @@ static void put_overlap(FILE *out, const struct citation *citation)
 {
     size_t count = json_array_size(queries(citation));
     const char *threshold = option_value(citation, "threshold");
+    bool is_mesh = json_object_get(json_array_get(queries(citation), 0), "tetrahedra");
     fprintf(out, "The volume that %s of interest has in common with each %s was determined",
             count == 1 ? "a region" : "each of several regions", objects_of(citation, ONE, false));
     put_program(out, citation);
     if (threshold) {
-        fprintf(out, " A region was the voxels with values of at %s %s.", *threshold == '-' ? "most" : "least",
-                threshold);
+        fprintf(out, " A region was the %s with values of at %s %s.", is_mesh ? "tetrahedra" : "voxels",
+                *threshold == '-' ? "most" : "least", threshold);
     } else {
         fputs(" A region was the voxels of a mask that are not 0.", out);
     }
-    fputs(
-        " Volumes are exact for the voxels and closed surfaces as they are; what is in no surface, or in several that "
-        "are one area, was measured round 4 × 4 lines through each voxel of the region.",
-        out);
+    fputs(is_mesh ? " Volumes are exact for the tetrahedra and voxels as they are; surfaces were measured round lines "
+                    "0.5 mm from each other."
+                  : " Volumes are exact for the voxels and closed surfaces as they are; what is in no surface, or in "
+                    "several that are one area, was measured round 4 × 4 lines through each voxel of the region.",
+          out);
 }
 
 static void put_plan(FILE *out, const struct citation *citation)

@@ -5,6 +5,8 @@
 #include "atlas/roi.h"
 #include "atlas/surface/mesh_lines.h"
 #include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "conus/candidates.h"
 #include "conus/report.h"
 #include "mesh_scene.h"
 #include "region_scene.h"
@@ -321,6 +323,103 @@ static void what_is_no_region_is_refused(void **state)
     assert_int_equal(conus_overlap_count(NULL), 0);
 }
 
+/* The region of these tetrahedra, each of value 1 and four nodes of its own. */
+static conus_roi *tetrahedra_region(const double (*corners)[3], size_t count)
+{
+    const conus_volume_info info = {.path = "mesh"};
+    struct roi_mesh mesh = {.nodes = memory_copy(corners, 4 * count, sizeof *corners),
+                            .node_count = 4 * count,
+                            .tetrahedra = memory_zeroed(count, sizeof *mesh.tetrahedra),
+                            .count = count};
+    conus_roi *roi = NULL;
+    assert_true(mesh.nodes && mesh.tetrahedra);
+    for (uint32_t i = 0; i < count; i++) {
+        mesh.tetrahedra[i] = (struct tetrahedron){{4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}, 1};
+    }
+    assert_ok(roi_create_mesh(&roi, &info, &mesh));
+    return roi;
+}
+
+/* The plane x = 3.5 leaves (t / 3)³ of a tetrahedron whose corner lies t beyond it and whose other face is across x. */
+static void tetrahedra_are_cut_by_voxels(void **state)
+{
+    (void)state;
+    static const double corners[2][4][3] = {{{2, 1, 1}, {2, 6, 1}, {2, 1, 6}, {5, 3, 3}},
+                                            {{5, 1, 1}, {5, 1, 6}, {5, 6, 1}, {2, 3, 3}}};
+    for (size_t i = 0; i < 2; i++) {
+        conus_atlas *atlas = region_scene_slabs();
+        conus_roi *roi = tetrahedra_region(corners[i], 1);
+        conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
+        assert_int_equal(conus_overlap_count(overlap), 2);
+        for (uint32_t object = 1; object <= 2; object++) {
+            const conus_coverage *row = region_scene_find(overlap, object);
+            double part = object == (i ? 1 : 2) ? 0.125 : 0.875;
+            assert_near(row->volume, 12.5 * part, 1e-12);
+            assert_near(row->roi_fraction, part, 1e-14);
+            assert_near(row->fraction, 12.5 * part / 256, 1e-14);
+            assert_near(row->peak_point[1], 11 / 4.0, 1e-14);
+        }
+        conus_overlap_destroy(overlap);
+        conus_roi_destroy(roi);
+        conus_atlas_destroy(atlas);
+    }
+}
+
+/* Six tetrahedra round a diagonal fill a box. Half a ball lies in it, by lines of half a millimetre; the rest is in no
+ * object. A face across the lines is met exactly. */
+static void tetrahedra_meet_surfaces(void **state)
+{
+    (void)state;
+    static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    double corners[24][3];
+    for (size_t i = 0; i < 6; i++) { /* from (-9, -9, -9) to (9, 9, 0), along the axes in each order */
+        for (size_t k = 0; k < 4; k++) {
+            for (size_t a = 0; a < 3; a++) {
+                corners[4 * i + k][a] = -9;
+            }
+            for (size_t step = 0; step < k; step++) {
+                corners[4 * i + k][orders[i][step]] = orders[i][step] == 2 ? 0 : 9;
+            }
+        }
+    }
+    conus_atlas *atlas = mesh_scene_atlas();
+    struct mesh ball = mesh_scene_sphere((const double[]){0.1, 0.2, 0}, 7, 60, 90);
+    mesh_scene_add(atlas, &ball);
+    conus_roi *roi = tetrahedra_region((const double(*)[3])corners, 6);
+    conus_overlap *overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_int_equal(conus_roi_voxels(roi), 6);
+    assert_near(region_scene_find(overlap, 1)->fraction, 0.5, 0.001);
+    assert_near(region_scene_find(overlap, 1)->volume + region_scene_find(overlap, 0)->volume, 18.0 * 18 * 9, 1e-9);
+    conus_overlap_destroy(overlap);
+    conus_atlas_destroy(atlas);
+    atlas = mesh_scene_atlas();
+    add_box(atlas, (const double[]){-20, -20, -20}, (const double[]){20, 20, -4.5});
+    overlap = region_scene_overlap(atlas, roi, NULL);
+    assert_near(region_scene_find(overlap, 1)->roi_fraction, 0.5, 1e-9);
+    conus_overlap_destroy(overlap);
+    conus_roi_destroy(roi);
+    conus_atlas_destroy(atlas);
+}
+
+/* Entries lie at the border of voxels; whether one is in a region of tetrahedra is told, too. */
+static void sites_know_tetrahedra(void **state)
+{
+    (void)state;
+    static const double corners[4][3] = {{0, 0, 0}, {6, 0, 0}, {0, 6, 0}, {0, 0, 6}};
+    static const double points[4][3] = {{1, 1, 1}, {1.9, 1.9, 2.1}, {2.1, 2.1, 2}, {-0.1, 1, 1}};
+    conus_roi *roi = tetrahedra_region(corners, 1);
+    conus_sites *sites = NULL;
+    assert_fails(conus_sites_of_roi(&sites, roi), CONUS_ERROR_ARGUMENT);
+    assert_non_null(strstr(conus_message(), "tetrahedra of a mesh"));
+    for (int inside = 0; inside < 2; inside++) {
+        assert_ok(conus_sites_create(&sites, points[0], 4));
+        conus_sites_keep_roi(sites, roi, inside);
+        assert_int_equal(conus_sites_count(sites), 2);
+        conus_sites_destroy(sites);
+    }
+    conus_roi_destroy(roi);
+}
+
 static conus_status make_overlap(void *data)
 {
     const float values[] = {0, 1, 1, 0};
@@ -343,6 +442,20 @@ static conus_status make_overlap(void *data)
     return status;
 }
 
+struct asked {
+    conus_selector *selector;
+    conus_roi *roi;
+};
+
+static conus_status cover_tetrahedra(void *data)
+{
+    const struct asked *asked = data;
+    conus_overlap *overlap = NULL;
+    conus_status status = conus_overlap_create(&overlap, asked->selector, asked->roi);
+    conus_overlap_destroy(overlap);
+    return status;
+}
+
 static void every_failing_allocation_is_survived(void **state)
 {
     (void)state;
@@ -351,6 +464,10 @@ static void every_failing_allocation_is_survived(void **state)
     add_box(atlas, (const double[]){0, 0, 0}, (const double[]){4, 3, 2});
     assert_ok(conus_selector_create(&selector, atlas, NULL));
     test_every_allocation(make_overlap, selector);
+    static const double corners[4][3] = {{2, 1, 1}, {2, 6, 1}, {2, 1, 6}, {5, 3, 3}};
+    struct asked asked = {selector, tetrahedra_region(corners, 1)};
+    test_every_allocation(cover_tetrahedra, &asked);
+    conus_roi_destroy(asked.roi);
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
@@ -387,6 +504,9 @@ TEST_GROUP(overlap)
         cmocka_unit_test(surfaces_count_in_the_region_only),
         cmocka_unit_test(surfaces_count_between_crossings),
         cmocka_unit_test(facing_does_not_matter_but_holes_do),
+        cmocka_unit_test(tetrahedra_are_cut_by_voxels),
+        cmocka_unit_test(tetrahedra_meet_surfaces),
+        cmocka_unit_test(sites_know_tetrahedra),
         cmocka_unit_test(a_level_counts_what_is_in_two_parts_once),
         cmocka_unit_test(closed_surfaces_are_left_as_often_as_entered),
         cmocka_unit_test(what_is_no_region_is_refused),

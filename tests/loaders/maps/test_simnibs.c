@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Meshes of SimNIBS as conus-hdf5 gives them: volumes in closed form, and files bent in every fact. */
+#include "loaders/maps/simnibs.h"
+
+#include "base/memory.h"
+#include "builders/hdf5_builder.h"
+#include "test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Corners of a cube of 6 mm; what is left 0 or NULL stays as it is in the plain file. */
+struct bent {
+    const char *missing; /* an object that is left out */
+    const char *twice;   /* a field that another mesh has */
+    const char *field;   /* of vectors, in place of magnE */
+    int32_t corner;      /* in place of a corner of tetrahedron 2 */
+    int32_t types;       /* all elements are of this one */
+    double node, value;  /* of node 1 along x; of tetrahedron 2 */
+    bool few_tags, pairs, real_corners, wide_nodes;
+};
+
+enum { ELEMENTS = 4 };
+
+static void put(struct hdf5_builder *builder, const struct bent *bent, const char *name, enum hdf5_class class,
+                uint32_t size, const uint64_t dims[2], const void *data)
+{
+    size_t rank = dims[1] ? 2 : 1;
+    if (!bent->missing || strcmp(bent->missing, name) != 0) {
+        hdf5_frame(builder, (struct built_value){.kind = HDF5_FRAME_OBJECT,
+                                                 .class = class,
+                                                 .size = size,
+                                                 .rank = (uint32_t)rank,
+                                                 .dims = {dims[0], dims[1]},
+                                                 .address = builder->frames,
+                                                 .name = name,
+                                                 .data = data,
+                                                 .data_size = size * dims[0] * (dims[1] ? dims[1] : 1)});
+    }
+}
+
+/* A triangle, tetrahedra of 36 and 72 mm³, the latter inside out, and a flat one. */
+static void build(struct hdf5_builder *builder, const struct bent *bent)
+{
+    const double nodes[6][3] = {{bent->node, 0, 0}, {6, 0, 0}, {0, 6, 0}, {0, 0, 6}, {6, 6, 6}, {2, 2, 2}};
+    const int32_t types[] = {bent->types ? bent->types : 2, bent->types ? bent->types : 4,
+                             bent->types ? bent->types : 4, bent->types ? bent->types : 4};
+    const int32_t tags[] = {1005, 2, 1, 2};
+    const int32_t corners[][4] = {
+        {1, 2, 3, -1}, {1, 2, 3, 4}, {bent->corner ? bent->corner : 5, 2, 3, 4}, {2, 3, 4, 6}};
+    const float lengths[] = {9, 1, bent->value != 0 ? (float)bent->value : 2, 3};
+    const double vectors[][3] = {{9, 9, 9}, {2, 3, 6}, {1, 4, 8}, {0, 0, NAN}};
+    hdf5_begin(builder);
+    put(builder, bent, "/mesh_roi/nodes/node_coord", HDF5_FLOAT, 8,
+        (const uint64_t[]){bent->wide_nodes ? 3 : 6, bent->wide_nodes ? 6 : 3}, nodes);
+    put(builder, bent, "/mesh_roi/elm/elm_type", HDF5_SIGNED, 4, (const uint64_t[]){ELEMENTS, 0}, types);
+    put(builder, bent, "/mesh_roi/elm/tag1", HDF5_SIGNED, 4, (const uint64_t[]){bent->few_tags ? 3 : ELEMENTS, 0},
+        tags);
+    put(builder, bent, "/mesh_roi/elm/node_number_list", bent->real_corners ? HDF5_FLOAT : HDF5_SIGNED, 4,
+        (const uint64_t[]){ELEMENTS, 4}, corners);
+    if (bent->field) {
+        put(builder, bent, bent->field, HDF5_FLOAT, 8, (const uint64_t[]){ELEMENTS, bent->pairs ? 2 : 3}, vectors);
+    } else {
+        put(builder, bent, "/mesh_roi/elmdata/magnE", HDF5_FLOAT, 4, (const uint64_t[]){ELEMENTS, 0}, lengths);
+    }
+    if (bent->twice) {
+        static const char *const parts[] = {"/b/nodes/node_coord", "/b/elm/elm_type", "/b/elm/node_number_list"};
+        for (size_t i = 0; i < 3; i++) {
+            put(builder, bent, parts[i], HDF5_SIGNED, 4, (const uint64_t[]){1, 0}, types);
+        }
+        put(builder, bent, bent->twice, HDF5_SIGNED, 4, (const uint64_t[]){1, 0}, types);
+    }
+    hdf5_end(builder);
+}
+
+static conus_status find(struct roi_mesh *out, const struct hdf5_builder *builder,
+                         const struct volume_selector *selector)
+{
+    struct hdf5 *hdf5 = NULL;
+    struct notes notes = {0};
+    struct bytes stream = {memory_copy(builder->bytes.data, builder->bytes.size, 1), builder->bytes.size};
+    conus_status status = stream.data ? hdf5_parse(&hdf5, &stream) : CONUS_ERROR_MEMORY;
+    status = status ? status : simnibs_find(out, hdf5, selector, &notes);
+    if (hdf5) {
+        assert_true(simnibs_is(hdf5));
+    }
+    hdf5_destroy(hdf5);
+    notes_finish(&notes);
+    return status;
+}
+
+static void finish(struct roi_mesh *mesh)
+{
+    memory_free(mesh->nodes);
+    memory_free(mesh->tetrahedra);
+    *mesh = (struct roi_mesh){0};
+}
+
+static conus_status make_region(conus_roi **out, const struct bent *bent, const struct volume_selector *selector,
+                                double threshold)
+{
+    struct hdf5_builder builder;
+    struct roi_mesh mesh = {0};
+    const conus_volume_info info = {.path = "mesh.hdf5", .threshold = threshold};
+    build(&builder, bent);
+    conus_status status = find(&mesh, &builder, selector);
+    buffer_finish(&builder.bytes);
+    status = status ? status : roi_create_mesh(out, &info, &mesh);
+    if (status) {
+        finish(&mesh);
+    }
+    return status;
+}
+
+/* A corner of the cube has 6³ / 6 mm³, the tetrahedron of every other corner 6³ / 3. The flat one has none. */
+static void tetrahedra_and_their_values(void **state)
+{
+    (void)state;
+    static const struct {
+        struct bent bent;
+        struct volume_selector selector;
+        double threshold;
+        uint64_t count;
+        double mm3, largest;
+    } cases[] = {
+        {.threshold = 0.5, .count = 2, .mm3 = 108, .largest = 3},
+        {.threshold = 1.5, .count = 1, .mm3 = 72, .largest = 3},
+        {.threshold = 0.5, .selector = {.tissues = {7, 2}, .tissue_count = 2}, .count = 1, .mm3 = 36, .largest = 3},
+        {.threshold = -1, .bent = {.value = -2}, .count = 1, .mm3 = 72, .largest = 3},
+        {.threshold = 0.5, .bent = {.value = NAN}, .count = 1, .mm3 = 36, .largest = 3},
+        {.threshold = 0.5, .bent = {.value = -INFINITY}, .count = 1, .mm3 = 36, .largest = 3},
+        {.bent = {.field = "/mesh_roi/elmdata/E"}, .threshold = 7, .count = 2, .mm3 = 108, .largest = 9},
+        {.bent = {.field = "/mesh_roi/elmdata/E"}, .threshold = 7.5, .count = 1, .mm3 = 72, .largest = 9},
+        {.bent = {.field = "/mesh_roi/elmdata/J"},
+         .selector = {.field = {"J", 1}},
+         .threshold = 7.5,
+         .count = 1,
+         .mm3 = 72,
+         .largest = 9},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_roi *roi = NULL;
+        assert_ok(make_region(&roi, &cases[i].bent, &cases[i].selector, cases[i].threshold));
+        assert_int_equal(conus_roi_voxels(roi), cases[i].count);
+        assert_near(roi->mm3, cases[i].mm3, 1e-12);
+        assert_near(conus_roi_volume(roi)->maximum, cases[i].largest, 0);
+        conus_roi_destroy(roi);
+    }
+}
+
+static void what_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        struct bent bent;
+        struct volume_selector selector;
+        double threshold;
+        conus_status status;
+        const char *part;
+    } cases[] = {
+        {{.missing = "/mesh_roi/elm/tag1"}, {0}, 1, CONUS_ERROR_DATA, "tag1: a whole number for each of 4 elements"},
+        {{.missing = "/mesh_roi/elmdata/magnE"}, {0}, 1, CONUS_ERROR_DATA, "elmdata: a mesh of SimNIBS without fields"},
+        {{.field = "/mesh_roi/elmdata/J"},
+         {0},
+         1,
+         CONUS_ERROR_ARGUMENT,
+         "field: no magnE, normE or E of elements "
+         "(elmdata); there are J"},
+        {{0}, {.field = {"v", 1}}, 1, CONUS_ERROR_ARGUMENT, "field: no v of elements (elmdata); there are magnE"},
+        {{.twice = "/b/elmdata/E"},
+         {0},
+         1,
+         CONUS_ERROR_DATA,
+         "field: two meshes have one, /b/elmdata/E and /mesh_roi/elmdata/magnE"},
+        {{.field = "/mesh_roi/elmdata/E", .pairs = true}, {0}, 1, CONUS_ERROR_DATA, "E: one or three numbers"},
+        {{.wide_nodes = true}, {0}, 1, CONUS_ERROR_DATA, "node_coord: three numbers for each node"},
+        {{.few_tags = true}, {0}, 1, CONUS_ERROR_DATA, "tag1: a whole number for each of 4 elements"},
+        {{.real_corners = true}, {0}, 1, CONUS_ERROR_DATA, "node_number_list: four whole numbers"},
+        {{.corner = 7}, {0}, 1, CONUS_ERROR_DATA, "node_number_list: element 3: found node 7, allowed are 1 to 6"},
+        {{.corner = -1}, {0}, 1, CONUS_ERROR_DATA, "element 3: found node -1, allowed are 1 to 6"},
+        {{.node = NAN}, {0}, 1, CONUS_ERROR_DATA, "node_coord: node 1: found nan"},
+        {{.node = 10001}, {0}, 1, CONUS_ERROR_DATA, "node_coord: node 1: found 10001"},
+        {{.types = 2}, {0}, 1, CONUS_ERROR_DATA, "elm_type: no tetrahedra (4)"},
+        {{0},
+         {.tissues = {1005}, .tissue_count = 1},
+         1,
+         CONUS_ERROR_ARGUMENT,
+         "tissue: no tetrahedron is of that one "
+         "(tag1); there are 2, 1"},
+        {{0},
+         {0},
+         0,
+         CONUS_ERROR_ARGUMENT,
+         "mesh.hdf5: has values from 1 to 3 and is no mask: a threshold is needed, "
+         "from which on a tetrahedron"},
+        {{0}, {0}, 4, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold 4, but its values are from 1 to 3"},
+        {{0}, {0}, NAN, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold nan"},
+        {{0}, {0}, 2.5, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold 2.5"}, /* only what is flat */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        conus_roi *roi = NULL;
+        test_status(make_region(&roi, &cases[i].bent, &cases[i].selector, cases[i].threshold), cases[i].status,
+                    cases[i].part, __FILE__, __LINE__);
+        if (!strstr(conus_message(), cases[i].part)) {
+            fail_msg("case %zu: \"%s\" does not say \"%s\"", i, conus_message(), cases[i].part);
+        }
+        assert_null(roi);
+    }
+}
+
+/* The mesh is another kind of file without its elements. */
+static void what_is_no_mesh(void **state)
+{
+    (void)state;
+    static const char *const parts[] = {"/mesh_roi/nodes/node_coord", "/mesh_roi/elm/elm_type",
+                                        "/mesh_roi/elm/node_number_list"};
+    for (size_t i = 0; i < 3; i++) {
+        struct hdf5_builder builder;
+        struct hdf5 *hdf5 = NULL;
+        build(&builder, &(struct bent){.missing = parts[i]});
+        struct bytes stream = {memory_copy(builder.bytes.data, builder.bytes.size, 1), builder.bytes.size};
+        assert_ok(hdf5_parse(&hdf5, &stream));
+        assert_false(simnibs_is(hdf5));
+        hdf5_destroy(hdf5);
+        buffer_finish(&builder.bytes);
+    }
+}
+
+static conus_status make_of_built(void *builder)
+{
+    conus_roi *roi = NULL;
+    struct roi_mesh mesh = {0};
+    conus_status status = find(&mesh, builder, &(struct volume_selector){0});
+    status = status ? status : roi_create_mesh(&roi, &(conus_volume_info){.path = "mesh", .threshold = 1}, &mesh);
+    if (status) {
+        finish(&mesh);
+    }
+    conus_roi_destroy(roi);
+    return status;
+}
+
+static void every_failing_allocation_is_clean(void **state)
+{
+    (void)state;
+    struct hdf5_builder builder;
+    build(&builder, &(struct bent){0});
+    test_every_allocation(make_of_built, &builder);
+    buffer_finish(&builder.bytes);
+}
+
+TEST_GROUP(simnibs)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tetrahedra_and_their_values),
+        cmocka_unit_test(what_is_refused),
+        cmocka_unit_test(what_is_no_mesh),
+        cmocka_unit_test(every_failing_allocation_is_clean),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
