@@ -3,7 +3,7 @@
 """conus-hdf5 against h5py: files of every type and storage are read alike, and hostile ones are refused in one line, with
 no file of the user opened and no memory beyond the limit.
 
-usage: compare_hdf5.py DUMP_HDF5 CONUS_HDF5 [SHARED_DATA]; exit 77 = skipped."""
+usage: compare_hdf5.py DUMP_HDF5 CONUS_HDF5 [SHARED_DATA [CONUS]]; exit 77 = skipped."""
 
 import json
 import os
@@ -22,7 +22,9 @@ except ImportError:
 
 DUMP, PROGRAM = (os.path.abspath(path) for path in sys.argv[1:3])
 SHARED = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
+CONUS = os.path.abspath(sys.argv[4]) if len(sys.argv) > 4 else None
 LIMIT = 1 << 24
+LIBRARIES = 32 << 20
 os.environ["CONUS_HDF5"] = PROGRAM
 
 
@@ -182,10 +184,68 @@ def hostile(folder):
         else:
             bytes_[offset + 100:offset + 200] = bytes(100)
         (folder / f"{name}.h5").write_bytes(bytes_)
+    most = 0
     for path, (part, limit) in made.items():
         refused(path, part, limit=limit)
-    print(f"hostile: {len(made)} files refused")
+        beyond = peak(path, limit) - limit - path.stat().st_size
+        assert beyond < LIBRARIES, f"{path}: {beyond} bytes more than it may"
+        most = max(most, beyond)
+    print(f"hostile: {len(made)} files refused, the program's memory ends at most {most >> 20} MiB above the limit")
     return made
+
+
+def peak(path, limit):
+    """The most bytes that the program holds while it refuses the file. A small process starts it: what starts it counts."""
+    starter = ("import os, sys\nos.dup2(0, 3)\nchild = os.fork()\nif not child:\n    os.execv(sys.argv[1], sys.argv[1:])\n"
+               "_, status, usage = os.wait4(child, 0)\nprint(status, usage.ru_maxrss, file=sys.stderr)")
+    with open(path, "rb") as file:
+        done = subprocess.run([sys.executable, "-S", "-E", "-c", starter, PROGRAM, str(limit), "/**"], stdin=file,
+                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, check=True)
+    status, kilobytes = done.stderr.splitlines()[-1].split()
+    assert os.waitstatus_to_exitcode(int(status)) >= 0, f"{path}: {done.stderr}"
+    return int(kilobytes) << 10
+
+
+def of_users():
+    """conus itself says one line and ends with 3, wherever a mesh, a volume or a transform holds what must not be read."""
+    if not CONUS:
+        print("conus: skipped, not given")
+        return
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        volume = folder / "one.nrrd"
+        volume.write_text("NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 1 1\nspace: RAS\nspace directions: (1,0,0) (0,1,0) "
+                          "(0,0,1)\nspace origin: (0,0,0)\nencoding: text\n\n1 2\n")
+        (folder / "secret").write_bytes(bytes(100))
+        uses = {"mesh_roi/nodes/node_coord": ["overlap", volume, None, "--threshold", "1"],
+                "minc-2.0/image/0/image": ["info", None],
+                "TransformGroup/0/TransformParameters": ["info", volume, "--atlas-transform", None],
+                "reco/mni/coords_mm": ["query", volume, "--pose", None],
+                "general/extracellular_ephys/electrodes/x": ["query", volume, "--pose", None]}
+        for number, (place, words) in enumerate(uses.items()):
+            for kind in ("link", "storage", "virtual", "loop", "huge"):
+                path = folder / f"{kind}{number}{'.mat' if place[0] == 'r' else '.nwb' if place[0] == 'g' else '.h5'}"
+                with h5py.File(path, "w", userblock_size=512 if place[0] == "r" else 0) as file:
+                    if kind == "link":
+                        file[place] = h5py.ExternalLink("other.h5", "/x")
+                    elif kind == "storage":
+                        file.create_dataset(place, (8,), "u1", external=[(str(folder / "secret"), 0, 8)])
+                    elif kind == "virtual":
+                        layout = h5py.VirtualLayout((3,), "f8")
+                        layout[:] = h5py.VirtualSource(str(folder / "other.h5"), "x", (3,))
+                        file.create_virtual_dataset(place, layout)
+                    elif kind == "loop":
+                        file[place] = h5py.SoftLink("/" + place)
+                    else:
+                        file.create_dataset(place, (3 * 10**15,), "f4", chunks=(1024,), compression=1)
+                if place[0] == "r":
+                    with open(path, "r+b") as file:
+                        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116) + bytes(8) + b"\0\2IM")
+                done = subprocess.run([CONUS, *(str(word or path) for word in words)], capture_output=True, text=True,
+                                      timeout=60, check=False)
+                assert done.returncode == 3 and not done.stdout and done.stderr.count("\n") == 1, (path, done)
+                assert f"conus: {path}: " in done.stderr and place.split("/")[0] in done.stderr, (path, done.stderr)
+    print(f"conus: 5 kinds in {len(uses)} places, each is refused in one line with exit code 3")
 
 
 def traced(made):
@@ -260,6 +320,7 @@ def main():
         plugins(folder)
         prefixes(folder)
         memory(folder)
+    of_users()
     shared()
 
 
