@@ -60,6 +60,16 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     grep -q '"BIDSExtension": "draft BEP032' sub-1_electrodes.json
     answers verify sub-1_electrodes.tsv
     has 'identical'
+    [[ "$output" != *note:* ]]
+    answers verify sub-1_probes.tsv --sidecar sub-1_electrodes.json
+    has 'sub-1_probes.tsv: identical'
+    sed -i 2s/probe/prod/ sub-1_probes.tsv
+    answers verify sub-1_electrodes.tsv
+    has 'note: sub-1_probes.tsv, which the same command wrote, was changed; with --sidecar sub-1_electrodes.json it is'
+    run -1 conus verify sub-1_probes.tsv --sidecar sub-1_electrodes.json
+    rm sub-1_probes.tsv
+    answers verify sub-1_electrodes.tsv
+    [[ "$output" != *note:* ]]
     sed -i '5s/Slab/Slob/' sub-1_electrodes.tsv
     run -1 conus verify sub-1_electrodes.tsv
 }

@@ -206,6 +206,28 @@ static void say_file(struct verdict *verdict, const struct recorded_file *file, 
     }
 }
 
+/* Says which other files of the same command are no longer what it wrote. In JSON the recorded sum is of the rows.
+ * False without memory. */
+static bool say_other_outputs(struct checking *checking, const struct places *places)
+{
+    struct verdict *verdict = checking->verdict;
+    const struct record *record = &verdict->record;
+    bool done = true;
+    for (size_t i = 0; i < record->output_count && done; i++) {
+        const struct recorded_file *output = &record->outputs[i];
+        struct found_file found = {0};
+        bool is_other =
+            output != checking->output && output->path && output->sha256 && !path_ends(output->path, ".json");
+        done = !is_other || file_find(&found, output, places);
+        if (done && is_other && found.state == FILE_CHANGED) {
+            say(&verdict->notes, "%s, which the same command wrote, was changed; with --sidecar %s it is verified, too",
+                output->path, verdict->sidecar);
+        }
+        free(found.path);
+    }
+    return done;
+}
+
 /* Whether all files are there, changed or not. */
 static int find_files(struct checking *checking, const char *written, bool *there)
 {
@@ -233,6 +255,7 @@ static int find_files(struct checking *checking, const char *written, bool *ther
             *there = *there && verdict->found[i].state != FILE_MISSING;
         }
     }
+    code = code || say_other_outputs(checking, &places) ? code : EXIT_DATA;
     places_finish(&places);
     return code;
 }
