@@ -118,7 +118,7 @@ click_at() {
 
 @test "the list of what was added adds, changes and takes out" {
     scene
-    live slabs.nii.gz
+    live slabs.nii.gz --size 1000x640
     tell "$AIM" 'key ctrl+l'
     pass
     enter_line "$PWD/two.tck,radius=2"
@@ -268,7 +268,7 @@ END
     ASAN_OPTIONS=detect_leaks=0 run -0 --separate-stderr timeout $HANG "$CONUS" view --script script --quiet
     check_message 'two.tck: a tractogram: open the atlas that it belongs to first'
     printf 'take-out more.tck\n' >script
-    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 400x256
     check_message 'take-out FILE that was added is needed'
 }
 

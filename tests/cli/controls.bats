@@ -71,7 +71,7 @@ questions=(
         'ask --score=centre+share|no name of a score' 'ask --score=unoccluded|needs --layers all' 'ask --angle=3|--angle' \
         'ask --segments=x|of files, not of the window' 'ask --level=Shel|did you mean "Shell"'; do
         printf '%s\n' "${case%%|*}" >script
-        run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --labels tree.tsv --script script --quiet
+        run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --labels tree.tsv --script script --quiet --size 400x256
         [[ $stderr == *"${case#*|}"* ]] || { echo "$case: $stderr"; false; }
     done
 }
@@ -242,7 +242,7 @@ END
     for case in 'sweep 9 3 1|from, to and by are needed' 'jitter 2 1 100|power of two' 'sweep 1 2|LOW HIGH STEP' \
         'study x.tsv|there is no cone to study'; do
         printf '%s\n' "${case%%|*}" >script
-        run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --labels tree.tsv --script script --quiet
+        run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --labels tree.tsv --script script --quiet --size 400x256
         [[ $stderr == *"${case#*|}"* ]] || { echo "$case: $stderr"; false; }
     done
 }

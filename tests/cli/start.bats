@@ -55,7 +55,7 @@ END
     queried home/slabs.nii.gz | diff home.tsv -
     # where there is no page, there is nothing to type into
     printf 'type slabs.nii.gz\n' >script
-    run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --script script --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --script script --quiet --size 400x256
     check_message 'script:1: type PATH, on the start page or where a file is chosen is needed, or it could not be done'
 }
 
@@ -76,7 +76,7 @@ END
     printf 'type nest_atlas\nkey enter\n%s\nresults second.tsv\n' "$AIM" | view
     diff first.tsv second.tsv
     export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
-    run -3 --separate-stderr timeout $HANG "$CONUS" view nest --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view nest --script /dev/null --quiet --size 400x256
     check_message 'nest: cannot open: No such file or directory'
     check_message 'did you mean nest_atlas?'
 }
@@ -411,7 +411,7 @@ END
     conus phantom slabs -o .
     conus phantom nested -o .
     left_open "$PWD/nested.nii.gz"
-    live
+    live --size 1000x640
     xdotool key --window "$window" Tab
     pass
     xdotool type --window "$window" "$PWD/slabs.nii.gz"
@@ -450,7 +450,7 @@ END
     mkdir only
     mv a/nested.nii.gz only
     rm a/nested.* # so that the key Down means the same when it repeats
-    live sphere.nii.gz
+    live sphere.nii.gz --size 1000x640
     xdotool key --window "$window" ctrl+o
     pass
     xdotool type --window "$window" a/ # behind the folder where conus was started

@@ -106,10 +106,10 @@ END
     diff aimed.tsv wanted
     export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
     echo 'aim 0 2000 0 0 0 0' >um
-    run -3 --separate-stderr timeout $HANG "$CONUS" view ras.nii --space bregma --script um --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view ras.nii --space bregma --script um --quiet --size 400x256
     [[ $stderr == *'positions there are in mm, not micrometres'* ]]
     conus phantom nested -o .
-    run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --space ccf --script um --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --space ccf --script um --quiet --size 400x256
     [[ $stderr == *'not known to be the Allen CCF'* ]]
 }
 
@@ -149,7 +149,7 @@ in_columns() {
     # one that cannot be loaded is as if ATLAS could not be
     echo nonsense >none.nii
     export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
-    run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --atlas none.nii --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --atlas none.nii --script /dev/null --quiet --size 400x256
     check_message 'none.nii'
 }
 
@@ -213,7 +213,7 @@ END
     echo 'results opened.tsv' | view one.atlas.json --session left.json
     diff opened.tsv wanted
     sed -i s/7/8/ right.txt
-    run -3 --separate-stderr timeout $HANG "$CONUS" view one.atlas.json --session left.json --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view one.atlas.json --session left.json --script /dev/null --quiet --size 400x256
     check_message 'the atlas lay elsewhere: the same --atlas-transform, or transform in the manifest, is needed'
 }
 
@@ -274,7 +274,7 @@ END
     printf 'angle 20\nsave fine.json\n' | view scene.atlas.json
     refused() { # FILTER MESSAGE
         jq ".angle_deg = 33 | .safe_colours = true | $1" fine.json >bad.json
-        run -3 --separate-stderr timeout $HANG "$CONUS" view scene.atlas.json --session bad.json --script /dev/null --quiet
+        run -3 --separate-stderr timeout $HANG "$CONUS" view scene.atlas.json --session bad.json --script /dev/null --quiet --size 400x256
         check_message "$2"
     }
     refused '.thresholds[0].pathway = "Fornix"' 'thresholds: that of "Arc" is needed, not of "Fornix"'
@@ -292,7 +292,7 @@ END
     conus phantom slabs -o . --size 16
     echo 'save slabs.json' | view slabs.nii.gz
     jq '.transfer = [[0, 0, 0, 0, 0]]' slabs.json >bad.json
-    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet --size 400x256
     check_message 'transfer: there is no context here, open it with --context'
 }
 
@@ -434,7 +434,7 @@ open("lost", "w")
 END
     port=$(free_port)
     live nested.nii.gz --listen "$port" --head Glasses --eye 7,0,0 --screen-mm 2560x1600 --screen-pose screen.txt \
-        --enlarge 2 --world-from-tracker world.txt
+        --enlarge 2 --world-from-tracker world.txt --size 1000x640
     local view=$child
     background env PYTHONPATH="$BATS_TEST_DIRNAME" /usr/bin/python3 -B send.py "$port" 4>&-
     local sender=$child
@@ -542,7 +542,7 @@ END
     look '.has_pose == 0 and .confirmed == []'
     until look '.has_pose == 1'; do # over the middle of the 3-D pane
         step=$((step + 1))
-        xdotool mousemove --window "$window" $((340 + step % 20)) 155
+        xdotool mousemove --window "$window" $((170 + step % 10)) 77
     done
     tell 'results mouse.tsv'
     until look '.confirmed[0].object == 1'; do # two clicks are a double one where two frames are quick enough
@@ -553,7 +553,7 @@ END
     xdotool mousedown 1
     until look ".orbit[4] != $before"; do
         step=$((step + 1))
-        xdotool mousemove --window "$window" $((340 + 4 * (step % 10))) 155
+        xdotool mousemove --window "$window" $((170 + 2 * (step % 10))) 77
     done
     xdotool mouseup 1
     leave
@@ -742,21 +742,21 @@ END
     local step=0 pose
     until look '.has_pose == 1'; do # over the middle of the 3-D pane
         step=$((step + 1))
-        xdotool mousemove --window "$window" $((340 + step % 20)) 155
+        xdotool mousemove --window "$window" $((170 + step % 10)) 77
     done
     pose=$(jq -c .world_from_device "look$looks.json")
     until look ".world_from_device != $pose"; do # it follows
         step=$((step + 1))
-        xdotool mousemove --window "$window" $((340 + step % 20)) 155
+        xdotool mousemove --window "$window" $((170 + step % 10)) 77
     done
     xdotool click 1
     until look '.frozen == 1'; do :; done
     pose=$(jq -c .world_from_device "look$looks.json")
-    xdotool mousemove --window "$window" 355 150 mousemove --window "$window" 345 160 mousemove --window "$window" 100 300
+    xdotool mousemove --window "$window" 177 75 mousemove --window "$window" 172 80 mousemove --window "$window" 50 150
     look ".frozen == 1 and .world_from_device == $pose"
     xdotool mousedown 1 # pressed on a panel, it is no click of the pane
     look true
-    xdotool mousemove --window "$window" 355 155
+    xdotool mousemove --window "$window" 177 77
     look true
     xdotool mouseup 1
     look ".frozen == 1 and .world_from_device == $pose"
@@ -764,12 +764,12 @@ END
     until look '.frozen == 0'; do :; done
     until look ".world_from_device != $pose"; do
         step=$((step + 1))
-        xdotool mousemove --window "$window" $((340 + step % 20)) 155
+        xdotool mousemove --window "$window" $((170 + step % 10)) 77
     done
-    xdotool mousemove --window "$window" 300 300 # to the pane's corner, beside the ball, then to the panels
+    xdotool mousemove --window "$window" 150 145 # to the pane's corner, beside the ball, then to the panels
     look true
     pose=$(jq -c .world_from_device "look$looks.json")
-    xdotool mousemove --window "$window" 100 300 mousemove --window "$window" 900 300 mousemove --window "$window" 900 600
+    xdotool mousemove --window "$window" 50 150 mousemove --window "$window" 450 150 mousemove --window "$window" 450 300
     look ".frozen == 0 and .world_from_device == $pose"
     xdotool key --window "$window" Escape
     until look '.has_pose == 0'; do :; done
@@ -782,7 +782,7 @@ END
     local text code
     while IFS='|' read -r command text; do
         printf '\n%s\n' "$command" >script
-        run -3 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet
+        run -3 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet --size 400x256
         [[ "$stderr" == *"script:2: $text"* ]] || { echo "said: $stderr"; echo "wanted: $text"; return 1; }
     done <<'END'
 dance|unknown command "dance"
@@ -945,23 +945,23 @@ is_at() {
     sphere --size 16
     conus phantom slabs -o . --size 16
     echo 'save slabs.json' | view slabs.nii.gz
-    run -3 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --session slabs.json --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --session slabs.json --script /dev/null --quiet --size 400x256
     check_message 'of an atlas with 2 areas and pathways, this one has 1'
     sed 's/"angle_deg": [0-9.]*/"angle_deg": 1e9/' slabs.json >bad.json
-    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session bad.json --script /dev/null --quiet --size 400x256
     check_message 'angle_deg: a number from 0.01 to 179.99 is needed'
     head -c 200 slabs.json >half.json
-    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session half.json --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session half.json --script /dev/null --quiet --size 400x256
     check_message 'half.json: line'
     # spaces, which JSON allows anywhere: as many as are read, then one more
     head -c $((64 << 20)) /dev/zero | tr '\0' ' ' >large.json
-    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session large.json --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session large.json --script /dev/null --quiet --size 400x256
     check_message 'large.json: line'
     printf ' ' >>large.json
-    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session large.json --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session large.json --script /dev/null --quiet --size 400x256
     check_message 'large.json: more than the 67108864 bytes that are read'
     rm large.json
-    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session absent.json --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --session absent.json --script /dev/null --quiet --size 400x256
     check_message 'absent.json: cannot open: No such file or directory'
 }
 
@@ -969,7 +969,7 @@ is_at() {
     need_window
     sphere --size 16
     { printf '# %65534d\n' 1; printf '# %65535d\n' 2; } >script # 65536 bytes without the end of the line, and 65537
-    run -3 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet --size 400x256
     check_message 'script:2: more than 65536 bytes in a line'
 }
 
@@ -1060,7 +1060,7 @@ END
     need_window
     conus phantom sphere -o .
     live sphere.nii.gz
-    for size in '1 1' '300 900' '3 500' '1000 640'; do
+    for size in '1 1' '300 900' '3 500' '500 320'; do
         # shellcheck disable=SC2086 # two words
         xdotool windowunmap "$window" windowsize "$window" $size windowmap "$window"
         look true
@@ -1102,7 +1102,7 @@ END
     conus phantom sphere -o .
     live sphere.nii.gz
     tell 'pointer wand'
-    xdotool mousemove --window "$window" 540 60 # in the axial pane, above its middle: in front of the sphere
+    xdotool mousemove --window "$window" 270 29 # in the axial pane, above its middle: in front of the sphere
     look '.has_pose == 0'
     xdotool mousedown 3
     until look '.has_pose == 1'; do :; done
@@ -1114,9 +1114,9 @@ END
 
 # watched ATLAS [OPTION...]: a window whose status line is looked at; the mouse is over its panels.
 watched() {
-    rm -f commands look*.json pass*.png
+    rm -f commands look*.json pass*.json
     xdotool mousemove 5 5
-    live "$@"
+    live "$@" --size 1000x640 # its words need the width
     tell quiet-status 'angle 5' 'pointer wand' 'wait 3' 'screenshot before.png'
     wait_until "$child" test -e before.png
 }

@@ -63,6 +63,6 @@ END
 @test "a structure that the atlas has not is refused" {
     need_window
     needles
-    run -3 --separate-stderr timeout $HANG "$CONUS" view u-shape.nii.gz --reach Boll --script /dev/null --quiet
+    run -3 --separate-stderr timeout $HANG "$CONUS" view u-shape.nii.gz --reach Boll --script /dev/null --quiet --size 400x256
     check_message 'did you mean'
 }
