@@ -185,7 +185,7 @@ conus_status selections_trace(conus_selection *const *selections, size_t count, 
         if (selections[i] && (selector->inside_only || cone_is_wide(&selections[i]->cone))) {
             struct cone *cone = &selections[i]->cone;
             cone->wanted = selections[i]->in_cone;
-            cone->rays = count == 1 && cone->radius == 0 ? &selector->aperture.rays : NULL;
+            cone->rays = count == 1 ? &selector->aperture.rays : NULL;
         }
     }
     conus_status status = together ? trace_together(selections, count, engine) : CONUS_OK;

@@ -80,26 +80,36 @@ static void keep_nearer(struct evidence *out, size_t pixel, double t, uint64_t v
     }
 }
 
-/* A bundle has one origin, so every ray of a cylinder is one. */
-static uint32_t block_edge(const struct cone *cone)
-{
-    return cone->radius > 0 ? 1 : BLOCK;
-}
-
 static bool is_wanted(const struct cone *cone, uint32_t i, uint32_t j)
 {
     return !cone->wanted || cone->wanted[(size_t)j * cone->resolution + i];
 }
 
-/* Fills the block of pixels whose lowest column and row are given. */
-static void block_init(struct block *block, const struct cone *cone, uint32_t column, uint32_t row)
+/* Sets where the rays of the block's pixels begin. */
+static void set_origins(struct block *block, const struct cone *cone)
+{
+    struct traverse_bundle *bundle = &block->bundle;
+    cone_origin(bundle->origin, cone, (uint32_t)(block->pixel[0] % cone->resolution),
+                (uint32_t)(block->pixel[0] / cone->resolution));
+    bundle->is_apart = cone->radius > 0;
+    for (size_t ray = 0; ray < bundle->count && bundle->is_apart; ray++) {
+        double origin[3];
+        cone_origin(origin, cone, (uint32_t)(block->pixel[ray] % cone->resolution),
+                    (uint32_t)(block->pixel[ray] / cone->resolution));
+        for (int a = 0; a < 3; a++) {
+            bundle->origins[a][ray] = origin[a];
+        }
+    }
+}
+
+/* Fills the block of `edge` times `edge` pixels whose lowest column and row are given. */
+static void block_init(struct block *block, const struct cone *cone, uint32_t column, uint32_t row, uint32_t edge)
 {
     struct traverse_bundle *bundle = &block->bundle;
     double u[TRAVERSE_BUNDLE];
     double v[TRAVERSE_BUNDLE];
     double coordinate[2][BLOCK];
     size_t count = 0;
-    uint32_t edge = block_edge(cone);
     for (uint32_t k = 0; k < edge; k++) {
         coordinate[0][k] = cone_coordinate(column + k, cone->resolution);
         coordinate[1][k] = cone_coordinate(row + k, cone->resolution);
@@ -116,21 +126,23 @@ static void block_init(struct block *block, const struct cone *cone, uint32_t co
     double *const directions[3] = {bundle->direction[0], bundle->direction[1], bundle->direction[2]};
     cone_rays(directions, cone, u, v, count);
     bundle->count = count;
-    cone_origin(bundle->origin, cone, column, row);
+    if (count > 0) {
+        set_origins(block, cone);
+    }
 }
 
-/* Fills a block with the rays that are known from number `first` on. */
-static void block_take(struct block *block, const struct cone *cone, size_t first)
+/* Fills a block with the rays that are known from number `first` on, `most` at most. */
+static void block_take(struct block *block, const struct cone *cone, size_t first, size_t most)
 {
     struct traverse_bundle *bundle = &block->bundle;
     double *const directions[3] = {bundle->direction[0], bundle->direction[1], bundle->direction[2]};
     size_t left = cone->rays->count - first;
-    bundle->count = left < TRAVERSE_BUNDLE ? left : TRAVERSE_BUNDLE;
+    bundle->count = left < most ? left : most;
     for (size_t ray = 0; ray < bundle->count; ray++) {
         block->pixel[ray] = cone->rays->pixel[first + ray];
     }
     cone_rays_from(directions, cone, cone->rays, first, bundle->count);
-    cone_origin(bundle->origin, cone, 0, 0);
+    set_origins(block, cone);
 }
 
 /* Eq. 7: the first of the planes, at depths along the axis, on which a ray hits an object's voxel. */
@@ -159,14 +171,14 @@ static void walk_slices(const struct target *target, struct traverse_bundle *bun
     const struct volume *volume = target->volume;
     const double *device = cone->pose.world_from_device;
     double axis[3];
-    double origin[3];
     vec3_scale(axis, device + 8, -1);
-    mat4_point(origin, volume->voxel_from_world, bundle->origin);
     struct slices slices =
         slices_over(volume->info.dim, volume->info.world_from_voxel, device + 12, axis, target->slices);
     for (size_t ray = 0; ray < bundle->count; ray++) {
         double direction[3] = {bundle->direction[0][ray], bundle->direction[1][ray], bundle->direction[2][ray]};
         double per_depth = 1 / vec3_dot(direction, axis);
+        double origin[3] = {bundle->origins[0][ray], bundle->origins[1][ray], bundle->origins[2][ray]};
+        mat4_point(origin, volume->voxel_from_world, bundle->is_apart ? origin : bundle->origin);
         mat4_direction(direction, volume->voxel_from_world, direction);
         struct traverse_contact contact = sample_slices(volume, &slices, origin, direction, per_depth);
         bundle->t[ray] = contact.t;
@@ -175,9 +187,10 @@ static void walk_slices(const struct target *target, struct traverse_bundle *bun
     }
 }
 
-static void trace_volumes(const struct rays_engine *engine, struct evidence *out, const struct cone *cone,
-                          struct block *block)
+static conus_status trace_volumes(const struct rays_engine *engine, void *evidence, const struct cone *cone,
+                                  struct block *block)
 {
+    struct evidence *out = evidence;
     struct traverse_bundle *bundle = &block->bundle;
     bool has_labelled = atomic_load_explicit(&engine->has_labelled, memory_order_acquire);
     for (size_t i = 0; i < engine->target_count; i++) {
@@ -195,6 +208,7 @@ static void trace_volumes(const struct rays_engine *engine, struct evidence *out
             keep_nearer(out, block->pixel[ray], bundle->t[ray], bundle->voxel[ray], bundle->object[ray]);
         }
     }
+    return CONUS_OK;
 }
 
 static void aim_at_meshes(struct block *block)
@@ -260,28 +274,35 @@ static void trace_tracts(const struct rays_engine *engine, struct evidence *out,
 typedef conus_status block_step(const struct rays_engine *engine, void *out, const struct cone *cone,
                                 struct block *block);
 
-static conus_status for_blocks(const struct rays_engine *engine, void *out, const struct cone *cone, block_step *step)
+/* In blocks of `edge` times `edge` pixels. */
+static conus_status for_blocks(const struct rays_engine *engine, void *out, const struct cone *cone, block_step *step,
+                               uint32_t edge)
 {
     struct block block;
     conus_status status = CONUS_OK;
-    uint32_t edge = block_edge(cone);
-    for (size_t first = 0; cone->rays && first < cone->rays->count && !status; first += TRAVERSE_BUNDLE) {
-        block_take(&block, cone, first);
+    size_t most = (size_t)edge * edge;
+    for (size_t first = 0; cone->rays && first < cone->rays->count && !status; first += most) {
+        block_take(&block, cone, first, most);
         status = step(engine, out, cone, &block);
     }
     for (uint32_t row = 0; row < cone->resolution && !cone->rays && !status; row += edge) {
         for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
-            block_init(&block, cone, column, row);
+            block_init(&block, cone, column, row, edge);
             status = block.bundle.count ? step(engine, out, cone, &block) : CONUS_OK;
         }
     }
     return status;
 }
 
-static conus_status trace_block(const struct rays_engine *engine, void *out, const struct cone *cone,
-                                struct block *block)
+/* Bundles of meshes and streamlines have one origin, so every ray of a cylinder is one. */
+static uint32_t shapes_edge(const struct cone *cone)
 {
-    trace_volumes(engine, out, cone, block);
+    return cone->radius > 0 ? 1 : BLOCK;
+}
+
+static conus_status trace_shapes(const struct rays_engine *engine, void *out, const struct cone *cone,
+                                 struct block *block)
+{
     conus_status status = engine->meshes ? trace_meshes(engine, out, cone, block) : CONUS_OK;
     if (!status && engine->tracts) {
         trace_tracts(engine, out, block);
@@ -291,7 +312,10 @@ static conus_status trace_block(const struct rays_engine *engine, void *out, con
 
 conus_status engine_rays_trace_on(struct engine *engine, struct evidence *out, const struct cone *cone)
 {
-    return for_blocks((const struct rays_engine *)engine, out, cone, trace_block);
+    const struct rays_engine *rays = (const struct rays_engine *)engine;
+    conus_status status = rays->target_count ? for_blocks(rays, out, cone, trace_volumes, BLOCK) : CONUS_OK;
+    bool has_shapes = rays->meshes || rays->tracts;
+    return status || !has_shapes ? status : for_blocks(rays, out, cone, trace_shapes, shapes_edge(cone));
 }
 
 /* The thread that reaches the limit makes the labelled maps; a volume that can have none goes on without. */
@@ -378,17 +402,17 @@ static conus_status pierce_tracts(const struct rays_engine *engine, void *out, c
 static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
 {
     struct rays_engine *rays = (struct rays_engine *)engine;
-    conus_status status = rays->target_count ? for_blocks(rays, out, cone, pierce_volumes) : CONUS_OK;
-    if (!status && rays->target_count && block_edge(cone) > 1 && cone->resolution > 1) { /* lone rays need none */
+    conus_status status = rays->target_count ? for_blocks(rays, out, cone, pierce_volumes, BLOCK) : CONUS_OK;
+    if (!status && rays->target_count && cone->resolution > 1) { /* lone rays need none */
         count_pierced(rays, (size_t)cone->resolution * cone->resolution);
     }
     if (!status && rays->meshes) {
         struct mesh_intervals intervals = rays->intervals; /* of its own, since several threads may be here */
-        status = for_blocks(rays, &intervals, cone, pierce_meshes);
+        status = for_blocks(rays, &intervals, cone, pierce_meshes, shapes_edge(cone));
         status = status ? status : mesh_intervals_pair(out, &intervals, cone);
         mesh_intervals_finish(&intervals);
     }
-    return !status && rays->tracts ? for_blocks(rays, out, cone, pierce_tracts) : status;
+    return !status && rays->tracts ? for_blocks(rays, out, cone, pierce_tracts, shapes_edge(cone)) : status;
 }
 
 static conus_status add_meshes(struct rays_engine *engine, const conus_atlas *atlas)

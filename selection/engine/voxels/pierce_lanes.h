@@ -42,15 +42,15 @@ static INLINE void change_object(struct piercing *piercing, size_t slot, double 
     begun->voxel = object ? (uint64_t)voxel : 0;
 }
 
-/* Rays' entries into cells: the last crossing of a face towards each. */
-static INLINE doubles entry_into_cell(const struct walk *walk, const doubles cell[3], const doubles inverse[3])
+/* The entries into cells of rays that begin at `start`: the last crossing of a face towards each. */
+static INLINE doubles entry_into_cell(const doubles start[3], const doubles cell[3], const doubles inverse[3])
 {
     doubles t = all_doubles(0);
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
         doubles half = choose_doubles(less_doubles(all_doubles(0), inverse[a]), all_doubles(0.5), all_doubles(-0.5));
         halves moves = less_doubles(inverse[a], all_doubles(INFINITY));
-        doubles entry = ((cell[a] - half) - walk->bundle->start[a]) * inverse[a];
+        doubles entry = ((cell[a] - half) - start[a]) * inverse[a];
         t = choose_doubles(moves & less_doubles(t, entry), entry, t);
     }
     return t;
@@ -60,15 +60,18 @@ static INLINE doubles entry_into_cell(const struct walk *walk, const doubles cel
 static void find_times(struct piercing *piercing, const struct walk *walk)
 {
     struct events *events = &piercing->events;
+    const struct traverse_bundle *bundle = walk->bundle;
     store_wholes(events->slot + events->count, all_wholes(0)); /* of a ray, too */
     for (size_t i = 0; i < events->count; i += HALF) {
-        doubles cell[3], inverse[3];
+        doubles start[3], cell[3], inverse[3];
         EACH_AXIS
         for (int a = 0; a < 3; a++) {
+            start[a] =
+                bundle->is_apart ? doubles_from(bundle->starts[a], events->slot + i) : all_doubles(bundle->start[a]);
             cell[a] = load_as_doubles(events->cell[a] + i) + (double)walk->middle[a];
             inverse[a] = doubles_from(piercing->inverse[a], events->slot + i);
         }
-        store_doubles(events->t + i, entry_into_cell(walk, cell, inverse));
+        store_doubles(events->t + i, entry_into_cell(start, cell, inverse));
     }
 }
 

@@ -190,7 +190,8 @@ struct traverse_ray traverse_bundle_at(const struct traverse_bundle *bundle, siz
     struct traverse_ray ray;
     double direction[3] = {bundle->direction[0][i], bundle->direction[1][i], bundle->direction[2][i]};
     mat4_direction(direction, bundle->index_from_world, direction);
-    traverse_ray_init(&ray, bundle->start, direction);
+    const double apart[3] = {bundle->starts[0][i], bundle->starts[1][i], bundle->starts[2][i]};
+    traverse_ray_init(&ray, bundle->is_apart ? apart : bundle->start, direction);
     return ray;
 }
 

@@ -78,19 +78,23 @@ enum { TRAVERSE_BUNDLE = 256, TRAVERSE_LANES = 16 };
 #define TRAVERSE_FAR 0x1p25
 enum { TRAVERSE_EDGE = 1 << 20, TRAVERSE_CODES = INT32_MAX };
 
-/** Rays with one origin, neighbours side by side: what a kernel walks at once. The caller fills in the first three, and
- * the origin. */
+/** Rays, neighbours side by side: what a kernel walks at once. The caller fills in what is before `index_from_world`.
+ */
 struct traverse_bundle {
-    size_t count; /**< Number of rays, at most TRAVERSE_BUNDLE.                        */
-    alignas(64) double direction[3][TRAVERSE_BUNDLE]; /**< In the world, unit length.                               */
-    double limit[TRAVERSE_BUNDLE];                    /**< Give up beyond, mm.                                      */
-    double origin[3];                                 /**< In the world.                                            */
-    const double *index_from_world;                   /**< The volume's matrix, and                             */
-    double start[3];                                  /**< the origin in its index space, and                       */
-    double start_cell[3];                  /**< its cell: traverse_bundle_walk() sets all three.             */
-    alignas(64) double t[TRAVERSE_BUNDLE]; /**< Out: as in struct traverse_contact.                      */
+    size_t count;                                     /**< Number of rays, at most TRAVERSE_BUNDLE. */
+    alignas(64) double direction[3][TRAVERSE_BUNDLE]; /**< In the world, unit length.               */
+    double limit[TRAVERSE_BUNDLE];                    /**< Give up beyond, mm.                      */
+    double origin[3];                                 /**< In the world, of all rays;               */
+    bool is_apart;                                    /**< unless each has its own:                 */
+    double origins[3][TRAVERSE_BUNDLE];
+    const double *index_from_world;                /**< The volume's matrix, and                                 */
+    double start[3];                               /**< the origin in its index space, or                        */
+    alignas(64) double starts[3][TRAVERSE_BUNDLE]; /**< the origins, and                                         */
+    double low[3], high[3];                        /**< their box, and                                           */
+    bool starts_inside;                    /**< whether that is in the map's: traverse_bundle_walk() sets these. */
+    alignas(64) double t[TRAVERSE_BUNDLE]; /**< Out: as in struct traverse_contact.                              */
     uint64_t voxel[TRAVERSE_BUNDLE];
-    uint32_t object[TRAVERSE_BUNDLE]; /**< Out: what is there, of hits.                                 */
+    uint32_t object[TRAVERSE_BUNDLE]; /**< Out: what is there, of hits. */
 };
 
 /** Ray @p i in index space. */

@@ -55,8 +55,28 @@ static void pad(struct traverse_bundle *bundle)
     for (; bundle->count % TRAVERSE_LANES; bundle->count++) {
         for (int a = 0; a < 3; a++) {
             bundle->direction[a][bundle->count] = bundle->direction[a][last];
+            bundle->starts[a][bundle->count] = bundle->starts[a][last];
         }
         bundle->limit[bundle->count] = bundle->limit[last];
+    }
+}
+
+/* Sets where the rays begin in the volume's index space. */
+static void find_starts(struct traverse_bundle *bundle)
+{
+    mat4_point(bundle->start, bundle->index_from_world, bundle->origin);
+    for (int a = 0; a < 3; a++) {
+        bundle->low[a] = bundle->is_apart ? INFINITY : bundle->start[a];
+        bundle->high[a] = bundle->is_apart ? -INFINITY : bundle->start[a];
+    }
+    for (size_t i = 0; i < bundle->count && bundle->is_apart; i++) {
+        double start[3] = {bundle->origins[0][i], bundle->origins[1][i], bundle->origins[2][i]};
+        mat4_point(start, bundle->index_from_world, start);
+        for (int a = 0; a < 3; a++) {
+            bundle->starts[a][i] = start[a];
+            bundle->low[a] = start[a] < bundle->low[a] ? start[a] : bundle->low[a];
+            bundle->high[a] = start[a] > bundle->high[a] ? start[a] : bundle->high[a];
+        }
     }
 }
 
@@ -65,10 +85,13 @@ static bool aim_at_volume(struct traverse_bundle *bundle, const struct distance_
 {
     bool is_near = bundle->count > 0 && distance_map_codes(map) <= TRAVERSE_CODES;
     bundle->index_from_world = volume->voxel_from_world;
-    mat4_point(bundle->start, bundle->index_from_world, bundle->origin);
+    find_starts(bundle);
+    bundle->starts_inside = true;
     for (int a = 0; a < 3; a++) {
-        bundle->start_cell[a] = traverse_cell(bundle->start[a]);
-        is_near = is_near && fabs(bundle->start[a]) < TRAVERSE_FAR && map->dim[a] <= TRAVERSE_EDGE;
+        bool inside = traverse_cell(bundle->low[a]) >= map->first[a] && traverse_cell(bundle->high[a]) <= map->last[a];
+        bundle->starts_inside = bundle->starts_inside && inside;
+        is_near =
+            is_near && -bundle->low[a] < TRAVERSE_FAR && bundle->high[a] < TRAVERSE_FAR && map->dim[a] <= TRAVERSE_EDGE;
     }
     return is_near;
 }

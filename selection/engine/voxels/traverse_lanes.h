@@ -40,7 +40,6 @@ struct walk {
     struct traverse_bundle *bundle;
     double least[3], most[3];                     /* of the directions */
     double begin;                                 /* mm from the rays' origin: no ray is in the box before */
-    bool starts_inside;                           /* the rays' origin is in the box; then `begin` is 0     */
     float error;                                  /* of positions, cells */
     int middle[3];                                /* a cell in the box, at which a line of the map begins, */
     const uint8_t *codes;                         /* its code */
@@ -92,21 +91,25 @@ static INLINE double larger_of(double a, double b)
     return a > b ? a : b;
 }
 
+/* Where half a packet's rays begin in the index space of the map. */
+static INLINE doubles starts_of(const struct walk *walk, int a, size_t slot)
+{
+    const struct traverse_bundle *bundle = walk->bundle;
+    return bundle->is_apart ? doubles_at(bundle->starts[a] + slot) : all_doubles(bundle->start[a]);
+}
+
 /* Finds `begin`; false if no ray ever is in the box. */
 static INLINE bool find_begin(struct walk *walk)
 {
-    double begin = 0;
-    walk->starts_inside = true;
+    double begin = 0; /* also where they start inside */
     for (int a = 0; a < 3; a++) {
-        double before = (walk->map->first[a] - 0.5) - walk->bundle->start[a];
-        double behind = (walk->map->last[a] + 0.5) - walk->bundle->start[a];
-        double cell = walk->bundle->start_cell[a];
+        double before = (walk->map->first[a] - 0.5) - walk->bundle->high[a];
+        double behind = (walk->map->last[a] + 0.5) - walk->bundle->low[a];
         if (before > 0) {
             begin = larger_of(begin, walk->most[a] > 0 ? (before - BEFORE_BOX) / walk->most[a] : INFINITY);
         } else if (behind < 0) {
             begin = larger_of(begin, walk->least[a] < 0 ? (behind + BEFORE_BOX) / walk->least[a] : INFINITY);
         }
-        walk->starts_inside = walk->starts_inside && cell >= walk->map->first[a] && cell <= walk->map->last[a];
     }
     walk->begin = begin;
     return begin < INFINITY;
@@ -119,10 +122,10 @@ static INLINE void place_middle(struct walk *walk)
     double extent = 0;
     for (int a = 0; a < 3; a++) {
         double middle = floor((map->first[a] + map->last[a]) / 2 / DISTANCE_EDGE) * DISTANCE_EDGE - DISTANCE_MARGIN;
-        double from = walk->bundle->start[a] - middle;
+        double least = walk->bundle->low[a] - middle + walk->begin * walk->least[a];
+        double most = walk->bundle->high[a] - middle + walk->begin * walk->most[a];
         extent = larger_of(extent, larger_of(map->last[a] - middle, middle - map->first[a]) + 1);
-        extent =
-            larger_of(extent, larger_of(from + walk->begin * walk->most[a], -(from + walk->begin * walk->least[a])));
+        extent = larger_of(extent, larger_of(most, -least));
         walk->middle[a] = (int)middle;
         walk->first[a] = (float)(map->first[a] - middle);
         walk->last[a] = (float)(map->last[a] - middle);
@@ -160,12 +163,11 @@ static INLINE void place(struct packet *out, const struct walk *walk, size_t slo
     out->slowest = all(INFINITY);
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
-        double start = walk->bundle->start[a];
         double middle = walk->middle[a];
         doubles low = doubles_at(walk->exact[a] + slot);
         doubles high = doubles_at(walk->exact[a] + slot + HALF);
-        out->origin[a] =
-            singles_from_doubles((start + walk->begin * low) - middle, (start + walk->begin * high) - middle);
+        out->origin[a] = singles_from_doubles((starts_of(walk, a, slot) + walk->begin * low) - middle,
+                                              (starts_of(walk, a, slot + HALF) + walk->begin * high) - middle);
         out->direction[a] = singles_from_doubles(low, high);
         out->inverse[a] = 1 / out->direction[a];
         out->fastest = larger(out->fastest, magnitude(out->direction[a]));
@@ -258,12 +260,23 @@ static INLINE truths find_cells(singles cell[3], truths *on, const struct packet
     return one_of(near) & at_most(all(0), t);
 }
 
-/* All rays are in one cell of the box. */
-static INLINE truths share_cell(singles cell[3], truths *on, const struct packet *packet, const struct walk *walk)
+/* As traverse_cell(). */
+static INLINE doubles cells_of(doubles x)
+{
+    doubles cell = floor_of_doubles(x + 0.5);
+    doubles next = choose_doubles(at_most_doubles(cell + 0.5, x), cell + 1, cell);
+    return choose_doubles(less_doubles(x, cell - 0.5), cell - 1, next);
+}
+
+/* All rays start in the box. */
+static INLINE truths start_cells(singles cell[3], truths *on, const struct packet *packet, const struct walk *walk,
+                                 size_t slot)
 {
     EACH_AXIS
     for (int a = 0; a < 3; a++) {
-        cell[a] = all((float)(walk->bundle->start_cell[a] - walk->middle[a]));
+        double middle = walk->middle[a];
+        cell[a] = singles_from_doubles(cells_of(starts_of(walk, a, slot)) - middle,
+                                       cells_of(starts_of(walk, a, slot + HALF)) - middle);
     }
     *on = less(all(0), packet->stop);
     return every();
@@ -309,8 +322,8 @@ static INLINE void enter(struct walk *walk, size_t number)
         store_singles(walk->clearance[a] + slot, 0.5F - packet.error[a]);
     }
     store_singles(walk->stop + slot, packet.stop);
-    truths clear =
-        walk->starts_inside ? share_cell(cell, &on, &packet, walk) : find_cells(cell, &on, &packet, walk, slot);
+    truths clear = walk->bundle->starts_inside ? start_cells(cell, &on, &packet, walk, slot)
+                                               : find_cells(cell, &on, &packet, walk, slot);
     walk->live[number] = on & clear & packet.clear;
     walk->unclear[number] = (on & ~clear) | ~packet.clear;
     walk->hit[number] = none();
@@ -382,7 +395,7 @@ static INLINE void deliver(const struct walk *walk, size_t slot, halves hit, hal
         doubles direction = doubles_at(walk->exact[a] + slot);
         doubles half = choose_doubles(less_doubles(direction, all_doubles(0)), all_doubles(-0.5), all_doubles(0.5));
         cell[a] = load_as_doubles(walk->cell[a] + slot) + (double)walk->middle[a];
-        way[a] = (cell[a] - half) - bundle->start[a];
+        way[a] = (cell[a] - half) - starts_of(walk, a, slot);
     }
     doubles direction =
         choose_doubles(is_0, doubles_at(walk->exact[0] + slot),

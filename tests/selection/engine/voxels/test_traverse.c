@@ -133,14 +133,35 @@ static void pick_direction(uint64_t *random, const struct volume *volume, const 
     }
 }
 
+/* In index space. */
+static void begin_of(double out[3], const struct traverse_bundle *bundle, size_t ray, const struct volume *volume)
+{
+    const double apart[3] = {bundle->origins[0][ray], bundle->origins[1][ray], bundle->origins[2][ray]};
+    mat4_point(out, volume->voxel_from_world, bundle->is_apart ? apart : bundle->origin);
+}
+
+/* Rays with one origin; or each with its own, close to it on either side, or anywhere. */
 static void aim(struct traverse_bundle *bundle, uint64_t *random, const struct volume *volume)
 {
-    double origin[3];
-    pick_origin(random, volume, origin);
-    mat4_point(bundle->origin, volume->info.world_from_voxel, origin);
+    double first[3], origin[3];
+    pick_origin(random, volume, first);
+    mat4_point(bundle->origin, volume->info.world_from_voxel, first);
     bundle->count = 1 + any_of(random, TRAVERSE_BUNDLE);
+    bundle->is_apart = any_of(random, 2);
+    bool anywhere = any_of(random, 4) == 0;
     for (size_t i = 0; i < bundle->count; i++) {
-        double direction[3];
+        double world[3], direction[3];
+        memcpy(origin, first, sizeof origin);
+        for (int a = 0; a < 3 && bundle->is_apart; a++) {
+            origin[a] += any_of(random, 3) ? test_random(random, -1.5, 1.5) : 0;
+        }
+        if (bundle->is_apart && anywhere) {
+            pick_origin(random, volume, origin);
+        }
+        mat4_point(world, volume->info.world_from_voxel, origin);
+        for (int a = 0; a < 3; a++) {
+            bundle->origins[a][i] = world[a];
+        }
         pick_direction(random, volume, origin, direction);
         mat4_direction(direction, volume->info.world_from_voxel, direction);
         assert_true(vec3_normalise(direction, direction));
@@ -153,9 +174,9 @@ static void aim(struct traverse_bundle *bundle, uint64_t *random, const struct v
 static void ask_oracle(struct oracle_hit *wanted, const struct traverse_bundle *bundle, const struct volume *volume)
 {
     double origin[3];
-    mat4_point(origin, volume->voxel_from_world, bundle->origin);
     for (size_t i = 0; i < bundle->count; i++) {
         double direction[3] = {bundle->direction[0][i], bundle->direction[1][i], bundle->direction[2][i]};
+        begin_of(origin, bundle, i, volume);
         mat4_direction(direction, volume->voxel_from_world, direction);
         wanted[i] = oracle_ray(volume, origin, direction);
     }
@@ -233,9 +254,9 @@ static void pierce_one_by_one(struct layers *out, const struct traverse_bundle *
                               const struct volume *volume)
 {
     double origin[3];
-    mat4_point(origin, volume->voxel_from_world, bundle->origin);
     for (size_t i = 0; i < bundle->count; i++) {
         struct traverse_ray ray;
+        begin_of(origin, bundle, i, volume);
         double direction[3] = {bundle->direction[0][i], bundle->direction[1][i], bundle->direction[2][i]};
         mat4_direction(direction, volume->voxel_from_world, direction);
         traverse_ray_init(&ray, origin, direction);
@@ -272,7 +293,9 @@ static void compare_limited(uint64_t *random, const struct traverse_bundle *all,
         first++;
     }
     memcpy(lone.origin, all->origin, sizeof lone.origin);
+    lone.is_apart = all->is_apart;
     for (int a = 0; a < 3; a++) {
+        lone.origins[a][0] = all->origins[a][pixel];
         lone.direction[a][0] = all->direction[a][pixel];
     }
     lone.limit[0] = pick_limit(random, first < wanted->count ? wanted->intervals[first].exit : 1);
