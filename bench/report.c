@@ -82,11 +82,14 @@ static const struct hold {
     bool at_most;
     double limit;
 } holds[] = {
-    {"naive_over_rays", false, 300},       {"naive_over_gl", false, 25},       {"naive_over_gl_20deg", false, 10},
-    {"id_over_colour_rays", true, 0.0004}, {"id_over_colour_gl", true, 0.003}, {"rays_200k_over_1k", true, 2.5},
-    {"vtkselector_over_rays", false, 500}, {"dda_over_simd", false, 6},        {"query_process_s", true, 0.1},
-    {"open_bytes_per_voxel", true, 3.2},   {"python_over_batch", false, 1},    {"clearance_needle_ms", true, 1},
-    {"plan_over_no_pruning", true, 0.1},
+    {"naive_over_rays", false, 300},       {"naive_over_gl", false, 25},
+    {"naive_over_gl_20deg", false, 10},    {"id_over_colour_rays", true, 0.0004},
+    {"id_over_colour_gl", true, 0.003},    {"rays_200k_over_1k", true, 2.5},
+    {"vtkselector_over_rays", false, 500}, {"dda_over_simd", false, 6},
+    {"query_process_s", true, 0.1},        {"open_bytes_per_voxel", true, 3.2},
+    {"python_over_batch", false, 1},       {"clearance_needle_ms", true, 1},
+    {"plan_over_no_pruning", true, 0.1},   {"range_over_cone", true, 1.2},
+    {"cylinder_over_cone", true, 2},       {"cylinder_layers_over_cone_layers", true, 1.5},
 };
 
 enum { HOLD_COUNT = sizeof holds / sizeof holds[0] };

@@ -8,16 +8,7 @@
 
 #include <stdio.h>
 
-enum { TORUS_PIXELS = TORUS_RESOLUTION * TORUS_RESOLUTION, LAYER_WAYS = 2, TORI = 20000 };
-
-/* One way to answer all cones: all layers or what is visible. */
-struct layer_way {
-    const struct layer_round *round;
-    bool layers;              /* All layers; false = what is visible. */
-    struct evidence *visible; /* [cone_count]                         */
-    struct layers *all_hits;  /* [cone_count]                         */
-    conus_status status;      /* The last cone's without an answer.   */
-};
+enum { VISIBLE, ALL, WAYS, TORUS_PIXELS = TORUS_RESOLUTION * TORUS_RESOLUTION, TORI = 20000 };
 
 struct layer_round {
     struct torus_scene scene;
@@ -25,54 +16,49 @@ struct layer_round {
     struct engine *rays;
     struct cone *cones; /* [cone_count] */
     size_t cone_count;
-    struct layer_way ways[LAYER_WAYS];
+    struct evidence visible, first; /* of the last cone: by tracing, and by its layers */
+    struct layers all_hits;
+    conus_status status; /* The last cone's without an answer. */
 };
 
-static conus_status layer_way_init(struct layer_round *round, size_t way)
+static void see(struct layer_round *round, const struct cone *cone)
 {
-    struct layer_way *out = &round->ways[way];
-    size_t count = round->cone_count;
-    *out = (struct layer_way){.round = round, .layers = way};
-    out->visible = memory_zeroed(count, sizeof *out->visible);
-    out->all_hits = memory_zeroed(count, sizeof *out->all_hits);
-    conus_status status = out->visible && out->all_hits ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; i < count && !status; i++) {
-        status = evidence_init(&out->visible[i], TORUS_RESOLUTION);
-    }
-    return status;
+    conus_status status = round->rays->functions->trace(round->rays, &round->visible, cone);
+    round->status = status ? status : round->status;
 }
 
-static void way_finish(struct layer_way *way)
+static void pierce(struct layer_round *round, const struct cone *cone)
 {
-    for (size_t i = 0; way->visible && way->all_hits && i < way->round->cone_count; i++) {
-        evidence_finish(&way->visible[i]);
-        layers_finish(&way->all_hits[i]);
-    }
-    memory_free(way->visible);
-    memory_free(way->all_hits);
+    layers_clear(&round->all_hits);
+    conus_status status = round->rays->functions->pierce(round->rays, &round->all_hits, cone);
+    status = status ? status : layers_sort(&round->all_hits, TORUS_PIXELS);
+    round->status = status ? status : round->status;
 }
 
-static void answer_all(void *data)
+static void see_all(void *data)
 {
-    struct layer_way *way = data;
-    struct engine *engine = way->round->rays;
-    for (size_t i = 0; i < way->round->cone_count; i++) {
-        const struct cone *cone = &way->round->cones[i];
-        layers_clear(&way->all_hits[i]);
-        conus_status status = way->layers ? engine->functions->pierce(engine, &way->all_hits[i], cone)
-                                          : engine->functions->trace(engine, &way->visible[i], cone);
-        status = status || !way->layers ? status : layers_sort(&way->all_hits[i], TORUS_PIXELS);
-        way->status = status ? status : way->status;
+    struct layer_round *round = data;
+    for (size_t i = 0; i < round->cone_count; i++) {
+        see(round, &round->cones[i]);
+    }
+}
+
+static void pierce_all(void *data)
+{
+    struct layer_round *round = data;
+    for (size_t i = 0; i < round->cone_count; i++) {
+        pierce(round, &round->cones[i]);
     }
 }
 
 static conus_status layer_round_init(struct layer_round *out, const struct bench_options *options)
 {
-    static const struct engine_options defaults = {0};
     *out = (struct layer_round){.cone_count = options->poses};
     conus_status status = torus_scene_init(&out->scene, bench_size(options, TORI));
     status = status ? status : torus_scene_atlas(&out->atlas, &out->scene);
-    status = status ? status : engine_rays_create(&out->rays, out->atlas, &defaults);
+    status = status ? status : engine_rays_create(&out->rays, out->atlas, &(struct engine_options){0});
+    status = status ? status : evidence_init(&out->visible, TORUS_RESOLUTION);
+    status = status ? status : evidence_init(&out->first, TORUS_RESOLUTION);
     out->cones = status ? NULL : memory_zeroed(options->poses, sizeof *out->cones);
     if (!out->cones) {
         return status ? status : CONUS_ERROR_MEMORY;
@@ -83,9 +69,9 @@ static conus_status layer_round_init(struct layer_round *out, const struct bench
 
 static void layer_round_finish(struct layer_round *round)
 {
-    for (int w = 0; w < LAYER_WAYS; w++) {
-        way_finish(&round->ways[w]);
-    }
+    evidence_finish(&round->visible);
+    evidence_finish(&round->first);
+    layers_finish(&round->all_hits);
     engine_destroy(round->rays);
     conus_atlas_destroy(round->atlas);
     memory_free(round->cones);
@@ -93,38 +79,20 @@ static void layer_round_finish(struct layer_round *round)
 }
 
 /* Whether the first interval of every pixel is what is visible, to the bit. */
-static bool has_same_firsts(const struct layer_way *layers, const struct layer_way *visible)
+static bool has_same_firsts(struct layer_round *round)
 {
+    const struct evidence *first = &round->first, *seen = &round->visible;
     bool same = true;
-    for (size_t i = 0; i < layers->round->cone_count; i++) {
-        const struct evidence *seen = &visible->visible[i];
-        struct evidence *first = &layers->visible[i];
-        (void)layers_first(first, &layers->all_hits[i]);
+    for (size_t i = 0; i < round->cone_count; i++) {
+        see(round, &round->cones[i]);
+        pierce(round, &round->cones[i]);
+        (void)layers_first(&round->first, &round->all_hits);
         for (size_t p = 0; p < TORUS_PIXELS; p++) {
             same = same && first->object[p] == seen->object[p] && first->voxel[p] == seen->voxel[p] &&
                    first->distance[p] == seen->distance[p];
         }
     }
-    return same;
-}
-
-static conus_status measure_layers(struct bench *bench, struct layer_round *round)
-{
-    struct bench_variant variants[LAYER_WAYS];
-    for (size_t w = 0; w < LAYER_WAYS; w++) {
-        conus_status status = layer_way_init(round, w);
-        if (status) {
-            return status;
-        }
-        answer_all(&round->ways[w]);
-        variants[w] = (struct bench_variant){
-            .name = w ? "20000 tori, all layers" : "20000 tori, visible", .run = answer_all, .data = &round->ways[w]};
-        variants[w].equal = !round->ways[w].status;
-    }
-    variants[1].equal = variants[1].equal && has_same_firsts(&round->ways[1], &round->ways[0]);
-    conus_status status =
-        bench_measure(bench, "layers", variants, LAYER_WAYS, bench->options.poses, bench->options.angle);
-    return status ? status : bench_ratio(bench, "layers_over_visible", &variants[1], &variants[0]);
+    return same && !round->status;
 }
 
 conus_status bench_layers(struct bench *bench)
@@ -133,8 +101,13 @@ conus_status bench_layers(struct bench *bench)
     bench->one_thread = true;
     conus_status status = layer_round_init(&round, &bench->options);
     if (!status) {
+        bool same = has_same_firsts(&round);
+        struct bench_variant variants[WAYS] = {
+            {.name = "20000 tori, visible", .run = see_all, .data = &round, .equal = same},
+            {.name = "20000 tori, all layers", .run = pierce_all, .data = &round, .equal = same}};
         snprintf(bench->driver, sizeof bench->driver, "%s", round.rays->name);
-        status = measure_layers(bench, &round);
+        status = bench_measure(bench, "layers", variants, WAYS, bench->options.poses, bench->options.angle);
+        status = status ? status : bench_ratio(bench, "layers_over_visible", &variants[ALL], &variants[VISIBLE]);
     }
     layer_round_finish(&round);
     return status;
