@@ -187,6 +187,9 @@ conus_status selections_trace(conus_selection *const *selections, size_t count, 
             cone->wanted = selections[i]->in_cone;
             cone->rays = count == 1 ? &selector->aperture.rays : NULL;
         }
+        if (selections[i] && count == 1) {
+            selections[i]->cone.per_depth = selector->aperture.per_depth;
+        }
     }
     conus_status status = together ? trace_together(selections, count, engine) : CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
@@ -196,7 +199,9 @@ conus_status selections_trace(conus_selection *const *selections, size_t count, 
         bool needs_first = selection && !has_range && (together || !selection->has_layers || !layers_show_first);
         bool is_traced = is_cut || needs_first;
         if (is_traced && !together) {
+            selection->cone.begins_at_range = is_cut;
             status = engine->functions->trace(engine, &selection->evidence, &selection->cone);
+            selection->cone.begins_at_range = false;
         }
         if (is_cut && !status) {
             status = find_in_range(selection, engine);
@@ -211,6 +216,7 @@ conus_status selections_trace(conus_selection *const *selections, size_t count, 
         if (selections[i]) {
             selections[i]->cone.wanted = NULL;
             selections[i]->cone.rays = NULL;
+            selections[i]->cone.per_depth = NULL;
         }
     }
     return status;

@@ -147,11 +147,11 @@ static conus_status measure_ways(struct bench *bench, const char *scenario, cons
 {
     struct contender contenders[CONTEST_LIMIT] = {0};
     conus_status status = CONUS_OK;
-    for (size_t i = 0; i < count && !status; i++) {
+    for (size_t i = 0; i < count && !status && ways[i].selector; i++) {
         struct contender like = {0};
         const struct way other = {.selector = ways[i].like, .threads = 1};
         status = contender_init(&contenders[i], scene, &ways[i]);
-        status = status || !ways[i].like ? status : contender_init(&like, scene, &other);
+        status = status || !other.selector ? status : contender_init(&like, scene, &other);
         variants[i] = (struct bench_variant){.name = ways[i].name, .run = run_contender, .data = &contenders[i]};
         const struct buffer *rows = &contenders[i].rows;
         bool same = rows->data && like.rows.data && rows->size == like.rows.size &&
@@ -211,9 +211,10 @@ static const struct question {
 } questions[] = {
     {"first hits", {0}, NULL, 0},
     {"first hits, --range 0,250", {.range = {0, 250}}, "range_over_cone", 0},
+    {"first hits, --range 200,300", {.range = {200, 300}}, "near_range_over_cone", 0},
     {"first hits, --radius 0.65", {.radius = 0.65}, "cylinder_over_cone", 0},
     {"all layers", {.layers = CONUS_LAYERS_ALL}, "layers_over_visible_aal", 0},
-    {"all layers, --radius 0.65", {.layers = CONUS_LAYERS_ALL, .radius = 0.65}, "cylinder_layers_over_cone_layers", 3}};
+    {"all layers, --radius 0.65", {.layers = CONUS_LAYERS_ALL, .radius = 0.65}, "cylinder_layers_over_cone_layers", 4}};
 enum { QUESTIONS = sizeof questions / sizeof questions[0] };
 
 conus_status bench_batch_layers(struct bench *bench)

@@ -9,6 +9,7 @@ void aperture_finish(struct aperture *aperture)
     memory_free(aperture->in_cone);
     memory_free(aperture->square);
     memory_free(aperture->weight);
+    memory_free(aperture->per_depth);
     memory_free(aperture->inside);
     memory_free(aperture->rays.pixel);
     memory_free(aperture->rays.right);
@@ -45,13 +46,14 @@ static conus_status make_pixels(struct aperture *aperture, const struct cone *co
     made.in_cone = memory_raw(pixels, sizeof *made.in_cone);
     made.square = memory_raw(pixels, sizeof *made.square);
     made.weight = memory_raw(pixels, sizeof *made.weight);
+    made.per_depth = memory_raw(pixels, sizeof *made.per_depth);
     made.inside = memory_raw(pixels, sizeof *made.inside);
     made.rays.pixel = memory_raw(pixels, sizeof *made.rays.pixel);
     made.rays.right = memory_raw(pixels, sizeof *made.rays.right);
     made.rays.up = memory_raw(pixels, sizeof *made.rays.up);
     made.rays.forward = memory_raw(pixels, sizeof *made.rays.forward);
-    if (!made.in_cone || !made.square || !made.weight || !made.inside || !made.rays.pixel || !made.rays.right ||
-        !made.rays.up || !made.rays.forward) {
+    if (!made.in_cone || !made.square || !made.weight || !made.per_depth || !made.inside || !made.rays.pixel ||
+        !made.rays.right || !made.rays.up || !made.rays.forward) {
         aperture_finish(&made);
         return CONUS_ERROR_MEMORY;
     }
@@ -78,6 +80,7 @@ static conus_status make_pixels(struct aperture *aperture, const struct cone *co
     return CONUS_OK;
 }
 
+/* Sets what depends on the angle, too. */
 static void make_weights(struct aperture *aperture, const struct cone *cone)
 {
     uint32_t n = aperture->resolution;
@@ -87,6 +90,7 @@ static void make_weights(struct aperture *aperture, const struct cone *cone)
         for (uint32_t i = 0; i < n; i++) {
             size_t pixel = (size_t)j * n + i;
             aperture->weight[pixel] = cone_weight(cone, i, j);
+            aperture->per_depth[pixel] = cone_per_depth(cone, i, j);
             aperture->total_weight += aperture->in_cone[pixel] ? aperture->weight[pixel] : 0;
         }
     }

@@ -32,6 +32,7 @@ struct aperture {
     bool *in_cone;           /**< cone_has_pixel()                                       */
     uint32_t *square;        /**< cone_square()                                          */
     double *weight;          /**< cone_weight()                                          */
+    double *per_depth;       /**< cone_per_depth()                                       */
     uint32_t *inside;        /**< The pixels in the cone, rays.count of them, in the pixels' order. */
     struct device_rays rays; /**< Rays of the pixels in the cone, block by block.             */
     double total_weight;     /**< Sum over the pixels in the cone, in the pixels' order. */

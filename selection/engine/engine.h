@@ -13,7 +13,8 @@ struct engine;
 struct layers;
 
 struct engine_functions {
-    /** Fills @p out (already initialised to the cone's resolution) for @p cone. */
+    /** Fills @p out (already initialised to the cone's resolution) for @p cone. With begins_at_range a hit at or behind
+     * the near end of the range is the first there; one before it says nothing. */
     conus_status (*trace)(struct engine *engine, struct evidence *out, const struct cone *cone);
     /** trace() for @p count cones of one resolution at once; NULL where that is no faster. */
     conus_status (*trace_many)(struct engine *engine, struct evidence *const *out, const struct cone *const *cones,

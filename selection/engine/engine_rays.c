@@ -187,12 +187,45 @@ static void walk_slices(const struct target *target, struct traverse_bundle *bun
     }
 }
 
+/* Where the rays come to the near end of the cone's range. */
+static void find_near(double from[TRAVERSE_BUNDLE], const struct cone *cone, const struct block *block)
+{
+    for (size_t ray = 0; ray < TRAVERSE_BUNDLE; ray++) {
+        size_t pixel = block->pixel[ray < block->bundle.count ? ray : block->bundle.count - 1];
+        from[ray] = cone->range[0] *
+                    cone_per_depth(cone, (uint32_t)(pixel % cone->resolution), (uint32_t)(pixel / cone->resolution));
+    }
+}
+
+/* A ray that is in a voxel at the near end hits that which is found there, if it is of the same object. Else it keeps a
+ * distance before that end. */
+static void settle_near(struct traverse_bundle *bundle, size_t ray, const struct volume *volume)
+{
+    double point[3] = {bundle->origin[0], bundle->origin[1], bundle->origin[2]};
+    const double direction[3] = {bundle->direction[0][ray], bundle->direction[1][ray], bundle->direction[2][ray]};
+    size_t voxel = 0;
+    for (int a = 0; a < 3 && bundle->is_apart; a++) {
+        point[a] = bundle->origins[a][ray];
+    }
+    vec3_add_scaled(point, point, bundle->from[ray], direction);
+    bool found = bundle->object[ray] != VOLUME_BLOCKER && volume_find_voxel(&voxel, volume, point) &&
+                 volume_object(volume, voxel) == bundle->object[ray];
+    bundle->t[ray] = found ? bundle->from[ray] : 0;
+    bundle->voxel[ray] = found ? voxel : bundle->voxel[ray];
+}
+
 static conus_status trace_volumes(const struct rays_engine *engine, void *evidence, const struct cone *cone,
                                   struct block *block)
 {
     struct evidence *out = evidence;
     struct traverse_bundle *bundle = &block->bundle;
     bool has_labelled = atomic_load_explicit(&engine->has_labelled, memory_order_acquire);
+    double from[TRAVERSE_BUNDLE];
+    bundle->from = NULL;
+    if (cone->begins_at_range && cone->range[0] > 0 && engine->target_count == 1) {
+        find_near(from, cone, block);
+        bundle->from = from;
+    }
     for (size_t i = 0; i < engine->target_count; i++) {
         const struct target *target = &engine->targets[i];
         const struct distance_map *map = has_labelled && target->labelled.codes ? &target->labelled : &target->map;
@@ -205,6 +238,9 @@ static conus_status trace_volumes(const struct rays_engine *engine, void *eviden
             traverse_bundle_walk(engine->kernel, map, target->volume, bundle);
         }
         for (size_t ray = 0; ray < bundle->count; ray++) {
+            if (bundle->t[ray] == TRAVERSE_THERE) {
+                settle_near(bundle, ray, target->volume);
+            }
             keep_nearer(out, block->pixel[ray], bundle->t[ray], bundle->voxel[ray], bundle->object[ray]);
         }
     }
@@ -365,6 +401,7 @@ static conus_status pierce_volumes(const struct rays_engine *engine, void *out, 
 {
     bool has_uniform = atomic_load_explicit(&engine->has_uniform, memory_order_acquire);
     conus_status status = CONUS_OK;
+    block->bundle.from = NULL;
     for (size_t ray = 0; ray < block->bundle.count; ray++) {
         uint32_t i = (uint32_t)(block->pixel[ray] % cone->resolution);
         uint32_t j = (uint32_t)(block->pixel[ray] / cone->resolution);
@@ -399,12 +436,22 @@ static conus_status pierce_tracts(const struct rays_engine *engine, void *out, c
     return tract_rays_pierce(engine->tracts, &block->tracts, out, block->pixel);
 }
 
+static size_t count_rays(const struct cone *cone)
+{
+    size_t pixels = (size_t)cone->resolution * cone->resolution;
+    size_t count = cone->rays ? cone->rays->count : 0;
+    for (size_t pixel = 0; pixel < pixels && !cone->rays; pixel++) {
+        count += !cone->wanted || cone->wanted[pixel];
+    }
+    return count;
+}
+
 static conus_status pierce(struct engine *engine, struct layers *out, const struct cone *cone)
 {
     struct rays_engine *rays = (struct rays_engine *)engine;
     conus_status status = rays->target_count ? for_blocks(rays, out, cone, pierce_volumes, BLOCK) : CONUS_OK;
     if (!status && rays->target_count && cone->resolution > 1) { /* lone rays need none */
-        count_pierced(rays, (size_t)cone->resolution * cone->resolution);
+        count_pierced(rays, count_rays(cone));
     }
     if (!status && rays->meshes) {
         struct mesh_intervals intervals = rays->intervals; /* of its own, since several threads may be here */

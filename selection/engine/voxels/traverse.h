@@ -76,7 +76,7 @@ enum { TRAVERSE_BUNDLE = 256, TRAVERSE_LANES = 16 };
 /** Origins farther away than so many voxels, grids with more voxels along an edge and maps with more codes need
  * traverse_one(). */
 #define TRAVERSE_FAR 0x1p25
-enum { TRAVERSE_EDGE = 1 << 20, TRAVERSE_CODES = INT32_MAX };
+enum { TRAVERSE_EDGE = 1 << 20, TRAVERSE_CODES = INT32_MAX, TRAVERSE_THERE = -1 };
 
 /** Rays, neighbours side by side: what a kernel walks at once. The caller fills in what is before `index_from_world`.
  */
@@ -84,15 +84,17 @@ struct traverse_bundle {
     size_t count;                                     /**< Number of rays, at most TRAVERSE_BUNDLE. */
     alignas(64) double direction[3][TRAVERSE_BUNDLE]; /**< In the world, unit length.               */
     double limit[TRAVERSE_BUNDLE];                    /**< Give up beyond, mm.                      */
-    double origin[3];                                 /**< In the world, of all rays;               */
-    bool is_apart;                                    /**< unless each has its own:                 */
+    const double *from; /**< [count] Kernels may begin there, mm, padded; NULL = at the origin. See `t`. */
+    double origin[3];   /**< In the world, of all rays;               */
+    bool is_apart;      /**< unless each has its own:                 */
     double origins[3][TRAVERSE_BUNDLE];
     const double *index_from_world;                /**< The volume's matrix, and                                 */
     double start[3];                               /**< the origin in its index space, or                        */
     alignas(64) double starts[3][TRAVERSE_BUNDLE]; /**< the origins, and                                         */
     double low[3], high[3];                        /**< their box, and                                           */
     bool starts_inside;                    /**< whether that is in the map's: traverse_bundle_walk() sets these. */
-    alignas(64) double t[TRAVERSE_BUNDLE]; /**< Out: as in struct traverse_contact.                              */
+    alignas(64) double t[TRAVERSE_BUNDLE]; /**< Out: as in struct traverse_contact; with `from`, TRAVERSE_THERE where
+                                              the ray is in that voxel at `from`, and surely not at its border.  */
     uint64_t voxel[TRAVERSE_BUNDLE];
     uint32_t object[TRAVERSE_BUNDLE]; /**< Out: what is there, of hits. */
 };

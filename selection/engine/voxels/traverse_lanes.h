@@ -282,6 +282,34 @@ static INLINE truths start_cells(singles cell[3], truths *on, const struct packe
     return every();
 }
 
+/* Rays that come into the box before `from` begin there: in its cell or, where that is not in the box, nowhere. Where
+ * it is near a face of the cell, the ray is unclear. Returns which are clear. */
+static INLINE truths begin_later(singles cell[3], truths *on, truths clear, const struct packet *packet,
+                                 const struct walk *walk, size_t slot)
+{
+    const double *at = walk->bundle->from + slot;
+    singles from = singles_from_doubles(doubles_at(at) - walk->begin, doubles_at(at + HALF) - walk->begin);
+    singles t = all(0);
+    truths inside = every();
+    truths sure = every();
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) {
+        singles entry = entry_of(packet, walk, a);
+        t = choose(less(t, entry), entry, t);
+    }
+    truths later = less(t, from);
+    EACH_AXIS
+    for (int a = 0; a < 3; a++) {
+        singles x = multiply_add(from, packet->direction[a], packet->origin[a]);
+        singles there = nearest(x);
+        sure &= less(magnitude(x - there), all(0.5F - walk->error));
+        inside &= at_most(all(walk->first[a]), there) & at_most(there, all(walk->last[a]));
+        cell[a] = choose(later, there, cell[a]);
+    }
+    *on &= ~later | ~sure | inside;
+    return (later & sure) | (~later & clear);
+}
+
 /* Notes where the codes of the lanes' cells are, as distance_map_at() says, and has them fetched: neighbours' are
  * mostly in the same lines, so every third will do. */
 static INLINE void settle(struct walk *walk, size_t slot, const singles cell[3])
@@ -324,6 +352,9 @@ static INLINE void enter(struct walk *walk, size_t number)
     store_singles(walk->stop + slot, packet.stop);
     truths clear = walk->bundle->starts_inside ? start_cells(cell, &on, &packet, walk, slot)
                                                : find_cells(cell, &on, &packet, walk, slot);
+    if (walk->bundle->from) {
+        clear = begin_later(cell, &on, clear, &packet, walk, slot);
+    }
     walk->live[number] = on & clear & packet.clear;
     walk->unclear[number] = (on & ~clear) | ~packet.clear;
     walk->hit[number] = none();
@@ -403,6 +434,9 @@ static INLINE void deliver(const struct walk *walk, size_t slot, halves hit, hal
     doubles t = choose_doubles(is_0, way[0], choose_doubles(is_1, way[1], way[2])) * (1 / direction);
     t = choose_doubles(less_doubles(all_doubles(0), t), t, all_doubles(0));
     hit &= at_most_doubles(t, doubles_at(bundle->limit + slot));
+    if (bundle->from) {
+        t = choose_doubles(less_doubles(t, doubles_at(bundle->from + slot)), all_doubles(TRAVERSE_THERE), t);
+    }
     longs voxel = longs_from_doubles(cell[0] + (double)dim[0] * (cell[1] + (double)dim[1] * cell[2]));
     store_doubles(bundle->t + slot, choose_doubles(hit, t, all_doubles(INFINITY)));
     store_longs(bundle->voxel + slot, choose_longs(hit, voxel, (longs){0} - 1));

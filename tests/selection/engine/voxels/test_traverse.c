@@ -233,22 +233,6 @@ static size_t compare_bundle(uint64_t *random, const struct distance_map *map, c
     return hits + walk_and_compare(&bundle, map, volume, wanted);
 }
 
-/* Areas of some voxels' width that touch, with holes, some with numbers too high for a colour; or so many in a jumble
- * that there are not colours for all; or the objects as they are. */
-static void name_areas(struct volume *volume, uint64_t *random)
-{
-    size_t width = 1 + any_of(random, 9);
-    size_t factor = any_of(random, 3) ? 1 : OBJECTS_COLOURED / 3 + 1;
-    for (size_t v = 0; v < volume->voxel_count && width == 7; v++) {
-        volume->objects16[v] = (uint16_t)any_of(random, 40);
-    }
-    for (size_t v = 0; v < volume->voxel_count && width < 7; v++) {
-        const size_t *dim = volume->info.dim;
-        size_t sum = v % dim[0] / width + 3 * (v / dim[0] % dim[1] / width) + 5 * (v / dim[0] / dim[1] / (width + 1));
-        volume->objects16[v] = (uint16_t)(sum % 7 < 4 ? sum % 7 * factor : volume->objects16[v]);
-    }
-}
-
 /* As traverse_bundle_pierce() gives them: by ray, then along the ray. */
 static void pierce_one_by_one(struct layers *out, const struct traverse_bundle *bundle, const struct distance_map *map,
                               const struct volume *volume)
@@ -263,6 +247,74 @@ static void pierce_one_by_one(struct layers *out, const struct traverse_bundle *
         assert_ok(traverse_pierce(out, map, volume, &ray, INFINITY, (uint32_t)i));
     }
     assert_ok(layers_sort(out, bundle->count));
+}
+
+/* The interval of the ray that is there first from `from` on; NULL if there is none. Sets the ray's first of all. */
+static const conus_interval *first_from(const conus_interval **first, const struct layers *all, size_t ray, double from)
+{
+    *first = NULL;
+    for (size_t i = 0; i < all->count; i++) {
+        const conus_interval *interval = &all->intervals[i];
+        if (interval->pixel == ray) {
+            *first = *first ? *first : interval;
+            if (interval->exit > from) {
+                return interval;
+            }
+        }
+    }
+    return NULL;
+}
+
+/* Kernels that begin later tell what is there then, or else what is first of all. Returns of how many rays that hit
+ * something before they told what is there. */
+static size_t compare_later(uint64_t *random, const struct distance_map *map, const struct volume *volume)
+{
+    alignas(64) double from[TRAVERSE_BUNDLE];
+    struct traverse_bundle bundle = {.from = from};
+    struct layers wanted = {0};
+    size_t told = 0;
+    aim(&bundle, random, volume);
+    pierce_one_by_one(&wanted, &bundle, map, volume);
+    for (size_t i = 0; i < TRAVERSE_BUNDLE; i++) {
+        const conus_interval *some = wanted.count ? &wanted.intervals[any_of(random, wanted.count)] : NULL;
+        from[i] = some && some->exit > 0 ? test_random(random, 0.01, 1.2) * some->exit : 1;
+        bundle.limit[i] = INFINITY;
+    }
+    for (size_t k = 0; traverse_kernel(k); k++) {
+        if (!traverse_kernel(k)->is_supported()) {
+            continue;
+        }
+        traverse_bundle_walk(traverse_kernel(k), map, volume, &bundle);
+        for (size_t i = 0; i < bundle.count; i++) {
+            const conus_interval *first;
+            const conus_interval *want = first_from(&first, &wanted, i, from[i]);
+            bool is_there = want && want->entry < from[i];
+            double t = !want ? INFINITY : is_there ? TRAVERSE_THERE : want->entry;
+            bool as_wanted = bundle.t[i] == t && (!want || bundle.object[i] == want->object) &&
+                             (!want || is_there || bundle.voxel[i] == want->voxel);
+            bool as_first = first && first->entry < from[i] && bundle.t[i] == first->entry;
+            assert_true(as_wanted || as_first);
+            told += as_wanted && first && first->entry < from[i];
+        }
+    }
+    layers_finish(&wanted);
+    return told;
+}
+
+/* Areas of some voxels' width that touch, with holes, some with numbers too high for a colour; or so many in a jumble
+ * that there are not colours for all; or the objects as they are. */
+static void name_areas(struct volume *volume, uint64_t *random)
+{
+    size_t width = 1 + any_of(random, 9);
+    size_t factor = any_of(random, 3) ? 1 : OBJECTS_COLOURED / 3 + 1;
+    for (size_t v = 0; v < volume->voxel_count && width == 7; v++) {
+        volume->objects16[v] = (uint16_t)any_of(random, 40);
+    }
+    for (size_t v = 0; v < volume->voxel_count && width < 7; v++) {
+        const size_t *dim = volume->info.dim;
+        size_t sum = v % dim[0] / width + 3 * (v / dim[0] % dim[1] / width) + 5 * (v / dim[0] / dim[1] / (width + 1));
+        volume->objects16[v] = (uint16_t)(sum % 7 < 4 ? sum % 7 * factor : volume->objects16[v]);
+    }
 }
 
 static void assert_same_intervals(const struct layers *got, const struct layers *wanted, const char *kernel)
@@ -403,6 +455,24 @@ static void kernels_equal_the_plain_traversal(void **state)
     assert_true(compare_scenes(11, (int)test_trials(150), 1) > test_trials(15000) * count_kernels());
 }
 
+/* Eq. 10: what a ray is in, or comes to, at and behind the near end of a range. */
+static void kernels_begin_later(void **state)
+{
+    (void)state;
+    uint64_t random = 15;
+    size_t told = 0;
+    for (size_t scene = 0; scene < test_trials(150); scene++) {
+        struct volume volume;
+        struct distance_map map;
+        make_volume(&volume, &map, &random, 1);
+        for (int bundle = 0; bundle < 3; bundle++) {
+            told += compare_later(&random, &map, &volume);
+        }
+        end_volume(&volume, &map);
+    }
+    assert_true(told > test_trials(3000));
+}
+
 /* Voxels whose size, or one by whose size, is no single. */
 static void voxels_of_any_size_do(void **state)
 {
@@ -472,7 +542,7 @@ TEST_GROUP(traverse)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels_equal_the_plain_traversal),         cmocka_unit_test(voxels_of_any_size_do),
         cmocka_unit_test(kernels_list_the_intervals_of_single_rays), cmocka_unit_test(what_is_hit_at_once_is_at_zero),
-        cmocka_unit_test(large_volumes_have_no_labelled_map),
+        cmocka_unit_test(large_volumes_have_no_labelled_map),        cmocka_unit_test(kernels_begin_later),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
