@@ -198,7 +198,7 @@ void conus_atlas_use_own_colours(conus_atlas *atlas)
 
 static const struct volume *grey_volume(const conus_atlas *atlas, size_t index)
 {
-    bool is_grey = index < atlas->volume_count && atlas->volumes[index].values;
+    bool is_grey = index < atlas->volume_count && volume_has_values(&atlas->volumes[index]);
     return is_grey ? &atlas->volumes[index] : NULL;
 }
 
@@ -225,7 +225,7 @@ conus_status conus_atlas_histogram(uint64_t *counts, size_t bins, const conus_at
     double scale = volume->info.maximum > low ? (double)bins / (volume->info.maximum - low) : 0;
     memset(counts, 0, bins * sizeof *counts);
     for (size_t i = 0; i < volume->voxel_count; i++) {
-        double bin = ((double)volume->values[i] - low) * scale;
+        double bin = ((double)volume_value(volume, i) - low) * scale;
         if (bin >= 0) { /* NaN has no place */
             counts[bin < (double)bins ? (size_t)bin : bins - 1]++;
         }
@@ -317,7 +317,7 @@ float atlas_probability(const conus_atlas *atlas, uint32_t number, const double 
 {
     const struct volume *volume = atlas_object_volume(atlas, number);
     size_t voxel;
-    return volume_find_voxel(&voxel, volume, point) ? volume->values[voxel] : NAN;
+    return volume_find_voxel(&voxel, volume, point) ? volume_value(volume, voxel) : NAN;
 }
 
 const struct mesh *atlas_object_mesh(const conus_atlas *atlas, uint32_t number)

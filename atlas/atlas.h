@@ -123,20 +123,21 @@ static inline bool atlas_is_paired(const conus_atlas *atlas, uint32_t number)
     return atlas->first_pair && number < atlas->first_pair && atlas->objects[number - 1].parent >= atlas->first_pair;
 }
 
-/** Adds a scalar volume as a pathway of the voxels with values >= info->threshold. @p values (one per voxel) is
+/** Adds a scalar volume as a pathway of the voxels with values >= info->threshold. @p map is
  * taken over on success. */
-conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info, float *values, const char *name);
+conus_status atlas_add_pathway(conus_atlas *atlas, const conus_volume_info *info, struct value_map *map,
+                               const char *name);
 
 /** Adds a volume of probabilities, from 0 to 1, as the area @p area of the voxels with values >= info->threshold;
  * otherwise like atlas_add_pathway(). Areas may overlap. They come before pathways: CONUS_ERROR_ARGUMENT once there is
  * a pathway. */
-conus_status atlas_add_probabilistic_area(conus_atlas *atlas, const conus_volume_info *info, float *values,
+conus_status atlas_add_probabilistic_area(conus_atlas *atlas, const conus_volume_info *info, struct value_map *map,
                                           const conus_object *area);
 
 /** Adds a scalar volume as one pathway for each of @p bands (Eq. 6), in their order. Bands do not overlap, and each
- * holds some float; the ends of the first and last may be infinite. @p values as above. */
-conus_status atlas_add_bands(conus_atlas *atlas, const conus_volume_info *info, float *values, const conus_band *bands,
-                             size_t count);
+ * holds some float; the ends of the first and last may be infinite. @p map as above. */
+conus_status atlas_add_bands(conus_atlas *atlas, const conus_volume_info *info, struct value_map *map,
+                             const conus_band *bands, size_t count);
 
 /** Sets the context volume, replacing an earlier one. Voxels with values >= info->threshold stop rays, unless that is
  * 0. @p values is taken over on success. */

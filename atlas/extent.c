@@ -24,7 +24,7 @@ static void add_point(struct box *box, const double p[3])
 
 enum { AT_ONCE = 32 };
 
-/* Whether any of AT_ONCE voxels from `first` on holds an object; without a branch for each. */
+/* Whether any of AT_ONCE voxels from `first` on may hold an object; without a branch for each. */
 static bool is_occupied(const struct volume *volume, size_t first)
 {
     uint32_t any = 0;
@@ -32,10 +32,12 @@ static bool is_occupied(const struct volume *volume, size_t first)
         for (size_t v = first; v < first + AT_ONCE; v++) {
             any |= volume->objects16[v];
         }
-    } else {
+    } else if (volume->objects32) {
         for (size_t v = first; v < first + AT_ONCE; v++) {
             any |= volume->objects32[v];
         }
+    } else {
+        return volume_next(volume, first) < first + AT_ONCE;
     }
     return any;
 }
@@ -69,9 +71,12 @@ static struct box find_centres(const struct volume *volume, const double m[16])
     for (size_t row = 0; row < dim[1] * dim[2]; row++) {
         size_t ends[2];
         size_t start = row * dim[0];
-        if (find_ends(&ends[0], &ends[1], volume, start, start + dim[0])) {
-            const size_t j = row % dim[1];
-            const size_t k = row / dim[1];
+        const size_t j = row % dim[1];
+        const size_t k = row / dim[1];
+        const struct object_box *in = &volume->box;
+        bool is_out =
+            volume->step_count && (j < in->first[1] || j > in->last[1] || k < in->first[2] || k > in->last[2]);
+        if (!is_out && find_ends(&ends[0], &ends[1], volume, start, start + dim[0])) {
             for (int end = 0; end < 2; end++) {
                 const double index[3] = {(double)(ends[end] - start), (double)j, (double)k};
                 double centre[3];
@@ -205,8 +210,9 @@ static void add_voxels(struct moment *all, const conus_atlas *atlas, const struc
     struct moment voxels = {0};
     uint32_t last = 0; /* neighbours are mostly of one object */
     bool is_mine = false;
-    for (size_t v = 0; v < volume->voxel_count; v++) {
-        uint32_t here = volume_object(volume, v);
+    for (size_t v = volume_next(volume, 0); v < volume->voxel_count; v = volume_next(volume, v + 1)) {
+        const struct volume_step *step = volume->step_count ? volume_step_of(volume, volume_value(volume, v)) : NULL;
+        uint32_t here = step ? step->number : volume->step_count ? 0 : volume_object(volume, v); /* hidden or not */
         if (here != last) {
             last = here;
             is_mine = here && here != VOLUME_BLOCKER && atlas_is_below(atlas, here, number);

@@ -12,7 +12,9 @@ static void free_arrays(struct volume *volume)
     memory_free(volume->objects16);
     memory_free(volume->objects32);
     memory_free(volume->values);
+    memory_free(volume->steps);
     memory_free(volume->hidden_runs);
+    value_map_finish(&volume->map);
 }
 
 void volume_finish(struct volume *volume)
@@ -22,6 +24,7 @@ void volume_finish(struct volume *volume)
         memory_free(volume->source->objects16);
         memory_free(volume->source->objects32);
         memory_free(volume->source->values);
+        value_map_finish(&volume->source->map);
     }
     memory_free(volume->source);
     if (!volume->is_borrowed) {
@@ -48,15 +51,88 @@ conus_status volume_own(struct volume *volume)
     own.distances = NULL;
     own.objects32 = NULL;
     own.values = NULL;
+    own.steps = NULL;
     own.hidden_runs = NULL;
+    own.map = (struct value_map){0};
     if (!copy_array(&own.objects16, volume->objects16, volume->voxel_count, sizeof *own.objects16) ||
         !copy_array(&own.objects32, volume->objects32, volume->voxel_count, sizeof *own.objects32) ||
         !copy_array(&own.values, volume->values, volume->voxel_count, sizeof *own.values) ||
-        !copy_array(&own.hidden_runs, volume->hidden_runs, volume->hidden_run_count, sizeof *own.hidden_runs)) {
+        !copy_array(&own.steps, volume->steps, volume->step_count, sizeof *own.steps) ||
+        !copy_array(&own.hidden_runs, volume->hidden_runs, volume->hidden_run_count, sizeof *own.hidden_runs) ||
+        (volume->map.count && value_map_copy(&own.map, &volume->map))) {
         free_arrays(&own);
         return CONUS_ERROR_MEMORY;
     }
     *volume = own;
+    return CONUS_OK;
+}
+
+const struct volume_step *volume_step_of(const struct volume *volume, float value)
+{
+    size_t first = 0; /* of those that begin above the value */
+    for (size_t end = volume->step_count; first < end;) {
+        size_t middle = first + (end - first) / 2;
+        if (volume->steps[middle].low <= value) {
+            first = middle + 1;
+        } else {
+            end = middle;
+        }
+    }
+    return first && value < volume->steps[first - 1].high ? &volume->steps[first - 1] : NULL;
+}
+
+size_t volume_next(const struct volume *volume, size_t voxel)
+{
+    bool is_sparse = volume->map.count && !volume_step_of(volume, value_map_code(&volume->map, 0));
+    return is_sparse ? value_map_next(&volume->map, voxel) : voxel;
+}
+
+void volume_count_steps(uint64_t *counts, struct volume *volume)
+{
+    const size_t *dim = volume->info.dim;
+    struct object_box box = {{SIZE_MAX, SIZE_MAX, SIZE_MAX}, {0, 0, 0}};
+    memset(counts, 0, volume->step_count * sizeof *counts);
+    for (size_t v = volume_next(volume, 0); v < volume->voxel_count;) {
+        size_t end = v - v % VALUE_RUN + VALUE_RUN;
+        for (; v < end && v < volume->voxel_count; v++) {
+            const struct volume_step *step = volume_step_of(volume, value_map_at(&volume->map, v));
+            if (step) {
+                const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
+                counts[step - volume->steps]++;
+                for (int a = 0; a < 3; a++) {
+                    box.first[a] = at[a] < box.first[a] ? at[a] : box.first[a];
+                    box.last[a] = at[a] > box.last[a] ? at[a] : box.last[a];
+                }
+            }
+        }
+        v = volume_next(volume, v);
+    }
+    volume->box = box;
+}
+
+conus_status volume_spread(struct volume *out, const struct volume *volume, const size_t first[3], const size_t dim[3])
+{
+    struct volume part = {.info = {.dim = {dim[0], dim[1], dim[2]}}, .voxel_count = dim[0] * dim[1] * dim[2]};
+    uint32_t most = 0;
+    for (size_t i = 0; i < volume->step_count; i++) {
+        most = volume->steps[i].number > most ? volume->steps[i].number : most;
+    }
+    if (most <= UINT16_MAX) {
+        part.objects16 = memory_zeroed(part.voxel_count, sizeof *part.objects16);
+    } else {
+        part.objects32 = memory_zeroed(part.voxel_count, sizeof *part.objects32);
+    }
+    if (!part.objects16 && !part.objects32) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t row = 0; row < dim[1] * dim[2]; row++) {
+        const size_t *all = volume->info.dim;
+        size_t from = first[0] + all[0] * (first[1] + row % dim[1] + all[1] * (first[2] + row / dim[1]));
+        for (size_t v = volume_next(volume, from); v < from + dim[0]; v = volume_next(volume, v + 1)) {
+            volume_set_object(&part, row * dim[0] + v - from, volume_object(volume, v));
+        }
+    }
+    *out = part;
     return CONUS_OK;
 }
 

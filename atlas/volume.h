@@ -3,7 +3,7 @@
 #ifndef CONUS_ATLAS_VOLUME_H
 #define CONUS_ATLAS_VOLUME_H
 
-#include "base/status.h"
+#include "atlas/value_map.h"
 #include "conus/atlas_info.h"
 
 /** The number of voxels that stop rays and belong to no object. Above every object's number, so that an object that is
@@ -16,6 +16,19 @@ struct hidden_run {
     uint32_t object;
 };
 
+/** Voxels of a scalar volume with low <= value < high are the object @p number. Values are kept as floats, and so are
+ * the ends: bands that share an end have neither a gap nor a voxel in common. */
+struct volume_step {
+    float low, high;
+    uint32_t number;
+    uint32_t is_hidden; /**< 1: of several steps, one that holds nothing now. */
+};
+
+/** Indices of voxels; none: first above last. */
+struct object_box {
+    size_t first[3], last[3];
+};
+
 /** The voxels as they were before a deformation field resampled them. */
 struct volume_source {
     size_t dim[3];
@@ -23,6 +36,7 @@ struct volume_source {
     uint16_t *objects16;
     uint32_t *objects32;
     float *values;
+    struct value_map map;
     size_t first_warp; /**< The first of the atlas's warps that has moved the volume. */
     bool is_borrowed;
 };
@@ -37,11 +51,15 @@ struct volume {
     conus_volume_info info;
     char *path; /**< Owned; info.path points to it.                                           */
     double voxel_from_world[16];
-    size_t voxel_count;             /**< dim[0] dim[1] dim[2]; i runs fastest.                                     */
-    uint16_t *objects16;            /**< Object number per voxel, 0 = none. One of the two, by the number of       */
-    uint32_t *objects32;            /**< objects; a context volume that blocks nothing has neither.                */
-    float *values;                  /**< Scaled value per voxel; NULL for a parcellation.                          */
-    bool is_hidden;                 /**< It is a pathway that is hidden.                                           */
+    size_t voxel_count;        /**< dim[0] dim[1] dim[2]; i runs fastest.                                     */
+    uint16_t *objects16;       /**< Object number per voxel, 0 = none. One of the two, by the number of       */
+    uint32_t *objects32;       /**< objects; a context volume that blocks nothing, and one of steps, have */
+    float *values;             /**< neither. Scaled value per voxel of a context.                            */
+    struct value_map map;      /**< Values of a scalar volume. */
+    struct volume_step *steps; /**< [step_count] What its voxels are, by their values; sorted by their lower ends, */
+    size_t step_count;         /**< and none overlap. */
+    struct object_box box;     /**< Round the voxels that are anything by these. */
+    bool is_hidden;            /**< It is a pathway that is hidden.                                           */
     struct hidden_run *hidden_runs; /**< Voxels of a parcellation that hidden objects had. */
     size_t hidden_run_count;
     bool is_joined;               /**< Its labels come from several files, of which info.path is the first.     */
@@ -67,10 +85,40 @@ static inline bool volume_is_scalar(const struct volume *volume)
     return volume->info.role == CONUS_ROLE_SCALAR || volume->info.role == CONUS_ROLE_PROBABILITY;
 }
 
+/** Whether its voxels can have objects. */
+static inline bool volume_has_objects(const struct volume *volume)
+{
+    return volume->objects16 || volume->objects32 || volume->step_count;
+}
+
 /** Whether rays can hit anything in it. */
 static inline bool volume_can_be_hit(const struct volume *volume)
 {
-    return (volume->objects16 || volume->objects32) && !volume->is_hidden;
+    return volume_has_objects(volume) && !volume->is_hidden;
+}
+
+static inline bool volume_has_values(const struct volume *volume)
+{
+    return volume->values || volume->map.count;
+}
+
+/** The value of the voxel with linear index @p voxel; it has values. */
+static inline float volume_value(const struct volume *volume, size_t voxel)
+{
+    return volume->values ? volume->values[voxel] : value_map_at(&volume->map, voxel);
+}
+
+/** The step that holds @p value, hidden or not; NULL = none, as for NaN. */
+const struct volume_step *volume_step_of(const struct volume *volume, float value);
+
+/** The object of voxels with this value, of a volume with steps. */
+static inline uint32_t volume_object_of(const struct volume *volume, float value)
+{
+    if (volume->step_count == 1) {
+        return value >= volume->steps->low && value < volume->steps->high ? volume->steps->number : 0;
+    }
+    const struct volume_step *step = volume_step_of(volume, value);
+    return step && !step->is_hidden ? step->number : 0;
 }
 
 /** Fills in volume->centres, for its world_from_voxel; it has objects. */
@@ -82,8 +130,26 @@ bool volume_find_voxel(size_t *voxel, const struct volume *volume, const double 
 /** Object of the voxel with linear index @p voxel. */
 static inline uint32_t volume_object(const struct volume *volume, size_t voxel)
 {
-    return volume->objects16 ? volume->objects16[voxel] : volume->objects32[voxel];
+    return volume->objects16   ? volume->objects16[voxel]
+           : volume->objects32 ? volume->objects32[voxel]
+                               : volume_object_of(volume, value_map_at(&volume->map, voxel));
 }
+
+/** The object of a voxel that is known to have one. */
+static inline uint32_t volume_occupant(const struct volume *volume, size_t voxel)
+{
+    return volume->step_count == 1 ? volume->steps->number : volume_object(volume, voxel);
+}
+
+/** The first voxel from @p voxel on that may have an object, hidden or not; voxel_count if none has. */
+size_t volume_next(const struct volume *volume, size_t voxel);
+
+/** Counts the voxels of each step into @p counts[step_count], and fills in volume->box. */
+void volume_count_steps(uint64_t *counts, struct volume *volume);
+
+/** Makes a volume of the part of @p volume that begins at voxel @p first and has the size @p dim, with an object number
+ * per voxel; volume_finish() it. Its matrices and values are not set. */
+conus_status volume_spread(struct volume *out, const struct volume *volume, const size_t first[3], const size_t dim[3]);
 
 static inline void volume_set_object(struct volume *volume, size_t voxel, uint32_t object)
 {
@@ -94,12 +160,12 @@ static inline void volume_set_object(struct volume *volume, size_t voxel, uint32
     }
 }
 
-/** Prefetches what volume_object() reads for @p voxel. */
+/** Prefetches what volume_occupant() reads for @p voxel. */
 static inline void volume_fetch(const struct volume *volume, size_t voxel)
 {
     if (volume->objects16) {
         __builtin_prefetch(volume->objects16 + voxel);
-    } else {
+    } else if (volume->objects32) {
         __builtin_prefetch(volume->objects32 + voxel);
     }
 }

@@ -20,10 +20,10 @@ static inline struct volume_neighbours volume_find_neighbours(double x, size_t d
     return (struct volume_neighbours){low * step, (low + 1 < dim ? low + 1 : low) * step, x - (double)low};
 }
 
-static inline double volume_along(const float *row, const struct volume_neighbours *x)
+static inline double volume_along(const struct volume *volume, size_t row, const struct volume_neighbours *x)
 {
-    double low = (double)row[x->low];
-    return low + x->part * ((double)row[x->high] - low);
+    double low = (double)volume_value(volume, row + x->low);
+    return low + x->part * ((double)volume_value(volume, row + x->high) - low);
 }
 
 /** The value at @p p, in index space; outside of the voxel centres that of the border. */
@@ -33,12 +33,10 @@ static inline double volume_trilinear(const struct volume *volume, const double 
     struct volume_neighbours x = volume_find_neighbours(p[0], dim[0], 1);
     struct volume_neighbours y = volume_find_neighbours(p[1], dim[1], dim[0]);
     struct volume_neighbours z = volume_find_neighbours(p[2], dim[2], dim[0] * dim[1]);
-    const float *near = volume->values + z.low;
-    const float *far = volume->values + z.high;
-    double a = volume_along(near + y.low, &x);
-    double b = volume_along(far + y.low, &x);
-    a += y.part * (volume_along(near + y.high, &x) - a);
-    b += y.part * (volume_along(far + y.high, &x) - b);
+    double a = volume_along(volume, z.low + y.low, &x);
+    double b = volume_along(volume, z.high + y.low, &x);
+    a += y.part * (volume_along(volume, z.low + y.high, &x) - a);
+    b += y.part * (volume_along(volume, z.high + y.high, &x) - b);
     return a + z.part * (b - a);
 }
 

@@ -4,8 +4,11 @@
 
 #include "base/status.h"
 
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 static void *check_block(void *block, size_t count, size_t size)
 {
@@ -18,6 +21,19 @@ static void *check_block(void *block, size_t count, size_t size)
 void *memory_zeroed(size_t count, size_t size)
 {
     return check_block(calloc(count ? count : 1, size ? size : 1), count, size);
+}
+
+void *memory_sparse(size_t size)
+{
+    uint8_t *block = memory_zeroed(size, 1);
+#if defined(MADV_NOHUGEPAGE)
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    size_t skipped = (page - (uintptr_t)block % page) % page;
+    if (block && size > skipped) {
+        (void)madvise(block + skipped, size - skipped, MADV_NOHUGEPAGE); /* or a byte would take 2 MiB */
+    }
+#endif
+    return block;
 }
 
 void *memory_raw(size_t count, size_t size)

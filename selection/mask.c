@@ -137,7 +137,7 @@ static void fill_row(void *user, const struct volume *volume, const size_t at[3]
         if (mask->content == CONUS_GRID_MASK_OF_REGION) {
             put_label(mask->grid, voxel, 1);
         } else if (mask->wanted[number] && mask->content == CONUS_GRID_MAP_OF_VALUES) {
-            ((float *)mask->grid->data)[voxel] = volume->values[voxel];
+            ((float *)mask->grid->data)[voxel] = volume_value(volume, voxel);
         } else if (mask->wanted[number]) {
             bool labels = mask->content == CONUS_GRID_MAP_OF_LABELS;
             put_label(mask->grid, voxel, labels ? label_of(mask, number) : 1);
@@ -152,7 +152,7 @@ static conus_status start_grid(struct mask *mask, const struct region *region)
     static const char *const shapes[] = {"cone", "cylinder", "ball"};
     static const char *const square_shapes[] = {"square pyramid", "square rod", "ball"};
     char words[80];
-    bool of_pathway = mask->volume->values && mask->content == CONUS_GRID_MASK_OF_AREAS;
+    bool of_pathway = volume_has_values(mask->volume) && mask->content == CONUS_GRID_MASK_OF_AREAS;
     snprintf(words, sizeof words, "conus " CONUS_VERSION ": %s in a %s",
              of_pathway ? "mask of a pathway" : contents[mask->content],
              (region->square ? square_shapes : shapes)[region->shape]);

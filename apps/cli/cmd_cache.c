@@ -166,7 +166,7 @@ const struct command cmd_cache = {
         "all of it.\n\n"
         "An atlas that was loaded is kept as it is in memory, and mapped from there the next time, unless\n"
         "--no-cache is given or $CONUS_CACHE is off. $CONUS_CACHE may also be the most that atlases may have\n"
-        "together, like 500M or 40G (default 16G): those unused for longest leave first.",
+        "together, like 500M or 40G (default 4G): those unused for longest leave first.",
     .examples = "  conus cache list\n"
                 "  conus cache clear\n"
                 "  CONUS_CACHE=off conus query aal --origin=-90,20,20 --toward=0,-10,10\n",

@@ -53,11 +53,11 @@ static conus_status find_runs(struct runs *runs, const struct volume *volume, co
     return CONUS_OK;
 }
 
-/* Finds the runs of voxels to be hidden. The voxels stay as they are, but become the volume's own. */
+/* Finds the runs of voxels to be hidden; steps have none. The voxels stay as they are, but become the volume's own. */
 static conus_status plan_voxels(struct runs *runs, struct volume *volume, const bool *hidden)
 {
     conus_status status = volume_own(volume);
-    if (status) {
+    if (status || volume->step_count) {
         return status;
     }
     show_voxels(volume);
@@ -113,6 +113,9 @@ static conus_status set_hidden(conus_atlas *atlas, const bool *hidden)
                 volume->hidden_run_count = runs[v].count;
                 runs[v].items = NULL;
                 hide_voxels(volume);
+            }
+            for (size_t s = 0; s < volume->step_count && found.count > 1; s++) {
+                volume->steps[s].is_hidden = hidden[volume->steps[s].number];
             }
             volume->is_hidden = found.count > 0 && found.hidden == found.count && volume_is_scalar(volume);
         }

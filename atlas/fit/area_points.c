@@ -25,8 +25,9 @@ static void take_all(struct taking *taking, const conus_atlas *atlas)
     for (size_t i = 0; i < atlas->volume_count; i++) {
         if (atlas_volume_has_areas(&atlas->volumes[i])) {
             const size_t *dim = atlas->volumes[i].info.dim;
-            for (size_t v = 0; v < atlas->volumes[i].voxel_count; v++) {
-                if (volume_object(&atlas->volumes[i], v)) {
+            const struct volume *volume = &atlas->volumes[i];
+            for (size_t v = volume_next(volume, 0); v < volume->voxel_count; v = volume_next(volume, v + 1)) {
+                if (volume_object(volume, v)) {
                     const size_t j = v / dim[0] % dim[1];
                     const size_t k = v / dim[0] / dim[1];
                     double point[3] = {(double)(v % dim[0]), (double)j, (double)k};

@@ -17,6 +17,7 @@ static struct volume_source source_of(const conus_atlas *atlas, size_t index)
     struct volume_source source = {.objects16 = volume->objects16,
                                    .objects32 = volume->objects32,
                                    .values = volume->values,
+                                   .map = volume->map,
                                    .first_warp = atlas->warp_count,
                                    .is_borrowed = volume->is_borrowed};
     memcpy(source.dim, volume->info.dim, sizeof source.dim);
@@ -65,9 +66,18 @@ static size_t nearest_voxel(const struct volume_source *source, const struct war
     return voxel[0] + source->dim[0] * (voxel[1] + source->dim[1] * voxel[2]);
 }
 
-static uint32_t source_object(const struct volume_source *source, size_t voxel)
+static float source_value(const struct volume_source *source, size_t voxel)
 {
-    return source->objects16 ? source->objects16[voxel] : source->objects32 ? source->objects32[voxel] : 0;
+    return source->values ? source->values[voxel] : value_map_at(&source->map, voxel);
+}
+
+/* The object of the volume whose source it is. */
+static uint32_t source_object(const struct volume_source *source, const struct volume *volume, size_t voxel)
+{
+    return source->map.count   ? volume_object_of(volume, value_map_at(&source->map, voxel))
+           : source->objects16 ? source->objects16[voxel]
+           : source->objects32 ? source->objects32[voxel]
+                               : 0;
 }
 
 static conus_status check_memory(const conus_atlas *atlas, const struct warp_way *way, const struct warp_plan *plan)
@@ -79,7 +89,7 @@ static conus_status check_memory(const conus_atlas *atlas, const struct warp_way
         struct volume_source source = source_of(atlas, i);
         each += is_warped(&source, way) ? (double)((source.objects16 ? sizeof *source.objects16 : 0) +
                                                    (source.objects32 ? sizeof *source.objects32 : 0) +
-                                                   (source.values ? sizeof *source.values : 0))
+                                                   (source.values || source.map.count ? sizeof *source.values : 0))
                                         : 0;
     }
     double wanted = each * (double)dim[0] * (double)dim[1] * (double)dim[2];
@@ -114,7 +124,8 @@ static conus_status init_volume(struct volume *out, const struct volume *old, co
     volume.is_joined = old->is_joined;
     if (!make_array(&volume.objects16, source->objects16, volume.voxel_count, sizeof *volume.objects16) ||
         !make_array(&volume.objects32, source->objects32, volume.voxel_count, sizeof *volume.objects32) ||
-        !make_array(&volume.values, source->values, volume.voxel_count, sizeof *volume.values) ||
+        !make_array(&volume.values, source->values ? (void *)source->values : source->map.codes, volume.voxel_count,
+                    sizeof *volume.values) ||
         !make_array(&volume.source, source, 1, sizeof *volume.source)) {
         volume_finish(&volume);
         return CONUS_ERROR_MEMORY;
@@ -124,20 +135,22 @@ static conus_status init_volume(struct volume *out, const struct volume *old, co
 }
 
 /* Fills the voxels from `first` on, of which `nearest` says where in the source they are. */
-static void fill_row(struct volume *volume, const struct volume_source *source, uint64_t *counts, const size_t *nearest,
-                     size_t first)
+static void fill_row(struct volume *volume, const struct volume *old, const struct volume_source *source,
+                     uint64_t *counts, const size_t *nearest, size_t first)
 {
     /* Where the atlas has no value, a voxel belongs to no pathway, and a context has nothing there. */
     const float nothing = volume_is_scalar(volume) ? NAN : (float)volume->info.minimum;
     for (size_t i = 0; i < volume->info.dim[0]; i++) {
         size_t from = nearest[i];
-        uint32_t object = from == SIZE_MAX ? 0 : source_object(source, from);
+        uint32_t object = from == SIZE_MAX ? 0 : source_object(source, old, from);
         if (object) {
-            volume_set_object(volume, first + i, object);
             counts[object == VOLUME_BLOCKER ? 0 : object]++;
         }
+        if (object && (volume->objects16 || volume->objects32)) {
+            volume_set_object(volume, first + i, object);
+        }
         if (volume->values) {
-            volume->values[first + i] = from == SIZE_MAX ? nothing : source->values[from];
+            volume->values[first + i] = from == SIZE_MAX ? nothing : source_value(source, from);
         }
     }
 }
@@ -166,11 +179,28 @@ static conus_status fill(struct warped_volumes *volumes, const conus_atlas *atla
                 found = source;
                 any = true;
             }
-            fill_row(&volumes->items[i], &source, volumes->voxels, nearest, first);
+            fill_row(&volumes->items[i], &atlas->volumes[i], &source, volumes->voxels, nearest, first);
         }
     }
     memory_free(nearest);
     return nearest ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+/* The values that were filled in become a map, with the steps of the volume that is resampled. */
+static conus_status make_sparse(struct volume *volume, const struct volume *old)
+{
+    conus_status status = value_map_of(&volume->map, volume->values, volume->voxel_count);
+    uint64_t *counts = memory_zeroed(old->step_count, sizeof *counts);
+    volume->steps = memory_copy(old->steps, old->step_count, sizeof *old->steps);
+    status = status || (counts && volume->steps) ? status : CONUS_ERROR_MEMORY;
+    if (!status) {
+        memory_free(volume->values);
+        volume->values = NULL;
+        volume->step_count = old->step_count;
+        volume_count_steps(counts, volume);
+    }
+    memory_free(counts);
+    return status;
 }
 
 /* From voxels of a source to the first field's output, and from the last one's input to the grid. */
@@ -240,19 +270,19 @@ void warped_volumes_finish(struct warped_volumes *volumes, size_t count)
 }
 
 /* Counts how many of up to SAMPLES labelled voxels the field leads out of its grid. */
-static void sample_places(struct warped_volumes *volumes, const struct volume_source *source,
-                          const struct warp_way *way, const struct warp_plan *plan)
+static void sample_places(struct warped_volumes *volumes, const struct volume *volume,
+                          const struct volume_source *source, const struct warp_way *way, const struct warp_plan *plan)
 {
     struct ways_back back = {0};
     size_t total = source->dim[0] * source->dim[1] * source->dim[2];
     size_t labelled = 0;
     for (size_t v = 0; v < total; v++) {
-        labelled += source_object(source, v) > 0;
+        labelled += source_object(source, volume, v) > 0;
     }
     size_t stride = labelled / SAMPLES + 1;
     size_t next = find_ways_back(&back, source, way, plan) ? 0 : SIZE_MAX;
     for (size_t v = 0, n = 0; v < total; v++) {
-        if (source_object(source, v) && n++ == next) {
+        if (source_object(source, volume, v) && n++ == next) {
             next += stride;
             volumes->sampled++;
             volumes->outside += !has_place(source, way, plan, &back, v);
@@ -277,6 +307,11 @@ conus_status warped_volumes_init(struct warped_volumes *out, const conus_atlas *
                                          : CONUS_OK;
     }
     status = status ? status : fill(&volumes, atlas, way, plan);
+    for (size_t i = 0; !status && i < atlas->volume_count; i++) {
+        status = volumes.items[i].values && atlas->volumes[i].map.count
+                     ? make_sparse(&volumes.items[i], &atlas->volumes[i])
+                     : CONUS_OK;
+    }
     if (!status) {
         bool parcellations = atlas_parcellation_count(atlas) > 0;
         for (size_t i = 0; i < atlas->volume_count; i++) {
@@ -284,7 +319,7 @@ conus_status warped_volumes_init(struct warped_volumes *out, const conus_atlas *
             conus_role role = atlas->volumes[i].info.role;
             if (is_warped(&source, way) && role != CONUS_ROLE_CONTEXT &&
                 (role == CONUS_ROLE_PARCELLATION || !parcellations)) {
-                sample_places(&volumes, &source, way, plan);
+                sample_places(&volumes, &atlas->volumes[i], &source, way, plan);
             }
         }
         uint64_t left = 0;
@@ -359,6 +394,7 @@ static void exchange(struct volume *volume, struct volume *with)
         old.objects16 = NULL;
         old.objects32 = NULL;
         old.values = NULL;
+        old.map = (struct value_map){0};
     }
     *volume = *with;
     *with = old;

@@ -9,7 +9,7 @@
 #include "base/cache/cache_entry.h"
 
 /** The most that the entries of atlases may have together, in bytes, unless $CONUS_CACHE says otherwise. */
-#define CACHE_LIMIT (UINT64_C(16) << 30)
+#define CACHE_LIMIT (UINT64_C(4) << 30)
 
 /** Bytes that may be kept: $CONUS_CACHE, a number with K, M, G or T behind it or none; 0 of "off". False, and 0, where
  * it is neither. */

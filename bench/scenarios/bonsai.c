@@ -232,11 +232,11 @@ static conus_status make_engines(struct scene *scene, const struct bench_options
         float *values = bonsai_values(scene->bonsai);
         bonsai_info(&info, scene->bonsai, scene->places[i], BONSAI_AIR + 1);
         snprintf(name, sizeof name, "copy %zu", i + 1);
-        status = values ? atlas_add_pathway(scene->atlas, &info, values, name) : CONUS_ERROR_MEMORY;
+        struct value_map map = {0};
+        status = values ? value_map_of(&map, values, info.dim[0] * info.dim[1] * info.dim[2]) : CONUS_ERROR_MEMORY;
+        status = status ? status : atlas_add_pathway(scene->atlas, &info, &map, name);
+        value_map_finish(&map);
         memory_free(values);
-        if (!status) { /* the values are not needed once it is known which voxels they make the copy's */
-            scene->atlas->volumes[scene->atlas->volume_count - 1].values = NULL;
-        }
     }
     status = status ? status : aim_cones(scene, options->angle);
     for (int e = 0; e < ENGINES && !status; e++) {

@@ -6,7 +6,7 @@
  * volumes is found. All of it can be made again.
  *
  * $CONUS_CACHE is "off", and then no atlas is kept or taken from there, or the most that atlases may have together: a
- * number of bytes, or one with K, M, G or T behind it (default 16G). Those unused for longest leave first.
+ * number of bytes, or one with K, M, G or T behind it (default 4G). Those unused for longest leave first.
  *
  * An atlas is taken from there only where the folder and the file belong to the user and nobody else may write to them,
  * its checksums hold, it was kept by this build of conus for the same path and options, and every file and folder that

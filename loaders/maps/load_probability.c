@@ -2,7 +2,6 @@
 /* Areas of probabilistic atlases: which number means "certainly", and volumes divided by it. */
 #include "loaders/maps/load_probability.h"
 
-#include "base/memory.h"
 #include "base/text.h"
 #include "loaders/volumes/volume_values.h"
 
@@ -42,24 +41,19 @@ struct range {
     bool masks; /* Each has 0 and one other value. */
 };
 
-static size_t voxel_count(const conus_volume_info *info)
-{
-    return info->dim[0] * info->dim[1] * info->dim[2];
-}
-
 static conus_status find_range(struct range *range, struct volume_file *file, struct notes *notes)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < file->info.volume_count; i++) {
-        float *values = NULL;
+        struct value_map map = {0};
         status = volume_file_select(file, i);
-        status = status ? status : volume_file_values(&values, file, notes);
+        status = status ? status : volume_file_map(&map, file, notes);
         if (!status) {
             range->least = fmin(range->least, file->info.minimum);
             range->largest = fmax(range->largest, file->info.maximum);
-            range->masks = range->masks && values_are_mask(values, voxel_count(&file->info));
+            range->masks = range->masks && value_map_is_mask(&map);
         }
-        memory_free(values);
+        value_map_finish(&map);
     }
     return status;
 }
@@ -91,14 +85,11 @@ conus_status probability_scale_of(struct probability_scale *out, struct volume_f
     return status;
 }
 
-static void divide_values(struct volume_file *file, float *values, double stated)
+static void divide_values(struct volume_file *file, struct value_map *map, double stated)
 {
-    size_t count = voxel_count(&file->info);
     double own = file->info.maximum > 0 ? file->info.maximum : 1;
     double scale = stated > 0 ? stated : own;
-    for (size_t i = 0; i < count; i++) {
-        values[i] = (float)((double)values[i] / scale);
-    }
+    value_map_divide(map, scale);
     file->info.slope /= scale;
     file->info.intercept /= scale;
     file->info.minimum /= scale;
@@ -111,12 +102,12 @@ conus_status probability_add(conus_atlas *atlas, struct volume_file *file, size_
     char digits[LABEL_DIGITS];
     const conus_object area = label_object(label, atlas->object_count, digits);
     size_t note_count = atlas->notes.count;
-    float *values = NULL;
+    struct value_map map = {0};
     conus_status status = volume_file_select(file, volume);
-    status = status ? status : volume_file_values(&values, file, notes);
+    status = status ? status : volume_file_map(&map, file, notes);
     if (!status) {
         const conus_volume_info stored = file->info;
-        divide_values(file, values, scale->value);
+        divide_values(file, &map, scale->value);
         file->info.role = CONUS_ROLE_PROBABILITY;
         file->info.threshold = threshold;
         if (!((float)file->info.maximum >= (float)threshold)) {
@@ -124,11 +115,11 @@ conus_status probability_add(conus_atlas *atlas, struct volume_file *file, size_
                                area.name, file->info.maximum, threshold);
         }
         status = status ? status : notes_move(&atlas->notes, notes);
-        status = status ? status : atlas_add_probabilistic_area(atlas, &file->info, values, &area);
+        status = status ? status : atlas_add_probabilistic_area(atlas, &file->info, &map, &area);
         file->info = stored;
     }
     if (status) {
-        memory_free(values);
+        value_map_finish(&map);
         notes_cut(&atlas->notes, note_count);
     }
     return status;

@@ -187,8 +187,8 @@ static struct scale scale_of(const conus_volume_info *info)
 }
 
 /* Eq. 6's threshold: the one asked for, or a quarter of the scale; of a mask that never comes to it, of its value. */
-static conus_status choose_threshold(struct volume_file *file, const float *values, double wanted, const char *name,
-                                     struct notes *notes)
+static conus_status choose_threshold(struct volume_file *file, const struct value_map *map, double wanted,
+                                     const char *name, struct notes *notes)
 {
     conus_volume_info *info = &file->info;
     char threshold[TEXT_NUMBER_SIZE];
@@ -203,7 +203,7 @@ static conus_status choose_threshold(struct volume_file *file, const float *valu
                     info->path, text_number(threshold, wanted), maximum);
     }
     struct scale scale = scale_of(info);
-    if (info->maximum < scale.value / 4 && values_are_mask(values, info->dim[0] * info->dim[1] * info->dim[2])) {
+    if (info->maximum < scale.value / 4 && value_map_is_mask(map)) {
         scale = (struct scale){info->maximum, "0 and one other value, taken as a mask"};
     }
     info->threshold = wanted > 0 ? wanted : scale.value / 4;
@@ -297,16 +297,14 @@ static conus_status add_one(conus_atlas *atlas, struct volume_file *file, const 
                             struct notes *notes)
 {
     struct buffer name = {0};
-    float *values = NULL;
-    conus_status status = volume_file_values(&values, file, notes);
+    struct value_map map = {0};
+    conus_status status = volume_file_map(&map, file, notes);
     status = status ? status : choose_name(&name, options->name, file, notes);
     const char *words = name.data;
-    status = status ? status : choose_threshold(file, values, options->threshold, words, notes);
+    status = status ? status : choose_threshold(file, &map, options->threshold, words, notes);
     status = status ? status : notes_move(&atlas->notes, notes);
-    status = status ? status : atlas_add_pathway(atlas, &file->info, values, words);
-    if (status) {
-        memory_free(values);
-    }
+    status = status ? status : atlas_add_pathway(atlas, &file->info, &map, words);
+    value_map_finish(&map);
     buffer_finish(&name);
     return status;
 }
@@ -314,26 +312,23 @@ static conus_status add_one(conus_atlas *atlas, struct volume_file *file, const 
 static conus_status add_bands(conus_atlas *atlas, struct volume_file *file, const conus_pathway_options *options,
                               struct notes *notes)
 {
-    float *values = NULL;
+    struct value_map map = {0};
     size_t before = atlas->object_count;
     if (!options->bands || options->threshold != 0 || (options->name && options->name[0])) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: %s", file->info.path,
                     options->bands ? "bands have ends and names of their own, no threshold and name with them"
                                    : "bands: NULL, though there are some");
     }
-    conus_status status = volume_file_values_or_nan(&values, file, notes);
+    conus_status status = volume_file_map_or_nan(&map, file, notes);
     status = status ? status : bands_check(options->bands, options->band_count, &file->info, atlas);
-    if (!status) {
-        status = atlas_add_bands(atlas, &file->info, values, options->bands, options->band_count);
-        values = status ? values : NULL;
-    }
+    status = status ? status : atlas_add_bands(atlas, &file->info, &map, options->bands, options->band_count);
     status = status ? status : bands_note(notes, atlas, options->band_count);
     status = status ? status : notes_move(&atlas->notes, notes);
     if (status && atlas->object_count > before) { /* a note failed */
         atlas_cut_objects(atlas, before);
         volume_finish(&atlas->volumes[--atlas->volume_count]);
     }
-    memory_free(values);
+    value_map_finish(&map);
     return status;
 }
 

@@ -436,6 +436,21 @@ static conus_status fill(void *user, const uint8_t *data, size_t size)
     return CONUS_OK;
 }
 
+/* The same into zeros: memory that gets nothing else is never touched, and the system need not have it. */
+static conus_status fill_zeros(void *user, const uint8_t *data, size_t size)
+{
+    static const uint8_t zeros[512];
+    struct filling *filling = user;
+    for (size_t at = 0; at < size; at += sizeof zeros) {
+        size_t count = size - at < sizeof zeros ? size - at : sizeof zeros;
+        if (memcmp(data + at, zeros, count) != 0) {
+            memcpy(filling->data + filling->done + at, data + at, count);
+        }
+    }
+    filling->done += size;
+    return CONUS_OK;
+}
+
 /* Reads the voxels of OME-Zarr or MINC into the sink of the range, or else into `out`. */
 static conus_status take_slabs(struct bytes *out, char sha256[65], const struct gzip_range *range, struct opening *o)
 {
@@ -469,7 +484,14 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
                                .total = header->offset + header->info.volume_count * header->volume_size};
     bool is_worth_index = !o->all && header->info.volume_count > 1 && range.total > STORED_LARGE;
     const char *sha256 = is_worth_index ? file->info.sha256 : NULL;
+    struct filling series = {0};
     conus_status status = CONUS_OK;
+    if (o->all && stored->packed && !header->text) { /* maps of probabilities hold little */
+        series.data = memory_sparse(range.count);
+        range.sink = fill_zeros;
+        range.user = &series;
+        status = series.data ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
     if (goes_in_slabs(o)) {
         o->like = *file;
         o->like.text = header->text;
@@ -484,7 +506,11 @@ static conus_status take_voxels(struct volume_file *file, struct opening *o)
              : header->text                   ? volume_text_voxels(out, &range, header, stored, o->all, sha256)
                                               : stored_range(out, &range, stored, sha256);
     if (status) {
+        memory_free(series.data);
         return status;
+    }
+    if (series.data) {
+        *out = (struct bytes){series.data, range.count};
     }
     if (o->all) {
         file->voxels =

@@ -234,6 +234,12 @@ static size_t block_values(float *out, const double *values, size_t count, doubl
     return bad;
 }
 
+static conus_status note_bad(const struct volume_file *file, size_t bad, double instead, struct notes *notes)
+{
+    return notes_warn(notes, "%s: %zu voxels are not finite numbers (or beyond float32) and %s", file->path, bad,
+                      isnan(instead) ? "belong to nothing" : "count as 0");
+}
+
 static conus_status read_values(float **out, struct volume_file *file, double instead, struct notes *notes)
 {
     const struct decoder *decoder = find_decoder(file->datatype);
@@ -252,8 +258,7 @@ static conus_status read_values(float **out, struct volume_file *file, double in
         decoder->doubles(stored, file->voxels.data + at * size, block, file->swapped);
         bad += block_values(values + at, stored, block, instead, &file->info);
     }
-    if (bad && notes_warn(notes, "%s: %zu voxels are not finite numbers (or beyond float32) and %s", file->path, bad,
-                          isnan(instead) ? "belong to nothing" : "count as 0")) {
+    if (bad && note_bad(file, bad, instead, notes)) {
         memory_free(values);
         return CONUS_ERROR_MEMORY;
     }
@@ -266,26 +271,115 @@ conus_status volume_file_values(float **out, struct volume_file *file, struct no
     return read_values(out, file, 0, notes);
 }
 
+static conus_status check_any_finite(const struct volume_file *file)
+{
+    return file->info.minimum <= file->info.maximum
+               ? CONUS_OK
+               : fail(CONUS_ERROR_DATA, "%s: no voxel has a finite value", file->path);
+}
+
 conus_status volume_file_values_or_nan(float **out, struct volume_file *file, struct notes *notes)
 {
     float *values = NULL;
     conus_status status = read_values(&values, file, NAN, notes);
-    if (!status && !(file->info.minimum <= file->info.maximum)) {
-        status = fail(CONUS_ERROR_DATA, "%s: no voxel has a finite value", file->path);
+    status = status ? status : check_any_finite(file);
+    if (status) {
         memory_free(values);
+        return status;
     }
-    *out = status ? *out : values;
-    return status;
+    *out = values;
+    return CONUS_OK;
 }
 
-bool values_are_mask(const float *values, size_t count)
+/* What the codes of a map are made of. */
+struct mapping {
+    struct volume_file *file;
+    const struct decoder *decoder;
+    size_t width;
+    double instead;
+    size_t bad, bad_background; /* voxels that are not finite, and whether the background is not */
+    size_t done;                /* voxels of runs that are kept */
+    size_t most;                /* highest code, but of floats */
+};
+
+/* A value_coder. */
+static void code_run(void *user, void *codes, const uint8_t *stored, size_t count)
 {
-    float other = 0;
-    for (size_t i = 0; i < count; i++) {
-        other = other == 0 ? values[i] : other;
-        if (values[i] != 0 && values[i] != other) {
-            return false;
+    struct mapping *mapping = user;
+    double numbers[VALUE_RUN];
+    float values[VALUE_RUN];
+    mapping->decoder->doubles(numbers, stored, count, mapping->file->swapped);
+    size_t bad = block_values(values, numbers, count, mapping->instead, &mapping->file->info);
+    *(mapping->done ? &mapping->bad : &mapping->bad_background) += bad;
+    mapping->done += count;
+    for (size_t i = 0; i < count && mapping->width < sizeof *values; i++) {
+        size_t code = mapping->width == 1 ? stored[i] : order_u16(stored + 2 * i, mapping->file->swapped);
+        if (mapping->width == 1) {
+            ((uint8_t *)codes)[i] = (uint8_t)code;
+        } else {
+            ((uint16_t *)codes)[i] = (uint16_t)code;
         }
+        mapping->most = code > mapping->most ? code : mapping->most;
     }
-    return true;
+    if (mapping->width == sizeof *values) {
+        memcpy(codes, values, count * sizeof *values);
+    }
+}
+
+/* The value of each code up to the highest. */
+static conus_status make_table(struct value_map *map, const struct mapping *mapping)
+{
+    conus_volume_info info = mapping->file->info; /* its range is that of the voxels, not of the table */
+    map->table_count = mapping->most + 1;
+    map->table = memory_raw(map->table_count, sizeof *map->table);
+    for (size_t code = 0; map->table && code < map->table_count; code++) {
+        const uint8_t narrow = (uint8_t)code;
+        const uint16_t wide = (uint16_t)code;
+        double number;
+        mapping->decoder->doubles(&number, map->width == 1 ? &narrow : (const uint8_t *)&wide, 1, false);
+        block_values(&map->table[code], &number, 1, mapping->instead, &info);
+    }
+    return map->table ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
+static conus_status read_map(struct value_map *out, struct volume_file *file, double instead, struct notes *notes)
+{
+    struct value_map map = {0};
+    size_t size = volume_datatype_size(file->datatype);
+    size_t count = values_count_voxels(file);
+    size_t width = size < sizeof(float) ? size : sizeof(float);
+    struct mapping mapping = {
+        .file = file, .decoder = find_decoder(file->datatype), .width = width, .instead = instead};
+    file->info.minimum = INFINITY;
+    file->info.maximum = -INFINITY;
+    conus_status status = value_map_init(&map, file->voxels.data, size, count, width, code_run, &mapping);
+    status = status || width == sizeof(float) ? status : make_table(&map, &mapping);
+    size_t bad = mapping.bad + mapping.bad_background * (count + 1 - mapping.done);
+    if (!status && bad) {
+        status = note_bad(file, bad, instead, notes);
+    }
+    if (status) {
+        value_map_finish(&map);
+        return status;
+    }
+    *out = map;
+    return CONUS_OK;
+}
+
+conus_status volume_file_map(struct value_map *out, struct volume_file *file, struct notes *notes)
+{
+    return read_map(out, file, 0, notes);
+}
+
+conus_status volume_file_map_or_nan(struct value_map *out, struct volume_file *file, struct notes *notes)
+{
+    struct value_map map = {0};
+    conus_status status = read_map(&map, file, NAN, notes);
+    status = status ? status : check_any_finite(file);
+    if (status) {
+        value_map_finish(&map);
+        return status;
+    }
+    *out = map;
+    return CONUS_OK;
 }

@@ -4,6 +4,7 @@
 #define CONUS_LOADERS_VOLUMES_VOLUME_VALUES_H
 
 #include "atlas/labels/label_voxels.h"
+#include "atlas/value_map.h"
 #include "loaders/volumes/volume_file.h"
 
 /** Decodes to labels. Refuses scaled values that are not whole, or outside 0..4294967295, naming the first such voxel.
@@ -42,8 +43,11 @@ conus_status volume_file_values(float **out, struct volume_file *file, struct no
 /** The same, but that these become NaN, which minimum and maximum disregard. CONUS_ERROR_DATA where all are. */
 conus_status volume_file_values_or_nan(float **out, struct volume_file *file, struct notes *notes);
 
-/** Whether no more than one of @p count values is there besides 0, as in a mask of whatever value. */
-bool values_are_mask(const float *values, size_t count);
+/** The values as a sparse map, without all values in between. */
+conus_status volume_file_map(struct value_map *out, struct volume_file *file, struct notes *notes);
+
+/** The same of volume_file_values_or_nan(). */
+conus_status volume_file_map_or_nan(struct value_map *out, struct volume_file *file, struct notes *notes);
 
 /** The stored number at @p data, of the NIfTI type @p datatype, unscaled; rounded where it has more than 53 bits. */
 double volume_value_at(const uint8_t *data, int datatype, bool swapped);

@@ -16,10 +16,10 @@ static void find_span(double span[2], const conus_atlas *atlas, uint32_t number)
     const struct volume *volume = atlas_object_volume(atlas, number);
     span[0] = INFINITY;
     span[1] = -INFINITY;
-    for (size_t v = 0; v < volume->voxel_count; v++) {
+    for (size_t v = volume_next(volume, 0); v < volume->voxel_count; v = volume_next(volume, v + 1)) {
         if (volume_object(volume, v) == number) {
-            span[0] = fmin(span[0], (double)volume->values[v]);
-            span[1] = fmax(span[1], (double)volume->values[v]);
+            span[0] = fmin(span[0], (double)volume_value(volume, v));
+            span[1] = fmax(span[1], (double)volume_value(volume, v));
         }
     }
     bool is_band = atlas->objects[number - 1].is_band;
@@ -186,7 +186,7 @@ static void add_volume(struct haze_field *field, const struct volume *volume, co
         uint32_t object = volume_find_voxel(&voxel, volume, p) ? hazy_at(volume, choice, voxel) : 0;
         if (object) {
             float *texel = field->texels + 4 * n;
-            const double value = (double)volume->values[voxel];
+            const double value = (double)volume_value(volume, voxel);
             double rgba[4];
             transfer_at(rgba, &choice->transfers[object], value);
             double extinction = -log2(1 - fmin(rgba[3], 1 - 0x1p-24)); /* as transfer_table() */
@@ -205,7 +205,8 @@ conus_status haze_fill(struct haze_field *out, const conus_atlas *atlas, const s
     struct haze_field field = {0};
     for (size_t i = 0; i < atlas->volume_count; i++) {
         const struct volume *volume = &atlas->volumes[i];
-        for (size_t v = 0; is_used(volume) && v < volume->voxel_count; v++) {
+        size_t first = is_used(volume) ? volume_next(volume, 0) : volume->voxel_count;
+        for (size_t v = first; v < volume->voxel_count; v = volume_next(volume, v + 1)) {
             if (hazy_at(volume, choice, v)) {
                 extend(&extent, volume, v);
             }

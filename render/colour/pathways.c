@@ -59,9 +59,9 @@ static uint32_t scalar_at(const conus_atlas *atlas, const struct choice *choice,
         uint32_t object = inside ? volume_object(volume, voxel) : 0;
         if (object > atlas->area_count) {
             pathway = haze_is(choice->hazy, object) ? 0 : object;
-        } else if (object && volume->values[voxel] > best && is_drawn(choice, object)) {
+        } else if (object && volume_value(volume, voxel) > best && is_drawn(choice, object)) {
             area = object;
-            best = volume->values[voxel];
+            best = volume_value(volume, voxel);
         }
     }
     return area && !(pathway && is_under(choice, area)) ? area : pathway;

@@ -228,8 +228,8 @@ conus_status transfer_window(double *low, double *high, const struct volume *vol
     }
     size_t count = 0;
     for (size_t i = 0; i < volume->voxel_count; i += stride) {
-        if (volume->values[i] > (float)volume->info.minimum) {
-            sample[count++] = volume->values[i];
+        if (volume_value(volume, i) > (float)volume->info.minimum) {
+            sample[count++] = volume_value(volume, i);
         }
     }
     qsort(sample, count, sizeof *sample, by_value);
@@ -274,7 +274,7 @@ void transfer_table(float *rgbe, size_t count, const struct transfer *transfer)
 
 conus_status conus_atlas_window(double window[2], const conus_atlas *atlas, size_t index)
 {
-    if (index >= atlas->volume_count || !atlas->volumes[index].values) {
+    if (index >= atlas->volume_count || !volume_has_values(&atlas->volumes[index])) {
         return fail(CONUS_ERROR_ARGUMENT, "volume %zu: a volume of values is needed", index);
     }
     return transfer_window(&window[0], &window[1], &atlas->volumes[index]);

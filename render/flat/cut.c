@@ -117,7 +117,7 @@ static bool is_covered(const conus_atlas *atlas, const struct volume *volume, si
     }
     double world[3];
     mat4_point(world, volume->info.world_from_voxel, p);
-    return atlas_probability(atlas, object, world) >= volume->values[voxel];
+    return atlas_probability(atlas, object, world) >= volume_value(volume, voxel);
 }
 
 static void find_in_volume(struct cut *cut, const struct cut_view *view, const struct volume *volume)

@@ -238,11 +238,42 @@ static struct volume bare_volume(const struct volume *volume)
     bare.objects16 = NULL;
     bare.objects32 = NULL;
     bare.values = NULL;
+    bare.steps = NULL;
+    bare.map.pages = NULL;
+    bare.map.runs = NULL;
+    bare.map.codes = NULL;
+    bare.map.table = NULL;
     bare.hidden_runs = NULL;
     bare.distances = NULL;
     bare.source = NULL;
     bare.is_borrowed = true;
     return bare;
+}
+
+/* The box, which sizes follow from, holds voxels, or none. */
+static bool steps_are_sound(const struct volume *volume)
+{
+    const struct object_box *box = &volume->box;
+    bool is_sound = (volume->step_count == 0) == !volume->steps && (!volume->step_count || volume->map.count);
+    for (int a = 0; a < 3; a++) {
+        is_sound = is_sound && (box->first[a] > box->last[a] || box->last[a] < volume->info.dim[a]);
+    }
+    return is_sound;
+}
+
+static void pass_map(struct pack_walk *walk, struct volume *volume)
+{
+    struct value_map *map = &volume->map;
+    size_t width = map->width * VALUE_RUN; /* of a run */
+    pack_array(walk, &volume->steps, volume->step_count, sizeof *volume->steps);
+    pack_array(walk, &map->pages, value_map_pages(map->count), sizeof *map->pages);
+    pack_array(walk, &map->runs, map->page_count, VALUE_RUNS * sizeof *map->runs);
+    pack_array(walk, &map->codes, map->run_count, width);
+    pack_array(walk, &map->table, map->table_count, sizeof *map->table);
+    bool fits = (!map->count || value_map_is_sound(map, volume->voxel_count)) && steps_are_sound(volume);
+    if (!walk->status && walk->mode == PACK_ATTACH && !fits) {
+        walk->status = fail_damaged();
+    }
 }
 
 static void pass_volume(struct pack_walk *walk, void *item, const void *owner)
@@ -269,6 +300,7 @@ static void pass_volume(struct pack_walk *walk, void *item, const void *owner)
     pack_array(walk, &volume->objects16, volume->voxel_count, sizeof *volume->objects16);
     pack_array(walk, &volume->objects32, volume->voxel_count, sizeof *volume->objects32);
     pack_array(walk, &volume->values, volume->voxel_count, sizeof *volume->values);
+    pass_map(walk, volume);
     pack_array(walk, &volume->hidden_runs, volume->hidden_run_count, sizeof *volume->hidden_runs);
     pass_distances(walk, volume, walk->mode == PACK_ATTACH ? volume : &source);
 }
@@ -573,9 +605,9 @@ static uint64_t layout_of_structures(void)
 {
     const size_t sizes[] = {sizeof(struct head),         sizeof(conus_atlas),         sizeof(struct volume),
                             sizeof(conus_object),        sizeof(struct object_place), sizeof(struct mesh),
-                            sizeof(struct distance_map), sizeof(struct hidden_run),   sizeof(struct warp),
-                            sizeof(struct tractogram),   sizeof(struct tract_scalar), sizeof(struct tract_node),
-                            sizeof(struct tract_leaf)};
+                            sizeof(struct distance_map), sizeof(struct hidden_run),   sizeof(struct volume_step),
+                            sizeof(struct warp),         sizeof(struct tractogram),   sizeof(struct tract_scalar),
+                            sizeof(struct tract_node),   sizeof(struct tract_leaf)};
     uint64_t layout = 0;
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
         layout = 1000003 * layout + sizes[i];

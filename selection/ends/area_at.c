@@ -28,8 +28,7 @@ static void take(struct nearest *nearest, uint32_t area, double distance)
     }
 }
 
-conus_status area_search_init(struct area_search *out, const conus_atlas *atlas, const struct census_box *boxes,
-                              double radius)
+conus_status area_search_init(struct area_search *out, const conus_atlas *atlas, double radius)
 {
     struct area_cells *cells = memory_zeroed(atlas->volume_count, sizeof *cells);
     if (!cells) {
@@ -42,14 +41,16 @@ conus_status area_search_init(struct area_search *out, const conus_atlas *atlas,
         }
         const double *m = volume->voxel_from_world;
         bool has_box = volume_is_scalar(volume);
-        bool is_empty = has_box && boxes[i].first[0] > boxes[i].last[0];
+        bool is_empty = has_box && volume->box.first[0] > volume->box.last[0];
         near_cells_init(&cells[i].cells, volume);
         cells[i].step = INFINITY;
         for (int a = 0; a < 3; a++) {
             const double row[3] = {m[a], m[4 + a], m[8 + a]};
             cells[i].step = fmin(cells[i].step, 1 / vec3_length(row));
-            cells[i].first[a] = has_box && !is_empty ? (int64_t)boxes[i].first[a] : 0;
-            cells[i].last[a] = is_empty ? -1 : has_box ? (int64_t)boxes[i].last[a] : (int64_t)volume->info.dim[a] - 1;
+            cells[i].first[a] = has_box && !is_empty ? (int64_t)volume->box.first[a] : 0;
+            cells[i].last[a] = is_empty  ? -1
+                               : has_box ? (int64_t)volume->box.last[a]
+                                         : (int64_t)volume->info.dim[a] - 1;
         }
     }
     *out = (struct area_search){.atlas = atlas, .radius = radius, .cells = cells};
@@ -76,7 +77,7 @@ static uint32_t find_in_volumes(const conus_atlas *atlas, const double point[3])
             return area;
         }
         if (area) {
-            take(&likely, area, -(double)volume->values[voxel]);
+            take(&likely, area, -(double)volume_value(volume, voxel));
         }
     }
     return likely.area;

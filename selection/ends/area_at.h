@@ -3,7 +3,6 @@
 #ifndef CONUS_SELECTION_ENDS_AREA_AT_H
 #define CONUS_SELECTION_ENDS_AREA_AT_H
 
-#include "selection/measure/census.h"
 #include "selection/measure/near.h"
 
 struct area_search {
@@ -12,10 +11,8 @@ struct area_search {
     struct area_cells *cells; /**< [volume_count] */
 };
 
-/** Makes ready to search the areas of @p atlas, which must outlive the search. @p boxes are those of a census that is
- * prepared for it. CONUS_ERROR_MEMORY. */
-conus_status area_search_init(struct area_search *out, const conus_atlas *atlas, const struct census_box *boxes,
-                              double radius);
+/** Makes ready to search the areas of @p atlas, which must outlive the search. CONUS_ERROR_MEMORY. */
+conus_status area_search_init(struct area_search *out, const conus_atlas *atlas, double radius);
 void area_search_finish(struct area_search *search);
 
 /** Number of the area at the world point @p point, hidden ones aside; 0 = none. Any thread. */

@@ -204,9 +204,7 @@ static conus_status build(conus_connectivity *connectivity, conus_selector *sele
 {
     struct connecting connecting = {.selector = selector, .region = region};
     conus_status status = census_prepare(&selector->census, selector->atlas, selector->labels);
-    status = status
-                 ? status
-                 : area_search_init(&connecting.search, selector->atlas, selector->census.boxes, connectivity->radius);
+    status = status ? status : area_search_init(&connecting.search, selector->atlas, connectivity->radius);
     status = status ? status : gather(&connecting);
     status = status ? status : count_all(&connectivity->rows, &connectivity->row_count, &connecting);
     if (!status) {

@@ -430,11 +430,16 @@ static conus_status make_codes(uint8_t **out, const struct distance_map *map)
 
 static conus_status upload_volume(struct gl_engine *gl, const struct volume *volume, uint64_t *memory_left)
 {
+    struct volume spread = {0};
     struct distance_map map = {0};
     struct id_distances distances = {0};
     uint8_t *codes = NULL;
     conus_status status = CONUS_OK;
-    if (gl->sampling == CONUS_SAMPLING_EXACT) {
+    if (volume->step_count) { /* textures are dense */
+        status = volume_spread(&spread, volume, (const size_t[3]){0}, volume->info.dim);
+        volume = &spread;
+    }
+    if (!status && gl->sampling == CONUS_SAMPLING_EXACT) {
         status = distance_map_init(&map, volume);
         status = status ? status : make_codes(&codes, &map);
         distances.codes = codes;
@@ -446,6 +451,7 @@ static conus_status upload_volume(struct gl_engine *gl, const struct volume *vol
     status = status ? status : id_pass_add_volume(gl->pass, volume, &distances, memory_left);
     memory_free(codes);
     distance_map_finish(&map);
+    volume_finish(&spread);
     return status;
 }
 

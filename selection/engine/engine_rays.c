@@ -389,7 +389,7 @@ static void count_pierced(struct rays_engine *engine, size_t rays)
     }
     for (size_t t = 0; t < engine->target_count; t++) {
         struct target *target = &engine->targets[t];
-        if (distance_map_codes(&target->map) <= UNIFORM_CODES) {
+        if (distance_map_codes(&target->map) <= UNIFORM_CODES && target->volume->voxel_count <= UNIFORM_CODES) {
             distance_map_init_uniform(&target->uniform, target->volume, &target->map);
         }
     }

@@ -17,7 +17,7 @@ struct walk {
     const struct volume *volume;
     census_row row;
     void *user;
-    const struct census_box *box;
+    const struct object_box *box;
     const struct label_runs *runs; /* in place of labels, for count_runs(); or NULL */
     const int *axes;               /* along which rows are, come after each other in a slice, and slices do */
     struct region_rows rows;
@@ -190,7 +190,7 @@ static void cut_slice(struct walk *walk, struct piece pieces[2], size_t first, s
 static void walk_slices(struct walk *walk)
 {
     const struct volume *volume = walk->volume;
-    const struct census_box *box = walk->box;
+    const struct object_box *box = walk->box;
     const size_t *dim = volume->info.dim;
     const int in_slice = walk->axes[1];
     const int across = walk->axes[2];
@@ -222,52 +222,23 @@ static void walk_slices(struct walk *walk)
     walk_piece(walk, &pieces[!walk->turn]);
 }
 
-void census_walk_box(const struct region *region, const struct volume *volume, const struct census_box *box,
+void census_walk_box(const struct region *region, const struct volume *volume, const struct object_box *box,
                      census_row row, void *user)
 {
     struct walk walk = {.region = region, .volume = volume, .row = row, .user = user, .box = box, .axes = STORED};
     walk_slices(&walk);
 }
 
-static struct census_box whole_box(const struct volume *volume)
+static struct object_box whole_box(const struct volume *volume)
 {
     const size_t *dim = volume->info.dim;
-    return (struct census_box){.last = {dim[0] - 1, dim[1] - 1, dim[2] - 1}};
+    return (struct object_box){.last = {dim[0] - 1, dim[1] - 1, dim[2] - 1}};
 }
 
 void census_walk(const struct region *region, const struct volume *volume, census_row row, void *user)
 {
-    const struct census_box all = whole_box(volume);
+    const struct object_box all = whole_box(volume);
     census_walk_box(region, volume, &all, row, user);
-}
-
-static void include(struct census_box *box, const size_t at[3])
-{
-    for (int a = 0; a < 3; a++) {
-        box->first[a] = smaller(box->first[a], at[a]);
-        box->last[a] = larger(box->last[a], at[a]);
-    }
-}
-
-static struct census_box find_box(const struct volume *volume)
-{
-    const size_t *dim = volume->info.dim;
-    struct census_box box = {.first = {SIZE_MAX, SIZE_MAX, SIZE_MAX}};
-    for (size_t row = 0; row < dim[1] * dim[2]; row++) {
-        size_t first = 0;
-        size_t last = dim[0];
-        while (first < dim[0] && !volume_object(volume, row * dim[0] + first)) {
-            first++;
-        }
-        while (last > first && !volume_object(volume, row * dim[0] + last - 1)) {
-            last--;
-        }
-        if (first < last) {
-            include(&box, (const size_t[]){first, row % dim[1], row / dim[1]});
-            include(&box, (const size_t[]){last - 1, row % dim[1], row / dim[1]});
-        }
-    }
-    return box;
 }
 
 conus_status census_labels_create(struct census_labels **out, const conus_atlas *atlas)
@@ -298,15 +269,9 @@ conus_status census_prepare(struct census *census, const conus_atlas *atlas, str
     struct census fresh = {.object_count = atlas->object_count, .labels = labels};
     fresh.counts = memory_zeroed(atlas->object_count + 1, sizeof *fresh.counts);
     fresh.touched = memory_raw(atlas->object_count + 1, sizeof *fresh.touched);
-    fresh.boxes = memory_zeroed(atlas->volume_count, sizeof *fresh.boxes);
-    if (!fresh.counts || !fresh.touched || !fresh.boxes) {
+    if (!fresh.counts || !fresh.touched) {
         census_finish(&fresh);
         return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < atlas->volume_count; i++) {
-        if (volume_is_scalar(&atlas->volumes[i]) && volume_can_be_hit(&atlas->volumes[i])) {
-            fresh.boxes[i] = find_box(&atlas->volumes[i]);
-        }
     }
     census_finish(census);
     *census = fresh;
@@ -317,7 +282,6 @@ void census_finish(struct census *census)
 {
     memory_free(census->counts);
     memory_free(census->touched);
-    memory_free(census->boxes);
     *census = (struct census){0};
 }
 
@@ -339,12 +303,14 @@ static void add_values(void *user, const struct volume *volume, const size_t at[
     struct census *census = user;
     size_t first = at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]);
     for (size_t i = 0; i < count; i++) {
-        uint32_t object = volume_object(volume, first + i);
+        i = volume_next(volume, first + i) - first;
+        float stored = i < count ? volume_value(volume, first + i) : NAN;
+        uint32_t object = volume_object_of(volume, stored);
         if (object) {
             const size_t voxel[3] = {at[0] + i, at[1], at[2]};
             add_run(census, object, STORED, voxel, 1);
             struct census_count *sum = &census->counts[object];
-            double value = (double)volume->values[first + i];
+            double value = (double)stored;
             sum->maximum = sum->voxels > 1 ? fmax(sum->maximum, value) : value;
             sum->value += value;
             for (int a = 0; a < 3; a++) {
@@ -365,7 +331,7 @@ static void count_areas(struct census *census, const struct region *region, cons
                         struct census_labels *labels)
 {
     struct areas areas = {.census = census};
-    const struct census_box all = whole_box(volume);
+    const struct object_box all = whole_box(volume);
     struct walk walk = {.region = region, .volume = volume, .row = add_areas, .user = &areas, .box = &all};
     double most = -1;
     double along[3];
@@ -403,7 +369,7 @@ void census_take(struct census *census, const conus_atlas *atlas, const struct r
         if (volume->info.role == CONUS_ROLE_PARCELLATION) {
             count_areas(census, region, volume, &census->labels[i]);
         } else if (volume_is_scalar(volume) && volume_can_be_hit(volume)) {
-            census_walk_box(region, volume, &census->boxes[i], add_values, census);
+            census_walk_box(region, volume, &volume->box, add_values, census);
         }
     }
     qsort(census->touched, census->touched_count, sizeof *census->touched, ascending);
@@ -411,7 +377,7 @@ void census_take(struct census *census, const conus_atlas *atlas, const struct r
 
 bool census_is_weighted(const conus_atlas *atlas, uint32_t object)
 {
-    return atlas_object_volume(atlas, object)->values && !atlas->objects[object - 1].is_band;
+    return volume_has_values(atlas_object_volume(atlas, object)) && !atlas->objects[object - 1].is_band;
 }
 
 void census_centroid(double out[3], const struct census *census, const conus_atlas *atlas, uint32_t object)

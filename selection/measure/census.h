@@ -14,16 +14,11 @@
 /** @p count voxels of @p volume in the region, from indices @p at on along i. */
 typedef void (*census_row)(void *user, const struct volume *volume, const size_t at[3], size_t count);
 
-/** First and last index along each axis; the last below the first where there is nothing. */
-struct census_box {
-    size_t first[3], last[3];
-};
-
 /** Calls @p row for all voxels of @p volume in @p region, in the order in which they are stored. */
 void census_walk(const struct region *region, const struct volume *volume, census_row row, void *user);
 
 /** The same for those in @p box only. */
-void census_walk_box(const struct region *region, const struct volume *volume, const struct census_box *box,
+void census_walk_box(const struct region *region, const struct volume *volume, const struct object_box *box,
                      census_row row, void *user);
 
 /** The sums over the voxels of an object in a region. */
@@ -46,7 +41,6 @@ struct census {
     struct census_count *counts; /**< [object_count + 1]; [0]: voxels of the parcellation that are no object's. */
     uint32_t *touched;           /**< Objects with voxels, in ascending order; 0 is not among them.         */
     size_t touched_count;
-    struct census_box *boxes; /**< [volume_count] around the voxels of a scalar volume's object: pathways are thin. */
     struct census_labels *labels; /**< [volume_count] Not owned. */
     size_t object_count;
 };

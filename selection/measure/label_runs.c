@@ -45,7 +45,7 @@ size_t label_run_length(const struct volume *volume, size_t first, size_t count)
     }
 #endif
     while (run < count && volume_object(volume, first + run) == object) {
-        run++;
+        run = object ? run + 1 : volume_next(volume, first + run + 1) - first;
     }
     return smaller(run, count);
 }

@@ -167,7 +167,7 @@ static void search_cell(struct search *search, const struct volume *volume, size
         double point[3];
         mat4_direction(point, volume->info.world_from_voxel, offset);
         vec3_add_scaled(point, search->ball->origin, 1, point);
-        note(near, object, distance, point, volume->values ? (double)volume->values[voxel] : NAN);
+        note(near, object, distance, point, volume_has_values(volume) ? (double)volume_value(volume, voxel) : NAN);
     }
 }
 

@@ -328,7 +328,7 @@ static double value_at_contact(const struct tallied *object, const struct gather
 {
     const struct evidence *evidence = gathering->evidence;
     const struct volume *volume = atlas_object_volume(gathering->atlas, evidence->object[object->pixel]);
-    return volume && volume->values ? (double)volume->values[evidence->voxel[object->pixel]] : NAN;
+    return volume && volume_has_values(volume) ? (double)volume_value(volume, evidence->voxel[object->pixel]) : NAN;
 }
 
 static conus_result describe(uint32_t number, const struct tallied *object, const struct gathering *gathering,

@@ -167,7 +167,7 @@ static conus_status check_parts(const struct plan_constraint *constraint, conus_
         const struct volume *volume = constraint->parts[i].volume;
         has_streamlines = has_streamlines || constraint->parts[i].tractogram;
         if (measure == CONUS_MEASURE_PROBABILITY &&
-            (!volume || !volume->values ||
+            (!volume || !volume_has_values(volume) ||
              (volume->info.role == CONUS_ROLE_SCALAR && !(volume->info.threshold > 0 && volume->info.maximum <= 1)))) {
             return fail(CONUS_ERROR_ARGUMENT,
                         "%.200s has no probabilities, as areas and pathways of maps from 0 to 1 have",

@@ -38,7 +38,8 @@ static void place_voxel(double out[3], const struct volume *volume, size_t voxel
 static conus_status add_voxels(conus_sites *sites, const struct plan_constraint *structure, const struct volume *volume)
 {
     conus_status status = CONUS_OK;
-    for (size_t voxel = 0; voxel < volume->voxel_count && !status; voxel++) {
+    for (size_t voxel = volume_next(volume, 0); voxel < volume->voxel_count && !status;
+         voxel = volume_next(volume, voxel + 1)) {
         double point[3];
         if (has_voxel(structure, volume, voxel)) {
             place_voxel(point, volume, voxel);

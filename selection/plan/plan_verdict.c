@@ -137,7 +137,7 @@ static double probability_at(const struct plan_judge *judge, const struct plan_c
     for (size_t i = 0; i < constraint->part_count; i++) {
         const struct volume *volume = constraint->parts[i].volume;
         size_t voxel;
-        sum += volume_find_voxel(&voxel, volume, point) ? fmax((double)volume->values[voxel], 0) : 0;
+        sum += volume_find_voxel(&voxel, volume, point) ? fmax((double)volume_value(volume, voxel), 0) : 0;
     }
     return sum;
 }
@@ -194,7 +194,7 @@ static double sum_values(const struct volume *volume, const struct needle *needl
         size_t voxel;
         needle_point(point, needle, at + (next - at) / 2);
         sum += next > at && volume_find_voxel(&voxel, volume, point)
-                   ? (next - at) * fmax((double)volume->values[voxel], 0)
+                   ? (next - at) * fmax((double)volume_value(volume, voxel), 0)
                    : 0;
         at = fmax(at, next);
         for (int a = 0; a < 3; a++) {

@@ -85,7 +85,7 @@ static void write_voxel(conus_report *report, const struct listed_voxel *voxel)
     mat4_point(point, volume->info.world_from_voxel, point);
     begin_row(report, object);
     buffer_format(&report->voxels, "\t%zu\t%zu\t%zu", at[0], at[1], at[2]);
-    double value = volume->values ? (double)volume->values[voxel->voxel] : object->label;
+    double value = volume_has_values(volume) ? (double)volume_value(volume, voxel->voxel) : object->label;
     end_row(report, object, point, value, voxel->distance);
 }
 

@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "test.h"
+#include "value_maps.h"
 
 #include <string.h>
 
@@ -230,7 +231,7 @@ static conus_status make_with_pathway(void *data)
         values[2] = 0.2499F;
         info.role = CONUS_ROLE_SCALAR;
         info.threshold = 0.25;
-        status = atlas_add_pathway(atlas, &info, values, "tract");
+        status = pathway_of_values(atlas, &info, values, "tract");
         values = status ? values : NULL;
     }
     if (!status) {

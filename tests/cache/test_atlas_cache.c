@@ -297,7 +297,7 @@ static void the_environment_sets_the_limit(void **state)
         bool wrong;
     } cases[] = {{"off", 0, false},
                  {"0", 0, false},
-                 {"", UINT64_C(16) << 30, false},
+                 {"", UINT64_C(4) << 30, false},
                  {"123", 123, false},
                  {"2K", 2048, false},
                  {"3M", 3 << 20, false},
@@ -336,7 +336,7 @@ static void the_environment_sets_the_limit(void **state)
     conus_atlas_destroy(atlas);
     unsetenv("CONUS_CACHE");
     assert_true(cache_limit(&limit));
-    assert_int_equal(limit, UINT64_C(16) << 30);
+    assert_int_equal(limit, UINT64_C(4) << 30);
 }
 
 static void age(const char *path, time_t seconds)

@@ -6,6 +6,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "tests/support/value_maps.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -74,7 +75,7 @@ static conus_atlas *make_atlas(void)
     float *values = memory_zeroed(12, sizeof *values);
     info.role = CONUS_ROLE_SCALAR;
     info.threshold = 0.5;
-    must(values ? atlas_add_pathway(atlas, &info, values, "tract") : CONUS_ERROR_MEMORY);
+    must(values ? pathway_of_values(atlas, &info, values, "tract") : CONUS_ERROR_MEMORY);
     add_streamlines(atlas);
     must(notes_add(&atlas->notes, "a note"));
     must(atlas_add_file(atlas, "v.nii", &(const struct bytes){(uint8_t *)"abc", 3}));

@@ -6,6 +6,7 @@
 #include "render/image/image.h"
 #include "shells.h"
 #include "test.h"
+#include "value_maps.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -56,7 +57,7 @@ static void masks_and_voxels_of_a_band_are_its_own(void **state)
         found[shell_of(at)] += in_ball(at, centre, 9);
         bool wanted = shell_of(at) == MIDDLE && in_ball(at, centre, 9);
         assert_int_equal(in[v], wanted);
-        assert_true(map[v] == (wanted ? atlas->volumes[0].values[v] : 0));
+        assert_true(map[v] == (wanted ? volume_value(&atlas->volumes[0], v) : 0));
     }
     assert_true(found[CORE] && found[MIDDLE] && found[OUTER]);
     assert_ok(conus_report_create(&report, selector, NULL));
@@ -90,7 +91,7 @@ static conus_atlas *make_probable_shells(void)
     conus_atlas *bands = shells_atlas();
     conus_atlas *atlas = NULL;
     conus_volume_info info = bands->volumes[0].info;
-    float *values = memory_copy(bands->volumes[0].values, (size_t)DIM * DIM * DIM, sizeof *values);
+    float *values = values_copy(&bands->volumes[0]);
     float *chances = memory_copy(values, (size_t)DIM * DIM * DIM, sizeof *chances);
     for (size_t v = 0; v < DIM * DIM * DIM; v++) {
         chances[v] = chances[v] < 20 ? 1 - chances[v] / 20 : 0;
@@ -98,10 +99,10 @@ static conus_atlas *make_probable_shells(void)
     assert_ok(conus_atlas_create(&atlas, NULL, NULL, 0, NULL));
     info.role = CONUS_ROLE_PROBABILITY;
     info.threshold = 0.25;
-    assert_ok(atlas_add_probabilistic_area(atlas, &info, chances, &area));
+    assert_ok(area_of_values(atlas, &info, chances, &area));
     info.role = CONUS_ROLE_SCALAR;
     info.threshold = 0;
-    assert_ok(atlas_add_bands(atlas, &info, values, shells, 3));
+    assert_ok(bands_of_values(atlas, &info, values, shells, 3));
     conus_atlas_destroy(bands);
     return atlas;
 }

@@ -364,7 +364,10 @@ static void bands_are_hidden_one_by_one(void **state)
     uint64_t random = 707;
     conus_atlas *atlas = random_bands(&random, 3);
     const struct volume *volume = &atlas->volumes[0];
-    uint16_t *before = memory_copy(volume->objects16, volume->voxel_count, sizeof *before);
+    uint16_t *before = memory_raw(volume->voxel_count, sizeof *before);
+    for (size_t v = 0; v < volume->voxel_count; v++) {
+        before[v] = (uint16_t)volume_object(volume, v);
+    }
     for (unsigned bits = 0; bits < 16; bits++) { /* each set after its forerunner, and all shown at the end */
         const bool hidden[4] = {false, bits & 1, bits & 2, bits & 4};
         assert_ok(conus_atlas_set_hidden(atlas, bits < 8 ? hidden : NULL));

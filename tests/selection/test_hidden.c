@@ -11,6 +11,7 @@
 #include "selection/selection.h"
 #include "test.h"
 #include "test_gl.h"
+#include "value_maps.h"
 
 #include <string.h>
 #include <sys/mman.h>
@@ -28,9 +29,9 @@ static conus_atlas *make_atlas(uint64_t seed)
     conus_atlas *others = scene_atlas(&state, DIM, 2);
     for (size_t i = 0; i < others->volume_count; i++) {
         const struct volume *volume = &others->volumes[i];
-        if (volume->values) {
-            float *values = memory_copy(volume->values, volume->voxel_count, sizeof *values);
-            assert_ok(atlas_add_pathway(atlas, &volume->info, values, "tract"));
+        if (volume_has_values(volume)) {
+            float *values = values_copy(volume);
+            assert_ok(pathway_of_values(atlas, &volume->info, values, "tract"));
         }
     }
     conus_atlas_destroy(others);
@@ -59,8 +60,7 @@ static void forget(conus_atlas *atlas, const bool *hidden)
         struct object_place *place = &atlas->places[i];
         if (hidden[i + 1] && atlas->objects[i].kind == CONUS_KIND_PATHWAY) {
             struct volume *volume = &atlas->volumes[place->index];
-            memory_free(volume->objects16);
-            volume->objects16 = NULL;
+            volume->step_count = 0;
             volume->info.role = CONUS_ROLE_CONTEXT; /* which blocks nothing */
         } else if (hidden[i + 1] && place->is_mesh) {
             mesh_finish(&atlas->meshes[place->index]);
@@ -263,8 +263,9 @@ static void what_is_shown_again_is_as_before(void **state)
         assert_ok(conus_atlas_set_hidden(atlas, NULL));
         assert_answers_as(atlas, plain, seed);
         for (size_t i = 0; i < plain->volume_count; i++) {
-            size_t size = plain->volumes[i].voxel_count * sizeof *plain->volumes[i].objects16;
-            assert_memory_equal(atlas->volumes[i].objects16, plain->volumes[i].objects16, size);
+            for (size_t v = 0; v < plain->volumes[i].voxel_count; v++) {
+                assert_int_equal(volume_object(&atlas->volumes[i], v), volume_object(&plain->volumes[i], v));
+            }
         }
         conus_atlas_destroy(atlas);
         conus_atlas_destroy(plain);
@@ -378,7 +379,7 @@ static conus_atlas *named_atlas(void)
     scalar.threshold = 0.5;
     float *values = memory_zeroed(8, sizeof *values);
     values[7] = 1;
-    assert_ok(atlas_add_pathway(atlas, &scalar, values, "tract"));
+    assert_ok(pathway_of_values(atlas, &scalar, values, "tract"));
     return atlas;
 }
 

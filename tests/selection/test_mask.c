@@ -8,6 +8,7 @@
 #include "scene.h"
 #include "selection/selection.h"
 #include "test.h"
+#include "value_maps.h"
 
 #include <string.h>
 
@@ -28,7 +29,7 @@ static void add_pathway(conus_atlas *atlas, conus_volume_info info, const char *
     for (size_t i = 0; i < count; i++) {
         values[i] = (float)(i % info.dim[0]) + 0.25F;
     }
-    assert_ok(atlas_add_pathway(atlas, &info, values, name));
+    assert_ok(pathway_of_values(atlas, &info, values, name));
 }
 
 static int set_up(void **state)
@@ -102,7 +103,7 @@ static void grids_hold_what_is_in_the_cone(void **state)
     size_t counts[6] = {0};
     for (size_t voxel = 0; voxel < areas->voxel_count; voxel++) {
         uint32_t object = volume_object(areas, voxel);
-        double value = (double)fixture->atlas->volumes[1].values[voxel];
+        double value = (double)volume_value(&fixture->atlas->volumes[1], voxel);
         bool in = in_region(fixture, voxel);
         const double wanted[] = {in && object,
                                  in,

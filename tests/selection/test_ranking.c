@@ -8,6 +8,7 @@
 #include "scene.h"
 #include "selection/measure/score.h"
 #include "test.h"
+#include "value_maps.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -144,7 +145,7 @@ static void add_scalar(conus_atlas *atlas, conus_role role, const size_t dim[3],
     if (role == CONUS_ROLE_CONTEXT) {
         assert_ok(atlas_set_context(atlas, &info, values));
     } else {
-        assert_ok(atlas_add_pathway(atlas, &info, values, "tract"));
+        assert_ok(pathway_of_values(atlas, &info, values, "tract"));
     }
 }
 

@@ -8,6 +8,7 @@
 #include "oracle_triangle.h"
 #include "selection/engine/engine.h"
 #include "test.h"
+#include "value_maps.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -292,7 +293,7 @@ conus_atlas *mesh_scene_brain(void)
         mat4_point(p, info.world_from_voxel, p);
         values[v] = phantom_brain_pathway(p);
     }
-    assert_ok(atlas_add_pathway(atlas, &info, values, "arc"));
+    assert_ok(pathway_of_values(atlas, &info, values, "arc"));
     return atlas;
 }
 

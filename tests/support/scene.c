@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "test.h"
+#include "value_maps.h"
 
 #include <string.h>
 
@@ -121,7 +122,7 @@ static void add_pathway(uint64_t *state, conus_atlas *atlas, size_t dim_limit)
     conus_volume_info info = same ? atlas->volumes[0].info : scene_grid(state, dim);
     info.role = CONUS_ROLE_SCALAR;
     info.threshold = test_random(state, 0.5, 0.999);
-    assert_ok(atlas_add_pathway(atlas, &info, random_values(state, info.dim), "tract"));
+    assert_ok(pathway_of_values(atlas, &info, random_values(state, info.dim), "tract"));
 }
 
 void scene_add_blockers(conus_atlas *atlas, uint64_t *state, const size_t dim[3], double share)

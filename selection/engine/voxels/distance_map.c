@@ -402,22 +402,38 @@ static void write_codes(const struct distance_map *map, const struct scratch *sc
 }
 
 /* A written map begins with the struct without its pointer, padded so that the codes lie in lines of the cache. */
-enum { HEAD_SIZE = 128 };
+enum { HEAD_SIZE = 192 };
 static_assert(sizeof(struct distance_map) <= HEAD_SIZE, "the map fits in front of its codes");
+
+/* The voxels that have codes: all, or of a sparse volume the box of its objects and a voxel around it, from a brick
+ * on. */
+static void find_part(size_t first[3], size_t dim[3], const struct volume *volume)
+{
+    const struct object_box *box = &volume->box;
+    for (int a = 0; a < 3; a++) {
+        bool is_empty = box->first[a] > box->last[a];
+        bool is_part = volume->step_count && !is_empty && box->first[a] > 0;
+        size_t end = !volume->step_count ? volume->info.dim[a] : is_empty ? 1 : box->last[a] + 2;
+        first[a] = is_part ? (box->first[a] - 1) / BRICK * BRICK : 0;
+        dim[a] = (end < volume->info.dim[a] ? end : volume->info.dim[a]) - first[a];
+    }
+}
 
 /* Everything but the codes; gives the bytes that these need. */
 static size_t set_dimensions(struct distance_map *map, const struct volume *volume)
 {
+    size_t part[3];
     *map = (struct distance_map){0};
+    find_part(map->base, part, volume);
     for (int a = 0; a < 3; a++) {
         map->dim[a] = volume->info.dim[a];
-        map->lines[a] = (map->dim[a] + 2 * (size_t)DISTANCE_MARGIN + BRICK - 1) / BRICK * BRICK_LINES;
+        map->lines[a] = (part[a] + 2 * (size_t)DISTANCE_MARGIN + BRICK - 1) / BRICK * BRICK_LINES;
     }
     return distance_map_codes(map); /* not much more than the number of voxels, which was checked */
 }
 
 /* Fills the codes of a map whose dimensions are set, as distances to what is marked, and the box of that. */
-static conus_status fill_codes(struct distance_map *map, const struct volume *volume, row_mark *mark)
+static conus_status fill_dense(struct distance_map *map, const struct volume *volume, row_mark *mark)
 {
     struct scratch scratch;
     conus_status status = scratch_init(&scratch, map);
@@ -434,6 +450,28 @@ static conus_status fill_codes(struct distance_map *map, const struct volume *vo
     memory_free(scratch.nothing);
     memory_free(scratch.distance);
     memory_free(scratch.beside);
+    return status;
+}
+
+/* The same of any volume: a sparse one is spread where its objects are. */
+static conus_status fill_codes(struct distance_map *map, const struct volume *volume, row_mark *mark)
+{
+    struct volume spread;
+    struct distance_map part = *map;
+    size_t first[3];
+    if (!volume->step_count) {
+        return fill_dense(map, volume, mark);
+    }
+    find_part(first, part.dim, volume);
+    conus_status status = volume_spread(&spread, volume, first, part.dim);
+    if (!status) {
+        status = fill_dense(&part, &spread, mark);
+        volume_finish(&spread);
+    }
+    for (int a = 0; a < 3; a++) {
+        map->first[a] = part.first[a] + (double)first[a];
+        map->last[a] = part.last[a] + (double)first[a];
+    }
     return status;
 }
 
@@ -559,9 +597,9 @@ static void make_uniform(struct distance_map *map, const struct volume *volume, 
     for (size_t z = 0; z < DISTANCE_EDGE * map->lines[2]; z++) {
         for (size_t y = 0; y < DISTANCE_EDGE * map->lines[1]; y++) {
             for (size_t x = 0; x < DISTANCE_EDGE * map->lines[0]; x++) {
-                size_t i = x - DISTANCE_MARGIN; /* wraps in front of the first */
-                size_t j = y - DISTANCE_MARGIN;
-                size_t k = z - DISTANCE_MARGIN;
+                size_t i = map->base[0] + x - DISTANCE_MARGIN; /* wraps in front of the first */
+                size_t j = map->base[1] + y - DISTANCE_MARGIN;
+                size_t k = map->base[2] + z - DISTANCE_MARGIN;
                 uint8_t *code = &map->codes[distance_map_at(map, i, j, k)];
                 *code = is_in_grid(volume, i, j, k)
                             ? uniform_code(*code, volume_object(volume, i + dim[0] * (j + dim[1] * k)), colours)
@@ -576,7 +614,13 @@ conus_status distance_map_init_uniform(struct distance_map *out, const struct vo
 {
     struct distance_map uniform;
     struct object_colours colours;
-    conus_status status = object_colours_find(&colours, volume);
+    struct volume spread = {0};
+    size_t first[3];
+    size_t dim[3];
+    find_part(first, dim, volume);
+    conus_status status = volume->step_count ? volume_spread(&spread, volume, first, dim) : CONUS_OK;
+    status = status ? status : object_colours_find(&colours, volume->step_count ? &spread : volume);
+    volume_finish(&spread);
     status = status ? status : make_map(&uniform, volume, mark_borders);
     if (!status) {
         memcpy(uniform.first, map->first, sizeof map->first);

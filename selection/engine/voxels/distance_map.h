@@ -2,10 +2,10 @@
 /** @file
  * The Chebyshev distance from each empty voxel of a volume to the nearest occupied one, for empty-space skipping.
  *
- * One byte per voxel, its code: 0 where the voxel holds an object; else 1 + r, where all voxels of the grid that differ
- * from it by at most r in every index hold none. There is a margin of empty voxels around the grid, with codes of their
- * own. Bytes lie in lines of 4 x 4 x 4, the size of the processor's, so that neighbours share them whatever the
- * direction of a ray.
+ * One byte per voxel, its code (of a sparse volume only round the box of its objects): 0 where the voxel holds an
+ * object; else 1 + r, where all voxels of the grid that differ from it by at most r in every index hold none. There is
+ * a margin of empty voxels around the grid, with codes of their own. Bytes lie in lines of 4 x 4 x 4, the size of the
+ * processor's, so that neighbours share them whatever the direction of a ray.
  *
  * In a labelled map (labelled_map.h) the voxels that hold an object have several codes, which say what object it is. */
 #ifndef CONUS_SELECTION_ENGINE_VOXELS_DISTANCE_MAP_H
@@ -17,7 +17,8 @@
 enum { DISTANCE_MARGIN = 1, DISTANCE_EDGE = 4, DISTANCE_LINE = 64 };
 
 struct distance_map {
-    size_t dim[3];   /**< Voxels along i, j, k.                         */
+    size_t dim[3];  /**< Voxels of the volume along i, j, k.            */
+    size_t base[3]; /**< The first voxel with codes, but for the margin: all is empty before it, and behind the last. */
     size_t lines[3]; /**< Lines along i, j, k; the last may be padded.   */
     double first[3]; /**< The box of the voxels with objects: lowest     */
     double last[3];  /**< and highest index; below the lowest if none.   */
@@ -72,9 +73,9 @@ static inline uint8_t *distance_map_on_lines(void *block)
 /** Position of voxel (i, j, k) among the codes; those of the margin in front are (size_t)-DISTANCE_MARGIN. */
 static inline size_t distance_map_at(const struct distance_map *map, size_t i, size_t j, size_t k)
 {
-    size_t x = i + DISTANCE_MARGIN;
-    size_t y = j + DISTANCE_MARGIN;
-    size_t z = k + DISTANCE_MARGIN;
+    size_t x = i - map->base[0] + DISTANCE_MARGIN;
+    size_t y = j - map->base[1] + DISTANCE_MARGIN;
+    size_t z = k - map->base[2] + DISTANCE_MARGIN;
     size_t line = x / DISTANCE_EDGE + map->lines[0] * (y / DISTANCE_EDGE + map->lines[1] * (z / DISTANCE_EDGE));
     return line * DISTANCE_LINE + x % DISTANCE_EDGE +
            DISTANCE_EDGE * (y % DISTANCE_EDGE + DISTANCE_EDGE * (z % DISTANCE_EDGE));

@@ -87,7 +87,7 @@ static conus_status deal_events(struct piercing *piercing, const struct walk *wa
         size_t slot = (size_t)events->slot[i];
         size_t ahead = i + FETCHED_AHEAD < events->count ? i + FETCHED_AHEAD : i;
         volume_fetch(volume, events->voxel[ahead] == NO_VOXEL ? 0 : (size_t)events->voxel[ahead]);
-        uint32_t object = voxel == NO_VOXEL ? 0 : volume_object(volume, (size_t)voxel);
+        uint32_t object = voxel == NO_VOXEL ? 0 : volume_occupant(volume, (size_t)voxel);
         if (object != piercing->begun[slot].object) {
             change_object(piercing, slot, events->t[i], object, voxel);
         }

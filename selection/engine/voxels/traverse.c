@@ -176,7 +176,7 @@ conus_status traverse_pierce(struct layers *out, const struct distance_map *map,
     while (inside && at.t <= limit && !status) {
         int code = traverse_code(map, &at);
         size_t voxel = traverse_voxel(map, &at);
-        uint32_t object = code ? 0 : volume_object(volume, voxel);
+        uint32_t object = code ? 0 : volume_occupant(volume, voxel);
         if (object != interval.object) {
             status = change_object(out, &interval, object, at.t, voxel);
         }

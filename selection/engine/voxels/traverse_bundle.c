@@ -103,7 +103,7 @@ static void find_objects(struct traverse_bundle *bundle, const struct volume *vo
         volume_fetch(volume, bundle->voxel[i]);
     }
     for (size_t i = 0; i < bundle->count; i++) {
-        bundle->object[i] = bundle->voxel[i] == UINT64_MAX ? 0 : volume_object(volume, bundle->voxel[i]);
+        bundle->object[i] = bundle->voxel[i] == UINT64_MAX ? 0 : volume_occupant(volume, bundle->voxel[i]);
     }
 }
 

@@ -10,6 +10,7 @@
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
+#include "value_maps.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -218,7 +219,7 @@ static conus_atlas *make_atlas(void)
     grid.threshold = 3;
     grid.minimum = 1;
     grid.maximum = 4;
-    assert_ok(atlas_add_pathway(atlas, &grid, values, "tract"));
+    assert_ok(pathway_of_values(atlas, &grid, values, "tract"));
     return atlas;
 }
 
@@ -316,7 +317,7 @@ static void what_is_added_later_does_not_move_with_it(void **state)
     grid.role = CONUS_ROLE_SCALAR;
     grid.threshold = 3;
     assert_ok(conus_atlas_transform(atlas, path, NULL));
-    assert_ok(atlas_add_pathway(atlas, &grid, values, "later"));
+    assert_ok(pathway_of_values(atlas, &grid, values, "later"));
     assert_ok(conus_atlas_transform(atlas, path, NULL));
     assert_int_equal(label_at(atlas, 2, -1, 0, 0), 2); /* 0.25 is nearest to 0 */
     assert_int_equal(label_at(atlas, 0, 0, 1, 1), 4);

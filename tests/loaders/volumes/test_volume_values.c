@@ -241,9 +241,93 @@ static void values_are_scaled(void **state)
     volume_file_finish(&file);
 }
 
+/* A file of random voxels, most of them 0. */
+static void open_sparse(struct volume_file *file, int datatype, bool big, double slope, uint64_t *random)
+{
+    const int64_t dim[3] = {21, 17, 13};
+    struct nifti_builder b;
+    nifti_begin(&b, 1, big, datatype, dim);
+    nifti_set(&b, "scl_slope", 0, slope);
+    nifti_set(&b, "scl_inter", 0, slope == 1 ? 0 : 0.25);
+    for (int64_t v = 0; v < dim[0] * dim[1] * dim[2]; v++) {
+        bool full = v / 300 % 4 == 1 && test_random(random, 0, 1) < 0.5;
+        nifti_voxel_bits(&b, full ? (uint64_t)test_random(random, 0, 0x1p63) << 1 : 0);
+    }
+    open_ok(file, write_bytes("sparse.nii", &b.bytes));
+    buffer_finish(&b.bytes);
+}
+
+typedef conus_status as_array(float **out, struct volume_file *file, struct notes *notes);
+typedef conus_status as_map(struct value_map *out, struct volume_file *file, struct notes *notes);
+
+static void check_same_values(struct volume_file *file, as_array *array, as_map *sparse)
+{
+    struct notes notes[2] = {{0}, {0}};
+    struct value_map map;
+    float *values = NULL;
+    double range[2];
+    assert_ok(array(&values, file, &notes[0]));
+    range[0] = file->info.minimum;
+    range[1] = file->info.maximum;
+    assert_ok(sparse(&map, file, &notes[1]));
+    assert_memory_equal(&file->info.minimum, &range[0], sizeof *range);
+    assert_memory_equal(&file->info.maximum, &range[1], sizeof *range);
+    assert_int_equal(notes[0].count, notes[1].count);
+    for (size_t i = 0; i < notes[0].count; i++) {
+        assert_string_equal(notes[0].lines[i], notes[1].lines[i]);
+    }
+    for (size_t v = 0; v < map.count; v++) {
+        float value = value_map_at(&map, v);
+        assert_memory_equal(&value, &values[v], sizeof value);
+    }
+    value_map_finish(&map);
+    memory_free(values);
+    notes_finish(&notes[0]);
+    notes_finish(&notes[1]);
+}
+
+/* Random bits are NaN and infinite now and then, and a slope takes more of them out of range. */
+static void a_sparse_map_has_the_values_of_every_type(void **state)
+{
+    (void)state;
+    uint64_t random = 44;
+    for (size_t t = 0; t < sizeof all_types / sizeof *all_types; t++) {
+        for (int k = 0; k < 8; k++) {
+            static const double slopes[] = {1, 0.01, -2, 1e36};
+            struct volume_file file;
+            open_sparse(&file, all_types[t], k / 4, slopes[k % 4], &random);
+            check_same_values(&file, volume_file_values, volume_file_map);
+            check_same_values(&file, volume_file_values_or_nan, volume_file_map_or_nan);
+            volume_file_finish(&file);
+        }
+    }
+}
+
+static conus_status make_map(void *file)
+{
+    struct notes notes = {0};
+    struct value_map map = {0};
+    conus_status status = volume_file_map(&map, file, &notes);
+    value_map_finish(&map);
+    notes_finish(&notes);
+    return status;
+}
+
+static void making_a_map_survives_every_failing_allocation(void **state)
+{
+    (void)state;
+    uint64_t random = 45;
+    struct volume_file file;
+    open_sparse(&file, VOLUME_UINT16, false, 1e36, &random);
+    test_every_allocation(make_map, &file);
+    volume_file_finish(&file);
+}
+
 TEST_GROUP(volume_values)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_sparse_map_has_the_values_of_every_type),
+        cmocka_unit_test(making_a_map_survives_every_failing_allocation),
         cmocka_unit_test(the_largest_label_of_every_type),
         cmocka_unit_test(values_that_are_no_labels_are_named),
         cmocka_unit_test(scaled_labels_may_be_whole),

@@ -7,6 +7,7 @@
 #include "render/colour/renderer.h"
 #include "test.h"
 #include "test_gl.h"
+#include "value_maps.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -311,7 +312,7 @@ static void pathways_are_drawn_in_place_of_areas(void **state)
         mat4_point(p, other.world_from_voxel, p);
         values[v] = vec3_length(p) < 10 ? 1 : 0;
     }
-    assert_ok(atlas_add_pathway(atlas, &other, values, "tract"));
+    assert_ok(pathway_of_values(atlas, &other, values, "tract"));
     memcpy(atlas->objects[1].rgb, (uint8_t[]){0, 0, 255}, 3);
     conus_renderer *renderer = picture_renderer(atlas, NULL);
     struct camera camera = picture_camera((double[]){0, 1, 0}, 120, radians_from_degrees(25));

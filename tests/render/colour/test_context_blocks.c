@@ -8,6 +8,7 @@
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
+#include "value_maps.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -54,7 +55,7 @@ static void add_pathway(conus_atlas *atlas)
         values[v] = (float)labels[v];
     }
     info.threshold = 0.5;
-    assert_ok(atlas_add_pathway(atlas, &info, values, "pathway"));
+    assert_ok(pathway_of_values(atlas, &info, values, "pathway"));
 }
 
 /* Voxels on the left, a surface on the right, both within 12 mm of the middle. */

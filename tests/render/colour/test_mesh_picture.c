@@ -9,6 +9,7 @@
 #include "render/image/image.h"
 #include "test.h"
 #include "test_gl.h"
+#include "value_maps.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -173,7 +174,7 @@ static void a_pathway_shows_among_meshes(void **state)
     }
     grid.role = CONUS_ROLE_SCALAR;
     grid.threshold = 0.5;
-    assert_ok(atlas_add_pathway(atlas, &grid, values, "tract"));
+    assert_ok(pathway_of_values(atlas, &grid, values, "tract"));
     memcpy(atlas->objects[1].rgb, blue, 3);
     float *front = draw_atlas(atlas, (double[]){0, 1, 0}, 120);
     float *back = draw_atlas(atlas, (double[]){0, -1, 0}, 120);

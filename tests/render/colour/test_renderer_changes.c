@@ -10,6 +10,7 @@
 #include "render/image/image.h"
 #include "test.h"
 #include "test_gl.h"
+#include "value_maps.h"
 
 #include <string.h>
 
@@ -210,7 +211,7 @@ static void add_rod(conus_atlas *atlas)
         size_t k = v / 1200;
         values[v] = j < 9 && j > 4 && k > 2 && k < 7 ? 1 : 0;
     }
-    assert_ok(atlas_add_pathway(atlas, &grid, values, "rod"));
+    assert_ok(pathway_of_values(atlas, &grid, values, "rod"));
     memcpy(atlas->objects[0].rgb, (uint8_t[]){0, 255, 0}, 3);
     memcpy(atlas->objects[1].rgb, (uint8_t[]){0, 255, 0}, 3);
     memcpy(atlas->objects[2].rgb, (uint8_t[]){0, 0, 255}, 3);

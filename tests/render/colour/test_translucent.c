@@ -10,6 +10,7 @@
 #include "render/image/image.h"
 #include "test.h"
 #include "test_gl.h"
+#include "value_maps.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -46,7 +47,7 @@ static void add_pathway(conus_atlas *atlas, const size_t dim[3], picture_functio
         mat4_point(p, info.world_from_voxel, p);
         values[v] = (float)value(p);
     }
-    assert_ok(atlas_add_pathway(atlas, &info, values, "tract"));
+    assert_ok(pathway_of_values(atlas, &info, values, "tract"));
 }
 
 static const size_t around[3] = {60, 60, 60};
@@ -359,8 +360,8 @@ static void relative_functions_span_what_is_shown(void **state)
     for (int is_band = 0; is_band < 2; is_band++) {
         conus_atlas *atlas = mesh_scene_atlas();
         float *copy = memory_copy(values, 4, sizeof *values);
-        assert_ok(is_band ? atlas_add_bands(atlas, &info, copy, &band, 1)
-                          : atlas_add_pathway(atlas, &info, copy, "tract"));
+        assert_ok(is_band ? bands_of_values(atlas, &info, copy, &band, 1)
+                          : pathway_of_values(atlas, &info, copy, "tract"));
         struct haze_choice choice = {0};
         assert_ok(haze_choose(&choice, atlas, &options));
         const struct transfer *made = &choice.transfers[1];

@@ -8,6 +8,7 @@
 #include "selection/engine/engine_rays.h"
 #include "selection/engine/voxels/distance_map.h"
 #include "test.h"
+#include "value_maps.h"
 
 #include <string.h>
 #include <sys/mman.h>
@@ -45,9 +46,9 @@ static conus_atlas *mixed_atlas(uint64_t *random, int pathways)
     conus_atlas *others = scene_atlas(random, 20, pathways);
     for (size_t i = 0; i < others->volume_count; i++) {
         const struct volume *volume = &others->volumes[i];
-        if (volume->values) {
-            float *values = memory_copy(volume->values, volume->voxel_count, sizeof *values);
-            assert_ok(atlas_add_pathway(atlas, &volume->info, values, "tract \xc3\xa9"));
+        if (volume_has_values(volume)) {
+            float *values = values_copy(volume);
+            assert_ok(pathway_of_values(atlas, &volume->info, values, "tract \xc3\xa9"));
         }
     }
     conus_atlas_destroy(others);
@@ -136,8 +137,11 @@ static void what_is_attached_is_what_was_packed(void **state)
         assert_same(atlas, attached);
         for (size_t i = 0; i < attached->volume_count; i++) {
             const struct volume *volume = &attached->volumes[i];
-            assert_true(lies_in(volume->objects16, &block) && lies_in(volume->distances, &block));
-            assert_true(!volume->values || lies_in(volume->values, &block));
+            const struct value_map *map = &volume->map;
+            assert_true(lies_in(volume->step_count ? (const void *)map->codes : volume->objects16, &block));
+            assert_true(lies_in(volume->distances, &block));
+            assert_true(!map->count || (lies_in(map->pages, &block) && lies_in(map->runs, &block)));
+            assert_true(!map->table || lies_in(map->table, &block));
         }
         for (size_t i = 0; i < attached->mesh_count; i++) {
             assert_true(lies_in(attached->meshes[i].positions, &block));
@@ -279,8 +283,8 @@ static void an_attached_atlas_can_grow(void **state)
         info.role = CONUS_ROLE_SCALAR;
         info.threshold = 0.5;
         values[0][i % 8] = values[1][i % 8] = 1;
-        assert_ok(atlas_add_pathway(atlas, &info, values[0], "more"));
-        assert_ok(atlas_add_pathway(attached, &info, values[1], "more"));
+        assert_ok(pathway_of_values(atlas, &info, values[0], "more"));
+        assert_ok(pathway_of_values(attached, &info, values[1], "more"));
     }
     assert_ok(notes_add(&atlas->notes, "more"));
     assert_ok(notes_add(&attached->notes, "more"));
@@ -396,6 +400,31 @@ static conus_status try_attaching(void *data)
     return status;
 }
 
+/* Numbers of pages and runs are followed, so they are looked at when an atlas is attached. */
+static void a_damaged_map_is_refused(void **state)
+{
+    (void)state;
+    uint64_t random = 46;
+    conus_atlas *atlas = scene_atlas(&random, 12, 2);
+    conus_atlas *attached = NULL;
+    struct block block = pack(atlas);
+    assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
+    const struct value_map map = attached->volumes[attached->volume_count - 1].map;
+    uint32_t *const numbers[] = {map.pages, map.runs};
+    assert_true(map.count > 0);
+    conus_atlas_destroy(attached);
+    mprotect(block.memory, block.size, PROT_READ | PROT_WRITE);
+    for (size_t i = 0; i < 2; i++) {
+        *numbers[i] += 1000000;
+        assert_fails(conus_atlas_attach(&attached, block.memory, block.size), CONUS_ERROR_DATA);
+        *numbers[i] -= 1000000;
+    }
+    assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
+    conus_atlas_destroy(attached);
+    conus_atlas_destroy(atlas);
+    block_drop(block);
+}
+
 static void both_survive_every_failing_allocation(void **state)
 {
     (void)state;
@@ -421,6 +450,7 @@ TEST_GROUP(atlas_pack)
         cmocka_unit_test(surfaces_around_the_areas_are_left_out),
         cmocka_unit_test(what_is_no_packed_atlas_is_refused),
         cmocka_unit_test(a_damaged_head_is_refused),
+        cmocka_unit_test(a_damaged_map_is_refused),
         cmocka_unit_test(both_survive_every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

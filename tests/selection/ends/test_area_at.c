@@ -7,21 +7,16 @@
 #include "mesh_scene.h"
 #include "scene.h"
 #include "test.h"
+#include "value_maps.h"
 
 enum { SCENES = 60, POINTS = 200 };
 
 static uint32_t find(const conus_atlas *atlas, double radius, double x, double y, double z)
 {
-    struct census_labels *labels;
-    struct census census = {0};
     struct area_search search = {0};
-    assert_ok(census_labels_create(&labels, atlas));
-    assert_ok(census_prepare(&census, atlas, labels));
-    assert_ok(area_search_init(&search, atlas, census.boxes, radius));
+    assert_ok(area_search_init(&search, atlas, radius));
     uint32_t found = area_at(&search, (const double[]){x, y, z});
     area_search_finish(&search);
-    census_finish(&census);
-    census_labels_destroy(labels, atlas->volume_count);
     return found;
 }
 
@@ -81,7 +76,7 @@ static void add_chances(conus_atlas *atlas, const char *name, uint32_t label, co
     assert_non_null(values);
     info.role = CONUS_ROLE_PROBABILITY;
     info.threshold = 0.25;
-    assert_ok(atlas_add_probabilistic_area(atlas, &info, values, &area));
+    assert_ok(area_of_values(atlas, &info, values, &area));
 }
 
 /* Below 0.25 nobody is there: of the last cell the first area is the nearest, its cell ends 0.5 mm before x = 3. */

@@ -162,11 +162,11 @@ static void sum_up(struct sums *sums, const conus_atlas *atlas, const struct reg
         const struct volume *volume = &atlas->volumes[v];
         for (size_t voxel = 0; voxel < volume->voxel_count; voxel++) {
             uint32_t object = volume_object(volume, voxel);
-            double value = volume->values ? (double)volume->values[voxel] : 0;
+            double value = volume_has_values(volume) ? (double)volume_value(volume, voxel) : 0;
             double p[3];
             scene_voxel(p, volume, voxel);
             if (region_has(region, p) && (object || v == 0)) {
-                add_voxel(&sums[object], p, value, volume->values ? value : 1);
+                add_voxel(&sums[object], p, value, volume_has_values(volume) ? value : 1);
             }
         }
     }

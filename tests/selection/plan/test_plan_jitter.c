@@ -8,6 +8,7 @@
 #include "scene.h"
 #include "selection/study/study.h"
 #include "test.h"
+#include "value_maps.h"
 
 #include <math.h>
 #include <string.h>
@@ -233,7 +234,7 @@ static void add_map(conus_atlas *atlas, uint64_t *seed, const char *name)
     }
     info.role = CONUS_ROLE_PROBABILITY;
     info.threshold = 0.25;
-    assert_ok(atlas_add_probabilistic_area(atlas, &info, values, &area));
+    assert_ok(area_of_values(atlas, &info, values, &area));
 }
 
 static double sum_at(const conus_atlas *atlas, const double needle[7], double depth)

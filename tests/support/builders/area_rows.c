@@ -5,6 +5,7 @@
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "value_maps.h"
 
 #include <string.h>
 
@@ -73,7 +74,7 @@ conus_status area_rows_add_pathway(conus_atlas *atlas, const char *name)
     }
     info.role = CONUS_ROLE_SCALAR;
     info.threshold = 0.5;
-    conus_status status = atlas_add_pathway(atlas, &info, values, name);
+    conus_status status = pathway_of_values(atlas, &info, values, name);
     memory_free(status ? values : NULL);
     return status;
 }

@@ -4,6 +4,7 @@
 #include "selection/engine/voxels/distance_map.h"
 #include "test.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 static size_t random_size(uint64_t *random, size_t limit)
@@ -232,6 +233,73 @@ static void neighbours_differ_in_colour(void **state)
     }
 }
 
+/* A sparse volume has codes round the box of its objects only: those of the same objects, one by one, in all voxels. */
+static void a_sparse_volume_has_the_same_codes(void **state)
+{
+    (void)state;
+    uint64_t random = 47;
+    for (size_t round = 0; round < test_trials(40); round++) {
+        struct volume_step step = {.low = 0.5F, .high = INFINITY, .number = 3};
+        struct volume sparse = {.steps = &step, .step_count = 1, .voxel_count = 1};
+        struct volume dense;
+        struct distance_map maps[2];
+        struct distance_map uniform[2];
+        size_t middle[3];
+        uint64_t count;
+        for (int a = 0; a < 3; a++) {
+            sparse.info.dim[a] = 1 + random_size(&random, 60);
+            sparse.voxel_count *= sparse.info.dim[a];
+            middle[a] = random_size(&random, sparse.info.dim[a]);
+        }
+        const size_t *dim = sparse.info.dim;
+        float *values = memory_zeroed(sparse.voxel_count, sizeof *values);
+        for (size_t v = 0; v < sparse.voxel_count; v++) {
+            const size_t at[3] = {v % dim[0], v / dim[0] % dim[1], v / dim[0] / dim[1]};
+            bool near = true;
+            for (int a = 0; a < 3; a++) {
+                near = near && at[a] + 1 + round % 20 > middle[a] && at[a] < middle[a] + 1 + round % 20;
+            }
+            values[v] = near && test_random(&random, 0, 1) < 0.7 ? 1 : 0.1F; /* perhaps none at all */
+        }
+        assert_ok(value_map_of(&sparse.map, values, sparse.voxel_count));
+        volume_count_steps(&count, &sparse);
+        assert_ok(volume_spread(&dense, &sparse, (const size_t[3]){0}, dim));
+        assert_ok(distance_map_init(&maps[0], &sparse));
+        assert_ok(distance_map_init(&maps[1], &dense));
+        assert_ok(distance_map_init_uniform(&uniform[0], &sparse, &maps[0]));
+        assert_ok(distance_map_init_uniform(&uniform[1], &dense, &maps[1]));
+        assert_true(distance_map_codes(&maps[0]) <= distance_map_codes(&maps[1]));
+        for (int a = 0; a < 3 && count; a++) {
+            assert_true(maps[0].first[a] == maps[1].first[a] && maps[0].last[a] == maps[1].last[a]);
+            assert_true(uniform[0].first[a] == maps[1].first[a] && uniform[0].last[a] == maps[1].last[a]);
+        }
+        assert_true(count || maps[0].first[0] > maps[0].last[0]);
+        size_t part[3]; /* the box and a voxel around it */
+        for (int a = 0; a < 3; a++) {
+            part[a] = count ? (size_t)(maps[0].last[a] - maps[0].first[a]) + 3 : 0;
+        }
+        for (size_t n = 0; n < part[0] * part[1] * part[2]; n++) {
+            size_t at[3] = {n % part[0], n / part[0] % part[1], n / part[0] / part[1]};
+            for (int a = 0; a < 3; a++) {
+                at[a] += (size_t)maps[0].first[a] - 1; /* wraps in front of the first */
+            }
+            size_t here = distance_map_at(&maps[0], at[0], at[1], at[2]);
+            size_t there = distance_map_at(&maps[1], at[0], at[1], at[2]);
+            assert_int_equal(maps[0].codes[here], maps[1].codes[there]);
+            bool is_same = uniform[0].codes[here] == uniform[1].codes[there];
+            bool is_inside = at[0] < dim[0] && at[1] < dim[1] && at[2] < dim[2];
+            assert_true(is_same || !is_inside);
+        }
+        for (int n = 0; n < 2; n++) {
+            distance_map_finish(&maps[n]);
+            distance_map_finish(&uniform[n]);
+        }
+        volume_finish(&dense);
+        value_map_finish(&sparse.map);
+        memory_free(values);
+    }
+}
+
 static conus_status make_uniform_and_finish(void *data)
 {
     struct distance_map map = {0};
@@ -265,6 +333,7 @@ static void making_one_survives_every_failing_allocation(void **state)
 TEST_GROUP(distance_map)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_sparse_volume_has_the_same_codes),
         cmocka_unit_test(codes_tell_how_far_it_is_empty),
         cmocka_unit_test(the_box_just_holds_the_objects),
         cmocka_unit_test(uniform_codes_tell_how_far_it_is_the_same),
