@@ -35,13 +35,13 @@ static conus_status find_rest(struct tract_group *out, const struct tractogram *
     return CONUS_OK;
 }
 
-/* Appends them as the last group, unless there are none. */
-static conus_status group_rest(struct tractogram *tractogram, const char *name)
+/* Appends them as the last group, which has no name yet, unless there are none. */
+static conus_status group_rest(struct tractogram *tractogram)
 {
     struct tract_group rest = {0};
     conus_status status = find_rest(&rest, tractogram);
     size_t count = tractogram->group_count + (rest.count > 0);
-    rest.name = status ? NULL : memory_text(name, strlen(name));
+    rest.name = status ? NULL : memory_text("", 0);
     struct tract_group *groups = rest.name ? memory_resize(tractogram->groups, count, sizeof *groups) : NULL;
     if (!groups) {
         memory_free(rest.name);
@@ -55,6 +55,31 @@ static conus_status group_rest(struct tractogram *tractogram, const char *name)
         memory_free(rest.name);
         memory_free(rest.members);
     }
+    return CONUS_OK;
+}
+
+conus_status bundles_ready(struct tractogram *tractogram)
+{
+    conus_status status = tractogram_grow_tree(tractogram);
+    status = status || !tractogram->group_count ? status : group_rest(tractogram);
+    tractogram->is_ready = !status;
+    return status;
+}
+
+/* The group of the rest gets the tractogram's name. Gives how many groups are left, whose names are the file's. */
+static conus_status name_rest(size_t *named, struct tractogram *tractogram, const char *name)
+{
+    struct tract_group *last = tractogram->group_count ? &tractogram->groups[tractogram->group_count - 1] : NULL;
+    bool has_rest = last && !last->name[0];
+    char *own = has_rest ? memory_text(name, strlen(name)) : NULL;
+    if (has_rest && !own) {
+        return CONUS_ERROR_MEMORY;
+    }
+    if (has_rest) {
+        memory_free(last->name);
+        last->name = own;
+    }
+    *named = tractogram->group_count - has_rest;
     return CONUS_OK;
 }
 
@@ -174,11 +199,10 @@ conus_status atlas_add_tractogram(conus_atlas *atlas, struct tractogram *tractog
 {
     size_t before = atlas->object_count;
     size_t note_count = atlas->notes.count;
-    size_t group_count = tractogram->group_count; /* without the rest */
-    conus_status status = tractogram_grow_tree(tractogram);
-    if (!status && tractogram->group_count) {
-        status = group_rest(tractogram, name);
-    } else if (!status) {
+    size_t group_count = 0; /* without the rest */
+    conus_status status = tractogram->is_ready ? CONUS_OK : bundles_ready(tractogram);
+    status = status ? status : name_rest(&group_count, tractogram, name);
+    if (!status && !tractogram->group_count) {
         status = append_bundle(atlas, tractogram, name, BUNDLE_OF_ALL);
     }
     for (size_t g = 0; g < tractogram->group_count && !status; g++) {

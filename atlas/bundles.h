@@ -8,8 +8,12 @@
 /** object_place.group of a bundle of all streamlines of its tractogram. */
 #define BUNDLE_OF_ALL SIZE_MAX
 
-/** Grows the tree of the checked @p tractogram and appends it to @p atlas, with one bundle called @p name for all of
- * its streamlines. If it has groups: one bundle for each, by the group's name, and one called @p name for the
+/** Grows the tree of the checked @p tractogram. If it has groups, appends one of the streamlines that are in none,
+ * without a name, unless there are none. On failure it may have its tree. */
+conus_status bundles_ready(struct tractogram *tractogram);
+
+/** Makes the checked @p tractogram ready, unless it is, and appends it to @p atlas, with one bundle called @p name for
+ * all of its streamlines. If it has groups: one bundle for each, by the group's name, and one called @p name for the
  * streamlines in no group. On success the tractogram is taken over; on failure it may have its tree and that group, and
  * the atlas is unchanged. CONUS_ERROR_ARGUMENT if a pathway or bundle has one of these names. */
 conus_status atlas_add_tractogram(conus_atlas *atlas, struct tractogram *tractogram, const char *name);

@@ -124,9 +124,15 @@ static void add_bundle(struct box *box, const conus_atlas *atlas, uint32_t numbe
 {
     const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, number);
     const struct tract_group *group = atlas_bundle_group(atlas, number);
-    size_t count = tractogram ? tract_group_count(group, tractogram) : 0;
-    for (size_t i = 0; i < count; i++) {
-        uint32_t k = tract_group_member(group, i);
+    if (!tractogram) {
+        return;
+    }
+    for (int a = 0; !group && a < 3; a++) { /* its points may be on the disk */
+        box->low[a] = fmin(box->low[a], tractogram->low[a] - tractogram->radius);
+        box->high[a] = fmax(box->high[a], tractogram->high[a] + tractogram->radius);
+    }
+    for (size_t i = 0; group && i < group->count; i++) {
+        uint32_t k = group->members[i];
         for (uint64_t at = tractogram->first[k]; at < tractogram->first[k + 1]; at++) {
             double p[3];
             tractogram_point(p, tractogram, at);

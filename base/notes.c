@@ -82,7 +82,8 @@ conus_status notes_move_in(struct notes *notes, struct notes *from, const char *
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < from->count; i++) {
-        status = notes_put(notes, from->marks[i].severity, "%s: %s", where, from->lines[i]);
+        status = notes_put(notes, from->marks ? from->marks[i].severity : CONUS_SEVERITY_NOTE, "%s: %s", where,
+                           from->lines[i]);
     }
     notes_finish(from);
     return status;

@@ -72,12 +72,13 @@ bool atlas_cache_tell(const uint8_t *notes, size_t size, conus_log log, void *us
     return used;
 }
 
-void atlas_cache_init(struct atlas_cache *out, const char *path, const conus_load_options *options)
+void atlas_cache_init(struct atlas_cache *out, const char *path, const char *kind, const conus_load_options *options)
 {
     *out = (struct atlas_cache){.options = *options, .given = options};
     bool relative = is_relative(path) || is_relative(options->labels);
     if (options->cache && cache_store_begin(&out->store, ATLAS_CACHE_ENDING, path, relative)) {
         struct buffer *key = &out->store.key;
+        cache_key_append(key, kind);
         cache_key_append(key, options->labels);
         buffer_append(key, &options->max_memory, sizeof options->max_memory);
         buffer_append(key, &options->probability, sizeof options->probability);
@@ -124,7 +125,7 @@ conus_atlas *atlas_cache_find(struct atlas_cache *cache)
     const struct cache_part *notes = &mapping.entry.notes;
     const struct cache_part *packed = &mapping.entry.packed;
     if (!atlas_cache_tell(notes->data, notes->size, NULL, NULL) ||
-        conus_atlas_attach(&atlas, packed->data, packed->size)) {
+        atlas_attach_verified(&atlas, packed->data, packed->size)) {
         cache_mapping_finish(&mapping);
         return NULL;
     }

@@ -21,9 +21,9 @@ struct atlas_cache {
     const conus_load_options *given;
 };
 
-/** Begins a load of @p path; where @p options do not ask for the cache, and where there is none, it does nothing. End
- * it with atlas_cache_finish(). @p options must outlive it. */
-void atlas_cache_init(struct atlas_cache *out, const char *path, const conus_load_options *options);
+/** Begins a load of @p path as something of @p kind; where @p options do not ask for the cache, and where there is
+ * none, it does nothing. End it with atlas_cache_finish(). @p options must outlive it. */
+void atlas_cache_init(struct atlas_cache *out, const char *path, const char *kind, const conus_load_options *options);
 void atlas_cache_finish(struct atlas_cache *cache);
 
 /** The atlas, mapped from its entry, whose notes the options' log has heard again; NULL where there is no entry that

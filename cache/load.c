@@ -1,25 +1,26 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_load(): from the cache, else from the files. */
+/* conus_atlas_load() and conus_atlas_add_streamlines(): from the cache, else from the files. */
 #include "loaders/scene/load.h"
 #include "base/options.h"
 #include "cache/atlas_cache.h"
+#include "loaders/scene/load_streamlines.h"
 
-conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
+typedef conus_status file_loader(conus_atlas **out, const char *path, const conus_load_options *options);
+
+/* Something of `kind`, which `load` reads. */
+static conus_status find_or_load(conus_atlas **out, const char *path, const char *kind,
+                                 const conus_load_options *options, file_loader *load)
 {
     struct atlas_cache cache;
-    if (!out || !path) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
-    }
-    options = options_of(conus_load_options, options);
     conus_status status = options->cache ? cache_check_limit() : CONUS_OK;
     if (status) {
         return status;
     }
-    atlas_cache_init(&cache, path, options);
+    atlas_cache_init(&cache, path, kind, options);
     conus_atlas *atlas = atlas_cache_find(&cache);
     if (!atlas) {
         atlas_cache_watch(&cache);
-        status = atlas_load_files(&atlas, path, &cache.options);
+        status = load(&atlas, path, &cache.options);
         atlas_cache_watched(&cache);
         if (!status) {
             atlas_cache_keep(&cache, &atlas);
@@ -35,4 +36,27 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     }
     *out = atlas;
     return CONUS_OK;
+}
+
+conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)
+{
+    if (!out || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_load: a result and a path are needed");
+    }
+    return find_or_load(out, path, "atlas", options_of(conus_load_options, options), atlas_load_files);
+}
+
+conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path, const conus_streamlines_options *options)
+{
+    conus_atlas *alone = NULL;
+    double radius = 0;
+    if (!atlas || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_streamlines: an atlas and a path are needed");
+    }
+    options = options_of(conus_streamlines_options, options);
+    const conus_load_options load = {
+        .max_memory = options->max_memory, .log = options->log, .log_user = options->log_user, .cache = options->cache};
+    conus_status status = streamlines_radius(&radius, options->radius, path);
+    status = status ? status : find_or_load(&alone, path, "streamlines", &load, streamlines_load);
+    return status ? status : streamlines_take(atlas, alone, radius, options);
 }

@@ -339,8 +339,10 @@ static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *
     int code = EXIT_DONE;
     for (size_t i = 0; !code && i < settings->streamlines.count; i++) {
         if (options[i].moves == moves) {
-            const conus_streamlines_options own = {
-                .radius = options[i].radius, .name = options[i].name, .max_memory = settings->max_memory};
+            const conus_streamlines_options own = {.radius = options[i].radius,
+                                                   .name = options[i].name,
+                                                   .max_memory = settings->max_memory,
+                                                   .cache = !settings->no_cache};
             if (!begin_file(progress, options[i].path)) {
                 return EXIT_DATA;
             }

@@ -66,26 +66,47 @@ static bool find_boxes(struct boxes *boxes, const conus_atlas *atlas)
     return true;
 }
 
-/* Measures the points; `voxels` is the grid whose indices they may be, or NULL. */
-static struct extent measure_points(const struct tractogram *tractogram, const struct boxes *boxes,
-                                    const struct volume *voxels)
+/* Adds a point; `voxels` is the grid whose indices they may be, or NULL. */
+static void add_point(struct extent *extent, const struct tractogram *tractogram, uint64_t index,
+                      const struct boxes *boxes, const struct volume *voxels)
 {
-    struct extent extent = {.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
-    for (uint64_t i = 0; i < tractogram->point_count; i++) {
-        double p[3];
-        tractogram_point(p, tractogram, i);
-        for (int a = 0; a < 3; a++) {
-            extent.low[a] = fmin(extent.low[a], p[a]);
-            extent.high[a] = fmax(extent.high[a], p[a]);
-        }
-        extent.inside += is_within(p, boxes->low, boxes->high);
-        extent.before += is_within(p, boxes->own_low, boxes->own_high);
-        if (voxels) {
-            mat4_point(p, voxels->info.world_from_voxel, p);
-            extent.as_indices += is_within(p, boxes->low, boxes->high);
-        }
+    double p[3];
+    tractogram_point(p, tractogram, index);
+    for (int a = 0; a < 3; a++) {
+        extent->low[a] = fmin(extent->low[a], p[a]);
+        extent->high[a] = fmax(extent->high[a], p[a]);
     }
-    return extent;
+    extent->inside += is_within(p, boxes->low, boxes->high);
+    extent->before += is_within(p, boxes->own_low, boxes->own_high);
+    if (voxels) {
+        mat4_point(p, voxels->info.world_from_voxel, p);
+        extent->as_indices += is_within(p, boxes->low, boxes->high);
+    }
+}
+
+static struct extent no_points(void)
+{
+    return (struct extent){.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
+}
+
+/* Whether a sample of many points shows that tract_fit_note() has nothing to say about where they are: it is farther
+ * from all limits there than ten times what chance does. Points of a mapped tractogram may be on the disk, so as few
+ * pages as may be are read. Points that may be voxels' indices are counted. */
+static bool sample_fits(struct extent *sample, const struct tractogram *tractogram, const struct boxes *boxes)
+{
+    enum { SAMPLE = 4096, MANY = 16 * SAMPLE };
+    const uint64_t golden = 0x9e3779b97f4a7c15U; /* multiples of it, modulo 2^64, lie evenly */
+    if (!tractogram->is_ready || !tractogram->states_mm || tractogram->point_count < MANY) {
+        return false;
+    }
+    *sample = no_points();
+    for (uint64_t i = 0; i < SAMPLE; i++) {
+        uint64_t index = (uint64_t)((double)(i * golden >> 11) * 0x1p-53 * (double)tractogram->point_count);
+        add_point(sample, tractogram, index, boxes, NULL);
+    }
+    memcpy(sample->low, tractogram->low, sizeof sample->low);
+    memcpy(sample->high, tractogram->high, sizeof sample->high);
+    return sample->inside >= SAMPLE / 5 * 3 && sample->before < sample->inside + SAMPLE / 100;
 }
 
 /* If they are indices, all are in the grid, at least as many come to the areas then, and the areas reach below 0 mm,
@@ -110,7 +131,14 @@ conus_status tract_fit_note(struct notes *notes, const conus_atlas *atlas, const
     }
     const double all = (double)tractogram->point_count;
     const struct volume *voxels = atlas_parcellation_count(atlas) ? &atlas->volumes[0] : NULL;
-    const struct extent extent = measure_points(tractogram, &boxes, voxels);
+    struct extent extent;
+    bool fits = sample_fits(&extent, tractogram, &boxes);
+    if (!fits) {
+        extent = no_points();
+        for (uint64_t i = 0; i < tractogram->point_count; i++) {
+            add_point(&extent, tractogram, i, &boxes, voxels);
+        }
+    }
     char words[300];
     bool said;
     const struct fit_box areas = fit_box_of_areas(atlas, true, true);
@@ -119,7 +147,7 @@ conus_status tract_fit_note(struct notes *notes, const conus_atlas *atlas, const
     memcpy(box.high, extent.high, sizeof box.high);
     snprintf(words, sizeof words, "bundle %s", name);
     conus_status status = fit_note_size(&said, notes, words, &box, &areas);
-    if (status || said) {
+    if (status || said || fits) {
         return status;
     }
     if (voxels && !tractogram->states_mm && looks_like_indices(&extent, voxels->info.dim, boxes.low)) {

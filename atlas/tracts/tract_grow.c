@@ -495,7 +495,8 @@ conus_status tractogram_grow_tree(struct tractogram *tractogram)
     tree.nodes = memory_zeroed(tree.node_count, sizeof *tree.nodes);
     tree.leaves = memory_raw(tract_leaf_count(tree.run_count), sizeof *tree.leaves);
     tree.marks = memory_raw(tract_mark_count(tractogram->point_count), sizeof *tree.marks);
-    if (!tree.nodes || !tree.leaves || !tree.marks) {
+    tree.lengths = memory_raw(tractogram->streamline_count, sizeof *tree.lengths);
+    if (!tree.nodes || !tree.leaves || !tree.marks || !tree.lengths) {
         tract_tree_finish(&tree);
         return CONUS_ERROR_MEMORY;
     }
@@ -523,6 +524,9 @@ conus_status tractogram_grow_tree(struct tractogram *tractogram)
                 hull_of_lanes(&tree.nodes[levels.first[level - 1] + i], left < TRACT_WIDTH ? left : TRACT_WIDTH);
             set_hull(&tree.nodes[levels.first[level] + i / TRACT_WIDTH], i % TRACT_WIDTH, &hull);
         }
+    }
+    for (size_t s = 0; s < tractogram->streamline_count; s++) {
+        tree.lengths[s] = tractogram_length(tractogram, (uint32_t)s);
     }
     tractogram->tree = tree;
     return CONUS_OK;

@@ -33,6 +33,7 @@ struct tract_tree {
     size_t node_count;
     struct tract_leaf *leaves;
     size_t run_count;
+    double *lengths; /**< [streamline_count] mm, of the streamlines. */
     uint32_t *marks; /**< [tract_mark_count()] Streamline of every TRACT_MARK-th point, from the first one on. */
 };
 

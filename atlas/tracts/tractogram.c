@@ -9,11 +9,13 @@
 
 #include <assert.h>
 #include <math.h>
+#include <sys/mman.h>
 
 void tract_tree_finish(struct tract_tree *tree)
 {
     memory_free(tree->nodes);
     memory_free(tree->leaves);
+    memory_free(tree->lengths);
     memory_free(tree->marks);
     *tree = (struct tract_tree){0};
 }
@@ -65,6 +67,9 @@ void tractogram_finish(struct tractogram *tractogram)
     memory_free(tractogram->scalars);
     memory_free(tractogram->groups);
     memory_free(tractogram->path);
+    if (tractogram->mapped) {
+        munmap((void *)tractogram->mapped, tractogram->mapped_size);
+    }
     file_sums_finish(&tractogram->files);
     *tractogram = (struct tractogram){0};
 }
@@ -241,8 +246,9 @@ bool tractogram_leads_nowhere_else(const struct tractogram *tractogram)
 
 double tractogram_length(const struct tractogram *tractogram, uint32_t number)
 {
-    double length = 0;
-    for (uint64_t i = tractogram->first[number]; i + 1 < tractogram->first[number + 1]; i++) {
+    const double *lengths = tractogram->tree.lengths;
+    double length = lengths ? lengths[number] : 0;
+    for (uint64_t i = tractogram->first[number]; !lengths && i + 1 < tractogram->first[number + 1]; i++) {
         double points[2][3];
         double step[3];
         tractogram_point(points[0], tractogram, i);

@@ -49,8 +49,11 @@ struct tractogram {
     double radius;            /**< mm: a ray hits a streamline if it comes nearer than this (Eq. 18). */
     struct tract_tree tree;   /**< The tree of all segments; tractogram_grow_tree() makes it. */
     double low[3], high[3];   /**< Bounds of all points, world mm; tractogram_grow_tree() fills them in. */
+    bool is_ready;            /**< bundles_ready() was there. */
     bool has_borrowed_points; /**< Points (or halves) and the tree's arrays are borrowed and read-only. */
     bool is_borrowed;         /**< So are the other arrays of numbers. */
+    const void *mapped;       /**< The file mapping that has what is borrowed, to be unmapped with it; NULL = none. */
+    size_t mapped_size;
 };
 
 /** Frees what it owns; a zeroed one is fine. */

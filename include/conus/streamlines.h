@@ -23,6 +23,8 @@ typedef struct conus_streamlines_options {
     uint64_t max_memory; /**< Bytes that points, scalars and groups of a file may take; 0 = 8 GiB. */
     conus_log log;       /**< As conus_load_options.log. */
     void *log_user;      /**< Passed to @p log. */
+    bool cache; /**< Keeps what a file has, ready for questions, in the user's cache folder, and takes it from there the
+                   next time: see cache.h. */
 } conus_streamlines_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -38,7 +40,8 @@ typedef struct conus_streamlines_options {
  * @param options NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_IO or #CONUS_ERROR_DATA where the file cannot be read, is damaged, or has a
  * coordinate beyond 1e9 mm; #CONUS_ERROR_UNSUPPORTED for a valid file beyond this library; #CONUS_ERROR_MEMORY above
- * max_memory; #CONUS_ERROR_ARGUMENT for a radius out of its range, and for the name of another bundle or pathway.
+ * max_memory; #CONUS_ERROR_ARGUMENT for a radius out of its range, for the name of another bundle or pathway, and with
+ * the option cache for a $CONUS_CACHE that is neither "off" nor a size.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
  */

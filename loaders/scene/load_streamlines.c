@@ -6,7 +6,6 @@
 #include "base/buffer.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
-#include "base/options.h"
 #include "base/text_number.h"
 #include "conus/streamlines.h"
 #include "loaders/tracts/tract_file.h"
@@ -81,27 +80,50 @@ conus_status streamlines_add(conus_atlas *atlas, struct tractogram *tractogram, 
     return status;
 }
 
-conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path, const conus_streamlines_options *options)
+conus_status streamlines_load(conus_atlas **out, const char *path, const conus_load_options *options)
 {
-    struct tractogram tractogram = {0};
-    if (!atlas || !path) {
-        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_streamlines: an atlas and a path are needed");
-    }
-    options = options_of(conus_streamlines_options, options);
     const struct note_sink sink = {options->log, options->log_user, path};
     struct notes notes = {.sink = &sink};
-    double radius = 0;
-    conus_status status = streamlines_radius(&radius, options->radius, path);
-    status = status ? status : tract_file_read(&tractogram, path, options->max_memory, &notes);
-    if (!status) {
-        tractogram.radius = radius;
-        status = streamlines_add(atlas, &tractogram, options->name, &notes);
+    conus_atlas *atlas = memory_zeroed(1, sizeof *atlas);
+    struct tractogram *tractogram = memory_zeroed(1, sizeof *tractogram);
+    if (!atlas || !tractogram) {
+        memory_free(atlas);
+        memory_free(tractogram);
+        return CONUS_ERROR_MEMORY;
     }
-    tractogram_finish(&tractogram);
+    atlas->tractograms = tractogram;
+    atlas->tractogram_count = 1;
+    conus_status status = tract_file_read(tractogram, path, options->max_memory, &notes);
+    status = status ? status : notes_move(&atlas->notes, &notes);
+    status = status ? status : file_sums_move(&atlas->files, &tractogram->files);
+    status = status ? status : bundles_ready(tractogram);
     notes_finish(&notes);
-    return status;
+    if (status) {
+        conus_atlas_destroy(atlas);
+        return status;
+    }
+    *out = atlas;
+    return CONUS_OK;
 }
 
+conus_status streamlines_take(conus_atlas *atlas, conus_atlas *alone, double radius,
+                              const conus_streamlines_options *options)
+{
+    struct tractogram *tractogram = &alone->tractograms[0];
+    const struct note_sink sink = {options->log, options->log_user, tractogram->path};
+    struct notes notes = alone->notes;
+    notes.sink = &sink;
+    alone->notes = (struct notes){0};
+    tractogram->radius = radius;
+    tractogram->mapped = alone->mapped;
+    tractogram->mapped_size = alone->mapped_size;
+    alone->mapped = NULL;
+    conus_status status = file_sums_move(&tractogram->files, &alone->files);
+    status = status ? status : streamlines_add(atlas, tractogram, options->name, &notes);
+    notes_finish(&notes);
+    conus_atlas_destroy(alone);
+    return status;
+}
 bool conus_path_is_tractogram(const char *path)
 {
     return path && tract_file_is(path);
@@ -110,14 +132,15 @@ bool conus_path_is_tractogram(const char *path)
 conus_status streamlines_add_entry(conus_atlas *atlas, const struct manifest_streamlines *entry, const char *path,
                                    struct load_progress *progress)
 {
-    const conus_streamlines_options options = {.radius = entry->radius,
-                                               .name = entry->name,
-                                               .max_memory = progress->options->max_memory,
-                                               .log = progress->options->log,
-                                               .log_user = progress->options->log_user};
+    const conus_streamlines_options options = {
+        .name = entry->name, .log = progress->options->log, .log_user = progress->options->log_user};
     char *file = file_beside(path, entry->file);
+    conus_atlas *alone = NULL;
+    double radius = 0;
     conus_status status = file ? load_progress_report(progress, file, 1) : CONUS_ERROR_MEMORY;
-    status = status ? status : conus_atlas_add_streamlines(atlas, file, &options);
+    status = status ? status : streamlines_radius(&radius, entry->radius, file);
+    status = status ? status : streamlines_load(&alone, file, progress->options);
+    status = status ? status : streamlines_take(atlas, alone, radius, &options);
     memory_free(file);
     return status;
 }

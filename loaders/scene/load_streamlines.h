@@ -4,6 +4,7 @@
 #define CONUS_LOADERS_SCENE_LOAD_STREAMLINES_H
 
 #include "atlas/bundles.h"
+#include "conus/streamlines.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/scene/load_progress.h"
 
@@ -17,6 +18,14 @@ conus_status streamlines_radius(double *out, double wanted, const char *path);
  * streamlines, or of those in no group, is called @p name, or like the path where that is NULL or "". On success the
  * atlas has @p notes, too; on failure it is as before. */
 conus_status streamlines_add(conus_atlas *atlas, struct tractogram *tractogram, const char *name, struct notes *notes);
+
+/** Reads the tractogram @p path into an atlas that has nothing else, and makes it ready for bundles. */
+conus_status streamlines_load(conus_atlas **out, const char *path, const conus_load_options *options);
+
+/** Adds that tractogram, which may be mapped, with a radius, mm, and a name as streamlines_add() does; @p options have
+ * the log, too. Ends @p alone. On failure @p atlas is as before. */
+conus_status streamlines_take(conus_atlas *atlas, conus_atlas *alone, double radius,
+                              const conus_streamlines_options *options);
 
 /** Adds a tractogram of the manifest @p path. */
 conus_status streamlines_add_entry(conus_atlas *atlas, const struct manifest_streamlines *entry, const char *path,

@@ -292,8 +292,8 @@ def load(
     safe_colours
         Colours of areas, pathways and bundles that people with any colour vision can tell apart.
     cache
-        For a path: keeps the atlas in the user's cache folder and maps it from there the next time, as the
-        programs do (``conus cache``; ``$CONUS_CACHE`` may be "off" or a size; else ArgumentError).
+        For paths: keeps the atlas and each tractogram in the user's cache folder and maps them from there the
+        next time, as the programs do (``conus cache``; ``$CONUS_CACHE`` may be "off" or a size; else ArgumentError).
         For each packed 4-D file of which one volume is taken: keeps where its volumes lie, too.
         Answers are the same.
 
@@ -329,13 +329,13 @@ def load(
         check(lib.conus_atlas_set_hemispheres(raw, how))
     moving, still = _split_streamlines(streamlines)
     for tractogram in moving:
-        _add_streamlines(raw, tractogram, max_memory)
+        _add_streamlines(raw, tractogram, max_memory, flag("cache", cache))
     if _move(raw, transforms, max_memory) == 0 and moving:
         raise ArgumentError("streamlines: moves: there is no transform that could move them")
     for pathway in items("pathways", pathways):
         _add_pathway(raw, pathway, max_memory, flag("cache", cache))
     for tractogram in still:
-        _add_streamlines(raw, tractogram, max_memory)
+        _add_streamlines(raw, tractogram, max_memory, flag("cache", cache))
     _set_contexts(raw, context, context_blocks, context_opacity, max_memory, flag("cache", cache))
     if only is not None or hide is not None:
         check(lib.conus_atlas_show(raw, optional(utf8, "only", only), optional(utf8, "hide", hide)))
@@ -413,8 +413,8 @@ def _split_streamlines(streamlines: Any) -> tuple[list[Any], list[Any]]:
     return [entry for entry in given if moves(entry)], [entry for entry in given if not moves(entry)]
 
 
-def _add_streamlines(atlas: Any, given: Any, max_memory: int) -> None:
-    source, options, _name = options_of(given, max_memory)
+def _add_streamlines(atlas: Any, given: Any, max_memory: int, cache: bool) -> None:
+    source, options, _name = options_of(given, max_memory, cache)
     state = Callback()
     _handle = state.hear(options)
     if isinstance(source, (str, bytes, os.PathLike)):

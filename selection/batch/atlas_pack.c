@@ -30,6 +30,7 @@ struct pack_walk {
     size_t file_at;  /* where the block begins in it */
     size_t small, small_end;
     size_t large, size;
+    bool is_verified; /* when attaching: the large arrays have their checksum */
     conus_status status;
 };
 
@@ -342,9 +343,13 @@ static struct tractogram bare_tractogram(const struct tractogram *tractogram)
     bare.first = NULL;
     bare.scalars = NULL;
     bare.groups = NULL;
+    bare.mapped = NULL;
+    bare.mapped_size = 0;
+    bare.is_ready = true;
     bare.tree.nodes = NULL;
     bare.tree.leaves = NULL;
     bare.tree.marks = NULL;
+    bare.tree.lengths = NULL;
     bare.has_borrowed_points = true;
     bare.is_borrowed = true;
     return bare;
@@ -397,7 +402,8 @@ static void pass_group(struct pack_walk *walk, void *item, const void *owner)
 static bool has_arrays(const struct tractogram *tractogram)
 {
     const struct tract_tree *tree = &tractogram->tree;
-    return tractogram->first && (tree->leaves || !tree->run_count) && (tree->marks || !tractogram->point_count) &&
+    return tractogram->first && (tree->lengths || !tractogram->streamline_count) &&
+           (tree->leaves || !tree->run_count) && (tree->marks || !tractogram->point_count) &&
            (tree->nodes || !tree->node_count) && (tractogram->points || tractogram->halves || !tractogram->point_count);
 }
 
@@ -427,12 +433,14 @@ static void pass_tractogram(struct pack_walk *walk, void *item, const void *owne
     pack_array(walk, &tree->nodes, tree->node_count, sizeof *tree->nodes);
     pack_array(walk, &tree->leaves, tract_leaf_count(tree->run_count), sizeof *tree->leaves);
     pack_array(walk, &tree->marks, tract_mark_count(tractogram->point_count), sizeof *tree->marks);
+    pack_array(walk, &tree->lengths, tractogram->streamline_count, sizeof *tree->lengths);
     pass_list(walk, &tractogram->scalars, &tractogram->scalar_count, plain.scalar_count, sizeof *tractogram->scalars,
               pass_scalar, tractogram);
     pass_list(walk, &tractogram->groups, &tractogram->group_count, plain.group_count, sizeof *tractogram->groups,
               pass_group, tractogram);
     bool sound = !attaches || walk->status ||
-                 (tractogram->path && has_arrays(tractogram) && tractogram_leads_nowhere_else(tractogram));
+                 (tractogram->path && has_arrays(tractogram) &&
+                  (walk->is_verified || tractogram_leads_nowhere_else(tractogram)));
     walk->status = sound ? walk->status : fail_damaged();
 }
 
@@ -694,7 +702,7 @@ static bool is_whole(const struct head *head, const uint8_t *memory, size_t size
            round_up(head->small_end) <= head->size && crc_of(memory, head->small_end) == head->crc;
 }
 
-conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size)
+static conus_status attach(conus_atlas **out, const void *memory, size_t size, bool is_verified)
 {
     struct head head;
     if (!memory || (uintptr_t)memory % PACK_LINE) {
@@ -710,7 +718,8 @@ conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t si
                              .small = sizeof head,
                              .small_end = head.small_end,
                              .large = round_up(head.small_end),
-                             .size = head.size};
+                             .size = head.size,
+                             .is_verified = is_verified};
     if (!atlas) {
         return CONUS_ERROR_MEMORY;
     }
@@ -721,4 +730,14 @@ conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t si
     }
     *out = atlas;
     return CONUS_OK;
+}
+
+conus_status conus_atlas_attach(conus_atlas **out, const void *memory, size_t size)
+{
+    return attach(out, memory, size, false);
+}
+
+conus_status atlas_attach_verified(conus_atlas **out, const void *memory, size_t size)
+{
+    return attach(out, memory, size, true);
 }

@@ -10,4 +10,8 @@
  * CONUS_ERROR_MEMORY. */
 conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atlas);
 
+/** conus_atlas_attach() to bytes whose checksum holds: it reads nothing large, and asks of no streamline whether it
+ * leads out of its arrays. */
+conus_status atlas_attach_verified(conus_atlas **out, const void *memory, size_t size);
+
 #endif

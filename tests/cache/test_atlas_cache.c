@@ -185,7 +185,7 @@ static void what_was_not_seen_being_read_is_not_kept(void **state)
     for (int stranger = STRANGERS - 1; stranger >= NONE; stranger--) {
         struct atlas_cache cache;
         conus_atlas *atlas = NULL;
-        atlas_cache_init(&cache, path, &options);
+        atlas_cache_init(&cache, path, "atlas", &options);
         atlas_cache_watch(&cache);
         assert_ok(atlas_load_files(&atlas, path, &cache.options));
         atlas_cache_watched(&cache);

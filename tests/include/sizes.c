@@ -71,7 +71,7 @@ SIZE(conus_pathway_transfer, 16);
 SIZE(conus_transfer_point, 40);
 SIZE(conus_image_difference, 72);
 SIZE(conus_phantom_info, 16);
-SIZE(conus_streamlines_options, 48);
+SIZE(conus_streamlines_options, 56);
 SIZE(conus_polylines, 72);
 SIZE(conus_tract_scalar, 32);
 SIZE(conus_streamline_list_view, 32);

@@ -42,7 +42,7 @@ conus_atlas *load_and_keep_rested(const char *path, const conus_load_options *op
 {
     struct atlas_cache cache;
     conus_atlas *atlas = NULL;
-    atlas_cache_init(&cache, path, options ? options : &caching);
+    atlas_cache_init(&cache, path, "atlas", options ? options : &caching);
     atlas_cache_watch(&cache);
     conus_status status = atlas_load_files(&atlas, path, &cache.options);
     atlas_cache_watched(&cache);
@@ -57,7 +57,7 @@ conus_atlas *load_and_keep_rested(const char *path, const conus_load_options *op
 conus_atlas *find_in_cache(const char *path, const conus_load_options *options, uint64_t small)
 {
     struct atlas_cache cache;
-    atlas_cache_init(&cache, path, options ? options : &caching);
+    atlas_cache_init(&cache, path, "atlas", options ? options : &caching);
     cache.store.small = small;
     conus_atlas *atlas = atlas_cache_find(&cache);
     atlas_cache_finish(&cache);
@@ -75,7 +75,7 @@ const char *entry_of(const char *path)
 {
     static char entry[8192];
     struct atlas_cache cache;
-    atlas_cache_init(&cache, path, &caching);
+    atlas_cache_init(&cache, path, "atlas", &caching);
     snprintf(entry, sizeof entry, "%s", cache.store.path.size ? cache.store.path.data : "");
     atlas_cache_finish(&cache);
     return entry;
