@@ -6,6 +6,7 @@
 #include "atlas/tracts/tractogram.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/threads.h"
 
 /* Far above the rounding of a run's thickness, which must not be too small. */
 #define BEND_SLACK 1e-6
@@ -19,6 +20,9 @@ struct item {
 
 _Static_assert(sizeof(struct item) * TRACT_LEAF == sizeof(struct tract_leaf), "runs are where their leaves will be");
 
+/* Streamlines, runs or leaves that are worth a thread of their own. */
+enum { WORTH_THREAD = 1 << 14 };
+
 /* Segments of a run: more if points take less memory, so that the tree takes less, too. */
 static uint64_t run_length(const struct tractogram *tractogram)
 {
@@ -31,10 +35,11 @@ static size_t runs_of(uint64_t points, uint64_t longest)
     return (size_t)(points < 2 ? points : (points - 1 + longest - 1) / longest);
 }
 
-static size_t count_runs(const struct tractogram *tractogram)
+/* Of the streamlines from `from` to `end` - 1. */
+static size_t count_runs(const struct tractogram *tractogram, size_t from, size_t end)
 {
     size_t count = 0;
-    for (size_t s = 0; s < tractogram->streamline_count; s++) {
+    for (size_t s = from; s < end; s++) {
         count += runs_of(tractogram->first[s + 1] - tractogram->first[s], run_length(tractogram));
     }
     return count;
@@ -154,11 +159,11 @@ static uint64_t place_of_cut(const struct tractogram *tractogram, uint64_t point
     return point + 2 < end && is_sharp(tractogram, point + 1) ? point + 1 : point;
 }
 
-/* Cuts all streamlines from their first points on. */
-static void cut(struct item *out, const struct tractogram *tractogram)
+/* Cuts streamlines from their first points on. */
+static void cut(struct item *out, const struct tractogram *tractogram, size_t first, size_t last)
 {
     uint64_t longest = run_length(tractogram);
-    for (size_t s = 0; s < tractogram->streamline_count; s++) {
+    for (size_t s = first; s < last; s++) {
         uint64_t from = tractogram->first[s];
         uint64_t end = tractogram->first[s + 1];
         size_t runs = runs_of(end - from, longest);
@@ -175,7 +180,7 @@ static double middle(const struct box *box, int axis)
     return 0.5 * ((double)box->low[axis] + (double)box->high[axis]);
 }
 
-/* Gives all items their middles in a cube that has the box round these. */
+/* Gives items their middles in a cube that has the box round these. */
 static void frame(struct item *items, size_t count, const struct tractogram *tractogram, const struct box *around)
 {
     double size = 0;
@@ -254,10 +259,24 @@ static size_t put_before(struct item *items, size_t from, size_t count, size_t m
     return place;
 }
 
+/* Items that are to be arranged, by so many threads. */
+struct range {
+    struct item *items;
+    size_t count;
+    const struct tractogram *tractogram;
+    size_t threads;
+};
+
+static threads_work arrange;
+
 /* Halves runs that are items of one node, down to single leaves. All items but the last one are full. */
-static void arrange(struct item *items, size_t count, const struct tractogram *tractogram)
+static void arrange(void *user, size_t piece)
 {
     enum { COARSE = 64 };
+    const struct range *range = (const struct range *)user + piece;
+    const struct tractogram *tractogram = range->tractogram;
+    struct item *items = range->items;
+    size_t count = range->count;
     size_t item = TRACT_LEAF;
     if (count <= item) {
         return;
@@ -277,8 +296,15 @@ static void arrange(struct item *items, size_t count, const struct tractogram *t
         unsigned median = find_median(items, count, half, axis);
         size_t place = put_before(items, 0, count, count, axis, median);
         put_before(items, place, count, half, axis, median + 1);
-        arrange(items, half, tractogram);
-        arrange(items + half, count - half, tractogram);
+        size_t threads = range->threads / 2;
+        struct range halves[] = {{items, half, tractogram, threads},
+                                 {items + half, count - half, tractogram, range->threads - threads}};
+        if (threads) {
+            threads_run(arrange, halves, 2);
+        } else {
+            arrange(halves, 0);
+            arrange(halves, 1);
+        }
     }
 }
 
@@ -465,15 +491,16 @@ static struct hull hull_of_lanes(const struct tract_node *node, size_t count)
     return hull;
 }
 
-/* Replaces items by leaves, one by one. */
-static void fill_leaves(struct tract_tree *tree, const struct item *items, const struct tractogram *tractogram)
+/* Replaces the items from `first` on by leaves, one by one. */
+static void fill_leaves(struct tract_tree *tree, const struct item *items, const struct tractogram *tractogram,
+                        size_t first, size_t end)
 {
-    for (size_t from = 0; from < tree->run_count; from += TRACT_LEAF) {
-        size_t left = tree->run_count - from;
+    for (size_t from = first; from < end; from += TRACT_LEAF) {
+        size_t left = end - from;
         size_t count = left < TRACT_LEAF ? left : TRACT_LEAF;
         for (size_t i = 0; i < count; i++) {
             size_t ahead = from + TRACT_LEAF + i;
-            fetch_points(tractogram, &items[ahead < tree->run_count ? ahead : from + i]);
+            fetch_points(tractogram, &items[ahead < end ? ahead : from + i]);
         }
         struct item taken[TRACT_LEAF];
         memcpy(taken, items + from, count * sizeof *taken);
@@ -483,13 +510,111 @@ static void fill_leaves(struct tract_tree *tree, const struct item *items, const
     }
 }
 
+/* A tree under way. Pieces of streamlines and of runs are worked on at once. */
+struct growing {
+    struct tractogram *tractogram;
+    struct tract_tree *tree;
+    struct item *items;
+    struct box around;              /* of all points */
+    size_t pieces;                  /* how many there are */
+    struct box boxes[THREADS_MOST]; /* of the points of each */
+    size_t runs[THREADS_MOST];      /* the first one of each */
+};
+
+/* Measures the streamlines of a piece. */
+static void measure_piece(void *user, size_t piece)
+{
+    struct growing *growing = user;
+    const struct tractogram *tractogram = growing->tractogram;
+    size_t first = threads_begin(piece, growing->pieces, tractogram->streamline_count, 1);
+    size_t last = threads_begin(piece + 1, growing->pieces, tractogram->streamline_count, 1);
+    uint64_t point = tractogram->first[first];
+    growing->runs[piece] = count_runs(tractogram, first, last);
+    growing->boxes[piece] = box_of_points(tractogram, point, tractogram->first[last] - point);
+    for (size_t s = first; s < last; s++) {
+        growing->tree->lengths[s] = tractogram_length(tractogram, (uint32_t)s);
+    }
+}
+
+/* Cuts the streamlines of a piece into runs. */
+static void cut_piece(void *user, size_t piece)
+{
+    const struct growing *growing = user;
+    size_t count = growing->tractogram->streamline_count;
+    cut(growing->items + growing->runs[piece], growing->tractogram, threads_begin(piece, growing->pieces, count, 1),
+        threads_begin(piece + 1, growing->pieces, count, 1));
+}
+
+static void frame_piece(void *user, size_t piece)
+{
+    const struct growing *growing = user;
+    size_t first = threads_begin(piece, growing->pieces, growing->tree->run_count, 1);
+    size_t end = threads_begin(piece + 1, growing->pieces, growing->tree->run_count, 1);
+    frame(growing->items + first, end - first, growing->tractogram, &growing->around);
+}
+
+static void fill_piece(void *user, size_t piece)
+{
+    enum { OF_NODE = TRACT_LEAF * TRACT_WIDTH };
+    const struct growing *growing = user;
+    size_t count = growing->tree->run_count;
+    fill_leaves(growing->tree, growing->items, growing->tractogram,
+                threads_begin(piece, growing->pieces, count, OF_NODE),
+                threads_begin(piece + 1, growing->pieces, count, OF_NODE));
+}
+
+static void fill_marks(uint32_t *out, const struct tractogram *tractogram)
+{
+    uint64_t next = 0;
+    for (size_t s = 0; s < tractogram->streamline_count; s++) {
+        for (; next < tractogram->first[s + 1]; next += TRACT_MARK) {
+            *out++ = (uint32_t)s;
+        }
+    }
+}
+
+/* Makes leaves and nodes, for which there is memory. */
+static void grow(struct growing *growing, const struct tract_levels *levels)
+{
+    struct tractogram *tractogram = growing->tractogram;
+    struct tract_tree *tree = growing->tree;
+    size_t runs = 0;
+    growing->around = no_box();
+    growing->pieces = threads_for(tractogram->streamline_count, WORTH_THREAD);
+    threads_run(measure_piece, growing, growing->pieces);
+    for (size_t i = 0; i < growing->pieces; i++) {
+        size_t count = growing->runs[i];
+        growing->runs[i] = runs;
+        runs += count;
+        extend(&growing->around, growing->boxes[i].low, growing->boxes[i].high);
+    }
+    for (int a = 0; a < 3; a++) {
+        tractogram->low[a] = (double)growing->around.low[a];
+        tractogram->high[a] = (double)growing->around.high[a];
+    }
+    threads_run(cut_piece, growing, growing->pieces);
+    growing->pieces = threads_for(tree->run_count, WORTH_THREAD);
+    threads_run(frame_piece, growing, growing->pieces);
+    struct range all = {growing->items, tree->run_count, tractogram, growing->pieces};
+    arrange(&all, 0);
+    threads_run(fill_piece, growing, growing->pieces);
+    for (unsigned level = 1; level < levels->count; level++) {
+        for (size_t i = 0; i < levels->items[level]; i++) {
+            size_t left = levels->items[level - 1] - i * TRACT_WIDTH;
+            struct hull hull =
+                hull_of_lanes(&tree->nodes[levels->first[level - 1] + i], left < TRACT_WIDTH ? left : TRACT_WIDTH);
+            set_hull(&tree->nodes[levels->first[level] + i / TRACT_WIDTH], i % TRACT_WIDTH, &hull);
+        }
+    }
+}
+
 conus_status tractogram_grow_tree(struct tractogram *tractogram)
 {
     if (tractogram->point_count > UINT32_MAX) {
         return fail(CONUS_ERROR_DATA, "points of streamlines: found %llu, at most %u are allowed",
                     (unsigned long long)tractogram->point_count, UINT32_MAX);
     }
-    struct tract_tree tree = {.run_count = count_runs(tractogram)};
+    struct tract_tree tree = {.run_count = count_runs(tractogram, 0, tractogram->streamline_count)};
     struct tract_levels levels = tract_levels_of(tree.run_count);
     tree.node_count = levels.node_count;
     tree.nodes = memory_zeroed(tree.node_count, sizeof *tree.nodes);
@@ -500,34 +625,9 @@ conus_status tractogram_grow_tree(struct tractogram *tractogram)
         tract_tree_finish(&tree);
         return CONUS_ERROR_MEMORY;
     }
-    struct item *items = (void *)tree.leaves;
-    struct box around = box_of_points(tractogram, 0, tractogram->point_count);
-    for (int a = 0; a < 3; a++) {
-        tractogram->low[a] = (double)around.low[a];
-        tractogram->high[a] = (double)around.high[a];
-    }
-    uint32_t *out = tree.marks;
-    uint64_t next = 0;
-    for (size_t s = 0; s < tractogram->streamline_count; s++) {
-        for (; next < tractogram->first[s + 1]; next += TRACT_MARK) {
-            *out++ = (uint32_t)s;
-        }
-    }
-    cut(items, tractogram);
-    frame(items, tree.run_count, tractogram, &around);
-    arrange(items, tree.run_count, tractogram);
-    fill_leaves(&tree, items, tractogram);
-    for (unsigned level = 1; level < levels.count; level++) {
-        for (size_t i = 0; i < levels.items[level]; i++) {
-            size_t left = levels.items[level - 1] - i * TRACT_WIDTH;
-            struct hull hull =
-                hull_of_lanes(&tree.nodes[levels.first[level - 1] + i], left < TRACT_WIDTH ? left : TRACT_WIDTH);
-            set_hull(&tree.nodes[levels.first[level] + i / TRACT_WIDTH], i % TRACT_WIDTH, &hull);
-        }
-    }
-    for (size_t s = 0; s < tractogram->streamline_count; s++) {
-        tree.lengths[s] = tractogram_length(tractogram, (uint32_t)s);
-    }
+    struct growing growing = {.tractogram = tractogram, .tree = &tree, .items = (void *)tree.leaves};
+    fill_marks(tree.marks, tractogram);
+    grow(&growing, &levels);
     tractogram->tree = tree;
     return CONUS_OK;
 }

@@ -7,6 +7,7 @@
 #include "test.h"
 
 #include <math.h>
+#include <sched.h>
 #include <string.h>
 
 enum { POINTS = 60000, STREAMLINES = 3000 };
@@ -489,6 +490,59 @@ static void runs_are_slim(void **state)
     tract_tree_finish(&tractogram.tree);
 }
 
+/* Enough streamlines for three threads, of 0 to 6 points; the first ones have more, so that threads have unequal work.
+ * On one processor there is one thread: its tree is what any number of threads makes. */
+static void threads_make_the_same_tree(void **state)
+{
+    (void)state;
+    enum { MANY = 50000 };
+    uint64_t random = 6;
+    cpu_set_t all;
+    cpu_set_t one;
+    uint64_t *begins = memory_raw(MANY + 1, sizeof *begins);
+    float *at = memory_raw((size_t)MANY * 16, 3 * sizeof *at);
+    assert_true(begins && at);
+    uint64_t count = 0;
+    for (size_t s = 0; s <= MANY; s++) {
+        begins[s] = count;
+        count += s < MANY ? (uint64_t)test_random(&random, 0, s < 9000 ? 16 : 7) : 0;
+    }
+    for (uint64_t i = 0; i < 3 * count; i++) {
+        at[i] = (float)test_random(&random, -60, 60);
+    }
+    struct tractogram together = {
+        .points = at, .point_count = count, .first = begins, .streamline_count = MANY, .radius = 1};
+    struct tractogram alone = together;
+    assert_ok(tractogram_grow_tree(&together));
+    assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
+    CPU_ZERO(&one);
+    for (size_t cpu = 0; cpu < CPU_SETSIZE && !CPU_COUNT(&one); cpu++) {
+        if (CPU_ISSET(cpu, &all)) {
+            CPU_SET(cpu, &one);
+        }
+    }
+    assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+    assert_ok(tractogram_grow_tree(&alone));
+    assert_int_equal(sched_setaffinity(0, sizeof all, &all), 0);
+    assert_int_equal(together.tree.run_count, alone.tree.run_count);
+    assert_memory_equal(together.tree.nodes, alone.tree.nodes, alone.tree.node_count * sizeof(struct tract_node));
+    assert_memory_equal(together.tree.leaves, alone.tree.leaves,
+                        tract_leaf_count(alone.tree.run_count) * sizeof(struct tract_leaf));
+    assert_memory_equal(together.tree.lengths, alone.tree.lengths, MANY * sizeof(double));
+    assert_memory_equal(together.tree.marks, alone.tree.marks, tract_mark_count(count) * sizeof(uint32_t));
+    assert_memory_equal(together.low, alone.low, sizeof alone.low);
+    assert_memory_equal(together.high, alone.high, sizeof alone.high);
+    for (uint32_t s = 0; s < MANY; s += 777) { /* those that are kept are those that are added up */
+        struct tractogram bare = alone;
+        bare.tree.lengths = NULL;
+        assert_true(tractogram_length(&alone, s) == tractogram_length(&bare, s));
+    }
+    tract_tree_finish(&together.tree);
+    tract_tree_finish(&alone.tree);
+    memory_free(begins);
+    memory_free(at);
+}
+
 static void too_many_points_are_refused(void **state)
 {
     (void)state;
@@ -516,13 +570,10 @@ static void every_allocation_may_fail(void **state)
 TEST_GROUP(tract_tree)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_walk_finds_what_a_loop_finds),
-        cmocka_unit_test(equal_points_make_a_tree),
-        cmocka_unit_test(a_tree_follows_from_the_points),
-        cmocka_unit_test(a_tree_is_small),
-        cmocka_unit_test(a_point_far_away_spoils_no_order),
-        cmocka_unit_test(too_many_points_are_refused),
-        cmocka_unit_test(runs_are_slim),
+        cmocka_unit_test(a_walk_finds_what_a_loop_finds),   cmocka_unit_test(equal_points_make_a_tree),
+        cmocka_unit_test(a_tree_follows_from_the_points),   cmocka_unit_test(a_tree_is_small),
+        cmocka_unit_test(a_point_far_away_spoils_no_order), cmocka_unit_test(threads_make_the_same_tree),
+        cmocka_unit_test(too_many_points_are_refused),      cmocka_unit_test(runs_are_slim),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

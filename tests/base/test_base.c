@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/order.h"
 #include "base/text.h"
+#include "base/threads.h"
 #include "conus/file.h"
 #include "test.h"
 
@@ -520,9 +521,48 @@ static void binary_bytes_are_not_readable(void **state)
     assert_false(text_is_readable(text_from("")));
 }
 
+/* A piece marks the items from its beginning to the next one's. */
+struct dealt {
+    size_t pieces, count, step;
+    int marks[1000];
+};
+
+static void mark_piece(void *user, size_t piece)
+{
+    struct dealt *dealt = user;
+    size_t begin = threads_begin(piece, dealt->pieces, dealt->count, dealt->step);
+    size_t end = threads_begin(piece + 1, dealt->pieces, dealt->count, dealt->step);
+    assert_true(begin % dealt->step == 0 || begin == dealt->count);
+    for (size_t i = begin; i < end; i++) {
+        dealt->marks[i]++;
+    }
+}
+
+static void threads_do_each_item_once(void **state)
+{
+    (void)state;
+    static const size_t counts[] = {0, 1, 7, 8, 9, 64, 999, 1000};
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
+        for (size_t pieces = 1; pieces <= THREADS_MOST; pieces++) {
+            for (size_t step = 1; step <= 64; step *= 8) {
+                struct dealt dealt = {.pieces = pieces, .count = counts[i], .step = step};
+                threads_run(mark_piece, &dealt, pieces);
+                for (size_t k = 0; k < 1000; k++) {
+                    assert_int_equal(dealt.marks[k], k < counts[i]);
+                }
+            }
+        }
+    }
+    assert_int_equal(threads_for(0, 10), 1);
+    assert_int_equal(threads_for(19, 10), 1);
+    assert_in_range(threads_for(UINT64_MAX, 1), 1, THREADS_MOST);
+    assert_in_range(threads_for(20, 10), 1, 2);
+}
+
 TEST_GROUP(base)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(threads_do_each_item_once),
         cmocka_unit_test(lines_end_in_any_way),
         cmocka_unit_test(empty_fields_are_fields),
         cmocka_unit_test(quoted_fields_are_fields),

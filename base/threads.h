@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file Work that is shared out among threads. */
+#ifndef CONUS_BASE_THREADS_H
+#define CONUS_BASE_THREADS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum { THREADS_MOST = 16 };
+
+/** How many threads are worth while for @p count items, each at least @p least of them: 1 to THREADS_MOST, and no more
+ * than there are processors for this process. */
+size_t threads_for(uint64_t count, uint64_t least);
+
+/** Does a piece of the work, from 0 on. It has no result but what it writes where no other piece reads or writes. */
+typedef void threads_work(void *user, size_t piece);
+
+/** Does @p count pieces at once, up to THREADS_MOST, the last one on this thread, and waits for all. Where no thread
+ * can be started, its piece is done here. */
+void threads_run(threads_work *work, void *user, size_t count);
+
+/** Where piece @p piece of @p pieces begins among @p count items; at a multiple of @p step, or at the end. */
+static inline size_t threads_begin(size_t piece, size_t pieces, size_t count, size_t step)
+{
+    size_t blocks = count / step + (count % step != 0);
+    size_t begin = (blocks / pieces * piece + blocks % pieces * piece / pieces) * step;
+    return begin < count ? begin : count;
+}
+
+#endif
