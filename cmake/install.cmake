@@ -19,11 +19,6 @@ install(FILES ${PROJECT_BINARY_DIR}/conus-config.cmake ${PROJECT_BINARY_DIR}/con
 # conus.pc finds itself, so that an installed tree may be moved.
 file(RELATIVE_PATH CONUS_PC_TO_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 string(REGEX REPLACE "/$" "" CONUS_PC_TO_PREFIX "${CONUS_PC_TO_PREFIX}")
-if(embree_version)
-  set(CONUS_PC_EMBREE -lembree${embree_version})
-endif()
-get_target_property(exr_file OpenEXR::OpenEXRCore LOCATION)
-string(REGEX REPLACE "^.*/lib(OpenEXRCore[^/]*)\\.so.*$" "\\1" CONUS_PC_OPENEXR "${exr_file}")
 configure_file(cmake/conus.pc.in conus.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/conus.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT devel)
 

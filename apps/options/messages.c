@@ -120,6 +120,13 @@ void log_note(void *user, const conus_note *note)
     print_error_line("note: %s", note->line);
 }
 
+void log_warning(void *user, const conus_note *note)
+{
+    if (note->severity >= CONUS_SEVERITY_WARNING) {
+        log_note(user, note);
+    }
+}
+
 /* Insertions, deletions and replacements that turn a into b (Levenshtein 1966), by rows. */
 static size_t edit_distance(const char *a, const char *b)
 {

@@ -51,6 +51,9 @@ void log_line(void *user, const conus_note *note);
 /** A conus_log that writes notes to stderr. */
 void log_note(void *user, const conus_note *note);
 
+/** The same, of those alone that tell of what looks wrong. */
+void log_warning(void *user, const conus_note *note);
+
 /** The name, among those that @p name_at lists up to its NULL, that @p word was most likely meant to be; NULL if none
  * is close. */
 const char *closest_name(const char *word, const char *(*name_at)(const void *list, size_t index), const void *list);

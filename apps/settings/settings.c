@@ -516,7 +516,9 @@ conus_selector_options settings_engine(const struct engine_settings *settings, c
         .radius = settings->radius,
         .level = settings->level,
         .score = settings->score,
-        .log = common->verbose ? log_line : NULL,
+        .log = common->verbose ? log_line
+               : common->quiet ? NULL
+                               : log_warning,
     };
 }
 

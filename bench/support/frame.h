@@ -7,8 +7,7 @@
 #include "bench/support/bench.h"
 #include "render/colour/colour_view.h"
 #include "render/gl/camera.h"
-
-#include <epoxy/gl.h>
+#include "render/gl/functions.h"
 
 enum { FRAME_WIDTH = 1400, FRAME_HEIGHT = 1050 }; /* the paper's */
 

@@ -2,6 +2,7 @@
 /* Finds the font of the system, measures text and draws it. */
 #include "render/flat/font.h"
 
+#include "base/library.h"
 #include "base/memory.h"
 #include "render/flat/draw.h"
 
@@ -14,6 +15,23 @@
 #include FT_OUTLINE_H
 
 #define ELLIPSIS "\xe2\x80\xa6"
+
+/* clang-format off */
+#define FREETYPE_FUNCTIONS(F)                                                                                          \
+    F(FT_, Add_Default_Modules) F(FT_, Done_Library) F(FT_, Get_Char_Index) F(FT_, Load_Glyph) F(FT_, New_Face)        \
+    F(FT_, New_Library) F(FT_, Outline_Translate) F(FT_, Render_Glyph) F(FT_, Set_Char_Size)
+#define FONTCONFIG_FUNCTIONS(F)                                                                                        \
+    F(Fc, ConfigDestroy) F(Fc, ConfigSubstitute) F(Fc, DefaultSubstitute) F(Fc, FontMatch)                             \
+    F(Fc, InitLoadConfigAndFonts) F(Fc, NameParse) F(Fc, PatternDestroy) F(Fc, PatternGetInteger)                      \
+    F(Fc, PatternGetString)
+/* clang-format on */
+
+static struct {
+    FREETYPE_FUNCTIONS(LIBRARY_MEMBER)
+} freetype;
+static struct {
+    FONTCONFIG_FUNCTIONS(LIBRARY_MEMBER)
+} fontconfig;
 
 struct font {
     struct FT_MemoryRec_ memory;
@@ -51,15 +69,15 @@ static conus_status open_match(struct font *font, FcPattern *match)
 {
     FcChar8 *path = NULL;
     int index = 0;
-    if (!match || FcPatternGetString(match, FC_FILE, 0, &path) != FcResultMatch) {
+    if (!match || fontconfig.PatternGetString(match, FC_FILE, 0, &path) != FcResultMatch) {
         return fail(CONUS_ERROR_UNSUPPORTED, "no text in pictures: no scalable font is installed (see fc-match sans)");
     }
-    FcPatternGetInteger(match, FC_INDEX, 0, &index);
+    fontconfig.PatternGetInteger(match, FC_INDEX, 0, &index);
     const char *file = (const char *)path;
-    FT_Error error = FT_New_Library(&font->memory, &font->library);
+    FT_Error error = freetype.New_Library(&font->memory, &font->library);
     if (!error) {
-        FT_Add_Default_Modules(font->library);
-        error = FT_New_Face(font->library, file, index, &font->face);
+        freetype.Add_Default_Modules(font->library);
+        error = freetype.New_Face(font->library, file, index, &font->face);
     }
     if (error) {
         return fail_font(error, file);
@@ -69,25 +87,25 @@ static conus_status open_match(struct font *font, FcPattern *match)
 
 static conus_status open_sans(struct font *font)
 {
-    FcConfig *config = FcInitLoadConfigAndFonts(); /* our own, so that it can be destroyed */
+    FcConfig *config = fontconfig.InitLoadConfigAndFonts(); /* our own, so that it can be destroyed */
     if (!config) {
         return fail(CONUS_ERROR_UNSUPPORTED, "no text in pictures: fontconfig cannot read its settings");
     }
-    FcPattern *pattern = FcNameParse((const FcChar8 *)"sans:scalable=true");
+    FcPattern *pattern = fontconfig.NameParse((const FcChar8 *)"sans:scalable=true");
     FcPattern *match = NULL;
-    if (pattern && FcConfigSubstitute(config, pattern, FcMatchPattern)) {
+    if (pattern && fontconfig.ConfigSubstitute(config, pattern, FcMatchPattern)) {
         FcResult result;
-        FcDefaultSubstitute(pattern);
-        match = FcFontMatch(config, pattern, &result);
+        fontconfig.DefaultSubstitute(pattern);
+        match = fontconfig.FontMatch(config, pattern, &result);
     }
     conus_status status = open_match(font, match);
     if (match) {
-        FcPatternDestroy(match);
+        fontconfig.PatternDestroy(match);
     }
     if (pattern) {
-        FcPatternDestroy(pattern);
+        fontconfig.PatternDestroy(pattern);
     }
-    FcConfigDestroy(config);
+    fontconfig.ConfigDestroy(config);
     return status;
 }
 
@@ -98,7 +116,12 @@ conus_status font_create(struct font **out)
         return CONUS_ERROR_MEMORY;
     }
     font->memory = (struct FT_MemoryRec_){NULL, allocate, release, resize};
-    conus_status status = open_sans(font);
+    conus_status status =
+        library_load(&freetype, FREETYPE_FUNCTIONS(LIBRARY_NAME), CONUS_FREETYPE_FILE, "libfreetype6");
+    status =
+        status ? status
+               : library_load(&fontconfig, FONTCONFIG_FUNCTIONS(LIBRARY_NAME), CONUS_FONTCONFIG_FILE, "libfontconfig1");
+    status = status ? status : open_sans(font);
     if (status) {
         font_destroy(font);
         return status;
@@ -113,7 +136,7 @@ void font_destroy(struct font *font)
         return;
     }
     if (font->library) {
-        FT_Done_Library(font->library); /* and its faces */
+        freetype.Done_Library(font->library); /* and its faces */
     }
     memory_free(font);
 }
@@ -140,10 +163,10 @@ static FT_ULong next_character(const unsigned char **text)
 /* Light hinting snaps heights to pixels and leaves widths alone. */
 static FT_Error load_glyph(struct font *font, double size, FT_ULong character)
 {
-    FT_Error error = FT_Set_Char_Size(font->face, 0, lrint(size * 64), 72, 72);
+    FT_Error error = freetype.Set_Char_Size(font->face, 0, lrint(size * 64), 72, 72);
     return error ? error
-                 : FT_Load_Glyph(font->face, FT_Get_Char_Index(font->face, character),
-                                 FT_LOAD_TARGET_LIGHT | FT_LOAD_NO_BITMAP);
+                 : freetype.Load_Glyph(font->face, freetype.Get_Char_Index(font->face, character),
+                                       FT_LOAD_TARGET_LIGHT | FT_LOAD_NO_BITMAP);
 }
 
 static double advance(const struct font *font)
@@ -188,8 +211,8 @@ conus_status font_draw(struct font *font, conus_image *image, const double at[2]
     for (const unsigned char *rest = (const unsigned char *)text; *rest;) {
         FT_Error error = load_glyph(font, size, next_character(&rest));
         if (!error) {
-            FT_Outline_Translate(&font->face->glyph->outline, lrint((x - floor(x)) * 64), 0);
-            error = FT_Render_Glyph(font->face->glyph, FT_RENDER_MODE_NORMAL);
+            freetype.Outline_Translate(&font->face->glyph->outline, lrint((x - floor(x)) * 64), 0);
+            error = freetype.Render_Glyph(font->face->glyph, FT_RENDER_MODE_NORMAL);
         }
         if (error) {
             return fail_font(error, "text in a picture");

@@ -156,7 +156,11 @@ static bool set_up(struct gl_context *context, const char *name, char attempts[A
         note_attempt(attempts, name, "cannot be made current");
         return false;
     }
-    int version = epoxy_gl_version();
+    GLint major = 0;
+    GLint minor = 0;
+    glGetIntegerv(GL_MAJOR_VERSION, &major);
+    glGetIntegerv(GL_MINOR_VERSION, &minor);
+    int version = 10 * major + minor;
     if (version >= 45) {
         const char *renderer = (const char *)glGetString(GL_RENDERER);
         snprintf(context->renderer, sizeof context->renderer, "%s", renderer ? renderer : "unnamed renderer");
@@ -230,6 +234,7 @@ static bool try_all(struct gl_context *context, char attempts[ATTEMPTS_SIZE])
 conus_status gl_context_create(struct gl_context **out, conus_log log, void *log_user)
 {
     conus_status status = find_libraries();
+    status = status ? status : gl_load_functions();
     struct gl_context *context = status ? NULL : memory_zeroed(1, sizeof *context);
     if (!context) {
         return status ? status : CONUS_ERROR_MEMORY;

@@ -9,9 +9,7 @@
 #define CONUS_RENDER_GL_CONTEXT_H
 
 #include "base/status.h"
-
-#include <epoxy/egl.h>
-#include <epoxy/gl.h>
+#include "render/gl/functions.h"
 
 struct gl_context;
 

@@ -9,8 +9,7 @@
 #define CONUS_RENDER_GL_PROGRAM_H
 
 #include "base/status.h"
-
-#include <epoxy/gl.h>
+#include "render/gl/functions.h"
 
 /** `#define name value`, so that shaders see the constants of C. */
 struct program_define {

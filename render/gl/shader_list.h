@@ -11,8 +11,8 @@
 #define CONUS_RENDER_GL_SHADER_LIST_H
 
 #include "base/status.h"
+#include "render/gl/functions.h"
 
-#include <epoxy/gl.h>
 #include <stdint.h>
 
 struct shader_list {

@@ -6,8 +6,8 @@
 #define CONUS_RENDER_GL_TARGET_H
 
 #include "base/status.h"
+#include "render/gl/functions.h"
 
-#include <epoxy/gl.h>
 #include <stdint.h>
 
 enum { TARGET_ATTACHMENT_LIMIT = 4 };

@@ -4,8 +4,8 @@
 #define CONUS_RENDER_GL_VOLUME_TEXTURE_H
 
 #include "base/status.h"
+#include "render/gl/functions.h"
 
-#include <epoxy/gl.h>
 #include <stdint.h>
 
 enum volume_texture_kind {

@@ -9,8 +9,6 @@
 #include "render/gl/camera.h"
 #include "render/gl/context.h"
 
-#include <epoxy/gl.h>
-
 enum tube_colour_by {
     TUBE_BY_BUNDLE = 0, /**< The colour of its object: the first one that is shown. */
     TUBE_BY_DIRECTION,  /**< Red from left to right, green from back to front, blue upwards. */

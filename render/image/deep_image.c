@@ -190,12 +190,12 @@ static exr_result_t write_manifest(exr_context_t file, const struct bytes *names
     static const char name[] = "idManifest";
     static const char type[] = "idmanifest";
     exr_attribute_t *attribute = NULL;
-    exr_result_t code = exr_attr_declare_by_type(file, 0, name, type, &attribute);
+    exr_result_t code = openexr.attr_declare_by_type(file, 0, name, type, &attribute);
     if (!code && !attribute) {
         code = EXR_ERR_OUT_OF_MEMORY;
     }
-    code = code ? code : exr_attr_set_user(file, 0, name, type, (int32_t)names->size, names->data);
-    return code ? code : exr_attr_set_string(file, 0, "comments", "idManifest names the numbers in its channels");
+    code = code ? code : openexr.attr_set_user(file, 0, name, type, (int32_t)names->size, names->data);
+    return code ? code : openexr.attr_set_string(file, 0, "comments", "idManifest names the numbers in its channels");
 }
 
 static exr_result_t write_header(exr_context_t file, const struct deep_image *image)
@@ -206,22 +206,23 @@ static exr_result_t write_header(exr_context_t file, const struct deep_image *im
         most = image->counts[i] > most ? image->counts[i] : most;
     }
     int part;
-    exr_result_t code = exr_add_part(file, "conus", EXR_STORAGE_DEEP_SCANLINE, &part);
+    exr_result_t code = openexr.add_part(file, "conus", EXR_STORAGE_DEEP_SCANLINE, &part);
     code = code ? code
-                : exr_initialize_required_attr_simple(file, part, (int32_t)image->header->width,
-                                                      (int32_t)image->header->height, EXR_COMPRESSION_ZIPS);
-    code = code ? code : exr_set_version(file, part, DEEP_VERSION);
-    code = code ? code : exr_attr_set_int(file, part, "maxSamplesPerPixel", (int32_t)most);
+                : openexr.initialize_required_attr_simple(file, part, (int32_t)image->header->width,
+                                                          (int32_t)image->header->height, EXR_COMPRESSION_ZIPS);
+    code = code ? code : openexr.set_version(file, part, DEEP_VERSION);
+    code = code ? code : openexr.attr_set_int(file, part, "maxSamplesPerPixel", (int32_t)most);
     for (size_t i = 0; !code && i < image->channel_count; i++) {
         const struct image_channel *channel = &image->channels[i];
-        code = exr_add_channel(file, 0, channel->name, channel->type == IMAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT,
-                               EXR_PERCEPTUALLY_LINEAR, 1, 1);
+        code =
+            openexr.add_channel(file, 0, channel->name, channel->type == IMAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT,
+                                EXR_PERCEPTUALLY_LINEAR, 1, 1);
     }
     code = code ? code : exr_stream_attributes(file, image->header);
     if (!code && image->manifest.data) {
         code = write_manifest(file, &image->manifest);
     }
-    return code ? code : exr_write_header(file);
+    return code ? code : openexr.write_header(file);
 }
 
 conus_status deep_image_format(struct bytes *out, const struct deep_image *image)
@@ -245,9 +246,9 @@ conus_status deep_image_format(struct bytes *out, const struct deep_image *image
                 code = pack_counts(&row, image, y);
                 code = code ? code : pack_samples(&row, image, order, first, count);
                 code = code ? code
-                            : exr_write_deep_scanline_chunk(file, 0, (int)y, row.samples.data, row.samples.size,
-                                                            count * image->channel_count * sizeof(uint32_t),
-                                                            row.counts.data, row.counts.size);
+                            : openexr.write_deep_scanline_chunk(file, 0, (int)y, row.samples.data, row.samples.size,
+                                                                count * image->channel_count * sizeof(uint32_t),
+                                                                row.counts.data, row.counts.size);
                 first += count;
             }
             row_finish(&row);

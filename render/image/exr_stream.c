@@ -13,7 +13,10 @@
 static _Thread_local struct {
     char message[256];
     bool no_memory;
+    bool no_library;
 } trouble;
+
+struct openexr openexr;
 
 static void keep_message(exr_const_context_t context, exr_result_t code, const char *text)
 {
@@ -37,6 +40,7 @@ static exr_context_initializer_t settings(struct exr_stream *stream)
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     trouble.message[0] = '\0';
     trouble.no_memory = false;
+    trouble.no_library = library_load(&openexr, EXR_FUNCTIONS(LIBRARY_NAME), CONUS_OPENEXR_FILE, "libopenexr-3-1-30");
     init.error_handler_fn = keep_message;
     init.alloc_fn = allocate;
     init.free_fn = memory_free;
@@ -49,11 +53,14 @@ static exr_context_initializer_t settings(struct exr_stream *stream)
 
 conus_status exr_stream_fail(exr_result_t code)
 {
+    if (trouble.no_library) {
+        return CONUS_ERROR_UNSUPPORTED; /* library_load() has said so */
+    }
     if (trouble.no_memory || code == EXR_ERR_OUT_OF_MEMORY) {
         return fail(CONUS_ERROR_MEMORY, "no memory for an OpenEXR image");
     }
     return fail(code == EXR_ERR_FEATURE_NOT_IMPLEMENTED ? CONUS_ERROR_UNSUPPORTED : CONUS_ERROR_DATA, "OpenEXR: %s",
-                trouble.message[0] ? trouble.message : exr_get_default_error_message(code));
+                trouble.message[0] ? trouble.message : openexr.get_default_error_message(code));
 }
 
 static int64_t write_at(exr_const_context_t context, void *user, const void *bytes, uint64_t size, uint64_t offset,
@@ -79,7 +86,7 @@ exr_result_t exr_stream_write(exr_context_t *file, struct exr_stream *stream)
 {
     exr_context_initializer_t init = settings(stream);
     init.write_fn = write_at;
-    return exr_start_write(file, "image", EXR_WRITE_FILE_DIRECTLY, &init);
+    return trouble.no_library ? EXR_ERR_UNKNOWN : openexr.start_write(file, "image", EXR_WRITE_FILE_DIRECTLY, &init);
 }
 
 exr_result_t exr_stream_attributes(exr_context_t file, const conus_image *image)
@@ -90,13 +97,13 @@ exr_result_t exr_stream_attributes(exr_context_t file, const conus_image *image)
         if (attribute->is_matrix) {
             exr_attr_m44d_t matrix;
             memcpy(&matrix, attribute->matrix, sizeof matrix); /* Imath has row vectors: the same numbers in a row */
-            code = exr_attr_set_m44d(file, 0, attribute->name, &matrix);
+            code = openexr.attr_set_m44d(file, 0, attribute->name, &matrix);
         } else {
-            code = exr_attr_set_string(file, 0, attribute->name, attribute->text);
+            code = openexr.attr_set_string(file, 0, attribute->name, attribute->text);
         }
     }
     if (!code && image->dpi > 0) {
-        code = exr_attr_set_float(file, 0, "xDensity", (float)image->dpi); /* OpenEXR's own: pixels per inch */
+        code = openexr.attr_set_float(file, 0, "xDensity", (float)image->dpi); /* OpenEXR's own: pixels per inch */
     }
     return code;
 }
@@ -104,7 +111,7 @@ exr_result_t exr_stream_attributes(exr_context_t file, const conus_image *image)
 conus_status exr_stream_end(struct bytes *out, exr_context_t file, struct exr_stream *stream, exr_result_t code)
 {
     if (file) {
-        exr_result_t finished = exr_finish(&file); /* writes the table of chunks */
+        exr_result_t finished = openexr.finish(&file); /* writes the table of chunks */
         code = code ? code : finished;
     }
     if (code) {
@@ -139,5 +146,5 @@ exr_result_t exr_stream_read(exr_context_t *file, struct exr_stream *stream)
     exr_context_initializer_t init = settings(stream);
     init.read_fn = read_at;
     init.size_fn = total_size;
-    return exr_start_read(file, "image", &init);
+    return trouble.no_library ? EXR_ERR_UNKNOWN : openexr.start_read(file, "image", &init);
 }

@@ -29,10 +29,10 @@ static exr_result_t write_chunk(exr_context_t file, exr_encode_pipeline_t *pipel
                                 const conus_image *image, int row)
 {
     exr_chunk_info_t chunk;
-    exr_result_t code = exr_write_scanline_chunk_info(file, 0, row, &chunk);
+    exr_result_t code = openexr.write_scanline_chunk_info(file, 0, row, &chunk);
     if (!code) {
-        code = row == 0 ? exr_encoding_initialize(file, 0, &chunk, pipeline)
-                        : exr_encoding_update(file, 0, &chunk, pipeline);
+        code = row == 0 ? openexr.encoding_initialize(file, 0, &chunk, pipeline)
+                        : openexr.encoding_update(file, 0, &chunk, pipeline);
     }
     for (int i = 0; !code && i < pipeline->channel_count; i++) {
         exr_coding_channel_info_t *coded = &pipeline->channels[i];
@@ -42,12 +42,12 @@ static exr_result_t write_chunk(exr_context_t file, exr_encode_pipeline_t *pipel
         coded->user_line_stride = (int32_t)(image->width * sizeof *pixels);
     }
     if (!code && row == 0) {
-        code = exr_encoding_choose_default_routines(file, 0, pipeline);
+        code = openexr.encoding_choose_default_routines(file, 0, pipeline);
         *compress = pipeline->compress_fn;
         pipeline->encoding_user_data = compress;
         pipeline->compress_fn = compress_if_smaller;
     }
-    return code ? code : exr_encoding_run(file, 0, pipeline);
+    return code ? code : openexr.encoding_run(file, 0, pipeline);
 }
 
 conus_status image_format_exr(struct bytes *out, const conus_image *image)
@@ -57,29 +57,29 @@ conus_status image_format_exr(struct bytes *out, const conus_image *image)
     exr_result_t code = exr_stream_write(&file, &stream);
     if (!code) {
         int part;
-        code = exr_add_part(file, NULL, EXR_STORAGE_SCANLINE, &part);
+        code = openexr.add_part(file, NULL, EXR_STORAGE_SCANLINE, &part);
         if (!code) {
-            code = exr_initialize_required_attr_simple(file, part, (int32_t)image->width, (int32_t)image->height,
-                                                       EXR_COMPRESSION_ZIP);
+            code = openexr.initialize_required_attr_simple(file, part, (int32_t)image->width, (int32_t)image->height,
+                                                           EXR_COMPRESSION_ZIP);
         }
         for (size_t i = 0; !code && i < image->channel_count; i++) {
             const struct image_channel *channel = &image->channels[i];
-            code = exr_add_channel(file, part, channel->name,
-                                   channel->type == IMAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT,
-                                   EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
+            code = openexr.add_channel(file, part, channel->name,
+                                       channel->type == IMAGE_FLOAT ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT,
+                                       EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
         }
         code = code ? code : exr_stream_attributes(file, image);
-        code = code ? code : exr_write_header(file);
+        code = code ? code : openexr.write_header(file);
     }
     if (!code) {
         exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
         compress_function compress = NULL;
         int32_t lines = 0;
-        code = exr_get_scanlines_per_chunk(file, 0, &lines);
+        code = openexr.get_scanlines_per_chunk(file, 0, &lines);
         for (int row = 0; !code && row < (int)image->height; row += lines) {
             code = write_chunk(file, &pipeline, &compress, image, row);
         }
-        exr_encoding_destroy(file, &pipeline);
+        openexr.encoding_destroy(file, &pipeline);
     }
     return exr_stream_end(out, file, &stream, code);
 }
@@ -135,8 +135,9 @@ static conus_status read_header(conus_image **out, exr_const_context_t file, con
     exr_attr_box2i_t window = {0};
     const exr_attr_chlist_t *list = NULL;
     exr_compression_t compression = EXR_COMPRESSION_NONE;
-    if (exr_get_count(file, &parts) || exr_get_storage(file, 0, &storage) || exr_get_data_window(file, 0, &window) ||
-        exr_get_channels(file, 0, &list) || exr_get_compression(file, 0, &compression)) {
+    if (openexr.get_count(file, &parts) || openexr.get_storage(file, 0, &storage) ||
+        openexr.get_data_window(file, 0, &window) || openexr.get_channels(file, 0, &list) ||
+        openexr.get_compression(file, 0, &compression)) {
         return exr_stream_fail(EXR_ERR_FILE_BAD_HEADER);
     }
     if (parts != 1 || storage != EXR_STORAGE_SCANLINE) {
@@ -162,10 +163,10 @@ static conus_status read_header(conus_image **out, exr_const_context_t file, con
     status = status ? status : read_channels(image, list, compression);
     if (!status) {
         int32_t count = 0;
-        status = exr_get_attribute_count(file, 0, &count) ? CONUS_ERROR_DATA : CONUS_OK;
+        status = openexr.get_attribute_count(file, 0, &count) ? CONUS_ERROR_DATA : CONUS_OK;
         for (int32_t i = 0; !status && i < count; i++) {
             const exr_attribute_t *attribute = NULL;
-            if (exr_get_attribute_by_index(file, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute) == EXR_ERR_SUCCESS) {
+            if (openexr.get_attribute_by_index(file, 0, EXR_ATTR_LIST_FILE_ORDER, i, &attribute) == EXR_ERR_SUCCESS) {
                 status = read_attribute(image, attribute);
             }
         }
@@ -182,14 +183,14 @@ static exr_result_t read_chunk(exr_const_context_t file, exr_decode_pipeline_t *
                                int row)
 {
     exr_chunk_info_t chunk;
-    exr_result_t code = exr_read_scanline_chunk_info(file, 0, first + row, &chunk);
+    exr_result_t code = openexr.read_scanline_chunk_info(file, 0, first + row, &chunk);
     if (!code && (chunk.start_y != first + row || chunk.width != (int)image->width || chunk.height < 1 ||
                   chunk.height > (int)image->height - row)) {
         code = EXR_ERR_BAD_CHUNK_LEADER;
     }
     if (!code) {
-        code = row == 0 ? exr_decoding_initialize(file, 0, &chunk, pipeline)
-                        : exr_decoding_update(file, 0, &chunk, pipeline);
+        code = row == 0 ? openexr.decoding_initialize(file, 0, &chunk, pipeline)
+                        : openexr.decoding_update(file, 0, &chunk, pipeline);
     }
     for (int i = 0; !code && i < pipeline->channel_count; i++) {
         exr_coding_channel_info_t *coded = &pipeline->channels[i];
@@ -201,9 +202,9 @@ static exr_result_t read_chunk(exr_const_context_t file, exr_decode_pipeline_t *
         coded->user_data_type = channel->type == IMAGE_UINT ? EXR_PIXEL_UINT : EXR_PIXEL_FLOAT;
     }
     if (!code && row == 0) {
-        code = exr_decoding_choose_default_routines(file, 0, pipeline);
+        code = openexr.decoding_choose_default_routines(file, 0, pipeline);
     }
-    return code ? code : exr_decoding_run(file, 0, pipeline);
+    return code ? code : openexr.decoding_run(file, 0, pipeline);
 }
 
 conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size)
@@ -220,15 +221,15 @@ conus_status image_parse_exr(conus_image **out, const uint8_t *data, size_t size
         exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
         exr_attr_box2i_t window;
         int32_t lines = 0;
-        code = exr_get_data_window(file, 0, &window);
-        code = code ? code : exr_get_scanlines_per_chunk(file, 0, &lines);
+        code = openexr.get_data_window(file, 0, &window);
+        code = code ? code : openexr.get_scanlines_per_chunk(file, 0, &lines);
         for (int row = 0; !code && row < (int)image->height; row += lines) {
             code = read_chunk(file, &pipeline, image, window.min.y, row);
         }
-        exr_decoding_destroy(file, &pipeline);
+        openexr.decoding_destroy(file, &pipeline);
         status = code ? exr_stream_fail(code) : CONUS_OK;
     }
-    exr_finish(&file);
+    openexr.finish(&file);
     if (status) {
         conus_image_destroy(image);
         return status;

@@ -4,6 +4,7 @@
 #include "render/image/image_codecs.h"
 
 #include "base/buffer.h"
+#include "base/library.h"
 #include "base/memory.h"
 #include "render/image/image_srgb.h"
 
@@ -18,6 +19,24 @@ enum {
     MAX_RATIO = 1032, /* of deflate */
     SAMPLES = 1 << 16,
 };
+
+/* clang-format off */
+#define PNG_FUNCTIONS(F)                                                                                               \
+    F(png_, create_info_struct) F(png_, create_read_struct_2) F(png_, create_write_struct_2)                           \
+    F(png_, destroy_read_struct) F(png_, destroy_write_struct) F(png_, error) F(png_, get_error_ptr)                   \
+    F(png_, get_image_height) F(png_, get_image_width) F(png_, get_io_ptr) F(png_, get_mem_ptr) F(png_, get_rowbytes)  \
+    F(png_, longjmp) F(png_, read_end) F(png_, read_image) F(png_, read_info) F(png_, read_update_info)                \
+    F(png_, set_IHDR) F(png_, set_add_alpha) F(png_, set_compression_level) F(png_, set_expand_16) F(png_, set_filter) \
+    F(png_, set_gray_to_rgb) F(png_, set_interlace_handling) F(png_, set_keep_unknown_chunks) F(png_, set_longjmp_fn)  \
+    F(png_, set_pHYs) F(png_, set_read_fn) F(png_, set_sRGB) F(png_, set_swap) F(png_, set_user_limits)                \
+    F(png_, set_write_fn) F(png_, write_end) F(png_, write_info) F(png_, write_row)
+/* clang-format on */
+
+static struct {
+    PNG_FUNCTIONS(LIBRARY_MEMBER)
+} libpng;
+
+#define JUMP_TARGET(png) (*libpng.set_longjmp_fn(png, longjmp, sizeof(jmp_buf))) /* png_jmpbuf() */
 
 struct job {
     png_structp png;
@@ -35,9 +54,9 @@ struct job {
 
 static void jump(png_structp png, const char *message)
 {
-    struct job *job = png_get_error_ptr(png);
+    struct job *job = libpng.get_error_ptr(png);
     snprintf(job->message, sizeof job->message, "%s", message);
-    png_longjmp(png, 1);
+    libpng.longjmp(png, 1);
 }
 
 static void ignore(png_structp png, const char *message)
@@ -48,7 +67,7 @@ static void ignore(png_structp png, const char *message)
 
 static void *allocate(png_structp png, size_t size)
 {
-    struct job *job = png_get_mem_ptr(png);
+    struct job *job = libpng.get_mem_ptr(png);
     void *block = memory_raw(size, 1);
     job->no_memory = job->no_memory || !block;
     return block;
@@ -60,6 +79,11 @@ static void release(png_structp png, void *block)
     memory_free(block);
 }
 
+static conus_status load_libpng(void)
+{
+    return library_load(&libpng, PNG_FUNCTIONS(LIBRARY_NAME), CONUS_PNG_FILE, "libpng16-16");
+}
+
 static conus_status fail_png(const struct job *job)
 {
     return job->no_memory ? fail(CONUS_ERROR_MEMORY, "no memory for a PNG")
@@ -68,11 +92,11 @@ static conus_status fail_png(const struct job *job)
 
 static void write_bytes(png_structp png, png_bytep bytes, size_t size)
 {
-    struct job *job = png_get_io_ptr(png);
+    struct job *job = libpng.get_io_ptr(png);
     buffer_append(&job->written, bytes, size);
     if (job->written.failed) {
         job->no_memory = true;
-        png_error(png, "no memory");
+        libpng.error(png, "no memory");
     }
 }
 
@@ -83,35 +107,39 @@ static void flush_nothing(png_structp png)
 
 static bool write_png(struct job *job, const uint8_t *rgba, uint32_t width, uint32_t height)
 {
-    if (setjmp(png_jmpbuf(job->png))) {
+    if (setjmp(JUMP_TARGET(job->png))) {
         return false;
     }
-    png_set_write_fn(job->png, job, write_bytes, flush_nothing);
-    png_set_IHDR(job->png, job->info, width, height, 8, PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE,
-                 PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
-    png_set_filter(job->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
-    png_set_compression_level(job->png, LEVEL);
-    png_set_sRGB(job->png, job->info, PNG_sRGB_INTENT_RELATIVE);
+    libpng.set_write_fn(job->png, job, write_bytes, flush_nothing);
+    libpng.set_IHDR(job->png, job->info, width, height, 8, PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_NONE,
+                    PNG_COMPRESSION_TYPE_BASE, PNG_FILTER_TYPE_BASE);
+    libpng.set_filter(job->png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
+    libpng.set_compression_level(job->png, LEVEL);
+    libpng.set_sRGB(job->png, job->info, PNG_sRGB_INTENT_RELATIVE);
     if (job->dpi > 0) {
         png_uint_32 per_metre = (png_uint_32)lrint(job->dpi / 0.0254);
-        png_set_pHYs(job->png, job->info, per_metre, per_metre, PNG_RESOLUTION_METER);
+        libpng.set_pHYs(job->png, job->info, per_metre, per_metre, PNG_RESOLUTION_METER);
     }
-    png_write_info(job->png, job->info);
+    libpng.write_info(job->png, job->info);
     for (uint32_t y = 0; y < height; y++) {
-        png_write_row(job->png, rgba + (size_t)y * width * 4);
+        libpng.write_row(job->png, rgba + (size_t)y * width * 4);
     }
-    png_write_end(job->png, NULL);
+    libpng.write_end(job->png, NULL);
     return true;
 }
 
 static conus_status format_rows(struct bytes *out, const uint8_t *rgba, uint32_t width, uint32_t height, double dpi)
 {
     struct job job = {.dpi = dpi};
-    job.png = png_create_write_struct_2(PNG_LIBPNG_VER_STRING, &job, jump, ignore, &job, allocate, release);
-    job.info = job.png ? png_create_info_struct(job.png) : NULL;
+    conus_status status = load_libpng();
+    if (status) {
+        return status;
+    }
+    job.png = libpng.create_write_struct_2(PNG_LIBPNG_VER_STRING, &job, jump, ignore, &job, allocate, release);
+    job.info = job.png ? libpng.create_info_struct(job.png) : NULL;
     job.no_memory = !job.info;
-    conus_status status = job.info && write_png(&job, rgba, width, height) ? CONUS_OK : fail_png(&job);
-    png_destroy_write_struct(&job.png, &job.info);
+    status = job.info && write_png(&job, rgba, width, height) ? CONUS_OK : fail_png(&job);
+    libpng.destroy_write_struct(&job.png, &job.info);
     if (status) {
         buffer_finish(&job.written);
         return status;
@@ -134,9 +162,9 @@ conus_status image_format_png(struct bytes *out, const conus_image *image)
 
 static void read_bytes(png_structp png, png_bytep bytes, size_t size)
 {
-    struct job *job = png_get_io_ptr(png);
+    struct job *job = libpng.get_io_ptr(png);
     if (size > job->size - job->offset) {
-        png_error(png, "file ends too early");
+        libpng.error(png, "file ends too early");
     }
     memcpy(bytes, job->data + job->offset, size);
     job->offset += size;
@@ -144,41 +172,43 @@ static void read_bytes(png_structp png, png_bytep bytes, size_t size)
 
 static bool read_head(struct job *job)
 {
-    if (setjmp(png_jmpbuf(job->png))) {
+    if (setjmp(JUMP_TARGET(job->png))) {
         return false;
     }
-    png_set_user_limits(job->png, IMAGE_MAX_SIDE, IMAGE_MAX_SIDE);
-    png_set_keep_unknown_chunks(job->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1); /* else libpng allocates what they claim */
-    png_set_read_fn(job->png, job, read_bytes);
-    png_read_info(job->png, job->info);
-    uint64_t unpacked = (uint64_t)png_get_rowbytes(job->png, job->info) * png_get_image_height(job->png, job->info);
+    libpng.set_user_limits(job->png, IMAGE_MAX_SIDE, IMAGE_MAX_SIDE);
+    /* else libpng allocates what they claim */
+    libpng.set_keep_unknown_chunks(job->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
+    libpng.set_read_fn(job->png, job, read_bytes);
+    libpng.read_info(job->png, job->info);
+    uint64_t unpacked =
+        (uint64_t)libpng.get_rowbytes(job->png, job->info) * libpng.get_image_height(job->png, job->info);
     if (unpacked / MAX_RATIO > job->size) {
-        png_error(job->png, "more pixels than a file of this size can hold");
+        libpng.error(job->png, "more pixels than a file of this size can hold");
     }
-    png_set_expand_16(job->png); /* palette, few bits and transparent colours too */
-    png_set_gray_to_rgb(job->png);
-    png_set_add_alpha(job->png, 0xffff, PNG_FILLER_AFTER);
-    png_set_swap(job->png);
-    png_set_interlace_handling(job->png);
-    png_read_update_info(job->png, job->info);
+    libpng.set_expand_16(job->png); /* palette, few bits and transparent colours too */
+    libpng.set_gray_to_rgb(job->png);
+    libpng.set_add_alpha(job->png, 0xffff, PNG_FILLER_AFTER);
+    libpng.set_swap(job->png);
+    libpng.set_interlace_handling(job->png);
+    libpng.read_update_info(job->png, job->info);
     return true;
 }
 
 static bool read_picture(struct job *job)
 {
-    if (setjmp(png_jmpbuf(job->png))) {
+    if (setjmp(JUMP_TARGET(job->png))) {
         return false;
     }
-    png_read_image(job->png, job->row_pointers);
-    png_read_end(job->png, NULL);
+    libpng.read_image(job->png, job->row_pointers);
+    libpng.read_end(job->png, NULL);
     return true;
 }
 
 static conus_status allocate_rows(struct job *job)
 {
-    uint32_t width = png_get_image_width(job->png, job->info);
-    uint32_t height = png_get_image_height(job->png, job->info);
-    size_t row = png_get_rowbytes(job->png, job->info);
+    uint32_t width = libpng.get_image_width(job->png, job->info);
+    uint32_t height = libpng.get_image_height(job->png, job->info);
+    size_t row = libpng.get_rowbytes(job->png, job->info);
     if (row != (size_t)width * 8) {
         return fail(CONUS_ERROR_UNSUPPORTED, "PNG: %zu bytes in a row of %u pixels, 8 for each expected", row, width);
     }
@@ -224,14 +254,18 @@ static conus_status convert_picture(struct job *job)
 conus_status image_parse_png(conus_image **out, const uint8_t *data, size_t size)
 {
     struct job job = {.data = data, .size = size};
-    job.png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &job, jump, ignore, &job, allocate, release);
-    job.info = job.png ? png_create_info_struct(job.png) : NULL;
+    conus_status status = load_libpng();
+    if (status) {
+        return status;
+    }
+    job.png = libpng.create_read_struct_2(PNG_LIBPNG_VER_STRING, &job, jump, ignore, &job, allocate, release);
+    job.info = job.png ? libpng.create_info_struct(job.png) : NULL;
     job.no_memory = !job.info;
-    conus_status status = job.info && read_head(&job) ? allocate_rows(&job) : fail_png(&job);
+    status = job.info && read_head(&job) ? allocate_rows(&job) : fail_png(&job);
     if (!status) {
         status = read_picture(&job) ? convert_picture(&job) : fail_png(&job);
     }
-    png_destroy_read_struct(&job.png, &job.info, NULL);
+    libpng.destroy_read_struct(&job.png, &job.info, NULL);
     memory_free(job.rows);
     memory_free(job.row_pointers);
     if (status) {

@@ -533,6 +533,11 @@ conus_status engine_rays_create_with(struct engine **out, const conus_atlas *atl
     }
     status = status ? status : add_meshes(engine, atlas);
     status = status ? status : add_bundles(engine, atlas);
+    if (!status && engine->meshes && options->log && mesh_rays_load_embree()) {
+        char line[256];
+        snprintf(line, sizeof line, "%s: triangles are found more slowly", conus_message());
+        options->log(options->log_user, &(conus_note){.severity = CONUS_SEVERITY_WARNING, .line = line});
+    }
     if (status) {
         destroy(&engine->base);
         return status;

@@ -11,6 +11,14 @@ load helpers
     done
 }
 
+@test "the start loads nothing that only pictures and the triangles of surfaces need" {
+    run -0 --separate-stderr env LD_DEBUG=files "$CONUS" --version
+    [[ $stderr == *libjansson* ]] # that it says what is loaded
+    for library in libembree libepoxy libfontconfig libfreetype libOpenEXR libpng; do
+        [[ $stderr != *"$library"* ]]
+    done
+}
+
 @test "--help lists the commands, and each explains itself" {
     answers --help
     for command in query track info render phantom diff; do

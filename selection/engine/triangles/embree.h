@@ -9,8 +9,30 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include "base/library.h"
+
 #include <stdbool.h>
 #include <stddef.h>
+
+#if CONUS_EMBREE >= 4
+#define EMBREE_OCCLUDED(F) F(rtc, Occluded1)
+#else
+#define EMBREE_OCCLUDED(F) F(rtc, Occluded1M)
+#endif
+/* clang-format off */
+#define EMBREE_FUNCTIONS(F)                                                                                            \
+    EMBREE_OCCLUDED(F)                                                                                                 \
+    F(rtc, AttachGeometryByID) F(rtc, CommitGeometry) F(rtc, CommitScene) F(rtc, GetDeviceError) F(rtc, Intersect1)    \
+    F(rtc, Intersect16) F(rtc, Intersect4) F(rtc, Intersect8) F(rtc, NewDevice) F(rtc, NewGeometry) F(rtc, NewScene)   \
+    F(rtc, ReleaseDevice) F(rtc, ReleaseGeometry) F(rtc, ReleaseScene) F(rtc, SetDeviceErrorFunction)                  \
+    F(rtc, SetGeometryInstancedScene) F(rtc, SetGeometryTransform) F(rtc, SetNewGeometryBuffer) F(rtc, SetSceneFlags)  \
+    F(rtc, SetSharedGeometryBuffer)
+/* clang-format on */
+
+/** rtcNewDevice() and the others, once Embree is loaded. */
+static struct {
+    EMBREE_FUNCTIONS(LIBRARY_MEMBER)
+} rtc;
 
 /** Goes with rays into a scene. Filters get the address of its context, which is its own. */
 struct embree_query {
@@ -46,9 +68,9 @@ static inline void embree_query_init(struct embree_query *out, RTCFilterFunction
 static inline void embree_allow_filters(RTCScene scene)
 {
 #if CONUS_EMBREE >= 4
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS);
+    rtc.SetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS);
 #else
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+    rtc.SetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
 #endif
 }
 
@@ -65,16 +87,16 @@ static inline void embree_intersect(struct embree_query *query, RTCScene scene, 
 {
     switch (width) {
     case 16:
-        rtcIntersect16(valid, EMBREE_NEAREST(query, scene, packet));
+        rtc.Intersect16(valid, EMBREE_NEAREST(query, scene, packet));
         break;
     case 8:
-        rtcIntersect8(valid, EMBREE_NEAREST(query, scene, packet));
+        rtc.Intersect8(valid, EMBREE_NEAREST(query, scene, packet));
         break;
     case 4:
-        rtcIntersect4(valid, EMBREE_NEAREST(query, scene, packet));
+        rtc.Intersect4(valid, EMBREE_NEAREST(query, scene, packet));
         break;
     default:
-        rtcIntersect1(EMBREE_NEAREST(query, scene, packet));
+        rtc.Intersect1(EMBREE_NEAREST(query, scene, packet));
     }
 }
 
@@ -86,10 +108,10 @@ static inline void embree_occlude(struct embree_query *query, RTCScene scene, st
 {
 #if CONUS_EMBREE >= 4
     for (size_t i = 0; i < count; i++) {
-        rtcOccluded1(scene, (struct RTCRay *)((char *)rays + i * size), &query->any);
+        rtc.Occluded1(scene, (struct RTCRay *)((char *)rays + i * size), &query->any);
     }
 #else
-    rtcOccluded1M(scene, &query->context, rays, (unsigned)count, size);
+    rtc.Occluded1M(scene, &query->context, rays, (unsigned)count, size);
 #endif
 }
 

@@ -48,12 +48,12 @@ static bool set_positions(RTCGeometry geometry, const struct mesh *mesh)
 {
     const size_t size = 3 * sizeof *mesh->positions;
     if (mesh->is_borrowed) {
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0, size,
-                                   mesh->vertex_count);
+        rtc.SetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, mesh->positions, 0, size,
+                                    mesh->vertex_count);
         return true;
     }
     float *positions =
-        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, size, mesh->vertex_count);
+        rtc.SetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, size, mesh->vertex_count);
     if (positions) {
         memcpy(positions, mesh->positions, mesh->vertex_count * size);
     }
@@ -62,20 +62,20 @@ static bool set_positions(RTCGeometry geometry, const struct mesh *mesh)
 
 static conus_status attach_mesh(struct embree *embree, RTCScene scene, const struct mesh *mesh, unsigned number)
 {
-    RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry geometry = rtc.NewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     if (set_positions(geometry, mesh)) {
-        rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0,
-                                   3 * sizeof *mesh->triangles, mesh->triangle_count);
-        rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(scene, geometry, number);
+        rtc.SetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh->triangles, 0,
+                                    3 * sizeof *mesh->triangles, mesh->triangle_count);
+        rtc.CommitGeometry(geometry);
+        rtc.AttachGeometryByID(scene, geometry, number);
     }
-    rtcReleaseGeometry(geometry);
+    rtc.ReleaseGeometry(geometry);
     return status_of(embree);
 }
 
 static RTCScene new_scene(const struct embree *embree)
 {
-    RTCScene scene = rtcNewScene(embree->device);
+    RTCScene scene = rtc.NewScene(embree->device);
     embree_allow_filters(scene);
     return scene;
 }
@@ -83,7 +83,7 @@ static RTCScene new_scene(const struct embree *embree)
 static void release(RTCScene scene)
 {
     if (scene) {
-        rtcReleaseScene(scene);
+        rtc.ReleaseScene(scene);
     }
 }
 
@@ -102,22 +102,22 @@ static conus_status attach_all(struct embree *embree, const struct mesh_object *
                 part = new_scene(embree);
                 part_of = object->mesh;
                 status = attach_mesh(embree, part, part_of, 0);
-                rtcCommitScene(part);
+                rtc.CommitScene(part);
             }
             float matrix[16];
             for (int k = 0; k < 16; k++) {
                 matrix[k] = (float)object->world_from_mesh[k];
             }
-            RTCGeometry geometry = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_INSTANCE);
-            rtcSetGeometryInstancedScene(geometry, part);
-            rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, matrix);
-            rtcCommitGeometry(geometry);
-            rtcAttachGeometryByID(embree->scene, geometry, (unsigned)i);
-            rtcReleaseGeometry(geometry);
+            RTCGeometry geometry = rtc.NewGeometry(embree->device, RTC_GEOMETRY_TYPE_INSTANCE);
+            rtc.SetGeometryInstancedScene(geometry, part);
+            rtc.SetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, matrix);
+            rtc.CommitGeometry(geometry);
+            rtc.AttachGeometryByID(embree->scene, geometry, (unsigned)i);
+            rtc.ReleaseGeometry(geometry);
         }
     }
     release(part);
-    rtcCommitScene(embree->scene);
+    rtc.CommitScene(embree->scene);
     return status_of(embree);
 }
 
@@ -127,11 +127,17 @@ static void destroy(struct mesh_rays *rays)
     if (embree) {
         release(embree->scene);
         if (embree->device) {
-            rtcReleaseDevice(embree->device);
+            rtc.ReleaseDevice(embree->device);
         }
         pthread_mutex_destroy(&embree->noting);
         memory_free(embree);
     }
+}
+
+conus_status mesh_rays_load_embree(void)
+{
+    return library_load(&rtc, EMBREE_FUNCTIONS(LIBRARY_NAME), CONUS_EMBREE_FILE,
+                        CONUS_EMBREE >= 4 ? "libembree4-4" : "libembree3-3");
 }
 
 static conus_status create(struct mesh_rays *rays, const struct mesh_object *objects, size_t count)
@@ -141,12 +147,12 @@ static conus_status create(struct mesh_rays *rays, const struct mesh_object *obj
         return CONUS_ERROR_MEMORY;
     }
     pthread_mutex_init(&embree->noting, NULL);
-    embree->device = rtcNewDevice("ignore_config_files=1");
+    embree->device = rtc.NewDevice("ignore_config_files=1");
     if (!embree->device) {
-        note_error(embree, rtcGetDeviceError(NULL), "no device");
+        note_error(embree, rtc.GetDeviceError(NULL), "no device");
         return status_of(embree);
     }
-    rtcSetDeviceErrorFunction(embree->device, note_error, embree);
+    rtc.SetDeviceErrorFunction(embree->device, note_error, embree);
     embree->scene = new_scene(embree);
     return attach_all(embree, objects, count);
 }

@@ -91,13 +91,20 @@ conus_status mesh_rays_create_with(struct mesh_rays **out, const struct mesh_tra
     return CONUS_OK;
 }
 
+#if !CONUS_EMBREE
+conus_status mesh_rays_load_embree(void)
+{
+    return CONUS_OK;
+}
+#endif
+
 conus_status mesh_rays_create(struct mesh_rays **out, const struct mesh_object *objects, size_t count)
 {
+    const struct mesh_tracer *tracer = &mesh_bvh;
 #if CONUS_EMBREE
-    return mesh_rays_create_with(out, &mesh_embree, objects, count);
-#else
-    return mesh_rays_create_with(out, &mesh_bvh, objects, count);
+    tracer = mesh_rays_load_embree() ? tracer : &mesh_embree;
 #endif
+    return mesh_rays_create_with(out, tracer, objects, count);
 }
 
 const char *mesh_rays_name(const struct mesh_rays *rays)

@@ -33,7 +33,7 @@ static bool is_gl_mapped(void)
     return found;
 }
 
-/* Runs first: linking with epoxy loads no GL library, making a context does. */
+/* Runs first: no library is loaded at the start that only pictures need; making a context loads OpenGL. */
 static void no_gl_library_is_loaded_before_a_context(void **state)
 {
     (void)state;
@@ -49,7 +49,11 @@ static void context_says_what_it_is(void **state)
     struct gl_context *context = test_gl_context(NULL, NULL);
     struct gl_current previous;
     assert_ok(gl_context_use(context, &previous));
-    assert_true(epoxy_gl_version() >= 45);
+    GLint major = 0;
+    GLint minor = 0;
+    glGetIntegerv(GL_MAJOR_VERSION, &major);
+    glGetIntegerv(GL_MINOR_VERSION, &minor);
+    assert_true(10 * major + minor >= 45);
     assert_string_equal(gl_context_renderer(context), (const char *)glGetString(GL_RENDERER));
     gl_current_restore(&previous);
     gl_context_destroy(context);
