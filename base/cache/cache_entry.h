@@ -13,7 +13,7 @@ enum { CACHE_PAGE = 4096, CACHE_STAMP_SIZE = 16 };
 
 /** Up to this size of the packed atlas its checksum is verified whenever an entry is opened, beyond it once in each run
  * of the kernel. */
-#define CACHE_SMALL (UINT64_C(64) << 20)
+#define CACHE_SMALL (UINT64_C(1) << 20)
 
 /** A stretch of an entry: borrowed. */
 struct cache_part {
