@@ -87,6 +87,20 @@ static uint8_t *distance_of(const struct scratch *scratch, size_t j, size_t k)
            (ptrdiff_t)(k + 1) * scratch->stride[2];
 }
 
+/* A voxel of a brick n bricks away from an occupied one has n - 1 whole empty bricks on every side. */
+static int far_of(int distance)
+{
+    return 1 + BRICK * (distance - 1);
+}
+
+/* Whether each of four numbers is not 0, as bits: the highest bit of each says so, and a product moves it there. */
+static uint64_t four_bits(uint64_t four)
+{
+    const uint64_t low = UINT64_C(0x7fff7fff7fff7fff);
+    uint64_t set = ((((four & low) + low) | four) & ~low) >> 15;
+    return set * ((UINT64_C(1) << 48) + (UINT64_C(1) << 33) + (1U << 18) + (1U << 3)) >> 48 & 0xf;
+}
+
 /* One bit per object of a run of at most 8 voxels. */
 static uint64_t row_bits16(const uint16_t *objects, size_t count)
 {
@@ -97,6 +111,7 @@ static uint64_t row_bits16(const uint16_t *objects, size_t count)
         if (!(halves[0] | halves[1])) {
             return 0;
         }
+        return four_bits(halves[0]) | four_bits(halves[1]) << 4;
     }
     for (size_t i = 0; i < count; i++) {
         bits |= (uint64_t)(objects[i] != 0) << i;
@@ -191,13 +206,24 @@ static void for_rows(struct scratch *scratch, row_step *step)
     }
 }
 
+/* Whether no code of the brick counts: all of it is reached, or it is so far that its codes follow from that. */
+static bool has_no_codes(const struct bits *grown, int distance)
+{
+    uint64_t all = UINT64_MAX;
+    for (int w = 0; w < BRICK_WORDS; w++) {
+        all &= grown->word[w];
+    }
+    return all == UINT64_MAX || far_of(distance) > FINE_LEVELS;
+}
+
 /* Adds 1 to the code of every voxel that the growth has not reached. */
 static void count_row(struct scratch *scratch, size_t j, size_t k)
 {
     const struct bits *grown = row_of(scratch, scratch->grown, j, k);
+    const uint8_t *distance = distance_of(scratch, j, k);
     struct bits *planes = row_of(scratch, 0, j, k);
     for (size_t b = 0; b < scratch->bricks[0]; b++) {
-        for (int w = 0; w < BRICK_WORDS; w++) {
+        for (int w = has_no_codes(&grown[b], distance[b]) ? BRICK_WORDS : 0; w < BRICK_WORDS; w++) {
             uint64_t carry = ~grown[b].word[w];
             for (int p = 0; p < PLANES; p++) {
                 uint64_t *plane = &planes[b * PLANES + (size_t)p].word[w];
@@ -373,11 +399,10 @@ static void write_fine_codes(const struct distance_map *map, const size_t brick[
     }
 }
 
-/* A voxel of a brick n bricks away from an occupied one has n - 1 whole empty bricks on every side. */
 static void write_brick(const struct distance_map *map, const size_t brick[3], int distance,
                         const struct bits planes[PLANES], const uint64_t spread[256])
 {
-    int far = 1 + BRICK * (distance - 1);
+    int far = far_of(distance);
     for (int part = 0; part < 8 && far > FINE_LEVELS; part++) {
         memset(line_of(map, brick, part), far < UINT8_MAX ? far : UINT8_MAX, DISTANCE_LINE);
     }
