@@ -29,7 +29,11 @@ static void stop_parser(struct parsing *parsing, conus_status status)
 
 static size_t line_of(const struct parsing *parsing)
 {
+#if XML_MAJOR_VERSION * 100 + XML_MINOR_VERSION >= 209 /* which deprecates the older one */
+    return (size_t)XML_GetCurrentLineNumber64(parsing->parser);
+#else
     return XML_GetCurrentLineNumber(parsing->parser);
+#endif
 }
 
 static void xml_on_start(void *user, const char *name, const char **attributes)

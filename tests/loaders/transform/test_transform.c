@@ -169,7 +169,7 @@ static void matlab_files_say_the_same(void **state)
     (void)state;
     for (int big = 0; big < 2; big++) {
         uint8_t data[512];
-        double m[16];
+        double m[16] = {0};
         double p[3] = {1, 2, 3};
         size_t size = make_matlab(data, big);
         assert_ok(parse_bytes(m, data, size, "0GenericAffine.mat"));
@@ -281,7 +281,7 @@ static void a_last_row_that_is_rounded_is_0_0_0_1(void **state)
     static const char head[] = "type = 1\nnxforms = 1\n1 4 4\n";
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         char text[200];
-        double m[16];
+        double m[16] = {0};
         snprintf(text, sizeof text, "%s2 0 0 1\n0 1 0 0\n0 0 1 3\n%s\n", head, rows[i]);
         check_point(text, 3, 2, 6);
         check_point(text + sizeof head - 1, 3, 2, 6);

@@ -146,7 +146,7 @@ static void check_pixels(const struct layer_picture *picture, const struct tract
     size_t grazing = 0;
     for (int i = 0; i < WIDTH * HEIGHT; i += 3) {
         double direction[3];
-        double ray[3];
+        double ray[3] = {0};
         double least;
         find_ray(direction, camera, i % WIDTH, i / WIDTH, shift);
         assert_true(vec3_normalise(ray, direction));

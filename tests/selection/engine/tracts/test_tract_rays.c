@@ -329,7 +329,7 @@ static size_t touch_all_leaves(struct counts *counts, uint64_t *random, const st
 {
     size_t leaves = tract_leaf_count(scene.tractogram.tree.run_count);
     for (size_t leaf = 0; leaf < leaves; leaf++) {
-        double point[3];
+        double point[3] = {0};
         double origin[3];
         find_farthest(point, leaf, along);
         struct tract_bundle bundle = touching_ray(random, origin, point, along);
