@@ -39,16 +39,7 @@ def declarations():
     return re.sub(r"\bCONUS_(API|CHECKED)\b", "", text) + CALLBACKS
 
 
-def wheel_builder():
-    """For setup.py."""
-    ffi = cffi.FFI()
-    ffi.cdef(declarations())
-    ffi.set_source_pkgconfig("conus._conus", ["conus"], SOURCE, py_limited_api=True)
-    return ffi
-
-
 def write_source(path):
-    """For CMake, which compiles it."""
     ffi = cffi.FFI()
     ffi.cdef(declarations())
     ffi.set_source("conus._conus", SOURCE, py_limited_api=True)

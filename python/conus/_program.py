@@ -6,7 +6,8 @@ import json
 import os
 import shutil
 import subprocess
-from typing import Any, NamedTuple, Optional, Sequence, Union
+import sys
+from typing import Any, NamedTuple, NoReturn, Optional, Sequence, Union
 
 from ._library import ArgumentError, DataError, FileError, UnsupportedError, python_words
 
@@ -65,8 +66,16 @@ def _arguments(what: Path, sidecar: Optional[Path], search: Union[Path, Sequence
     return [*words, *(f"--search={_word('search', folder)}" for folder in folders), "--", _word("result", what)]
 
 
+_PACKED = os.path.join(os.path.dirname(os.path.abspath(__file__)), "bin", "conus")  # the wheel's
+
+
+def main() -> NoReturn:
+    """The command ``conus`` of the wheel."""
+    os.execv(_PACKED, ["conus", *sys.argv[1:]])
+
+
 def _run(*words: str) -> subprocess.CompletedProcess[str]:
-    program = os.environ.get("CONUS") or shutil.which("conus")
+    program = os.environ.get("CONUS") or (_PACKED if os.path.exists(_PACKED) else shutil.which("conus"))
     if not program:
         raise FileError("there is no program conus in $PATH, and $CONUS names none")
     try:
@@ -89,7 +98,7 @@ def verify(
     """Answers a result of the program again from its sidecar and compares, as ``conus verify`` does.
 
     ``search`` are folders in which to look for files that moved. Runs the program: ``$CONUS``, or
-    ``conus`` in ``$PATH``.
+    that of the wheel, or ``conus`` in ``$PATH``.
     """
     ended = _run("verify", "--format=json", *_arguments(result, sidecar, search))
     if not ended.stdout:
@@ -108,7 +117,8 @@ def cite(
 ) -> str:
     """The methods paragraph of a result with its references, or how to cite an atlas, as ``conus cite`` writes it.
 
-    ``format`` is "text" or "bibtex". Runs the program: ``$CONUS``, or ``conus`` in ``$PATH``.
+    ``format`` is "text" or "bibtex". Runs the program: ``$CONUS``, or that of the wheel, or
+    ``conus`` in ``$PATH``.
     """
     ended = _run("cite", f"--format={format}", *_arguments(what, sidecar, search))
     if ended.returncode:

@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""complete.py WHEEL FOLDER: writes the wheel into FOLDER with the libraries that it needs inside, their licences
+beside them, and the tag of the glibc that it needs. As auditwheel does, which Debian does not have; for Debian only,
+whose packages know the licences. Needs patchelf.
+
+A library in the wheel has a part of its SHA-256 in its name, so that it is not taken for another one of that name,
+which another package has loaded. Those that libconus loads by their name when it needs them keep it. Of these
+Embree, which is nine tenths of all, is left out, and found where the user has it. So is OpenGL.
+"""
+import hashlib
+import os
+import pathlib
+import platform
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+# Every Linux that pip installs wheels of this kind on has these, of at least the versions below (PEP 600).
+EVERYWHERE = re.compile(r"(linux-vdso|ld-linux[-a-z0-9]*|lib(c|m|dl|rt|pthread|gcc_s|stdc\+\+))\.so\.\d+")
+LEFT_OUT = ("libconus", "libembree", "libEGL", "libGL", "libOpenGL")  # of what is loaded; the last three are a driver's
+NEWEST = {"GLIBCXX": (3, 4, 30), "CXXABI": (1, 3, 13), "GCC": (12, 0, 0)}  # of manylinux_2_35
+
+
+def run(*command):
+    return subprocess.run([str(word) for word in command], check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def loaded(file):
+    """(name, path) of the libraries that the file loads by their names, which stand in it beside those that it is linked with."""
+    linked = set(re.findall(r"\(NEEDED\).*\[(.*)\]", run("readelf", "--dynamic", "--wide", file)))
+    names = {name.decode() for name in re.findall(rb"\0(lib[\w.+-]+\.so\.\d+)(?=\0)", file.read_bytes())}
+    return [(name, pathlib.Path(run("gcc", f"-print-file-name={name}").strip()).resolve())
+            for name in sorted(names - linked) if not name.startswith(LEFT_OUT)]
+
+
+def needed(file, more=()):
+    """Where the libraries are that a file, and more of them, need: {name: path}, these included."""
+    found = dict(more)
+    for line in run("ldd", file, *dict(more).values()).splitlines():
+        if line.endswith(":"):
+            continue
+        name, _, path = line.strip().partition(" => ")
+        name = os.path.basename(name.split()[0])
+        if "not found" in path:
+            raise SystemExit(f"complete.py: {file}: {name} is not here")
+        if path and not EVERYWHERE.fullmatch(name):
+            found[name] = pathlib.Path(path.split()[0])
+    return found
+
+
+def name_inside(name, path):
+    stem, rest = name.split(".so", 1)
+    return f"{stem}-{hashlib.sha256(path.read_bytes()).hexdigest()[:8]}.so{rest}"
+
+
+def redirect(file, names, folders):
+    """Makes it look for the libraries under their new names, in folders that are relative to its own."""
+    run("patchelf", "--set-rpath", ":".join(f"$ORIGIN{folder}" for folder in folders), file)
+    words = [word for old, new in names.items() if old != new for word in ("--replace-needed", old, new)]
+    run("patchelf", *words, file)
+
+
+def copy_licence(path, folder):
+    """That of the package which a library is of."""
+    for place in (path, path.resolve(), pathlib.Path("/usr", *path.resolve().parts[1:])):
+        found = subprocess.run(["dpkg", "-S", place], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        if not found.returncode:
+            package = found.stdout.split(":")[0]
+            shutil.copy(f"/usr/share/doc/{package}/copyright", folder / f"{package}.txt")
+            return
+    raise SystemExit(f"complete.py: {path}: of no package, so its licence is not known")
+
+
+def glibc(files):
+    """The oldest glibc that has all functions which the files want."""
+    wanted = (2, 17, 0)
+    for file in files:
+        for kind, digits in re.findall(r"Name: ([A-Z]+)_(\d[\d.]*)", run("readelf", "--version-info", "--wide", file)):
+            version = (*map(int, digits.split(".")), 0, 0)[:3]
+            if kind == "GLIBC":
+                wanted = max(wanted, version)
+            elif version > NEWEST.get(kind, version):
+                raise SystemExit(f"complete.py: {file.name} wants {kind}_{digits}, which other machines may not have")
+    return wanted
+
+
+def main(wheel, results):
+    with tempfile.TemporaryDirectory() as scratch:
+        run(sys.executable, "-m", "wheel", "unpack", "--dest", scratch, wheel)
+        (top,) = pathlib.Path(scratch).iterdir()
+        package, inside = top / "conus", top / "conus.libs"
+        own = {package / "_conus.abi3.so": "", package / "libconus.so.0": "", package / "bin" / "conus": "/.."}
+        by_name = loaded(package / "libconus.so.0")
+        paths = needed(package / "libconus.so.0", by_name)
+        names = {name: name if (name, path) in by_name else name_inside(name, path) for name, path in paths.items()}
+        (information,) = top.glob("*.dist-info")
+        licences = information / "licenses"
+        inside.mkdir()
+        licences.mkdir(exist_ok=True)
+        for name, path in sorted(paths.items()):
+            library = inside / names[name]
+            shutil.copy(path, library)
+            os.chmod(library, 0o755)
+            run("patchelf", "--set-soname", names[name], library)
+            redirect(library, names, [""])
+            copy_licence(path, licences)
+        for file, to_package in own.items():
+            os.chmod(file, 0o755)  # wheel unpack has forgotten it
+            redirect(file, names, [to_package, f"{to_package}/../conus.libs"])
+        version = glibc([*own, *inside.iterdir()])
+        tag = f"cp39-abi3-manylinux_{version[0]}_{version[1]}_{platform.machine()}"
+        kind = information / "WHEEL"
+        kind.write_text(re.sub(r"^Tag: .*$", f"Tag: {tag}", kind.read_text(), flags=re.M))
+        results.mkdir(parents=True, exist_ok=True)
+        run(sys.executable, "-m", "wheel", "pack", "--dest-dir", results, top)
+    print(f"{tag}, with {len(names)} libraries")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        raise SystemExit(__doc__)
+    main(pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]))
