@@ -43,5 +43,5 @@ claimed() {
 }
 
 @test "the version is that of the program" {
-    [ "$(sed -n '1s/.*(\(.*\)).*/\1/p' "$DEBIAN/changelog")" = "$("$CONUS" --version | cut -d ' ' -f 2)" ]
+    [ "$(sed -n '1s/.*(\(.*\)-[0-9]*).*/\1/p' "$DEBIAN/changelog")" = "$("$CONUS" --version | cut -d ' ' -f 2)" ]
 }
