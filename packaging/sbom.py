@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""packaging/sbom.py VERSION FOLDER: writes an SPDX 2.3 document of a release: conus, the Debian packages that its library
+is built with (Build-Depends), and the files in FOLDER with their SHA-256. For scripts/release."""
+import datetime
+import hashlib
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+TOOLS = re.compile(r"cmake|debhelper.*|dh-.*|ninja-build|pkgconf")
+
+
+def package(name, version, **more):
+    identifier = "SPDXRef-Package-" + re.sub(r"[^A-Za-z0-9.-]", "-", name)
+    return {"SPDXID": identifier, "name": name, "versionInfo": version, "downloadLocation": "NOASSERTION",
+            "filesAnalyzed": False, "licenseConcluded": "NOASSERTION", "licenseDeclared": "NOASSERTION",
+            "copyrightText": "NOASSERTION", **more}
+
+
+def build_depends():
+    """Names of the Debian packages, and their versions where they are installed."""
+    control = (ROOT / "packaging" / "debian" / "control").read_text()
+    names = re.findall(r"(?m)^ ([a-z0-9.+-]+)", re.search(r"Build-Depends:\n((?: .*\n)+)", control)[1])
+    for name in sorted(set(names)):
+        if not TOOLS.fullmatch(name):
+            shown = subprocess.run(["dpkg-query", "-W", "-f", "${Version}", name], stdout=subprocess.PIPE,
+                                   stderr=subprocess.DEVNULL, text=True)
+            yield name, shown.stdout or "NOASSERTION"
+
+
+def main(version, folder):
+    when = datetime.datetime.fromtimestamp(int(os.environ["SOURCE_DATE_EPOCH"]), datetime.timezone.utc)
+    home = re.search(r'^url: "(.*)"$', (ROOT / "CITATION.cff").read_text(), re.M)[1]
+    own = package("conus", version, licenseConcluded="BSD-3-Clause", licenseDeclared="BSD-3-Clause",
+                  copyrightText="2026 The conus authors", homepage=home)
+    others = [package(name, found) for name, found in build_depends()]
+    files = [{"SPDXID": f"SPDXRef-File-{number}", "fileName": f"./{file.name}",
+              "checksums": [{"algorithm": "SHA256", "checksumValue": hashlib.sha256(file.read_bytes()).hexdigest()},
+                            {"algorithm": "SHA1", "checksumValue": hashlib.sha1(file.read_bytes()).hexdigest()}],
+              "licenseConcluded": "NOASSERTION", "copyrightText": "NOASSERTION"}
+             for number, file in enumerate(sorted(folder.iterdir())) if not file.name.endswith(".part")]
+    content = hashlib.sha256(json.dumps([files, others]).encode()).hexdigest()
+    json.dump({
+        "spdxVersion": "SPDX-2.3", "dataLicense": "CC0-1.0", "SPDXID": "SPDXRef-DOCUMENT", "name": f"conus-{version}",
+        "documentNamespace": f"{home}/spdx/conus-{version}-{content[:16]}",
+        "creationInfo": {"created": when.strftime("%Y-%m-%dT%H:%M:%SZ"), "creators": ["Organization: The conus authors"]},
+        "packages": [own, *others], "files": files,
+        "relationships": [
+            {"spdxElementId": "SPDXRef-DOCUMENT", "relationshipType": "DESCRIBES", "relatedSpdxElement": own["SPDXID"]},
+            *({"spdxElementId": other["SPDXID"], "relationshipType": "BUILD_DEPENDENCY_OF",
+               "relatedSpdxElement": own["SPDXID"]} for other in others),
+            *({"spdxElementId": file["SPDXID"], "relationshipType": "GENERATED_FROM", "relatedSpdxElement": own["SPDXID"]}
+              for file in files)],
+    }, sys.stdout, indent=1)
+    print()
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        raise SystemExit(__doc__)
+    main(sys.argv[1], pathlib.Path(sys.argv[2]))
