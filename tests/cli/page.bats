@@ -27,7 +27,7 @@ inside() {
     inside slabs.nii.gz | cmp - slabs.nii.gz
     inside slabs.tsv | cmp - slabs.tsv
     [[ $(grep -m1 data-file page.html) == *'"slabs.nii.gz"'* ]] # the atlas comes first
-    ! grep -q 'id="question"' page.html
+    run ! grep -q 'id="question"' page.html
 }
 
 @test "the rows in the page are those of conus query" {
