@@ -100,7 +100,7 @@ seen() {
 
 @test "a border is dragged and put back, and the pane under the mouse enlarged" {
     conus phantom slabs -o .
-    live slabs.nii.gz
+    live slabs.nii.gz --size 1000x640
     tell quiet-status 'pointer wand'
     seen before.png
     xdotool mousemove --window "$window" 250 200

@@ -46,7 +46,7 @@ survives() {
 @test "too little memory for the process is exit code 3" {
     need_aal
     [ -z "$(nm "$CONUS" 2>/dev/null | grep -m 1 __asan_init)" ] || skip "the sanitizer needs address space"
-    bash -c "ulimit -v 40000; '$CONUS' --version" || skip "not even the program fits"
-    run -3 --separate-stderr bash -c "ulimit -v 40000; '$CONUS' query '$aal' --origin=-90,20,20 --toward=0,-10,10"
+    bash -c "ulimit -v 20000; '$CONUS' --version" || skip "not even the program fits"
+    run -3 --separate-stderr bash -c "ulimit -v 20000; '$CONUS' query '$aal' --origin=-90,20,20 --toward=0,-10,10"
     check_message 'no memory for '
 }
