@@ -8,8 +8,12 @@
 
 size_t threads_for(uint64_t count, uint64_t least)
 {
+#ifdef __EMSCRIPTEN__ /* whose pages have no threads here */
+    uint64_t processors = 1;
+#else
     cpu_set_t set;
     uint64_t processors = sched_getaffinity(0, sizeof set, &set) == 0 ? (uint64_t)CPU_COUNT(&set) : 1;
+#endif
     uint64_t wanted = count / least;
     wanted = wanted < processors ? wanted : processors;
     wanted = wanted < THREADS_MOST ? wanted : THREADS_MOST;

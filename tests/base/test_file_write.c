@@ -15,17 +15,17 @@
 /* How often the next random numbers are 7. */
 static size_t sevens;
 
-ssize_t __real_getrandom(void *out, size_t size, unsigned flags);
-ssize_t __wrap_getrandom(void *out, size_t size, unsigned flags);
+int __real_getentropy(void *out, size_t size);
+int __wrap_getentropy(void *out, size_t size);
 
-ssize_t __wrap_getrandom(void *out, size_t size, unsigned flags)
+int __wrap_getentropy(void *out, size_t size)
 {
-    ssize_t got = __real_getrandom(out, size, flags);
+    int failed = __real_getentropy(out, size);
     if (sevens) {
         sevens--;
         memcpy(out, &(uint32_t){7}, sizeof(uint32_t));
     }
-    return got;
+    return failed;
 }
 
 /* Whether files without a name cannot be named, as where there is no /proc. */
