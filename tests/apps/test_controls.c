@@ -281,6 +281,13 @@ static void studies_have_limits(void **state)
     viewer_finish(&viewer);
 }
 
+static void without_an_atlas_a_key_means_nothing(void **state)
+{
+    struct window window = {.press = NULL}; /* as while one is loaded */
+    (void)state;
+    assert_false(window_press(&window, "a"));
+}
+
 static void a_session_has_the_study(void **state)
 {
     struct viewer viewer;
@@ -336,6 +343,7 @@ TEST_GROUP(controls)
         cmocka_unit_test(what_changes_makes_a_study_old),
         cmocka_unit_test(the_atlas_does_not_wait_for_a_long_study),
         cmocka_unit_test(studies_have_limits),
+        cmocka_unit_test(without_an_atlas_a_key_means_nothing),
         cmocka_unit_test(a_session_has_the_study),
         cmocka_unit_test(no_key_does_two_things),
     };

@@ -124,6 +124,9 @@ static void what_is_typed_is_a_path_or_a_part_of_one_name(void **state)
     show(&dialog, DIALOG_OPEN, folder, "none");
     assert_false(dialog_enter(path, &dialog));
     assert_non_null(strstr(dialog.why, "/none: there is no such file"));
+    show(&dialog, DIALOG_OPEN, folder, "n"); /* b.nii.gz and C.json have one */
+    assert_false(dialog_enter(path, &dialog));
+    assert_non_null(strstr(dialog.why, "/n: there is no such file"));
     show(&dialog, DIALOG_OPEN, folder, "z"); /* a folder is gone to */
     assert_false(dialog_enter(path, &dialog));
     assert_string_equal(dialog.text + strlen(folder), "/z/");

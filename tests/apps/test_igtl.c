@@ -255,6 +255,7 @@ static void broken_messages_are_counted_and_passed(void **state)
     assert_true(igtl_read(reader, bytes, size, hear, &heard));
     assert_int_equal(heard.messages, 1);
     assert_int_equal(reader->counts.broken, 1);
+    assert_int_equal(reader->valid, 1); /* of the two */
     assert_int_equal(read_one("TRANSFORM", 1, bytes, 47).messages, 0);
     assert_int_equal(read_one("TRANSFORM", 1, bytes, 0).messages, 0);
     assert_int_equal(read_one("QTDATA", 1, bytes, 51).messages, 0);

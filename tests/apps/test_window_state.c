@@ -364,6 +364,40 @@ static void an_atlas_of_the_list_is_opened_and_no_file_of_its_name(void **state)
     start_finish(&start);
 }
 
+/* By a link one file lies in two places, beside which other files may lie: the name alone means the first. */
+static void a_link_to_an_atlas_is_opened_where_it_is(void **state)
+{
+    struct start start = {.on = true};
+    char words[PATH_MAX];
+    char here[512];
+    char data[1200];
+    char link[1300];
+    size_t links = 0;
+    (void)state;
+    look_for_three(&start);
+    test_folder("data");
+    test_folder("data/mricron");
+    test_folder("data/mricron/templates");
+    assert_non_null(getcwd(here, sizeof here));
+    snprintf(data, sizeof data, "%s/%s", here, test_scratch("data"));
+    snprintf(link, sizeof link, "%s/mricron/templates/slabs.nii.gz", data);
+    assert_int_equal(symlink(conus_catalogue_atlas(start.catalogue, 1)->path, link), 0);
+    setenv("XDG_DATA_HOME", data, 1);
+    start_look(&start);
+    for (size_t i = 0; i < conus_catalogue_count(start.catalogue); i++) {
+        const conus_installed *atlas = conus_catalogue_atlas(start.catalogue, i);
+        if (strcmp(atlas->name, "slabs") == 0) {
+            assert_true(installed_words(words, start.catalogue, atlas));
+            bool is_link = strcmp(atlas->path, link) == 0;
+            assert_string_equal(words, is_link ? "mricron:slabs" : "slabs");
+            links += is_link;
+        }
+    }
+    assert_int_equal(links, 1);
+    unsetenv("XDG_DATA_HOME");
+    start_finish(&start);
+}
+
 static void where_nothing_was_typed_the_arrows_choose(void **state)
 {
     struct start start = {.on = true};
@@ -409,6 +443,7 @@ TEST_GROUP(window_state)
         cmocka_unit_test(what_is_typed_finds_an_installed_atlas),
         cmocka_unit_test(an_atlas_in_two_places_is_offered_once),
         cmocka_unit_test(an_atlas_of_the_list_is_opened_and_no_file_of_its_name),
+        cmocka_unit_test(a_link_to_an_atlas_is_opened_where_it_is),
         cmocka_unit_test(where_nothing_was_typed_the_arrows_choose),
         cmocka_unit_test(without_an_atlas_a_phantom_is_the_sample),
     };

@@ -220,6 +220,24 @@ static void closed_surfaces_show_a_head(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Two boxes around the cube, of one surface, from z = -16 to 4 and from -4 to 16: where they overlap, it winds twice
+ * around the voxels, which are in the head as those of one box are. */
+static void a_surface_may_wind_twice_around_a_head(void **state)
+{
+    (void)state;
+    conus_placement place = CONUS_PLACEMENT_INIT;
+    conus_atlas *atlas = make_cube();
+    struct mesh below = mesh_scene_box((const double[]){-16, -16, -16}, (const double[]){16, 16, 4});
+    struct mesh above = mesh_scene_box((const double[]){-16, -16, -4}, (const double[]){16, 16, 16});
+    struct context_surface surface = {.mesh = mesh_scene_join(&below, &above), .opacity = 1};
+    assert_ok(mesh_check(&surface.mesh, &atlas->notes));
+    assert_ok(atlas_add_context_surface(atlas, &surface));
+    mesh_finish(&surface.mesh);
+    assert_ok(conus_atlas_placement(&place, atlas));
+    assert_near(place.in_head, 1, 1e-12);
+    conus_atlas_destroy(atlas);
+}
+
 static void surfaces_tell_of_other_readings(void **state)
 {
     (void)state;
@@ -362,6 +380,7 @@ TEST_GROUP(fit)
         cmocka_unit_test(a_placement_says_where_the_areas_are),
         cmocka_unit_test(surfaces_have_a_place_and_nothing_has_none),
         cmocka_unit_test(closed_surfaces_show_a_head),
+        cmocka_unit_test(a_surface_may_wind_twice_around_a_head),
         cmocka_unit_test(surfaces_tell_of_other_readings),
         cmocka_unit_test(a_ray_meets_a_surface_around),
         cmocka_unit_test(other_readings_are_told),

@@ -65,6 +65,8 @@ static void most_corners_decide(void **state)
         notes_finish(&none);
     }
     assert_near(area, 14, 0); /* of 16 squares; half a row of squares has no label */
+    assert_ptr_equal(mesh_parts_find(&parts, 7), &parts.parts[1]);
+    assert_null(mesh_parts_find(&parts, 5)); /* between the two */
     assert_int_equal(notes.count, 1);
     assert_string_equal(notes.lines[0], "grid: 4 of 32 triangles have no label and were left out");
     notes_finish(&notes);

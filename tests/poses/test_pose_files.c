@@ -432,11 +432,18 @@ static void spaces_must_fit(void **state)
     const struct pose_space none = {0};
     assert_ok(pose_space_match(&notes, &none, plain));
     assert_int_equal(notes.count, 0);
+    const struct pose_space mni = pose_space_named(text_from("MNI152Lin"), POSE_BRAIN_MNI152);
+    assert_ok(conus_atlas_move(plain, (const double[16]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1}));
+    assert_ok(pose_space_match(&notes, &scan, plain)); /* it was moved to where the subject's poses are */
+    assert_int_equal(notes.count, 0);
+    assert_ok(pose_space_match(&notes, &mni, plain));
+    assert_int_equal(notes.count, 1);
+    assert_non_null(strstr(notes.lines[0], "they must be where the atlas was moved to"));
+    notes_finish(&notes);
     conus_atlas_destroy(plain);
     assert_ok(conus_atlas_load(&template, test_mricron("aal.nii.gz"), NULL));
     const char *transform = conus_atlas_volume(template, 0)->transform;
     print_message("[   NOTE   ] aal: %s\n", transform);
-    const struct pose_space mni = pose_space_named(text_from("MNI152Lin"), POSE_BRAIN_MNI152);
     const struct pose_space other = pose_space_named(text_from("fsaverage"), POSE_BRAIN_TEMPLATE);
     if (strstr(transform, "MNI 152")) {
         assert_fails(pose_space_match(&notes, &scan, template), CONUS_ERROR_DATA);

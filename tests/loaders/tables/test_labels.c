@@ -175,6 +175,7 @@ static void columns_are_chosen_by_name(void **state)
         const char *text, *columns[2], *wanted; /* wanted begins with '!' where it is the message */
     } cases[] = {
         {"Nr;Bezeichnung\n1;Hippokampus\n2;\"Kern; roter\"\n", {"Nr", "Bezeichnung"}, "1 Hippokampus; 2 Kern; roter"},
+        {"Nr;Titel;Kern, Rinde\n1;a;b\n", {"Nr", "Titel"}, "1 a"}, /* the comma is no separator: there are fewer */
         {"Bezeichnung\tNr\nA, b\t3\n", {"Nr", "Bezeichnung"}, "3 A, b"},
         {"Label No,Full name,color\n7,\"a \"\"b\"\"\",#102030\n", {"Label No", "Full name"}, "7 a \"b\" #102030"},
         {"Nr,Titel, deutsch;x\n",
