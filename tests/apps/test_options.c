@@ -128,6 +128,8 @@ static void the_closest_name_is_suggested(void **state)
     assert_string_equal(closest_name("poses-", name_at, alike), "pose"); /* 2 edits, against 6 */
     assert_string_equal(closest_name("poses-f", name_at, alike), "poses-format");
     assert_string_equal(closest_name("out", name_at, alike), "output"); /* 3 edits; "up" has 2, and 1 is allowed */
+    /* Of equally many edits, the first. */
+    assert_string_equal(closest_name("abz", name_at, (const char *const[]){"abx", "aby", NULL}), "abx");
     assert_null(closest_name("layers", name_at, names));
     assert_null(closest_name("x", name_at, names));
     assert_null(closest_name("", name_at, names));

@@ -62,6 +62,17 @@ static void words_end_before_the_next_ones_begin(void **state)
     }
 }
 
+/* The path begins at 26 and has four letters, which are seven bytes: the table is 30 columns wide. */
+static void letters_of_two_bytes_take_one_column(void **state)
+{
+    (void)state;
+    static const char words[] = "name     source   kind    path\n"
+                                "aalaaaa  mricron  volume  /öäü\n";
+    char *fitted = table_fit(words, 30, false, "-");
+    assert_string_equal(fitted, words);
+    free(fitted);
+}
+
 static void the_header_is_bold(void **state)
 {
     (void)state;
@@ -93,9 +104,8 @@ static void every_prefix_is_fitted(void **state)
 TEST_GROUP(table_fit)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(columns_are_left_out_whole),
-        cmocka_unit_test(words_end_before_the_next_ones_begin),
-        cmocka_unit_test(the_header_is_bold),
+        cmocka_unit_test(columns_are_left_out_whole), cmocka_unit_test(words_end_before_the_next_ones_begin),
+        cmocka_unit_test(the_header_is_bold),         cmocka_unit_test(letters_of_two_bytes_take_one_column),
         cmocka_unit_test(every_prefix_is_fitted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
