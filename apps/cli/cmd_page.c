@@ -13,8 +13,10 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <jansson.h>
 #include <limits.h>
 #include <math.h>
+#include <nettle/base64.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -202,34 +204,14 @@ static int list_files(struct page *page, const char *path)
     return EXIT_DONE;
 }
 
-/* A piece of a file as base64 (RFC 4648): all but the last have a multiple of 3 bytes. */
-static void put_base64(FILE *out, const unsigned char *bytes, size_t size)
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < size; i += 3) {
-        unsigned three = (unsigned)bytes[i] << 16 | (i + 1 < size ? (unsigned)bytes[i + 1] << 8 : 0) |
-                         (i + 2 < size ? bytes[i + 2] : 0U);
-        const char four[4] = {digits[three >> 18], digits[three >> 12 & 63],
-                              (char)(i + 1 < size ? digits[three >> 6 & 63] : '='),
-                              (char)(i + 2 < size ? digits[three & 63] : '=')};
-        fwrite(four, 1, sizeof four, out);
-    }
-}
-
-/* Text within an attribute or a script of JSON, where < would end or begin what it must not. */
+/* Text where < would begin or end what it must not; of an attribute, " and & are none of its own either. */
 static void put_text(FILE *out, const char *text, bool is_json)
 {
     for (; *text; text++) {
         if (*text == '<') {
             fputs(is_json ? "\\u003c" : "&lt;", out);
-        } else if (!is_json && *text == '"') {
-            fputs("&quot;", out);
-        } else if (!is_json && *text == '&') {
-            fputs("&amp;", out);
-        } else if (is_json && (*text == '"' || *text == '\\')) {
-            fprintf(out, "\\%c", *text);
-        } else if (is_json && (unsigned char)*text < ' ') {
-            fprintf(out, "\\u%04x", (unsigned)*text);
+        } else if (!is_json && (*text == '"' || *text == '&')) {
+            fputs(*text == '"' ? "&quot;" : "&amp;", out);
         } else {
             fputc(*text, out);
         }
@@ -238,7 +220,8 @@ static void put_text(FILE *out, const char *text, bool is_json)
 
 static int put_file(FILE *out, const char *path, const char *name, const char *role)
 {
-    unsigned char piece[3 << 14];
+    unsigned char piece[3 << 14]; /* of a multiple of 3 bytes, so that only the last is padded */
+    char digits[BASE64_ENCODE_RAW_LENGTH(sizeof piece)];
     FILE *in = fopen(path, "rb");
     if (!in) {
         print_error_line("%s: %s", path, strerror(errno));
@@ -248,7 +231,8 @@ static int put_file(FILE *out, const char *path, const char *name, const char *r
     put_text(out, name, false);
     fprintf(out, "\"%s>", role);
     for (size_t size; (size = fread(piece, 1, sizeof piece, in));) {
-        put_base64(out, piece, size);
+        base64_encode_raw(digits, size, piece);
+        fwrite(digits, 1, BASE64_ENCODE_RAW_LENGTH(size), out);
     }
     fputs("</script>\n", out);
     bool failed = ferror(in);
@@ -293,22 +277,31 @@ static int put_question(struct page *page)
     status = status ? status : conus_report_create(&report, selector, &rows);
     status = status ? status : conus_report_add(report, "1", selection);
     status = status ? status : conus_report_text(&text, &size, report);
+    int code = status ? print_status(status) : EXIT_DONE;
     if (!status) {
+        char fragment[512];
         const double *o = settings->origin;
         const double *t = settings->toward;
-        fprintf(page->out,
-                "<script type=\"application/json\" id=\"question\">{\"fragment\": \"v=1&origin=%.17g,%.17g,%.17g"
-                "&toward=%.17g,%.17g,%.17g&angle=%.17g&layers=%s&resolution=%u&cut=%.17g,%.17g,%.17g\", "
-                "\"version\": \"%s\", \"rows\": \"",
-                o[0], o[1], o[2], t[0], t[1], t[2], settings->angle, layer_names[settings->layers],
-                settings->resolution, t[0], t[1], t[2], conus_version());
-        put_text(page->out, text, true);
-        fputs("\"}</script>\n", page->out);
+        snprintf(fragment, sizeof fragment,
+                 "v=1&origin=%.17g,%.17g,%.17g&toward=%.17g,%.17g,%.17g&angle=%.17g&layers=%s&resolution=%u"
+                 "&cut=%.17g,%.17g,%.17g",
+                 o[0], o[1], o[2], t[0], t[1], t[2], settings->angle, layer_names[settings->layers],
+                 settings->resolution, t[0], t[1], t[2]);
+        json_t *asked = json_pack("{s:s, s:s, s:s}", "fragment", fragment, "version", conus_version(), "rows", text);
+        char *json = asked ? json_dumps(asked, 0) : NULL;
+        if (json) {
+            fputs("<script type=\"application/json\" id=\"question\">", page->out);
+            put_text(page->out, json, true);
+            fputs("</script>\n", page->out);
+        }
+        code = json ? EXIT_DONE : print_no_memory();
+        free(json);
+        json_decref(asked);
     }
     conus_report_destroy(report);
     conus_selection_destroy(selection);
     conus_selector_destroy(selector);
-    return status ? print_status(status) : EXIT_DONE;
+    return code;
 }
 
 /* The template's text, the caller's to free. */
@@ -387,9 +380,8 @@ static int run_page(const void *given, const struct arguments *arguments)
     if (page.out) {
         settings_say_notes(page.atlas, &settings.common);
         if (settings.context && !settings.common.quiet) {
-            fprintf(stderr,
-                    "conus: note: %s: a face can be recognised in an image of a head; all who have the page see it\n",
-                    settings.context);
+            print_error_line("note: %s: a face can be recognised in an image of a head; all who have the page see it",
+                             settings.context);
         }
         code = put_page(&page, template, option_given(arguments, "origin"));
         bool is_whole = fclose(page.out) == 0;

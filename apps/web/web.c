@@ -71,16 +71,22 @@ static const char *say_error(void)
     return end_text(out);
 }
 
-static void forget_answers(void)
+static void forget_question(void)
 {
     conus_report_destroy(page.report);
     conus_selection_destroy(page.selection);
     conus_selector_destroy(page.selector);
-    conus_selector_destroy(page.viewer);
-    conus_cutter_destroy(page.cutter);
     page.report = NULL;
     page.selection = NULL;
     page.selector = NULL;
+}
+
+/* And what else was made for the atlas as it was. */
+static void forget_answers(void)
+{
+    forget_question();
+    conus_selector_destroy(page.viewer);
+    conus_cutter_destroy(page.cutter);
     page.viewer = NULL;
     page.cutter = NULL;
 }
@@ -187,13 +193,8 @@ EMSCRIPTEN_KEEPALIVE const char *web_ask(double x, double y, double z, double to
 {
     conus_pose pose;
     conus_selection *selection = NULL;
-    if (page.selector && (page.resolution != resolution || page.all_layers != (all_layers != 0))) {
-        conus_report_destroy(page.report);
-        conus_selection_destroy(page.selection);
-        conus_selector_destroy(page.selector);
-        page.report = NULL;
-        page.selection = NULL;
-        page.selector = NULL;
+    if (page.resolution != resolution || page.all_layers != (all_layers != 0)) {
+        forget_question();
     }
     conus_status status = prepare_selector(&page.selector, resolution, all_layers);
     page.resolution = resolution;

@@ -177,7 +177,7 @@ same_answers() {
     [ "$(entries)" = 3 ]
     same_answers --streamlines walk.tck
     same_answers --streamlines lines.trx,radius=2,name=Rest --streamlines walk.tck,radius=1,name=Lines
-    same_answers --streamlines "$PWD/../work/lines.trx"
+    same_answers --streamlines "$PWD/./lines.trx"
     printf '1 0 0 4\n0 1 0 0\n0 0 0.9 0\n0 0 0 1\n' > shear.txt
     same_answers --streamlines lines.trx,moves --streamlines walk.tck --atlas-transform shear.txt
     [ "$(entries)" = 4 ] # one was named by another path
