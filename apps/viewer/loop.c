@@ -245,6 +245,9 @@ static bool go_round(struct window *window, struct script *script, int *code)
         return true;
     }
     draw_frame(window);
+    if (window_wants(window)) { /* what the script says next is of the atlas that was dropped in this round */
+        return true;
+    }
     if (acts && script_step(script, window, code)) {
         return false;
     }
