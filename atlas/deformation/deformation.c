@@ -253,15 +253,6 @@ void deformation_fold(struct deformation *field, const double before[16], const 
     }
 }
 
-void transform_finish(struct transform *transform)
-{
-    for (size_t i = 0; i < transform->warp_count; i++) {
-        deformation_finish(&transform->warps[i].field);
-    }
-    memory_free(transform->warps);
-    *transform = (struct transform){0};
-}
-
 /* Places where a field is looked at: its nodes, or every half step between the ends of a grid of splines. */
 struct lattice {
     size_t dim[3];

@@ -52,15 +52,6 @@ struct warp {
 /** The image of a point through all of @p warps, the last one first; as deformation_point(). */
 bool warps_point(double out[3], const struct warp *warps, size_t count, const double p[3]);
 
-/** From points to points, RAS mm: through @p first, and then through the warps, the last one first. */
-struct transform {
-    double first[16];
-    struct warp *warps; /**< [warp_count] Their fields are measured; owned. An affine has none. */
-    size_t warp_count;
-};
-
-void transform_finish(struct transform *transform);
-
 struct deformation_facts {
     double farthest;        /**< Longest displacement of a node, mm. */
     size_t nodes, unstated; /**< Nodes, and those without a value; of splines every half step. */

@@ -121,25 +121,22 @@ static conus_status move_along(conus_atlas *atlas, struct transform_chain *chain
 static conus_status move_by_transform(conus_atlas *atlas, const char *path, const conus_transform_options *options,
                                       const struct warp_plan *plan, struct file_sums *read)
 {
-    struct transform way = {0};
     struct transform_chain chain = {0};
     if (options->vectors) {
         return fail(CONUS_ERROR_ARGUMENT, "%s: vectors of a field are relative or absolute, and this is none", path);
     }
-    conus_status status = transform_file_read(&way, path, options, read);
-    if (!status && options->inverse && way.warp_count) {
+    conus_status status = transform_file_read(&chain, path, options, read);
+    if (!status && options->inverse && chain.count) {
         status = fail(CONUS_ERROR_UNSUPPORTED, "%s: a B-spline is not inverted; that of the other direction is needed",
                       path);
     } else if (!status && options->inverse) {
-        (void)mat4_invert_affine(way.first, way.first); /* which the reader has tried */
+        (void)mat4_invert_affine(chain.matrix, chain.matrix); /* which the reader has tried */
     }
     status = status || !options->from ? status : transform_images_note(atlas, options);
     status = status ? status : transform_images_sum(read, atlas, options);
     status = status ? status : file_sums_move(&atlas->files, read);
-    status = status ? status : chain_of(&chain, &way);
     status = status ? status : move_along(atlas, &chain, plan);
     transform_chain_finish(&chain);
-    transform_finish(&way);
     return status;
 }
 

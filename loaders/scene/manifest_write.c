@@ -41,7 +41,7 @@ static conus_status say_transform(struct manifest_draft *draft, const char *name
 static conus_status draft_transform_say(struct manifest_draft *draft, const char *name)
 {
     struct file_sums read = {0};
-    struct transform transform = {0};
+    struct transform_chain transform = {0};
     bool is_named_so = path_ends_in(name, ".tfm") || path_ends_in(name, ".mat") || path_ends_in(name, ".lta") ||
                        path_ends_in(name, ".xfm");
     if (!is_named_so) {
@@ -55,7 +55,7 @@ static conus_status draft_transform_say(struct manifest_draft *draft, const char
     if (!status && is_transform) {
         status = say_transform(draft, name, "a transform");
     }
-    transform_finish(&transform);
+    transform_chain_finish(&transform);
     file_sums_finish(&read);
     memory_free(path);
     return status;

@@ -119,22 +119,6 @@ conus_status chain_end(struct transform_chain *chain)
     return status;
 }
 
-conus_status chain_of(struct transform_chain *out, struct transform *way)
-{
-    conus_status status = CONUS_OK;
-    chain_begin(out);
-    if (!way->warp_count) {
-        memcpy(out->matrix, way->first, sizeof out->matrix);
-        return CONUS_OK;
-    }
-    for (size_t i = 0; !status && i < way->warp_count; i++) {
-        status = chain_add_matrix(out, way->warps[i].after);
-        status = status ? status : chain_push(out, &way->warps[i].field);
-    }
-    status = status ? status : chain_add_matrix(out, way->first);
-    return status ? status : chain_end(out);
-}
-
 conus_status chain_groups(const struct hdf5_object ***out, size_t *count, const struct hdf5 *hdf5)
 {
     const struct text group = text_from("/TransformGroup");

@@ -36,9 +36,6 @@ conus_status chain_push(struct transform_chain *chain, struct deformation *field
 conus_status chain_end(struct transform_chain *chain);
 /** @} */
 
-/** The chain that is @p way, whose fields it takes over; finish both, also after a failure. */
-conus_status chain_of(struct transform_chain *out, struct transform *way);
-
 /** @name The formats. @p words gets one line: what the file is, and the steps as points go through them.
  * @{ */
 conus_status itk_hdf5_parse(struct transform_chain *chain, const struct hdf5 *hdf5, uint64_t max_memory,

@@ -428,21 +428,21 @@ static conus_status fail_kind(const char *path, const struct bytes *file)
     return file_kind_fail(path, file, transform_needed);
 }
 
-static conus_status parse_kind(struct transform *out, enum kind kind, const struct bytes *file, const char *path,
+static conus_status parse_kind(struct transform_chain *out, enum kind kind, const struct bytes *file, const char *path,
                                const conus_transform_options *options)
 {
     struct text text = text_from_bytes(file->data, file->size);
     switch (kind) {
     case KIND_MATRIX:
-        return transform_read_matrix(out->first, text, path, options->from, options->to);
+        return transform_read_matrix(out->matrix, text, path, options->from, options->to);
     case KIND_ITK:
         return itk_text_parse(out, text, options->transform);
     case KIND_XFM:
-        return xfm_parse(out->first, text);
+        return xfm_parse(out->matrix, text);
     case KIND_LTA:
-        return lta_parse(out->first, text);
+        return lta_parse(out->matrix, text);
     case KIND_REGISTER:
-        return register_parse(out->first, text, options->from, options->to);
+        return register_parse(out->matrix, text, options->from, options->to);
     case KIND_MATLAB:
         return itk_matlab_parse(out, file->data, file->size);
     case KIND_NONE:
@@ -451,18 +451,7 @@ static conus_status parse_kind(struct transform *out, enum kind kind, const stru
     return fail_kind(path, file);
 }
 
-/* All affines on the way can be inverted. */
-static conus_status check_matrices(const struct transform *transform)
-{
-    double inverse[16];
-    bool invertible = mat4_invert_affine(inverse, transform->first);
-    for (size_t i = 0; i < transform->warp_count; i++) {
-        invertible = invertible && mat4_invert_affine(inverse, transform->warps[i].after);
-    }
-    return invertible ? CONUS_OK : fail(CONUS_ERROR_DATA, "the matrix is singular, an invertible one is needed");
-}
-
-conus_status transform_parse(struct transform *out, const struct bytes *file, const char *path,
+conus_status transform_parse(struct transform_chain *out, const struct bytes *file, const char *path,
                              const conus_transform_options *options)
 {
     const struct text text = text_from_bytes(file->data, file->size);
@@ -476,7 +465,8 @@ conus_status transform_parse(struct transform *out, const struct bytes *file, co
                      : readable && register_take_head(&rest, edges)        ? KIND_REGISTER
                      : itk_matlab_is(file->data, file->size)               ? KIND_MATLAB
                                                                            : KIND_NONE;
-    struct transform made = {0};
+    double inverse[16];
+    struct transform_chain made;
     if (!options->from != !options->to) {
         return fail(CONUS_ERROR_ARGUMENT, "%s=IMAGE is needed, too", options->from ? "to" : "from");
     }
@@ -487,21 +477,24 @@ conus_status transform_parse(struct transform *out, const struct bytes *file, co
     if (options->transform && kind != KIND_ITK && kind != KIND_NONE) {
         return fail(CONUS_ERROR_ARGUMENT, "transform is of lists in ITK's text, and this is none");
     }
+    chain_begin(&made);
     conus_status status = parse_kind(&made, kind, file, path, options);
-    status = status ? status : check_matrices(&made);
+    if (!status && !mat4_invert_affine(inverse, made.matrix)) {
+        status = fail(CONUS_ERROR_DATA, "the matrix is singular, an invertible one is needed");
+    }
     if (status) {
-        transform_finish(&made);
+        transform_chain_finish(&made);
         return status;
     }
     *out = made;
     return CONUS_OK;
 }
 
-conus_status transform_file_read(struct transform *out, const char *path, const conus_transform_options *options,
+conus_status transform_file_read(struct transform_chain *out, const char *path, const conus_transform_options *options,
                                  struct file_sums *read)
 {
     struct bytes file = {0};
-    struct transform made = {0};
+    struct transform_chain made = {0};
     conus_status status = file_read_head(&file, path, AFFINE_LIMIT);
     if (status) {
         return status;
@@ -519,7 +512,7 @@ conus_status transform_file_read(struct transform *out, const char *path, const 
     status = status ? fail_in(status, path) : file_sums_add(read, path, &file);
     bytes_finish(&file);
     if (status) {
-        transform_finish(&made);
+        transform_chain_finish(&made);
         return status;
     }
     *out = made;

@@ -3,10 +3,10 @@
 #ifndef CONUS_LOADERS_TRANSFORM_TRANSFORM_FORMATS_H
 #define CONUS_LOADERS_TRANSFORM_TRANSFORM_FORMATS_H
 
-#include "atlas/deformation/deformation.h"
 #include "base/status.h"
 #include "base/text.h"
 #include "conus/atlas_info.h"
+#include "loaders/transform/transform_chain.h"
 
 /** One transform of a file of ITK, as the file has it: points are LPS. */
 struct itk_entry {
@@ -26,16 +26,20 @@ struct itk_list {
 conus_status itk_list_add(struct itk_list *list, struct text type);
 void itk_list_finish(struct itk_list *list);
 
-/** Makes a transform of RAS of @p list: of its only entry, of those of its composite, where points go through the last
- * one first, or of entry @p chosen - 1; 0 = none is chosen. CONUS_ERROR_DATA for numbers that do not fit the type,
- * CONUS_ERROR_UNSUPPORTED for other types, and for several entries of which none is chosen; CONUS_ERROR_ARGUMENT. */
-conus_status itk_transform_make(struct transform *out, const struct itk_list *list, size_t chosen);
+/** Adds an affine or a B-spline as a step before those of @p chain. CONUS_ERROR_DATA for numbers that do not fit the
+ * type, CONUS_ERROR_UNSUPPORTED for other types. */
+conus_status itk_chain_add(struct transform_chain *chain, const struct itk_entry *entry);
 
-/* ITK (ANTs, 3D Slicer, elastix): text, and MATLAB's level 4. */
+/** @name ITK (ANTs, 3D Slicer, elastix): text, and MATLAB's level 4. Makes @p chain, which was begun, whole: of the
+ * only entry, of those of a composite, where points go through the last one first, or of entry @p chosen - 1; 0 = none
+ * is chosen. Errors as itk_chain_add(), CONUS_ERROR_UNSUPPORTED for several entries of which none is chosen, and
+ * CONUS_ERROR_ARGUMENT. Finish the chain also after a failure.
+ * @{ */
 bool itk_text_is(struct text text);
-conus_status itk_text_parse(struct transform *out, struct text text, size_t chosen);
+conus_status itk_text_parse(struct transform_chain *chain, struct text text, size_t chosen);
 bool itk_matlab_is(const uint8_t *data, size_t size);
-conus_status itk_matlab_parse(struct transform *out, const uint8_t *data, size_t size);
+conus_status itk_matlab_parse(struct transform_chain *chain, const uint8_t *data, size_t size);
+/** @} */
 
 /** Whether the type of a transform, "AffineTransform_double_3_3", is @p type, "AffineTransform", in 3-D. */
 bool itk_is_type(struct text name, const char *type);

@@ -65,7 +65,6 @@ static conus_status copy_numbers(double **out, const struct hdf5_value *value)
 /* An affine or a B-spline. */
 static conus_status add_other(struct transform_chain *chain, const struct itk_group *group)
 {
-    struct transform made = {0};
     struct itk_entry entry = {.type = group->type,
                               .count = count_of(group->parameters),
                               .fixed_count = count_of(group->fixed),
@@ -73,11 +72,7 @@ static conus_status add_other(struct transform_chain *chain, const struct itk_gr
                               .has_fixed = true};
     conus_status status = copy_numbers(&entry.parameters, group->parameters);
     status = status ? status : copy_numbers(&entry.fixed, group->fixed);
-    status = status ? status : itk_transform_make(&made, &(struct itk_list){.items = &entry, .count = 1}, 0);
-    if (!status) {
-        status = made.warp_count ? chain_push(chain, &made.warps[0].field) : chain_add_matrix(chain, made.first);
-    }
-    transform_finish(&made);
+    status = status ? status : itk_chain_add(chain, &entry);
     memory_free(entry.parameters);
     memory_free(entry.fixed);
     return status;

@@ -282,10 +282,10 @@ void itk_list_finish(struct itk_list *list)
     *list = (struct itk_list){0};
 }
 
-/* Puts the entry before what points go through already. */
-static conus_status put_entry(struct transform *out, const struct itk_entry *entry)
+conus_status itk_chain_add(struct transform_chain *chain, const struct itk_entry *entry)
 {
     double m[16];
+    struct deformation field = {0};
     conus_status status = check_type(entry->type);
     if (!status && (!entry->has_parameters || !entry->has_fixed)) {
         status = fail(CONUS_ERROR_DATA, "%.*s: %s is missing", TEXT_SHOW(entry->type, 60),
@@ -296,18 +296,11 @@ static conus_status put_entry(struct transform *out, const struct itk_entry *ent
     }
     if (!is_spline(entry->type)) {
         status = itk_matrix(m, entry);
-        if (!status) {
-            mat4_multiply(out->first, out->first, m);
-        }
-        return status;
+        return status ? status : chain_add_matrix(chain, m);
     }
-    struct warp *warp = &out->warps[out->warp_count];
-    status = spline_make(&warp->field, entry);
-    if (!status) {
-        memcpy(warp->after, out->first, sizeof warp->after);
-        mat4_identity(out->first);
-        out->warp_count++;
-    }
+    status = spline_make(&field, entry);
+    status = status ? status : chain_push(chain, &field);
+    deformation_finish(&field);
     return status;
 }
 
@@ -344,27 +337,15 @@ static conus_status find_parts(size_t *first, size_t *end, const struct itk_list
     return CONUS_OK;
 }
 
-conus_status itk_transform_make(struct transform *out, const struct itk_list *list, size_t chosen)
+static conus_status itk_chain_make(struct transform_chain *chain, const struct itk_list *list, size_t chosen)
 {
-    struct transform made = {0};
-    size_t first;
-    size_t end;
+    size_t first = 0;
+    size_t end = 0;
     conus_status status = find_parts(&first, &end, list, chosen);
-    if (status) {
-        return status;
-    }
-    mat4_identity(made.first);
-    made.warps = memory_zeroed(end - first, sizeof *made.warps);
-    status = made.warps ? CONUS_OK : CONUS_ERROR_MEMORY;
     for (size_t i = first; !status && i < end; i++) {
-        status = put_entry(&made, &list->items[i]);
+        status = itk_chain_add(chain, &list->items[i]);
     }
-    if (status) {
-        transform_finish(&made);
-        return status;
-    }
-    *out = made;
-    return CONUS_OK;
+    return status ? status : chain_end(chain);
 }
 
 bool itk_text_is(struct text text)
@@ -426,7 +407,7 @@ static conus_status itk_take_line(struct itk_list *list, struct text line)
                 TEXT_SHOW(line, 40));
 }
 
-conus_status itk_text_parse(struct transform *out, struct text text, size_t chosen)
+conus_status itk_text_parse(struct transform_chain *chain, struct text text, size_t chosen)
 {
     struct text line;
     struct itk_list list = {0};
@@ -434,7 +415,7 @@ conus_status itk_text_parse(struct transform *out, struct text text, size_t chos
     while (!status && text_line(&text, &line)) {
         status = itk_take_line(&list, text_trim(line));
     }
-    status = status ? status : itk_transform_make(out, &list, chosen);
+    status = status ? status : itk_chain_make(chain, &list, chosen);
     itk_list_finish(&list);
     return status;
 }
@@ -499,7 +480,7 @@ bool itk_matlab_is(const uint8_t *data, size_t size)
     return length && length <= NAME_LIMIT && data[MATLAB_HEAD] >= 'A' && data[MATLAB_HEAD] <= 'Z';
 }
 
-conus_status itk_matlab_parse(struct transform *out, const uint8_t *data, size_t size)
+conus_status itk_matlab_parse(struct transform_chain *chain, const uint8_t *data, size_t size)
 {
     struct itk_entry entry = {.has_parameters = true, .has_fixed = true};
     struct text fixed;
@@ -516,7 +497,7 @@ conus_status itk_matlab_parse(struct transform *out, const uint8_t *data, size_t
     if (!status && size) {
         status = fail(CONUS_ERROR_UNSUPPORTED, "%zu bytes behind the first transform, one is read", size);
     }
-    status = status ? status : itk_transform_make(out, &(struct itk_list){.items = &entry, .count = 1}, 0);
+    status = status ? status : itk_chain_make(chain, &(struct itk_list){.items = &entry, .count = 1}, 0);
     memory_free(entry.parameters);
     memory_free(entry.fixed);
     return status;

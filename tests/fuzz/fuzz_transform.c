@@ -11,22 +11,22 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     const struct bytes file = {(uint8_t *)data, size};
     for (size_t chosen = 0; chosen < 2; chosen++) {
-        struct transform made = {0};
+        struct transform_chain made = {0};
         double p[3] = {1, 2, 3};
         if (transform_parse(&made, &file, "file.txt", &(conus_transform_options){.transform = chosen})) {
             continue;
         }
-        const double *m = made.first;
+        const double *m = made.matrix;
         double inverse[16];
         if (!mat4_invert_affine(inverse, m) || m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1) {
             abort();
         }
-        for (int i = 0; i < 3 && made.warp_count; i++) { /* a node, a place between nodes, and one outside */
+        for (int i = 0; i < 3 && made.count; i++) { /* a node, a place between nodes, and one outside */
             const double q[3] = {1 + 0.5 * i, 1.25, 1.75};
-            mat4_point(p, made.warps[0].field.world_from_voxel, q);
-            (void)warps_point(p, made.warps, made.warp_count, p);
+            mat4_point(p, made.fields[0].world_from_voxel, q);
+            (void)deformation_point(p, &made.fields[0], p);
         }
-        transform_finish(&made);
+        transform_chain_finish(&made);
     }
     return 0;
 }

@@ -11,15 +11,12 @@ static conus_status read_file(struct transform_chain *chain, const char *path)
 {
     struct file_sums read = {0};
     struct notes notes = {0};
-    struct transform way = {0};
     bool is_chain = false;
     conus_status status = chain_file_is(&is_chain, path);
     if (!status && is_chain) {
         status = chain_file_read(chain, path, 0, &read, &notes);
     } else if (!status) {
-        status = transform_file_read(&way, path, &(conus_transform_options){0}, &read);
-        status = status ? status : chain_of(chain, &way);
-        transform_finish(&way);
+        status = transform_file_read(chain, path, &(conus_transform_options){0}, &read);
     }
     for (size_t i = 0; i < notes.count; i++) {
         fprintf(stderr, "%s\n", notes.lines[i]);

@@ -22,13 +22,13 @@
 /* The matrix of an affine. */
 static conus_status parse_bytes(double out[16], const void *data, size_t size, const char *path)
 {
-    struct transform made;
+    struct transform_chain made;
     const struct bytes file = {(uint8_t *)data, size};
     conus_status status = transform_parse(&made, &file, path, &(conus_transform_options){0});
     if (!status) {
-        assert_int_equal(made.warp_count, 0);
-        memcpy(out, made.first, sizeof made.first);
-        transform_finish(&made);
+        assert_int_equal(made.count, 0);
+        memcpy(out, made.matrix, sizeof made.matrix);
+        transform_chain_finish(&made);
     }
     return status;
 }
@@ -260,7 +260,7 @@ static void bad_files_say_what_is_wrong(void **state)
                   "nxforms");
     check_refused("type = 0\nnxforms = 1\n1 4 4\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", "x.lta", data,
                   "src volume info: not valid");
-    struct transform made;
+    struct transform_chain made;
     const struct bytes matrix = {(uint8_t *)plain, sizeof plain - 1};
     conus_transform_options options = {.from = "a.nii"};
     assert_fails(transform_parse(&made, &matrix, "x.mat", &options), CONUS_ERROR_ARGUMENT);
@@ -320,17 +320,17 @@ static void lists_are_no_chains(void **state)
     check_refused(list, "x.tfm", CONUS_ERROR_UNSUPPORTED, "Transform: a list of 4, such as one for");
     assert_non_null(strstr(conus_message(), "',transform=K' chooses number K, from 0 to 3"));
     const struct bytes file = {(uint8_t *)list, sizeof list - 1};
-    struct transform made;
+    struct transform_chain made;
     for (size_t number = 0; number < 4; number++) {
         assert_ok(transform_parse(&made, &file, "x.tfm", &(conus_transform_options){.transform = number + 1}));
-        assert_near(made.first[12], number < 3 ? -1 : 0, 0);
-        assert_near(made.first[14], number < 3 ? 0 : 7, 0);
-        transform_finish(&made);
+        assert_near(made.matrix[12], number < 3 ? -1 : 0, 0);
+        assert_near(made.matrix[14], number < 3 ? 0 : 7, 0);
+        transform_chain_finish(&made);
     }
     static const char mixed[] = ITK SHIFT "Transform: UnknownTransform_double_3_3\nParameters: 1\nFixedParameters: 2\n";
     const struct bytes some = {(uint8_t *)mixed, sizeof mixed - 1};
     assert_ok(transform_parse(&made, &some, "x.tfm", &(conus_transform_options){.transform = 1}));
-    transform_finish(&made);
+    transform_chain_finish(&made);
     assert_fails(transform_parse(&made, &some, "x.tfm", &(conus_transform_options){.transform = 2}),
                  CONUS_ERROR_UNSUPPORTED);
     assert_non_null(strstr(conus_message(), "UnknownTransform_double_3_3; read are"));
@@ -374,17 +374,24 @@ static char *make_file(const char *entries)
     return text.data;
 }
 
+static void chain_point(double p[3], const struct transform_chain *chain)
+{
+    for (size_t i = chain->count; i-- > 0;) {
+        (void)deformation_point(p, &chain->fields[i], p);
+    }
+    mat4_point(p, chain->matrix, p); /* that of a chain with fields moves nothing */
+}
+
 /* The image of a point; false where the text is no transform. */
 static bool spline_point(double p[3], const char *entries)
 {
     char *text = make_file(entries);
-    struct transform made;
+    struct transform_chain made;
     const struct bytes file = {(uint8_t *)text, strlen(text)};
     bool is = !transform_parse(&made, &file, "x.tfm", &(conus_transform_options){0});
     if (is) {
-        mat4_point(p, made.first, p);
-        (void)warps_point(p, made.warps, made.warp_count, p);
-        transform_finish(&made);
+        chain_point(p, &made);
+        transform_chain_finish(&made);
     }
     memory_free(text);
     return is;
@@ -463,7 +470,7 @@ static void itk_moves_points_alike(void **state)
     snprintf(path, sizeof path, "%s", test_shared("files-2026/itk/ffd.tfm"));
     json_t *all = json_load_file(test_shared("files-2026/itk/expected.json"), 0, NULL);
     json_t *points = json_object_get(json_object_get(all, "ffd.tfm"), "points");
-    struct transform made;
+    struct transform_chain made;
     struct file_sums sums = {0};
     assert_true(json_array_size(points) > 20);
     assert_ok(transform_file_read(&made, path, &(conus_transform_options){0}, &sums));
@@ -472,12 +479,12 @@ static void itk_moves_points_alike(void **state)
         for (size_t k = 0; k < 6; k++) {
             n[k] = json_number_value(json_array_get(json_array_get(points, i), k));
         }
-        assert_true(warps_point(n, made.warps, made.warp_count, n));
+        chain_point(n, &made);
         for (size_t a = 0; a < 3; a++) {
             assert_near(n[a], n[3 + a], 1e-9);
         }
     }
-    transform_finish(&made);
+    transform_chain_finish(&made);
     file_sums_finish(&sums);
     json_decref(all);
 }
@@ -512,16 +519,16 @@ static void a_register_dat_is_between_two_images(void **state)
                                         REGISTER("3.5\n5\n", "tkregister\n")};
     conus_transform_options options = {.from = write_image("from.nii", dim[0], NULL)};
     options.to = write_image("to.nii", dim[1], srow);
-    struct transform made;
+    struct transform_chain made;
     for (size_t i = 0; i < 3; i++) {
         const struct bytes file = {(uint8_t *)texts[i], strlen(texts[i])};
         double p[3] = {-4, -8, -6};
         assert_ok(transform_parse(&made, &file, "register.dat", &options));
-        mat4_point(p, made.first, p);
+        mat4_point(p, made.matrix, p);
         assert_near(p[0], 114, 1e-9);
         assert_near(p[1], 194, 1e-9);
         assert_near(p[2], 314, 1e-9);
-        transform_finish(&made);
+        transform_chain_finish(&made);
     }
     static const struct {
         const char *text, *words;
