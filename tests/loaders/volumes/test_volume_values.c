@@ -241,8 +241,9 @@ static void values_are_scaled(void **state)
     volume_file_finish(&file);
 }
 
-/* A file of random voxels, most of them 0. */
-static void open_sparse(struct volume_file *file, int datatype, bool big, double slope, uint64_t *random)
+/* A file of random voxels, most of them with the bits of the background. */
+static void open_sparse(struct volume_file *file, int datatype, bool big, double slope, uint64_t background,
+                        uint64_t *random)
 {
     const int64_t dim[3] = {21, 17, 13};
     struct nifti_builder b;
@@ -251,7 +252,7 @@ static void open_sparse(struct volume_file *file, int datatype, bool big, double
     nifti_set(&b, "scl_inter", 0, slope == 1 ? 0 : 0.25);
     for (int64_t v = 0; v < dim[0] * dim[1] * dim[2]; v++) {
         bool full = v / 300 % 4 == 1 && test_random(random, 0, 1) < 0.5;
-        nifti_voxel_bits(&b, full ? (uint64_t)test_random(random, 0, 0x1p63) << 1 : 0);
+        nifti_voxel_bits(&b, full ? (uint64_t)test_random(random, 0, 0x1p63) << 1 : background);
     }
     open_ok(file, write_bytes("sparse.nii", &b.bytes));
     buffer_finish(&b.bytes);
@@ -295,11 +296,24 @@ static void a_sparse_map_has_the_values_of_every_type(void **state)
         for (int k = 0; k < 8; k++) {
             static const double slopes[] = {1, 0.01, -2, 1e36};
             struct volume_file file;
-            open_sparse(&file, all_types[t], k / 4, slopes[k % 4], &random);
+            open_sparse(&file, all_types[t], k / 4, slopes[k % 4], 0, &random);
             check_same_values(&file, volume_file_values, volume_file_map);
             check_same_values(&file, volume_file_values_or_nan, volume_file_map_or_nan);
             volume_file_finish(&file);
         }
+    }
+}
+
+static void a_background_that_is_no_number_is_counted(void **state)
+{
+    (void)state;
+    static const uint64_t nan_bits[] = {0x7fc00000, 0x7ff8000000000000};
+    uint64_t random = 47;
+    for (int k = 0; k < 4; k++) {
+        struct volume_file file;
+        open_sparse(&file, k / 2 ? VOLUME_FLOAT64 : VOLUME_FLOAT32, k % 2, 1, nan_bits[k / 2], &random);
+        check_same_values(&file, volume_file_values, volume_file_map);
+        volume_file_finish(&file);
     }
 }
 
@@ -318,7 +332,7 @@ static void making_a_map_survives_every_failing_allocation(void **state)
     (void)state;
     uint64_t random = 45;
     struct volume_file file;
-    open_sparse(&file, VOLUME_UINT16, false, 1e36, &random);
+    open_sparse(&file, VOLUME_UINT16, false, 1e36, 0, &random);
     test_every_allocation(make_map, &file);
     volume_file_finish(&file);
 }
@@ -327,6 +341,7 @@ TEST_GROUP(volume_values)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sparse_map_has_the_values_of_every_type),
+        cmocka_unit_test(a_background_that_is_no_number_is_counted),
         cmocka_unit_test(making_a_map_survives_every_failing_allocation),
         cmocka_unit_test(the_largest_label_of_every_type),
         cmocka_unit_test(values_that_are_no_labels_are_named),

@@ -254,6 +254,20 @@ static void damaged_arrays_are_refused(void **state)
     block_drop(block);
 }
 
+/* It was so when it was packed, so the checksum fits. */
+static void a_group_that_is_not_there_is_refused(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = make_atlas();
+    struct object_place *few = &atlas->places[1];
+    assert_string_equal(atlas->objects[1].name, "few");
+    few->group = atlas->tractograms[few->index].group_count;
+    struct block block = block_pack(atlas);
+    assert_refused(&block);
+    conus_atlas_destroy(atlas);
+    block_drop(block);
+}
+
 static void fit_checksum(struct block *block)
 {
     enum { CRC_AT = 24, LAYOUT_AT = 32, SMALL_END_AT = 40 };
@@ -317,6 +331,7 @@ TEST_GROUP(pack_tracts)
         cmocka_unit_test(a_file_has_the_same_bytes),
         cmocka_unit_test(moving_it_changes_copies),
         cmocka_unit_test(damaged_arrays_are_refused),
+        cmocka_unit_test(a_group_that_is_not_there_is_refused),
         cmocka_unit_test(damage_with_a_fitting_checksum_does_no_harm),
         cmocka_unit_test(attaching_survives_every_failing_allocation),
     };
