@@ -1,4 +1,5 @@
-# To be sourced by scripts that try conus in a Debian of its own. They set `results`, a folder for logs, and `fail`.
+# To be sourced by scripts that try conus in a Debian of its own. They set `results`, a folder for logs, and `fail`,
+# and most of them `user`, the Debian that gets conus.
 # shellcheck shell=bash disable=SC2154
 
 # step NAME COMMAND...: what the command says goes to NAME.log; its last line says what came of it.
@@ -20,4 +21,34 @@ in_root() {
     unshare --mount --pid --fork --kill-child --mount-proc="$root/proc" chroot "$root" \
         env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/tmp LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
         ${http_proxy+"http_proxy=$http_proxy"} "$@"
+}
+
+# inside FUNCTION: runs it in the Debian that gets conus.
+inside() {
+    in_root "$user" bash -euxo pipefail -c "$(declare -f "$1") && cd /tmp && PATH=/usr/local/bin:\$PATH $1"
+}
+
+# refuse_picture: where there is no OpenGL, in one line that names what is missing.
+refuse_picture() {
+    local status=0
+    conus phantom sphere --size 16 -o .
+    conus render sphere.nii.gz --origin=0,0,90 --toward=0,0,0 -o sphere.png 2>said || status=$?
+    cat said
+    [ $status = 4 ] && [ "$(wc -l <said)" = 1 ] && grep 'Debian: libegl1, libopengl0, libgl1-mesa-dri' said
+}
+
+# find_triangles: where there is no Embree, which one line says.
+find_triangles() {
+    conus phantom brain -o brain
+    conus query brain/brain.atlas.json --origin=0,0,120 --toward=0,0,0 2>said >got
+    cat said got
+    grep 'Debian: libembree3-3' said
+    grep -q ' share ' got
+}
+
+draw_picture() {
+    conus render sphere.nii.gz --origin=0,0,90 --toward=0,0,0 -o sphere.png 2>said
+    cat said
+    [ ! -s said ]
+    [ "$(head -c 4 sphere.png | tail -c 3)" = PNG ]
 }

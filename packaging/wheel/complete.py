@@ -29,17 +29,21 @@ def run(*command):
 
 
 def loaded(file):
-    """(name, path) of the libraries that the file loads by their names, which stand in it beside those that it is linked with."""
+    """{name: path} of the libraries that the file loads by their names, which stand in it beside those that it is linked with."""
     linked = set(re.findall(r"\(NEEDED\).*\[(.*)\]", run("readelf", "--dynamic", "--wide", file)))
     names = {name.decode() for name in re.findall(rb"\0(lib[\w.+-]+\.so\.\d+)(?=\0)", file.read_bytes())}
-    return [(name, pathlib.Path(run("gcc", f"-print-file-name={name}").strip()).resolve())
-            for name in sorted(names - linked) if not name.startswith(LEFT_OUT)]
+    found = {name: pathlib.Path(run("gcc", f"-print-file-name={name}").strip())
+             for name in sorted(names - linked) if not name.startswith(LEFT_OUT)}
+    for name, path in found.items():
+        if not path.is_absolute():
+            raise SystemExit(f"complete.py: {file}: {name} is not here")
+    return found
 
 
-def needed(file, more=()):
+def needed(file, more):
     """Where the libraries are that a file, and more of them, need: {name: path}, these included."""
     found = dict(more)
-    for line in run("ldd", file, *dict(more).values()).splitlines():
+    for line in run("ldd", file, *more.values()).splitlines():
         if line.endswith(":"):
             continue
         name, _, path = line.strip().partition(" => ")
@@ -95,7 +99,7 @@ def main(wheel, results):
         own = {package / "_conus.abi3.so": "", package / "libconus.so.0": "", package / "bin" / "conus": "/.."}
         by_name = loaded(package / "libconus.so.0")
         paths = needed(package / "libconus.so.0", by_name)
-        names = {name: name if (name, path) in by_name else name_inside(name, path) for name, path in paths.items()}
+        names = {name: name if name in by_name else name_inside(name, path) for name, path in paths.items()}
         (information,) = top.glob("*.dist-info")
         licences = information / "licenses"
         inside.mkdir()
