@@ -1083,7 +1083,7 @@ class Selector:
             handle, select = ffi.new_handle(state), lib.conus_select_many
             self._call(select, astray, self._p, array.struct, options, lib.conus_py_receive, handle, state=state)
         collector.finish()
-        errors = {i: self._reason(array, i, options.angle) for i in np.flatnonzero(collector.status).tolist()}
+        errors = {i: self._reason(array, i, options.angle) for i in map(int, np.flatnonzero(collector.status))}
         self._warn(astray, many=True)
         answers: Answers = self._place(
             Answers(self.atlas, collector.results, collector.starts, errors, self._layers, array.names))
