@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The examples in Python, as plain scripts in an empty folder."""
+"""The examples in Python, as plain scripts in an empty folder, and as notebooks."""
+import base64
+import functools
+import json
 import os
 import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 
 import matplotlib.image
 import nibabel
@@ -13,21 +17,25 @@ import pytest
 
 from support import AAL, needs_aal
 
-FOLDER = pathlib.Path(__file__).resolve().parents[2] / "examples"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+FOLDER = ROOT / "examples"
 pytestmark = needs_aal
 
 
-def run_example(name, folder):
+@functools.cache
+def run_example(name):
     """What the script prints, without a warning. It leaves one figure, with more than a few colours."""
     environment = {**os.environ, "MPLBACKEND": "agg"}
-    done = subprocess.run(
-        [sys.executable, "-W", "error::UserWarning", FOLDER / f"{name}.py"],
-        cwd=folder, env=environment, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert os.listdir(folder) == [f"{name}.png"]
-    figure = matplotlib.image.imread(folder / f"{name}.png")
-    assert figure.shape[0] >= 400 and len(np.unique(figure.reshape(-1, 4), axis=0)) > 50
+    with tempfile.TemporaryDirectory() as name_of_folder:
+        folder = pathlib.Path(name_of_folder)
+        done = subprocess.run(
+            [sys.executable, "-W", "error::UserWarning", FOLDER / f"{name}.py"],
+            cwd=folder, env=environment, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        assert os.listdir(folder) == [f"{name}.png"]
+        figure = matplotlib.image.imread(folder / f"{name}.png")
+        assert figure.shape[0] >= 400 and len(np.unique(figure.reshape(-1, 4), axis=0)) > 50
     return done.stdout
 
 
@@ -38,16 +46,16 @@ def test_every_script_is_tested_and_its_cells_are_marked():
         assert len(re.findall("^# %%$", path.read_text(), re.M)) >= 4
 
 
-def test_tms_session_prints_the_numbers_of_the_recipe(tmp_path):
+def test_tms_session_prints_the_numbers_of_the_recipe():
     """docs/recipes.md has them of the program: shares 0.551742113 and 0.448257887, p_hit 0.6152 and 0.3848."""
-    printed = run_example("tms_session", tmp_path)
+    printed = run_example("tms_session")
     assert "planned: Postcentral_L 55.2 %" in printed and "planned: Precentral_L 44.8 %" in printed
     assert "expected: Postcentral_L 61.5 %" in printed and "expected: Precentral_L 38.5 %" in printed
 
 
-def test_probe_prints_where_its_areas_are(tmp_path):
+def test_probe_prints_where_its_areas_are():
     """docs/recipes.md has, by the program, entries 10.8036, 18.8435 and 22.3610 mm from the same origin."""
-    printed = run_example("neuropixels_probe", tmp_path)
+    printed = run_example("neuropixels_probe")
     lines = re.findall(r"^ *([\d.]+) to +([\d.]+) mm  (\w+)$", printed, re.M)
     spans = [(float(start), float(end), name) for start, end, name in lines]
     assert spans[0][0] == 0 and spans[-1][1] == 15 and all(a[1] == b[0] for a, b in zip(spans, spans[1:]))
@@ -56,9 +64,9 @@ def test_probe_prints_where_its_areas_are(tmp_path):
     assert starts["l_frontal_white_matter"] == pytest.approx(22.3610 - 10.8036, abs=0.006)
 
 
-def test_overlap_prints_what_the_voxels_say(tmp_path):
+def test_overlap_prints_what_the_voxels_say():
     """Counted here: voxels whose centre is within 15 degrees of the axis, and at most 45 mm along it."""
-    printed = run_example("atlas_overlap", tmp_path)
+    printed = run_example("atlas_overlap")
     image = nibabel.load(AAL)
     aal, fields = (np.asanyarray(nibabel.load(AAL.replace("aal", name)).dataobj) for name in ("aal", "brodmann"))
     centres = nibabel.affines.apply_affine(image.affine, np.argwhere(aal)) - [-52, -28, 84]
@@ -70,3 +78,22 @@ def test_overlap_prints_what_the_voxels_say(tmp_path):
     for gyrus, label, field in (("Precentral_L", 1, 4), ("Postcentral_L", 57, 3)):
         of_gyrus = numbers[(labels == label) & (numbers > 0)]
         assert f"{gyrus}: BA {field} is {100 * (of_gyrus == field).mean():.0f} % of what both atlases name" in printed
+
+
+def test_notebooks_print_what_the_scripts_print(tmp_path):
+    """Executed by IPython, cell by cell; each leaves one figure, too, and has all of the script's text and code."""
+    for module in ("nbformat", "nbclient", "ipykernel"):
+        pytest.importorskip(module)
+    subprocess.run([ROOT / "scripts" / "notebooks", tmp_path / "made"], check=True)
+    names = sorted(path.stem for path in FOLDER.glob("*.py"))
+    assert sorted(os.listdir(tmp_path / "made")) == [f"{name}.ipynb" for name in names]
+    for name in names:
+        notebook = json.loads((tmp_path / "made" / f"{name}.ipynb").read_text())
+        outputs = [output for cell in notebook["cells"] for output in cell.get("outputs", [])]
+        printed = "".join("".join(output["text"]) for output in outputs if output.get("name") == "stdout")
+        assert printed == run_example(name)
+        (figure,) = [output["data"]["image/png"] for output in outputs if output["output_type"] == "display_data"]
+        assert base64.b64decode("".join(figure)).startswith(b"\x89PNG")
+        words = [word for cell in notebook["cells"] for word in "".join(cell["source"]).split()]
+        text = re.sub(r"(?m)^# %%.*\n", "", (FOLDER / f"{name}.py").read_text().split("\n", 1)[1])
+        assert [word for word in words if word != "#"] == [word for word in text.split() if word != "#"]
