@@ -28,6 +28,12 @@ inside() {
     in_root "$user" bash -euxo pipefail -c "$(declare -f "$1") && cd /tmp && PATH=/usr/local/bin:\$PATH $1"
 }
 
+# first_answer: README.md's question.
+first_answer() {
+    conus query /usr/share/mricron/templates/aal.nii.gz --origin=-90,20,20 --toward=0,-10,10 --angle 20 --no-cache | tee rows
+    [ "$(awk '$2 ~ /_[LR]$/ { print $2, $6 }' rows)" = $'Frontal_Inf_Oper_L 188\nPrecentral_L 16\nPostcentral_L 4' ]
+}
+
 # refuse_picture: where there is no OpenGL, in one line that names what is missing.
 refuse_picture() {
     local status=0
