@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_load() and conus_atlas_add_streamlines(): from the cache, else from the files. */
 #include "loaders/scene/load.h"
+#include "base/memory.h"
 #include "base/options.h"
 #include "cache/atlas_cache.h"
 #include "loaders/scene/load_streamlines.h"
@@ -46,6 +47,31 @@ conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_l
     return find_or_load(out, path, "atlas", options_of(conus_load_options, options), atlas_load_files);
 }
 
+/* The streamlines of a file, in an atlas of their own. */
+static conus_status load_streamlines(conus_atlas **out, const char *path, const conus_streamlines_options *options)
+{
+    const conus_load_options load = {
+        .max_memory = options->max_memory, .log = options->log, .log_user = options->log_user, .cache = options->cache};
+    return find_or_load(out, path, "streamlines", &load, streamlines_load);
+}
+
+conus_status conus_tractogram_load(conus_tractogram **out, const char *path, const conus_streamlines_options *options)
+{
+    if (!out || !path) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_tractogram_load: a result and a path are needed");
+    }
+    conus_streamlines_options own = *options_of(conus_streamlines_options, options);
+    own.log = NULL; /* conus_atlas_add_tractogram() has one */
+    conus_tractogram *tractogram = memory_zeroed(1, sizeof *tractogram);
+    conus_status status = tractogram ? load_streamlines(&tractogram->alone, path, &own) : CONUS_ERROR_MEMORY;
+    if (status) {
+        memory_free(tractogram);
+        return status;
+    }
+    *out = tractogram;
+    return CONUS_OK;
+}
+
 conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path, const conus_streamlines_options *options)
 {
     conus_atlas *alone = NULL;
@@ -54,9 +80,29 @@ conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path, c
         return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_streamlines: an atlas and a path are needed");
     }
     options = options_of(conus_streamlines_options, options);
-    const conus_load_options load = {
-        .max_memory = options->max_memory, .log = options->log, .log_user = options->log_user, .cache = options->cache};
     conus_status status = streamlines_radius(&radius, options->radius, path);
-    status = status ? status : find_or_load(&alone, path, "streamlines", &load, streamlines_load);
+    status = status ? status : load_streamlines(&alone, path, options);
     return status ? status : streamlines_take(atlas, alone, radius, options);
+}
+
+conus_status conus_atlas_add_tractogram(conus_atlas *atlas, const conus_tractogram *tractogram,
+                                        const conus_streamlines_options *options)
+{
+    conus_atlas *copy = NULL;
+    double radius = 0;
+    if (!atlas || !tractogram) {
+        return fail(CONUS_ERROR_ARGUMENT, "conus_atlas_add_tractogram: an atlas and a tractogram are needed");
+    }
+    options = options_of(conus_streamlines_options, options);
+    conus_status status = streamlines_radius(&radius, options->radius, tractogram->alone->tractograms[0].path);
+    status = status ? status : streamlines_borrow(&copy, tractogram->alone);
+    return status ? status : streamlines_take(atlas, copy, radius, options);
+}
+
+void conus_tractogram_destroy(conus_tractogram *tractogram)
+{
+    if (tractogram) {
+        conus_atlas_destroy(tractogram->alone);
+        memory_free(tractogram);
+    }
 }

@@ -79,6 +79,7 @@ static int run_connect(const void *given, const struct arguments *arguments)
     }
     int code = request_init(&connect.request, &settings->request, arguments);
     code = code ? code : matrix_file_init(&connect.matrix, settings->ends.connectivity);
+    connect.request.atlases.shares_streamlines = true;
     code = code ? code : answer_connect(&connect);
     matrix_file_finish(&connect.matrix);
     request_finish(&connect.request);
@@ -92,9 +93,11 @@ const struct command cmd_connect = {
     .description =
         "Finds the areas at both ends of every streamline of --streamlines and reports for each bundle and pair of\n"
         "areas how many streamlines connect them and how long these are. An end in no area has the nearest one\n"
-        "within --endpoint-radius. conus query --endpoints does so for the streamlines in a cone or ball.",
+        "within --endpoint-radius. The streamlines are those of every --atlas, too. conus query --endpoints does so\n"
+        "for the streamlines in a cone or ball.",
     .examples = "  conus connect aal --streamlines arcuate.trk\n"
-                "  conus connect aal --streamlines whole.tck -o rows.tsv --connectivity matrix.tsv\n",
+                "  conus connect aal --streamlines whole.tck -o rows.tsv --connectivity matrix.tsv\n"
+                "  conus connect aal --atlas brodmann --streamlines whole.tck -o rows.tsv\n",
     .answers = true,
     .groups = groups,
     .settings_size = sizeof(struct connect_settings),

@@ -595,7 +595,8 @@ static int match_poses(const struct picture *picture, conus_pose_list *poses, co
 {
     struct named_atlas atlas = {.atlas = picture->atlas};
     const struct render_settings *settings = picture->settings;
-    return settings_match_poses(poses, path, &(struct atlases){&atlas, 1}, &settings->file, &settings->common);
+    return settings_match_poses(poses, path, &(struct atlases){.items = &atlas, .count = 1}, &settings->file,
+                                &settings->common);
 }
 
 /* The file's one pose. */
@@ -821,7 +822,7 @@ static int run_render(const void *given, const struct arguments *arguments)
     int code = late ? load_atlas(&picture) : EXIT_DONE;
     struct named_atlas named = {.atlas = picture.atlas};
     code = code ? code
-                : settings_frame(&picture.frame, &(struct atlases){&named, 1}, &settings->aim.space,
+                : settings_frame(&picture.frame, &(struct atlases){.items = &named, .count = 1}, &settings->aim.space,
                                  settings->common.quiet);
     code = code ? code : find_camera(&picture);
     code = code ? code : find_rows(&picture);

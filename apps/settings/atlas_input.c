@@ -343,10 +343,14 @@ static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *
                                                    .name = options[i].name,
                                                    .max_memory = settings->max_memory,
                                                    .cache = !settings->no_cache};
-            if (!begin_file(progress, options[i].path)) {
+            conus_tractogram **shared = settings->shared ? &settings->shared[i] : NULL;
+            if (!(shared && *shared) && !begin_file(progress, options[i].path)) {
                 return EXIT_DATA;
             }
-            conus_status status = conus_atlas_add_streamlines(atlas, options[i].path, &own);
+            conus_status status = !shared   ? conus_atlas_add_streamlines(atlas, options[i].path, &own)
+                                  : *shared ? CONUS_OK
+                                            : conus_tractogram_load(shared, options[i].path, &own);
+            status = status || !shared ? status : conus_atlas_add_tractogram(atlas, *shared, &own);
             code = status ? print_status(status) : EXIT_DONE;
         }
     }

@@ -124,10 +124,12 @@ int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_se
 {
     struct named_atlas *item = &atlases->items[index];
     struct atlas_settings own = *settings;
+    own.shared = atlases->shared;
     if (index) {
         own.labels = NULL;
         own.probability = 0;
-        own.pathways = own.streamlines = own.only = own.hide = (struct option_list){0};
+        own.pathways = own.only = own.hide = (struct option_list){0};
+        own.streamlines = atlases->shared ? own.streamlines : (struct option_list){0};
     }
     return settings_load_atlas(&item->atlas, item->given, &own);
 }
@@ -135,6 +137,11 @@ int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_se
 int atlases_load(struct atlases *out, const char *path, const struct atlas_settings *settings)
 {
     int code = atlases_name(out, path, settings);
+    if (!code && out->shares_streamlines) {
+        out->shared_count = settings->streamlines.count;
+        out->shared = calloc(out->shared_count + 1, sizeof(conus_tractogram *));
+        code = out->shared ? EXIT_DONE : print_no_memory();
+    }
     for (size_t i = 0; i < out->count && !code; i++) {
         code = atlases_load_at(out, i, settings);
     }
@@ -147,6 +154,10 @@ void atlases_finish(struct atlases *atlases)
         conus_atlas_destroy(atlases->items[i].atlas);
         free(atlases->items[i].name);
     }
+    for (size_t i = 0; atlases->shared && i < atlases->shared_count; i++) {
+        conus_tractogram_destroy(atlases->shared[i]);
+    }
+    free((void *)atlases->shared);
     free(atlases->items);
     *atlases = (struct atlases){0};
 }

@@ -17,6 +17,9 @@ struct named_atlas {
 struct atlases {
     struct named_atlas *items; /**< [count] ATLAS, then those of --atlas. */
     size_t count;
+    bool shares_streamlines;   /**< Those of --streamlines are of every atlas, and in memory once. */
+    conus_tractogram **shared; /**< [shared_count] These. */
+    size_t shared_count;
 };
 
 enum { ATLAS_PREFIX_SIZE = 256 };
@@ -25,11 +28,12 @@ enum { ATLAS_PREFIX_SIZE = 256 };
 const char *atlases_prefix(char out[ATLAS_PREFIX_SIZE], const struct named_atlas *atlas);
 
 /** Loads @p path and those of --atlas. Returns the exit code and prints an error unless it is 0. @p out, which the
- * caller zeroes, is the caller's to atlases_finish() in any case. */
+ * caller zeroes but for shares_streamlines, is the caller's to atlases_finish() in any case. */
 int atlases_load(struct atlases *out, const char *path, const struct atlas_settings *settings);
 /** Only finds out what they are called; then each is to be loaded, or put there. Gives the exit code likewise. */
 int atlases_name(struct atlases *out, const char *path, const struct atlas_settings *settings);
-/** Loads one of them. --labels, --pathway, --streamlines, --only and --hide are only of the first. Gives the exit code
+/** Loads one of them. --labels, --pathway, --only and --hide are only of the first, and --streamlines, unless
+ * they are shared. Gives the exit code
  * likewise. */
 int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_settings *settings);
 void atlases_finish(struct atlases *atlases);

@@ -165,7 +165,8 @@ const struct option more_atlas_options[] = {
      .offset = FIELD(atlas_settings, more),
      .value = "ATLAS",
      .help = "another atlas in the same space, a file or a name, that gets the same question; --labels, --pathway, "
-             "--streamlines, --only, --hide and --level are of the first atlas only; may be repeated",
+             "--streamlines (but for conus connect), --only, --hide and --level are of the first atlas only; may be "
+             "repeated",
      .role = OPTION_READS_ATLAS},
     {0},
 };

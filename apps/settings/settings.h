@@ -6,6 +6,7 @@
 #include "options/options.h"
 
 #include "conus/report.h"
+#include "conus/streamlines.h"
 
 struct atlases;
 
@@ -23,7 +24,8 @@ struct atlas_settings {
     bool labels_anyway;
     double probability; /* 0 = not given */
     struct option_list pathways, streamlines;
-    size_t hemispheres; /* conus_hemispheres */
+    conus_tractogram **shared; /* [streamlines.count]: those that several atlases get, NULL until one has; else NULL */
+    size_t hemispheres;        /* conus_hemispheres */
     struct option_list only, hide;
     struct option_list transforms;
     uint64_t max_memory;

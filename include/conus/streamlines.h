@@ -48,6 +48,40 @@ typedef struct conus_streamlines_options {
 CONUS_CHECKED conus_status conus_atlas_add_streamlines(conus_atlas *atlas, const char *path,
                                                        const conus_streamlines_options *options);
 
+typedef struct conus_tractogram conus_tractogram; /**< Streamlines of a file, for several atlases. */
+
+/**
+ * Loads a tractogram that conus_atlas_add_tractogram() adds to one atlas after the other, in memory once.
+ * @param[out] out The tractogram; end it with conus_tractogram_destroy().
+ * @param path The tractogram.
+ * @param options Those that say how the file is read: max_memory and cache; NULL = defaults.
+ * @return As conus_atlas_add_streamlines().
+ * @threads Any.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_tractogram_load(conus_tractogram **out, const char *path,
+                                                 const conus_streamlines_options *options);
+
+/**
+ * Adds the streamlines of a loaded tractogram, as conus_atlas_add_streamlines() does those of its file.
+ * @param atlas The atlas; unchanged on failure.
+ * @param tractogram The tractogram. It must outlive the atlas.
+ * @param options Name, radius and log; NULL = defaults.
+ * @return As conus_atlas_add_streamlines().
+ * @threads One at a time for each @p atlas, while no other thread uses it.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_add_tractogram(conus_atlas *atlas, const conus_tractogram *tractogram,
+                                                      const conus_streamlines_options *options);
+
+/**
+ * Ends a tractogram, after the atlases that it was added to.
+ * @param tractogram NULL is allowed.
+ * @threads One at a time for each @p tractogram.
+ * @since 0.1
+ */
+CONUS_API void conus_tractogram_destroy(conus_tractogram *tractogram);
+
 /** Numbers that streamlines have, by name: FA, say. */
 typedef struct conus_tract_scalar {
     size_t struct_size;  /**< Its size, as #CONUS_TRACT_SCALAR_INIT sets it; 0 = that of this version. */

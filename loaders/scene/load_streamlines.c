@@ -106,6 +106,59 @@ conus_status streamlines_load(conus_atlas **out, const char *path, const conus_l
     return CONUS_OK;
 }
 
+/* The names are copied, since an atlas may change them; the numbers are borrowed. */
+static conus_status borrow_tractogram(struct tractogram *out, const struct tractogram *from)
+{
+    *out = *from;
+    out->has_borrowed_points = out->is_borrowed = true;
+    out->mapped = NULL;
+    out->files = (struct file_sums){0};
+    out->path = memory_text(from->path, strlen(from->path));
+    out->scalars = memory_copy(from->scalars, from->scalar_count, sizeof *out->scalars);
+    out->groups = memory_copy(from->groups, from->group_count, sizeof *out->groups);
+    bool failed = !out->path || !out->scalars || !out->groups;
+    for (size_t i = 0; i < from->scalar_count && out->scalars; i++) {
+        const char *name = from->scalars[i].name;
+        out->scalars[i].name = memory_text(name, strlen(name));
+        failed = failed || !out->scalars[i].name;
+    }
+    for (size_t i = 0; i < from->group_count && out->groups; i++) {
+        const char *name = from->groups[i].name;
+        out->groups[i].name = memory_text(name, strlen(name));
+        failed = failed || !out->groups[i].name;
+    }
+    out->scalar_count = out->scalars ? from->scalar_count : 0;
+    out->group_count = out->groups ? from->group_count : 0;
+    return failed ? CONUS_ERROR_MEMORY : CONUS_OK;
+}
+
+conus_status streamlines_borrow(conus_atlas **out, const conus_atlas *alone)
+{
+    conus_atlas *atlas = memory_zeroed(1, sizeof *atlas);
+    struct tractogram *tractogram = memory_zeroed(1, sizeof *tractogram);
+    if (!atlas || !tractogram) {
+        memory_free(atlas);
+        memory_free(tractogram);
+        return CONUS_ERROR_MEMORY;
+    }
+    atlas->tractograms = tractogram;
+    atlas->tractogram_count = 1;
+    conus_status status = borrow_tractogram(tractogram, &alone->tractograms[0]);
+    for (size_t i = 0; i < alone->notes.count && !status; i++) {
+        status = notes_put(&atlas->notes, alone->notes.marks ? alone->notes.marks[i].severity : CONUS_SEVERITY_NOTE,
+                           "%s", alone->notes.lines[i]);
+    }
+    for (size_t i = 0; i < alone->files.count && !status; i++) {
+        status = file_sums_put(&atlas->files, alone->files.items[i].path, alone->files.items[i].sha256);
+    }
+    if (status) {
+        conus_atlas_destroy(atlas);
+        return status;
+    }
+    *out = atlas;
+    return CONUS_OK;
+}
+
 conus_status streamlines_take(conus_atlas *atlas, conus_atlas *alone, double radius,
                               const conus_streamlines_options *options)
 {
@@ -124,6 +177,7 @@ conus_status streamlines_take(conus_atlas *atlas, conus_atlas *alone, double rad
     conus_atlas_destroy(alone);
     return status;
 }
+
 bool conus_path_is_tractogram(const char *path)
 {
     return path && tract_file_is(path);

@@ -27,6 +27,14 @@ conus_status streamlines_load(conus_atlas **out, const char *path, const conus_l
 conus_status streamlines_take(conus_atlas *atlas, conus_atlas *alone, double radius,
                               const conus_streamlines_options *options);
 
+/** What conus_tractogram_load() loads. */
+struct conus_tractogram {
+    conus_atlas *alone; /**< As streamlines_load() makes it. */
+};
+
+/** Makes an atlas like @p alone, whose arrays it borrows, for streamlines_take(). CONUS_ERROR_MEMORY. */
+conus_status streamlines_borrow(conus_atlas **out, const conus_atlas *alone);
+
 /** Adds a tractogram of the manifest @p path. */
 conus_status streamlines_add_entry(conus_atlas *atlas, const struct manifest_streamlines *entry, const char *path,
                                    struct load_progress *progress);

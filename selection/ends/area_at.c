@@ -5,14 +5,17 @@
 #include "atlas/surface/mesh_near.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "selection/engine/voxels/distance_map.h"
 
 #include <stdlib.h>
 
 /* A volume's cells, where there are areas. */
 struct area_cells {
     struct near_cells cells;
-    double step; /* the least distance between neighbouring planes of cells, mm */
+    double step[3]; /* between neighbouring planes of cells, mm */
+    double least;   /* of these */
     int64_t first[3], last[3];
+    struct distance_map map; /* no codes: look at every voxel */
 };
 
 /* The nearest area so far. */
@@ -28,13 +31,13 @@ static void take(struct nearest *nearest, uint32_t area, double distance)
     }
 }
 
-conus_status area_search_init(struct area_search *out, const conus_atlas *atlas, double radius)
+conus_status area_search_init(struct area_search *out, const conus_atlas *atlas, double radius, size_t points)
 {
+    enum { FEW = 1 << 16 }; /* a map takes about as long as this many points */
     struct area_cells *cells = memory_zeroed(atlas->volume_count, sizeof *cells);
-    if (!cells) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t i = 0; i < atlas->volume_count; i++) {
+    struct area_search search = {.atlas = atlas, .radius = radius, .cells = cells};
+    conus_status status = cells ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < atlas->volume_count && !status; i++) {
         const struct volume *volume = &atlas->volumes[i];
         if (!atlas_volume_has_areas(volume)) {
             continue;
@@ -43,22 +46,33 @@ conus_status area_search_init(struct area_search *out, const conus_atlas *atlas,
         bool has_box = volume_is_scalar(volume);
         bool is_empty = has_box && volume->box.first[0] > volume->box.last[0];
         near_cells_init(&cells[i].cells, volume);
-        cells[i].step = INFINITY;
+        cells[i].least = INFINITY;
         for (int a = 0; a < 3; a++) {
             const double row[3] = {m[a], m[4 + a], m[8 + a]};
-            cells[i].step = fmin(cells[i].step, 1 / vec3_length(row));
+            cells[i].step[a] = 1 / vec3_length(row);
+            cells[i].least = fmin(cells[i].least, cells[i].step[a]);
             cells[i].first[a] = has_box && !is_empty ? (int64_t)volume->box.first[a] : 0;
             cells[i].last[a] = is_empty  ? -1
                                : has_box ? (int64_t)volume->box.last[a]
                                          : (int64_t)volume->info.dim[a] - 1;
         }
+        if (radius > 0 && (points >= FEW || volume->distances)) {
+            status = distance_map_init(&cells[i].map, volume);
+        }
     }
-    *out = (struct area_search){.atlas = atlas, .radius = radius, .cells = cells};
+    if (status) {
+        area_search_finish(&search);
+        return status;
+    }
+    *out = search;
     return CONUS_OK;
 }
 
 void area_search_finish(struct area_search *search)
 {
+    for (size_t i = 0; search->cells && i < search->atlas->volume_count; i++) {
+        distance_map_finish(&search->cells[i].map);
+    }
     memory_free(search->cells);
     *search = (struct area_search){0};
 }
@@ -148,6 +162,13 @@ static void look_at_row(const struct looking *looking, int64_t j, int64_t k, int
     }
 }
 
+/* Whether the cells of a plane across an axis are farther than the nearest area so far. */
+static bool is_far(const struct looking *looking, int axis, int64_t plane)
+{
+    double gap = (fabs((double)plane - looking->at[axis]) - 0.5) * looking->of->step[axis];
+    return gap * (1 - 1e-9) > looking->nearest->distance;
+}
+
 /* The voxels that are `ring` rows away from the middle along some axis and no more along any, as far as there are
  * areas. */
 static void look_at_ring(const struct looking *looking, int64_t ring)
@@ -155,11 +176,22 @@ static void look_at_ring(const struct looking *looking, int64_t ring)
     const struct area_cells *of = looking->of;
     const int64_t *middle = looking->middle;
     for (int64_t k = larger(middle[2] - ring, of->first[2]); k <= smaller(middle[2] + ring, of->last[2]); k++) {
-        for (int64_t j = larger(middle[1] - ring, of->first[1]); j <= smaller(middle[1] + ring, of->last[1]); j++) {
+        for (int64_t j = larger(middle[1] - ring, of->first[1]);
+             j <= smaller(middle[1] + ring, of->last[1]) && !is_far(looking, 2, k); j++) {
             bool whole = llabs(k - middle[2]) == ring || llabs(j - middle[1]) == ring;
-            look_at_row(looking, j, k, middle[0] - ring, middle[0] + ring, whole ? 1 : 2 * ring);
+            if (!is_far(looking, 1, j)) {
+                look_at_row(looking, j, k, middle[0] - ring, middle[0] + ring, whole ? 1 : 2 * ring);
+            }
         }
     }
+}
+
+/* How many rows the nearest voxel of an area is away from the middle, or fewer; the middle is where areas are. */
+static int64_t empty_rings(const struct looking *looking)
+{
+    const struct distance_map *map = &looking->of->map;
+    const int64_t *middle = looking->middle;
+    return map->codes ? map->codes[distance_map_at(map, (size_t)middle[0], (size_t)middle[1], (size_t)middle[2])] : 0;
 }
 
 /* From the inside out. The cells of a ring are ring - 1 steps away or more. */
@@ -175,7 +207,8 @@ static void look_in_volume(struct nearest *nearest, const struct volume *volume,
             of->first[a] > looking.middle[a] ? of->first[a] - looking.middle[a] : looking.middle[a] - of->last[a];
         ring = away > ring ? away : ring;
     }
-    for (; (double)(ring - 1) * of->step * (1 - 1e-9) <= nearest->distance; ring++) {
+    ring = ring ? ring : empty_rings(&looking);
+    for (; (double)(ring - 1) * of->least * (1 - 1e-9) <= nearest->distance; ring++) {
         look_at_ring(&looking, ring);
     }
 }

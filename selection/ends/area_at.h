@@ -11,8 +11,9 @@ struct area_search {
     struct area_cells *cells; /**< [volume_count] */
 };
 
-/** Makes ready to search the areas of @p atlas, which must outlive the search. CONUS_ERROR_MEMORY. */
-conus_status area_search_init(struct area_search *out, const conus_atlas *atlas, double radius);
+/** Makes ready to search the areas of @p atlas, which must outlive the search, at about @p points points: for many it
+ * is worth while to find out first where no area is. CONUS_ERROR_MEMORY. */
+conus_status area_search_init(struct area_search *out, const conus_atlas *atlas, double radius, size_t points);
 void area_search_finish(struct area_search *search);
 
 /** Number of the area at the world point @p point, hidden ones aside; 0 = none. Any thread. */

@@ -5,12 +5,14 @@
 #include "atlas/bundles.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "base/threads.h"
 #include "selection/ends/area_at.h"
 #include "selection/measure/tract_census.h"
 #include "selection/selection.h"
 #include "selection/selector.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 
 static const double RADIUS_LIMIT = 100;
@@ -18,18 +20,20 @@ static const double RADIUS_LIMIT = 100;
 /* A streamline as one of a bundle's. */
 struct ended {
     uint32_t bundle;
-    uint32_t a, b; /* areas as they are reported, less 1: so those without one come last */
+    uint32_t a, b; /* areas as they are reported, less 1; those without one come last, as area_count */
     uint32_t streamline;
-    size_t tractogram;
-    double length;
+    uint32_t tractogram;
 };
 
 struct connecting {
-    conus_selector *selector;
+    const conus_selector *selector;
     const struct region *region; /* NULL = everywhere */
     struct area_search search;
     struct ended *all;
     size_t count, capacity;
+    struct ended *sorting; /* [count] */
+    size_t bundle_count;   /* of those that have streamlines here */
+    size_t pieces;         /* for threads */
 };
 
 static uint32_t area_of_point(const struct connecting *connecting, const struct tractogram *tractogram, uint64_t index)
@@ -37,25 +41,36 @@ static uint32_t area_of_point(const struct connecting *connecting, const struct 
     const uint32_t *group = level_group(connecting->selector->level);
     double point[3];
     tractogram_point(point, tractogram, index);
-    return group[area_at(&connecting->search, point)] - 1;
+    uint32_t area = group[area_at(&connecting->search, point)];
+    return area ? area - 1 : (uint32_t)connecting->selector->atlas->area_count;
 }
 
-static struct ended end_streamline(const struct connecting *connecting, const struct tractogram *tractogram, uint32_t k)
+static void end_streamline(struct ended *ended, const struct connecting *connecting)
 {
-    struct ended ended = {
-        .streamline = k, .a = UINT32_MAX, .b = UINT32_MAX, .length = tractogram_length(tractogram, k)};
-    uint64_t first = tractogram->first[k];
-    uint64_t end = tractogram->first[k + 1];
+    const conus_atlas *atlas = connecting->selector->atlas;
+    const struct tractogram *tractogram = &atlas->tractograms[ended->tractogram];
+    uint64_t first = tractogram->first[ended->streamline];
+    uint64_t end = tractogram->first[ended->streamline + 1];
+    ended->a = ended->b = (uint32_t)atlas->area_count;
     if (end > first) {
         uint32_t from = area_of_point(connecting, tractogram, first);
         uint32_t to = end - first > 1 ? area_of_point(connecting, tractogram, end - 1) : from;
-        ended.a = from < to ? from : to;
-        ended.b = from < to ? to : from;
+        ended->a = from < to ? from : to;
+        ended->b = from < to ? to : from;
     }
-    return ended;
 }
 
-/* Streamlines of a bundle. */
+/* A thread's part of all streamlines. */
+static void end_piece(void *user, size_t piece)
+{
+    const struct connecting *connecting = user;
+    size_t end = threads_begin(piece + 1, connecting->pieces, connecting->count, 1);
+    for (size_t i = threads_begin(piece, connecting->pieces, connecting->count, 1); i < end; i++) {
+        end_streamline(&connecting->all[i], connecting);
+    }
+}
+
+/* Streamlines of a bundle, ascending. */
 struct members {
     const uint32_t *numbers; /* NULL = from 0 on */
     size_t count;
@@ -79,20 +94,22 @@ static conus_status list_members(struct members *out, const struct connecting *c
 static conus_status add_members(struct connecting *connecting, uint32_t bundle, const struct members *members)
 {
     const conus_atlas *atlas = connecting->selector->atlas;
-    const struct tractogram *tractogram = atlas_bundle_tractogram(atlas, bundle);
+    size_t index = (size_t)(atlas_bundle_tractogram(atlas, bundle) - atlas->tractograms);
     if (!memory_reserve(&connecting->all, &connecting->capacity, connecting->count + members->count,
                         sizeof *connecting->all)) {
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < members->count; i++) {
-        struct ended *ended = &connecting->all[connecting->count++];
-        *ended = end_streamline(connecting, tractogram, members->numbers ? members->numbers[i] : (uint32_t)i);
-        ended->bundle = bundle;
-        ended->tractogram = (size_t)(tractogram - atlas->tractograms);
+        connecting->all[connecting->count++] =
+            (struct ended){.bundle = bundle,
+                           .streamline = members->numbers ? members->numbers[i] : (uint32_t)i,
+                           .tractogram = (uint32_t)index};
     }
+    connecting->bundle_count += members->count > 0;
     return CONUS_OK;
 }
 
+/* Lists all streamlines, bundle by bundle. */
 static conus_status gather(struct connecting *connecting)
 {
     const conus_atlas *atlas = connecting->selector->atlas;
@@ -108,26 +125,57 @@ static conus_status gather(struct connecting *connecting)
     return status;
 }
 
+/* Finds their ends. */
+static conus_status find_ends(struct connecting *connecting, double radius)
+{
+    enum { LEAST = 4096 }; /* streamlines for which a thread is worth while */
+    conus_status status =
+        area_search_init(&connecting->search, connecting->selector->atlas, radius, 2 * connecting->count);
+    connecting->sorting = status ? NULL : memory_raw(connecting->count, sizeof *connecting->sorting);
+    if (!connecting->sorting) {
+        return status ? status : CONUS_ERROR_MEMORY;
+    }
+    connecting->pieces = threads_for(connecting->count, LEAST);
+    threads_run(end_piece, connecting, connecting->pieces);
+    return CONUS_OK;
+}
+
+static uint32_t key_of(const struct ended *ended, size_t offset)
+{
+    return *(const uint32_t *)((const char *)ended + offset);
+}
+
+/* Sorts by the number at this offset, digit by digit; those with equal ones stay in their order. */
+static void sort_by(struct connecting *connecting, size_t offset)
+{
+    enum { DIGITS = 256, BITS = 8 };
+    for (unsigned shift = 0; shift < 32; shift += BITS) {
+        size_t begin[DIGITS] = {0};
+        size_t next = 0;
+        size_t most = 0;
+        for (size_t i = 0; i < connecting->count; i++) {
+            begin[key_of(&connecting->all[i], offset) >> shift & (DIGITS - 1)]++;
+        }
+        for (size_t digit = 0; digit < DIGITS; digit++) {
+            size_t count = begin[digit];
+            most = count > most ? count : most;
+            begin[digit] = next;
+            next += count;
+        }
+        if (most == connecting->count) {
+            continue; /* they are sorted already: their digits are equal */
+        }
+        for (size_t i = 0; i < connecting->count; i++) {
+            const struct ended *ended = &connecting->all[i];
+            connecting->sorting[begin[key_of(ended, offset) >> shift & (DIGITS - 1)]++] = *ended;
+        }
+        struct ended *sorted = connecting->sorting;
+        connecting->sorting = connecting->all;
+        connecting->all = sorted;
+    }
+}
+
 #define ORDER(x, y) (((x) > (y)) - ((x) < (y)))
-
-static int by_ends(const void *a, const void *b)
-{
-    const struct ended *x = a;
-    const struct ended *y = b;
-    int order = ORDER(x->bundle, y->bundle);
-    order = order ? order : ORDER(x->a, y->a);
-    order = order ? order : ORDER(x->b, y->b);
-    order = order ? order : ORDER(x->tractogram, y->tractogram);
-    return order ? order : ORDER(x->streamline, y->streamline);
-}
-
-static int by_streamline(const void *a, const void *b)
-{
-    const struct ended *x = a;
-    const struct ended *y = b;
-    int order = ORDER(x->tractogram, y->tractogram);
-    return order ? order : ORDER(x->streamline, y->streamline);
-}
 
 /* The most streamlines first; areas less 1, as in struct ended. */
 static int by_count(const void *a, const void *b)
@@ -140,14 +188,6 @@ static int by_count(const void *a, const void *b)
     return order ? order : ORDER(x->area_b - 1, y->area_b - 1);
 }
 
-/* Where there is none, there is no array. */
-static void sort_all(struct connecting *connecting, int (*order)(const void *a, const void *b))
-{
-    if (connecting->count) {
-        qsort(connecting->all, connecting->count, sizeof *connecting->all, order);
-    }
-}
-
 /* Whether two sorted streamlines connect the same areas. */
 static bool are_alike(const struct ended *a, const struct ended *b)
 {
@@ -155,17 +195,18 @@ static bool are_alike(const struct ended *a, const struct ended *b)
 }
 
 /* Adds the connections of one bundle, which has `whole` streamlines. Returns the end of the rows. */
-static conus_connection *add_kinds(conus_connection *out, const struct ended *all, size_t whole)
+static conus_connection *add_kinds(conus_connection *out, const conus_atlas *atlas, const struct ended *all,
+                                   size_t whole)
 {
     for (size_t first = 0; first < whole;) {
         size_t end = first;
         double length = 0;
         for (; end < whole && are_alike(&all[end], &all[first]); end++) {
-            length += all[end].length;
+            length += tractogram_length(&atlas->tractograms[all[end].tractogram], all[end].streamline);
         }
         *out++ = (conus_connection){.bundle = all[first].bundle,
-                                    .area_a = all[first].a + 1,
-                                    .area_b = all[first].b + 1,
+                                    .area_a = all[first].a < atlas->area_count ? all[first].a + 1 : 0,
+                                    .area_b = all[first].b < atlas->area_count ? all[first].b + 1 : 0,
                                     .streamlines = end - first,
                                     .fraction = (double)(end - first) / (double)whole,
                                     .length = length / (double)(end - first)};
@@ -177,8 +218,10 @@ static conus_connection *add_kinds(conus_connection *out, const struct ended *al
 /* Sorts what was gathered, and makes connections of it. */
 static conus_status count_all(conus_connection **out, size_t *count, struct connecting *connecting)
 {
-    struct ended *all = connecting->all;
-    sort_all(connecting, by_ends);
+    sort_by(connecting, offsetof(struct ended, b));
+    sort_by(connecting, offsetof(struct ended, a));
+    sort_by(connecting, offsetof(struct ended, bundle));
+    const struct ended *all = connecting->all;
     *count = 0;
     for (size_t i = 0; i < connecting->count; i++) {
         *count += i == 0 || !are_alike(&all[i], &all[i - 1]);
@@ -193,35 +236,59 @@ static conus_status count_all(conus_connection **out, size_t *count, struct conn
         while (end < connecting->count && all[end].bundle == all[first].bundle) {
             end++;
         }
-        next = add_kinds(next, all + first, end - first);
+        next = add_kinds(next, connecting->selector->atlas, all + first, end - first);
         first = end;
     }
     qsort(*out, *count, sizeof **out, by_count);
     return CONUS_OK;
 }
 
-static conus_status build(conus_connectivity *connectivity, conus_selector *selector, const struct region *region)
+/* Keeps each streamline once, as one of no bundle. */
+static void merge_bundles(struct connecting *connecting)
+{
+    size_t kept = 0;
+    sort_by(connecting, offsetof(struct ended, streamline));
+    sort_by(connecting, offsetof(struct ended, tractogram));
+    for (size_t i = 0; i < connecting->count; i++) {
+        struct ended ended = connecting->all[i];
+        const struct ended *last = kept ? &connecting->all[kept - 1] : NULL;
+        ended.bundle = 0;
+        if (!last || last->streamline != ended.streamline || last->tractogram != ended.tractogram) {
+            connecting->all[kept++] = ended;
+        }
+    }
+    connecting->count = kept;
+}
+
+/* Of one bundle the pairs are its rows. */
+static conus_status copy_rows(conus_connectivity *connectivity)
+{
+    connectivity->pairs = memory_copy(connectivity->rows, connectivity->row_count, sizeof *connectivity->rows);
+    if (!connectivity->pairs) {
+        return CONUS_ERROR_MEMORY;
+    }
+    connectivity->pair_count = connectivity->row_count;
+    for (size_t i = 0; i < connectivity->pair_count; i++) {
+        connectivity->pairs[i].bundle = 0;
+    }
+    return CONUS_OK;
+}
+
+static conus_status build(conus_connectivity *connectivity, const conus_selector *selector, const struct region *region)
 {
     struct connecting connecting = {.selector = selector, .region = region};
-    conus_status status = census_prepare(&selector->census, selector->atlas, selector->labels);
-    status = status ? status : area_search_init(&connecting.search, selector->atlas, connectivity->radius);
-    status = status ? status : gather(&connecting);
+    conus_status status = gather(&connecting);
+    status = status ? status : find_ends(&connecting, connectivity->radius);
     status = status ? status : count_all(&connectivity->rows, &connectivity->row_count, &connecting);
-    if (!status) {
-        size_t kept = 0;
-        sort_all(&connecting, by_streamline); /* each streamline once, of no bundle */
-        for (size_t i = 0; i < connecting.count; i++) {
-            struct ended ended = connecting.all[i];
-            ended.bundle = 0;
-            if (!kept || by_streamline(&ended, &connecting.all[kept - 1]) != 0) {
-                connecting.all[kept++] = ended;
-            }
-        }
-        connecting.count = kept;
+    if (!status && connecting.bundle_count == 1) {
+        status = copy_rows(connectivity);
+    } else if (!status) {
+        merge_bundles(&connecting);
         status = count_all(&connectivity->pairs, &connectivity->pair_count, &connecting);
     }
     area_search_finish(&connecting.search);
     memory_free(connecting.all);
+    memory_free(connecting.sorting);
     return status;
 }
 

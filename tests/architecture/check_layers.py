@@ -120,7 +120,7 @@ LIBRARY = {
     "selection/study": "base base/geometry atlas/surface atlas selection/measure selection",
     "selection/plan": "base base/geometry atlas/surface atlas/tracts atlas atlas/areas poses poses/rows selection/evidence"
     " selection/measure selection selection/study selection/report selection/batch",
-    "selection/ends": "base base/geometry atlas/surface atlas selection/cone selection/measure selection",
+    "selection/ends": "base base/geometry atlas/surface atlas selection/cone selection/measure selection/engine/voxels selection",
     "selection/picture": "base base/geometry render/image render/colour render/flat selection/measure selection",
     "selection/report": "base base/geometry atlas poses/programs selection selection/ends selection/study",
     "cache": "base base/files base/cache atlas loaders/scene selection/batch",

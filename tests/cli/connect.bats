@@ -112,3 +112,27 @@ says_identical() {
     conus connect $U -q --hide Ball -o rows.tsv
     [ "$(rows rows.tsv)" = "U U 2 52.4400903;U unassigned 2 13.75;unassigned unassigned 1 10;" ]
 }
+
+# of_atlas NAME FILE: the rows of one of several atlases, without the column that names it.
+of_atlas() {
+    awk -F'\t' -v OFS='\t' -v name="$1" 'NR == 1 || $2 == name { $2 = ""; sub(OFS OFS, OFS); print }' "$2"
+}
+
+@test "several atlases answer as in commands of their own" {
+    lines
+    conus phantom nested -o .
+    printf '1 0 0 0\n0 1 0 1\n0 0 1 0\n0 0 0 1\n' >shift.txt # y by 1 mm
+    local options='--streamlines lines.tck,name=Still --streamlines lines.tck,moves,radius=1 --atlas-transform shift.txt'
+    for cache in "" --no-cache; do
+        # shellcheck disable=SC2086 # words
+        conus connect u-shape.nii.gz --atlas nested.nii.gz $options $cache -q -o all.tsv --force
+        [ "$(head -1 all.tsv | cut -f 1-4 | tr '\t' ' ')" = "query atlas kind bundle" ]
+        for atlas in u-shape nested; do
+            # shellcheck disable=SC2086
+            conus connect $atlas.nii.gz $options $cache -q -o of-$atlas.tsv --force
+            of_atlas $atlas all.tsv | cmp - of-$atlas.tsv
+        done
+        ! cmp -s of-u-shape.tsv of-nested.tsv
+    done
+    says_identical all.tsv
+}

@@ -57,7 +57,7 @@ int plans_open(struct viewer *viewer, const struct arguments *arguments, const c
         return code;
     }
     struct named_atlas atlas = {.atlas = viewer->atlases->atlas};
-    const struct pose_places places = {&viewer->frame, NULL, &(struct atlases){&atlas, 1},
+    const struct pose_places places = {&viewer->frame, NULL, &(struct atlases){.items = &atlas, .count = 1},
                                        &(struct common_settings){0}};
     code = constraints_place(&state->task.constraints, &places, depth);
     if (!code && poses) {

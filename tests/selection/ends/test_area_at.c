@@ -11,13 +11,18 @@
 
 enum { SCENES = 60, POINTS = 200 };
 
+/* As one of few points and as one of many, for which distances are there. */
 static uint32_t find(const conus_atlas *atlas, double radius, double x, double y, double z)
 {
-    struct area_search search = {0};
-    assert_ok(area_search_init(&search, atlas, radius));
-    uint32_t found = area_at(&search, (const double[]){x, y, z});
-    area_search_finish(&search);
-    return found;
+    uint32_t found[2];
+    for (size_t i = 0; i < 2; i++) {
+        struct area_search search = {0};
+        assert_ok(area_search_init(&search, atlas, radius, i ? SIZE_MAX : 1));
+        found[i] = area_at(&search, (const double[]){x, y, z});
+        area_search_finish(&search);
+    }
+    assert_int_equal(found[0], found[1]);
+    return found[0];
 }
 
 /* Cells of 1 mm along x: label 2 at x from -0.5 to 0.5, label 1 from 3.5 to 4.5. Areas are numbered by label. */

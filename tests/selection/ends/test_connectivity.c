@@ -143,6 +143,89 @@ static void test_a_streamline_of_two_bundles_is_one_in_pairs(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Lines from cell to cell along x, more than one thread counts: cell 0 is area 1, cell 10 area 2, cell 20 area 3, and
+ * all others have none. */
+enum { MANY = 20000 };
+
+static uint32_t area_of_cell(uint64_t cell)
+{
+    return cell % 10 ? 0 : (uint32_t)(1 + cell / 10);
+}
+
+struct counted {
+    uint64_t streamlines;
+    double length;
+};
+
+/* Every second line is in the first group, every third in the second one, the others are the rest. */
+static bool is_member(size_t bundle, uint64_t line)
+{
+    bool is[3] = {line % 2 == 0, line % 3 == 0, line % 2 && line % 3};
+    return bundle == 0 || is[bundle - 1];
+}
+
+static void count_pair(struct counted counted[4][4], const uint64_t cells[2])
+{
+    uint32_t a = area_of_cell(cells[0]);
+    uint32_t b = area_of_cell(cells[1]);
+    uint32_t low = a - 1 < b - 1 ? a : b; /* none is last */
+    struct counted *pair = &counted[low][low == a ? b : a];
+    pair->streamlines++;
+    pair->length += fabs((double)cells[0] - (double)cells[1]);
+}
+
+static void test_many_streamlines_are_counted_as_one_by_one(void **state)
+{
+    (void)state;
+    static float points[6 * MANY];
+    static uint64_t begins[MANY + 1];
+    static uint32_t members[2][MANY];
+    struct counted counted[4][4][4] = {0}; /* of all, and of the three bundles */
+    size_t counts[2] = {0};
+    size_t pair_counts[4] = {0};
+    uint64_t random = 40;
+    for (size_t line = 0; line < MANY; line++) {
+        uint64_t cells[2];
+        for (size_t i = 0; i < 2; i++) {
+            cells[i] = (uint64_t)test_random(&random, 0, LENGTH);
+            points[6 * line + 3 * i] = (float)cells[i];
+        }
+        begins[line + 1] = 2 * line + 2;
+        for (size_t bundle = 0; bundle < 4; bundle++) {
+            if (is_member(bundle, line)) {
+                count_pair(counted[bundle], cells);
+            }
+        }
+        for (size_t group = 0; group < 2; group++) {
+            if (is_member(group + 1, line)) {
+                members[group][counts[group]++] = (uint32_t)line;
+            }
+        }
+    }
+    conus_atlas *atlas = three_areas();
+    struct tractogram lines = tract_of("lines.tck", points, begins, MANY, 0.5);
+    tract_add_group(&lines, "two", members[0], counts[0]);
+    tract_add_group(&lines, "three", members[1], counts[1]);
+    assert_ok(atlas_add_tractogram(atlas, &lines, "rest"));
+    conus_connectivity *connectivity = connect(atlas, -1, NULL);
+    size_t rows = conus_connectivity_count(connectivity);
+    size_t pairs = conus_connectivity_pair_count(connectivity);
+    for (size_t i = 0; i < rows + pairs; i++) {
+        const conus_connection *row =
+            i < rows ? conus_connectivity_connection(connectivity, i) : conus_connectivity_pair(connectivity, i - rows);
+        size_t bundle = i < rows ? row->bundle - 3 : 0;
+        const struct counted *wanted = &counted[bundle][row->area_a][row->area_b];
+        assert_int_equal(row->streamlines, wanted->streamlines);
+        assert_near(row->length, wanted->length / (double)wanted->streamlines, 1e-12);
+        pair_counts[bundle]++;
+    }
+    for (size_t bundle = 0; bundle < 4; bundle++) {
+        assert_int_equal(pair_counts[bundle], 10); /* of 4 ends, none included */
+    }
+    conus_connectivity_destroy(connectivity);
+    conus_atlas_destroy(atlas);
+}
+
 static void test_the_matrix_is_symmetric_with_none_last(void **state)
 {
     (void)state;
@@ -412,6 +495,7 @@ TEST_GROUP(connectivity)
         cmocka_unit_test(test_lines_between_areas_in_closed_form),
         cmocka_unit_test(test_an_end_near_an_area_has_it),
         cmocka_unit_test(test_a_streamline_of_two_bundles_is_one_in_pairs),
+        cmocka_unit_test(test_many_streamlines_are_counted_as_one_by_one),
         cmocka_unit_test(test_the_matrix_is_symmetric_with_none_last),
         cmocka_unit_test(test_a_level_joins_areas),
         cmocka_unit_test(test_a_report_has_a_row_for_each_connection),
