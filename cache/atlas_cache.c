@@ -115,6 +115,28 @@ void atlas_cache_watched(struct atlas_cache *cache)
     }
 }
 
+/* Maps points that the entry left in the files of tractograms, which are as they were when it was made. */
+static bool map_points(conus_atlas *atlas, const struct cache_part *bytes)
+{
+    struct file_trace trace = {0};
+    bool fits = true;
+    bool is_lean = false;
+    for (size_t i = 0; i < atlas->tractogram_count; i++) {
+        is_lean = is_lean || atlas->tractograms[i].file_offset;
+    }
+    if (!is_lean) {
+        return true;
+    }
+    fits = file_trace_parse(&trace, bytes->data, bytes->size);
+    for (size_t i = 0; i < atlas->tractogram_count && fits; i++) {
+        struct tractogram *tractogram = &atlas->tractograms[i];
+        const struct traced *file = tractogram->file_offset ? file_trace_find(&trace, tractogram->path) : NULL;
+        fits = !tractogram->file_offset || (file && tractogram_map_points(tractogram, &file->state));
+    }
+    file_trace_finish(&trace);
+    return fits;
+}
+
 conus_atlas *atlas_cache_find(struct atlas_cache *cache)
 {
     struct cache_mapping mapping = {0};
@@ -126,6 +148,11 @@ conus_atlas *atlas_cache_find(struct atlas_cache *cache)
     const struct cache_part *packed = &mapping.entry.packed;
     if (!atlas_cache_tell(notes->data, notes->size, NULL, NULL) ||
         atlas_attach_verified(&atlas, packed->data, packed->size)) {
+        cache_mapping_finish(&mapping);
+        return NULL;
+    }
+    if (!map_points(atlas, &mapping.entry.trace)) {
+        conus_atlas_destroy(atlas);
         cache_mapping_finish(&mapping);
         return NULL;
     }
@@ -161,9 +188,16 @@ static bool may_be_kept(const conus_atlas *atlas, const struct file_trace *trace
     return may;
 }
 
+/* What is written. */
+struct writing {
+    const conus_atlas *atlas;
+    bool is_lean;
+};
+
 static bool write_atlas(void *user, int file, size_t at)
 {
-    return atlas_pack_write(file, at, user) == CONUS_OK;
+    const struct writing *writing = user;
+    return atlas_pack_write(file, at, writing->atlas, writing->is_lean) == CONUS_OK;
 }
 
 void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
@@ -172,12 +206,15 @@ void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas)
     if (!is_used(cache) || !may_be_kept(*atlas, &cache->trace)) {
         return;
     }
+    enum { LARGE = 4 }; /* an entry that takes such a part of the cache leaves points in their files */
+    bool is_lean = conus_atlas_packed_size(*atlas) > cache->store.limit / LARGE;
+    struct writing writing = {*atlas, is_lean};
     file_trace_write(&trace, &cache->trace);
     struct cache_entry entry = {.notes = {(const uint8_t *)cache->heard.data, cache->heard.size},
                                 .trace = {(const uint8_t *)trace.data, trace.size},
-                                .packed = {NULL, conus_atlas_packed_size(*atlas)}};
+                                .packed = {NULL, atlas_pack_size(*atlas, is_lean)}};
     if (!buffer_status(&trace) && !cache->heard.failed &&
-        cache_store_keep(&cache->store, &entry, write_atlas, *atlas)) {
+        cache_store_keep(&cache->store, &entry, write_atlas, &writing)) {
         /* maps what was just written: then the atlas is in memory once, and answers as it will the next time */
         const struct conus_load_options *given = cache->given;
         const struct conus_load_options silent = {0};

@@ -3,6 +3,7 @@
 #include "atlas/tracts/tractogram.h"
 
 #include "atlas/tracts/tract_node.h"
+#include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/text_number.h"
@@ -70,8 +71,45 @@ void tractogram_finish(struct tractogram *tractogram)
     if (tractogram->mapped) {
         munmap((void *)tractogram->mapped, tractogram->mapped_size);
     }
+    if (tractogram->file_mapped) {
+        munmap((void *)tractogram->file_mapped, tractogram->file_mapped_size);
+    }
     file_sums_finish(&tractogram->files);
     *tractogram = (struct tractogram){0};
+}
+
+bool tractogram_map_points(struct tractogram *tractogram, const struct file_state *before)
+{
+    struct file_state state;
+    struct open_file file;
+    uint64_t triples = tractogram->point_count + tractogram->streamline_count;
+    if (file_open(&file, tractogram->path)) {
+        return false;
+    }
+    bool is_same = file_state_of(&state, file.descriptor) && file_state_equal(&state, before) &&
+                   tractogram->file_offset <= state.size &&
+                   triples <= (state.size - tractogram->file_offset) / (3 * sizeof *tractogram->points);
+    void *mapped = is_same ? mmap(NULL, (size_t)state.size, PROT_READ, MAP_SHARED, file.descriptor, 0) : MAP_FAILED;
+    file_close(&file);
+    if (mapped == MAP_FAILED) {
+        return false;
+    }
+    tractogram->file_mapped = mapped;
+    tractogram->file_mapped_size = (size_t)state.size;
+    tractogram->points = (float *)((char *)mapped + tractogram->file_offset);
+    tractogram->is_in_file = true;
+    return true;
+}
+
+float *tractogram_copy_points(const struct tractogram *tractogram)
+{
+    float *points = memory_raw(tractogram->point_count, 3 * sizeof *points);
+    for (size_t k = 0; k < tractogram->streamline_count && points; k++) {
+        uint64_t first = tractogram->first[k];
+        const float *from = tractogram->points + 3 * (first + (tractogram->is_in_file ? k : 0));
+        memcpy(points + 3 * first, from, (size_t)(tractogram->first[k + 1] - first) * 3 * sizeof *points);
+    }
+    return points;
 }
 
 double tract_from_half(uint16_t half)

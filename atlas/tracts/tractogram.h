@@ -54,6 +54,11 @@ struct tractogram {
     bool is_borrowed;         /**< So are the other arrays of numbers. */
     const void *mapped;       /**< The file mapping that has what is borrowed, to be unmapped with it; NULL = none. */
     size_t mapped_size;
+    uint64_t file_offset; /**< Where the file `path` has the points as `points` would, but that three more numbers
+                             follow those of each streamline; 0 = nowhere. */
+    bool is_in_file;      /**< `points` is in that file, which is mapped, too. */
+    const void *file_mapped;
+    size_t file_mapped_size;
 };
 
 /** Frees what it owns; a zeroed one is fine. */
@@ -62,13 +67,35 @@ void tractogram_finish(struct tractogram *tractogram);
 /** The value of a half (IEEE binary16). */
 double tract_from_half(uint16_t half);
 
+/** The streamline that has point @p index, below point_count. */
+uint32_t tractogram_streamline_of(const struct tractogram *tractogram, uint64_t index);
+
+/** Where point @p index, and the others of its streamline around it, are in `points` or `halves`. */
+static inline uint64_t tractogram_place(const struct tractogram *tractogram, uint64_t index)
+{
+    return tractogram->is_in_file ? index + tractogram_streamline_of(tractogram, index) : index;
+}
+
+/** The point at this place, world mm. */
+static inline void tractogram_point_at(double out[3], const struct tractogram *tractogram, uint64_t place)
+{
+    for (uint64_t a = 0; a < 3; a++) {
+        out[a] = tractogram->points ? (double)tractogram->points[3 * place + a]
+                                    : tract_from_half(tractogram->halves[3 * place + a]);
+    }
+}
+
 /** Point @p index, world mm. */
 static inline void tractogram_point(double out[3], const struct tractogram *tractogram, uint64_t index)
 {
-    for (int a = 0; a < 3; a++) {
-        out[a] = tractogram->points ? (double)tractogram->points[3 * index + (uint64_t)a]
-                                    : tract_from_half(tractogram->halves[3 * index + (uint64_t)a]);
-    }
+    tractogram_point_at(out, tractogram, tractogram_place(tractogram, index));
+}
+
+/** Point @p k of a run, world mm. */
+static inline void tractogram_run_point(double out[3], const struct tractogram *tractogram, const struct tract_run *run,
+                                        uint64_t k)
+{
+    tractogram_point_at(out, tractogram, run->point + k + (tractogram->is_in_file ? run->streamline : 0));
 }
 
 /** How many streamlines of @p tractogram @p group has; all where that is NULL. */
@@ -83,9 +110,6 @@ static inline uint32_t tract_group_member(const struct tract_group *group, size_
     return group ? group->members[i] : (uint32_t)i;
 }
 
-/** The streamline that has point @p index, below point_count. */
-uint32_t tractogram_streamline_of(const struct tractogram *tractogram, uint64_t index);
-
 /** Refuses tractograms that no engine may get: a coordinate that is not within TRACT_COORDINATE_LIMIT of 0 (infinity
  * and NaN too), a `first` that does not ascend from 0 to point_count, a member of a group out of range or order, too
  * many streamlines, a radius that is not above 0 and at most TRACT_RADIUS_LIMIT. Notes count streamlines of no point
@@ -95,6 +119,13 @@ conus_status tractogram_check(const struct tractogram *tractogram, struct notes 
 /** Whether no number of a tractogram with its tree, which comes from elsewhere, leads out of its arrays: `first`, runs,
  * nodes, members of groups. Does not check coordinates. */
 bool tractogram_leads_nowhere_else(const struct tractogram *tractogram);
+
+/** Maps the points of a tractogram whose file has them (file_offset), if that is as it was: @p before. False
+ * where it is not, or cannot be mapped; then nothing has changed. */
+bool tractogram_map_points(struct tractogram *tractogram, const struct file_state *before);
+
+/** The points without what is between them in a file: [3 point_count]. The caller frees them; NULL without memory. */
+float *tractogram_copy_points(const struct tractogram *tractogram);
 
 /** Makes tree, low and high of a checked tractogram. Uses no more memory on the way than in the end.
  * CONUS_ERROR_MEMORY, and CONUS_ERROR_DATA for more than UINT32_MAX points. */

@@ -111,7 +111,7 @@ static conus_status borrow_tractogram(struct tractogram *out, const struct tract
 {
     *out = *from;
     out->has_borrowed_points = out->is_borrowed = true;
-    out->mapped = NULL;
+    out->mapped = out->file_mapped = NULL;
     out->files = (struct file_sums){0};
     out->path = memory_text(from->path, strlen(from->path));
     out->scalars = memory_copy(from->scalars, from->scalar_count, sizeof *out->scalars);

@@ -247,7 +247,11 @@ conus_status tck_read(struct tractogram *out, struct byte_stream *stream, uint64
     }
     snprintf(tck.build.tractogram.format, sizeof tck.build.tractogram.format, "MRtrix %s%s", tck.type_name,
              stream->is_packed ? ", gzip" : "");
+    bool is_plain = !stream->is_packed && !tck.wide && !tck.swapped && tck.offset % sizeof(float) == 0;
     status = status ? status : tract_build_take(out, &tck.build);
+    if (!status) {
+        out->file_offset = is_plain ? tck.offset : 0;
+    }
     tract_build_finish(&tck.build);
     return status;
 }

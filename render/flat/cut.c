@@ -421,8 +421,8 @@ static void draw_run(void *user, const struct tract_run *run, bool inside)
     for (uint32_t k = 0; object && (k < run->segments || k == 0); k++) {
         double world[2][3];
         double ends[2][3];
-        tractogram_point(world[0], frame->tractogram, run->point + k);
-        tractogram_point(world[1], frame->tractogram, run->point + (k < run->segments ? k + 1 : k));
+        tractogram_run_point(world[0], frame->tractogram, run, k);
+        tractogram_run_point(world[1], frame->tractogram, run, k < run->segments ? k + 1 : k);
         for (int n = 0; n < 2; n++) {
             for (int a = 0; a < 3; a++) {
                 ends[n][a] = along(frame, a, world[n]);

@@ -31,6 +31,7 @@ struct pack_walk {
     size_t small, small_end;
     size_t large, size;
     bool is_verified; /* when attaching: the large arrays have their checksum */
+    bool is_lean;     /* points that a file has are left there */
     conus_status status;
 };
 
@@ -343,8 +344,9 @@ static struct tractogram bare_tractogram(const struct tractogram *tractogram)
     bare.first = NULL;
     bare.scalars = NULL;
     bare.groups = NULL;
-    bare.mapped = NULL;
-    bare.mapped_size = 0;
+    bare.mapped = bare.file_mapped = NULL;
+    bare.mapped_size = bare.file_mapped_size = 0;
+    bare.is_in_file = false;
     bare.is_ready = true;
     bare.tree.nodes = NULL;
     bare.tree.leaves = NULL;
@@ -404,7 +406,8 @@ static bool has_arrays(const struct tractogram *tractogram)
     const struct tract_tree *tree = &tractogram->tree;
     return tractogram->first && (tree->lengths || !tractogram->streamline_count) &&
            (tree->leaves || !tree->run_count) && (tree->marks || !tractogram->point_count) &&
-           (tree->nodes || !tree->node_count) && (tractogram->points || tractogram->halves || !tractogram->point_count);
+           (tree->nodes || !tree->node_count) &&
+           (tractogram->points || tractogram->halves || tractogram->file_offset || !tractogram->point_count);
 }
 
 /* Into a tractogram of zeros when attaching, which has at every moment what tractogram_finish() may end. */
@@ -415,8 +418,10 @@ static void pass_tractogram(struct pack_walk *walk, void *item, const void *owne
     struct tract_tree *tree = &tractogram->tree;
     struct tractogram plain = bare_tractogram(tractogram);
     bool attaches = walk->mode == PACK_ATTACH;
+    float *copy = NULL;
+    plain.file_offset = attaches || walk->is_lean ? plain.file_offset : 0;
     pack_bytes(walk, &plain, sizeof plain);
-    if (!walk->status && attaches && !tractogram_fits(&plain, walk)) {
+    if (!walk->status && attaches && (!tractogram_fits(&plain, walk) || (plain.file_offset && !walk->is_verified))) {
         walk->status = fail_damaged();
     }
     if (walk->status) {
@@ -426,8 +431,15 @@ static void pass_tractogram(struct pack_walk *walk, void *item, const void *owne
         *tractogram = bare_tractogram(&plain);
         tractogram->scalar_count = tractogram->group_count = 0;
     }
+    if (!attaches && plain.file_offset) {
+        tractogram->points = NULL;
+    } else if (!attaches && tractogram->is_in_file && walk->mode != PACK_MEASURE) {
+        tractogram->points = copy = tractogram_copy_points(tractogram);
+        walk->status = copy ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
     pack_text(walk, &tractogram->path);
     pack_array(walk, &tractogram->points, tractogram->point_count, 3 * sizeof *tractogram->points);
+    memory_free(copy);
     pack_array(walk, &tractogram->halves, tractogram->point_count, 3 * sizeof *tractogram->halves);
     pack_array(walk, &tractogram->first, tractogram->streamline_count + 1, sizeof *tractogram->first);
     pack_array(walk, &tree->nodes, tree->node_count, sizeof *tree->nodes);
@@ -633,15 +645,20 @@ static struct pack_walk walk_over(const conus_atlas *atlas, struct pack_walk wal
     return walk;
 }
 
-static struct pack_walk measure(const conus_atlas *atlas)
+static struct pack_walk measure(const conus_atlas *atlas, bool is_lean)
 {
-    return walk_over(atlas, (struct pack_walk){.mode = PACK_MEASURE});
+    return walk_over(atlas, (struct pack_walk){.mode = PACK_MEASURE, .is_lean = is_lean});
+}
+
+size_t atlas_pack_size(const conus_atlas *atlas, bool is_lean)
+{
+    struct pack_walk walk = measure(atlas, is_lean);
+    return round_up(walk.small) + walk.large;
 }
 
 size_t conus_atlas_packed_size(const conus_atlas *atlas)
 {
-    struct pack_walk walk = measure(atlas);
-    return round_up(walk.small) + walk.large;
+    return atlas_pack_size(atlas, false);
 }
 
 static uint64_t crc_of(const uint8_t *memory, size_t small_end)
@@ -661,7 +678,7 @@ static void write_head(uint8_t *memory, size_t small_end, size_t size)
 
 conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atlas)
 {
-    struct pack_walk measured = measure(atlas);
+    struct pack_walk measured = measure(atlas, false);
     size_t needed = round_up(measured.small) + measured.large;
     if (!memory || (uintptr_t)memory % PACK_LINE || size < needed) {
         return fail(CONUS_ERROR_ARGUMENT, "%zu bytes at %p for an atlas: %zu at a multiple of %d are needed", size,
@@ -674,9 +691,9 @@ conus_status conus_atlas_pack(void *memory, size_t size, const conus_atlas *atla
     return walk.status;
 }
 
-conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atlas)
+conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atlas, bool is_lean)
 {
-    struct pack_walk measured = measure(atlas);
+    struct pack_walk measured = measure(atlas, is_lean);
     size_t small = round_up(measured.small);
     uint8_t *memory = memory_zeroed(small, 1);
     if (!memory) {
@@ -687,7 +704,8 @@ conus_status atlas_pack_write(int descriptor, size_t at, const conus_atlas *atla
                                                                 .file = descriptor,
                                                                 .file_at = at,
                                                                 .large = small,
-                                                                .size = small + measured.large});
+                                                                .size = small + measured.large,
+                                                                .is_lean = is_lean});
     write_head(memory, walk.small, walk.size);
     pack_write_at(&walk, 0, memory, small);
     memory_free(memory);
