@@ -97,3 +97,24 @@ def test_notebooks_print_what_the_scripts_print(tmp_path):
         words = [word for cell in notebook["cells"] for word in "".join(cell["source"]).split()]
         text = re.sub(r"(?m)^# %%.*\n", "", (FOLDER / f"{name}.py").read_text().split("\n", 1)[1])
         assert [word for word in words if word != "#"] == [word for word in text.split() if word != "#"]
+
+
+def test_the_region_under_a_cursor_is_the_voxel_there():
+    """Counted here: labels of voxels along the cursor's way in a slice, and the first one along each line of sight."""
+    printed = run_example("region_under_cursor")
+    image = nibabel.load(AAL)
+    aal = np.asanyarray(image.dataobj)
+    with open(AAL.replace(".gz", ".txt")) as table:
+        names = {int(words[0]): words[1] for words in map(str.split, table) if words}
+    inverse = np.linalg.inv(image.affine)
+
+    def label(point):
+        return aal[tuple(np.floor(nibabel.affines.apply_affine(inverse, point) + 0.5).astype(int))]
+
+    slice_labels = [label((x, -20, 10)) for x in range(-75, 76)]
+    wanted = ", ".join(names[number] for number in dict.fromkeys(slice_labels) if number)
+    assert f"in the slice: {wanted}\n" in printed
+    first = [next(filter(None, (label((x, y, 10)) for x in range(-90, 91))), 0) for y in range(-105, 76)]
+    seen = re.search("in the view: (.*)", printed)[1].split(", ")
+    on_axis = {names[number] for number in first if number}
+    assert on_axis <= set(seen) and len(seen) <= len(on_axis) + 2  # a cone of 1 degree is 3.5 mm wide there
