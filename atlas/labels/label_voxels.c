@@ -55,11 +55,33 @@ uint64_t *label_map_at(struct label_map *map, uint32_t label)
 
 enum { NARROW = sizeof(uint16_t), WIDE = sizeof(uint32_t) };
 
+/* Voxels that are looked at side by side: neighbours mostly have one label. */
+enum { TOGETHER = 16 };
+typedef uint16_t eight_places __attribute__((vector_size(16), aligned(2), may_alias));
+
+static bool all_are_place(const uint16_t *places, uint16_t place)
+{
+    const eight_places *at = (const void *)places;
+    eight_places differ = (at[0] ^ place) | (at[1] ^ place);
+    uint64_t any[2];
+    memcpy(any, &differ, sizeof any);
+    return !(any[0] | any[1]);
+}
+
+static void set_places(uint16_t *places, uint16_t place)
+{
+    eight_places *at = (void *)places;
+    at[0] = (eight_places){0} + place;
+    at[1] = (eight_places){0} + place;
+}
+
 void label_voxels_finish(struct label_voxels *voxels)
 {
     memory_free(voxels->narrow);
     memory_free(voxels->wide);
     memory_free(voxels->labels);
+    memory_free(voxels->counts);
+    memory_free(voxels->filled);
     *voxels = (struct label_voxels){0};
 }
 
@@ -77,6 +99,15 @@ static void set_place(struct label_voxels *voxels, size_t voxel, uint32_t place)
     }
 }
 
+/* The voxel moves from one place to another. */
+static void move_voxel(struct label_voxels *voxels, size_t voxel, uint32_t place)
+{
+    voxels->counts[place_at(voxels, voxel)]--;
+    voxels->counts[place]++;
+    voxels->filled[voxel / LABEL_BLOCK] |= place != 0;
+    set_place(voxels, voxel, place);
+}
+
 void label_voxels_get(uint32_t *out, const struct label_voxels *voxels, size_t first, size_t count)
 {
     for (size_t i = 0; voxels->narrow && i < count; i++) {
@@ -89,31 +120,21 @@ void label_voxels_get(uint32_t *out, const struct label_voxels *voxels, size_t f
 
 void label_voxels_clear(struct label_voxels *voxels, size_t voxel)
 {
-    set_place(voxels, voxel, 0);
+    move_voxel(voxels, voxel, 0);
 }
 
 conus_status label_voxels_tally(struct label_map *out, const struct label_voxels *voxels)
 {
-    uint64_t *counts = memory_zeroed(voxels->label_count, sizeof *counts);
-    conus_status status = counts ? CONUS_OK : CONUS_ERROR_MEMORY;
-    if (!status) {
-        for (size_t start = 0, end; start < voxels->count; start = end) {
-            uint32_t place = place_at(voxels, start);
-            for (end = start + 1; end < voxels->count && place_at(voxels, end) == place;) {
-                end++;
+    for (size_t p = 1; p < voxels->label_count; p++) {
+        if (voxels->labels[p] && voxels->counts[p]) {
+            uint64_t *count = label_map_at(out, voxels->labels[p]);
+            if (!count) {
+                return CONUS_ERROR_MEMORY;
             }
-            counts[place] += end - start;
+            *count += voxels->counts[p];
         }
     }
-    for (size_t p = 1; !status && p < voxels->label_count; p++) {
-        uint64_t *count = voxels->labels[p] && counts[p] ? label_map_at(out, voxels->labels[p]) : &counts[p];
-        status = count ? CONUS_OK : CONUS_ERROR_MEMORY;
-        if (!status && count != &counts[p]) {
-            *count += counts[p];
-        }
-    }
-    memory_free(counts);
-    return status;
+    return CONUS_OK;
 }
 
 /* Widens the first `count` numbers from 2 to 4 bytes, in the same memory or elsewhere. */
@@ -151,18 +172,49 @@ conus_status label_voxels_merge(struct label_voxels *to, const struct label_voxe
         return CONUS_ERROR_MEMORY;
     }
     to->labels = labels;
+    uint64_t *counts = memory_resize(to->counts, count, sizeof *counts);
+    if (!counts) {
+        return CONUS_ERROR_MEMORY;
+    }
+    to->counts = counts;
     if (count > UINT16_MAX + (size_t)1 && make_wide(to)) {
         return CONUS_ERROR_MEMORY;
     }
     memcpy(labels + to->label_count, from->labels + 1, (from->label_count - 1) * sizeof *labels);
+    memset(counts + to->label_count, 0, (from->label_count - 1) * sizeof *counts);
     to->label_count = count;
     for (size_t i = 0; i < to->count; i++) {
         uint32_t place = place_at(from, i);
         if (place && !labels[place_at(to, i)]) {
-            set_place(to, i, place + (uint32_t)shift);
+            move_voxel(to, i, place + (uint32_t)shift);
         }
     }
     return CONUS_OK;
+}
+
+static void renumber_narrow(uint16_t *places, const uint32_t *numbers, size_t count)
+{
+    uint16_t last = 0;
+    for (size_t i = 0, end; i < count; i = end) {
+        end = count - i < TOGETHER ? count : i + TOGETHER;
+        if (end == i + TOGETHER && all_are_place(places + i, last)) {
+            if (numbers[last] != last) {
+                set_places(places + i, (uint16_t)numbers[last]);
+            }
+            continue;
+        }
+        last = places[end - 1];
+        for (size_t k = i; k < end; k++) {
+            places[k] = (uint16_t)numbers[places[k]];
+        }
+    }
+}
+
+static void renumber_wide(uint32_t *places, const uint32_t *numbers, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        places[i] = numbers[places[i]];
+    }
 }
 
 conus_status label_voxels_renumber(struct label_voxels *voxels, const uint32_t *numbers, bool narrow)
@@ -171,11 +223,13 @@ conus_status label_voxels_renumber(struct label_voxels *voxels, const uint32_t *
     if (status) {
         return status;
     }
-    for (size_t i = 0; voxels->narrow && i < voxels->count; i++) {
-        voxels->narrow[i] = (uint16_t)numbers[voxels->narrow[i]];
-    }
-    for (size_t i = 0; voxels->wide && i < voxels->count; i++) {
-        voxels->wide[i] = numbers[voxels->wide[i]];
+    for (size_t from = 0; from < voxels->count; from += LABEL_BLOCK) {
+        size_t count = voxels->count - from < LABEL_BLOCK ? voxels->count - from : LABEL_BLOCK;
+        if (voxels->filled[from / LABEL_BLOCK] && voxels->narrow) { /* what was never written to stays so */
+            renumber_narrow(voxels->narrow + from, numbers, count);
+        } else if (voxels->filled[from / LABEL_BLOCK]) {
+            renumber_wide(voxels->wide + from, numbers, count);
+        }
     }
     if (narrow && voxels->wide) {
         uint8_t *memory = (uint8_t *)voxels->wide;
@@ -209,6 +263,8 @@ void label_coder_finish(struct label_coder *coder)
     memory_free(coder->memory);
     memory_free(coder->earlier);
     memory_free(coder->voxels.labels);
+    memory_free(coder->voxels.counts);
+    memory_free(coder->voxels.filled);
     label_map_finish(&coder->place_of);
     *coder = (struct label_coder){0};
 }
@@ -244,23 +300,27 @@ static conus_status append_label(struct label_coder *coder, uint32_t label)
     if (check_limit(coder, voxels->wide ? WIDE : NARROW, voxels->label_count)) {
         return CONUS_ERROR_MEMORY;
     }
-    if (!memory_reserve(&voxels->labels, &coder->label_capacity, voxels->label_count + 1, sizeof *voxels->labels)) {
+    size_t count = voxels->label_count + 1;
+    if (!memory_reserve(&voxels->labels, &coder->label_capacity, count, sizeof *voxels->labels) ||
+        !memory_reserve(&voxels->counts, &coder->count_capacity, count, sizeof *voxels->counts)) {
         return CONUS_ERROR_MEMORY;
     }
+    voxels->counts[voxels->label_count] = 0;
     voxels->labels[voxels->label_count++] = label;
     return CONUS_OK;
 }
 
 conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t limit, uint8_t *memory, size_t size)
 {
-    *coder = (struct label_coder){
-        .voxels.count = count, .memory = memory, .size = size, .limit = limit, .minimum = UINT32_MAX};
+    *coder =
+        (struct label_coder){.voxels.count = count, .memory = memory, .size = size, .is_own = !memory, .limit = limit};
     conus_status status = check_limit(coder, NARROW, 0);
     if (!status && !memory) {
-        coder->memory = memory_raw(count, NARROW);
+        coder->memory = memory_zeroed(count, NARROW);
         coder->size = count * NARROW;
     }
-    status = status || coder->memory ? status : CONUS_ERROR_MEMORY;
+    coder->voxels.filled = status ? NULL : memory_zeroed(count / LABEL_BLOCK + 1, 1);
+    status = status || (coder->memory && coder->voxels.filled) ? status : CONUS_ERROR_MEMORY;
     return status ? status : append_label(coder, 0);
 }
 
@@ -273,7 +333,7 @@ static conus_status widen_coder(struct label_coder *coder)
     if (!wide) {
         return status ? status : CONUS_ERROR_MEMORY;
     }
-    widen_places(wide, coder->memory, coder->done);
+    widen_places(wide, coder->memory, coder->is_own ? coder->voxels.count : coder->done);
     coder->earlier = in_place ? NULL : coder->memory;
     coder->memory = wide;
     coder->size = in_place ? coder->size : coder->voxels.count * WIDE;
@@ -298,6 +358,13 @@ static void write_run(struct label_coder *coder, uint32_t place, size_t count)
 {
     size_t from = coder->done;
     coder->done += count;
+    coder->voxels.counts[place] += count;
+    if (!place && coder->is_own) {
+        return; /* they are there */
+    }
+    for (size_t block = from / LABEL_BLOCK; place && block * LABEL_BLOCK < coder->done; block++) {
+        coder->voxels.filled[block] = 1;
+    }
     if (coder->voxels.wide) {
         for (size_t i = from; i < coder->done; i++) {
             coder->voxels.wide[i] = place;
@@ -330,21 +397,43 @@ conus_status label_coder_add(struct label_coder *coder, const uint32_t *labels, 
 {
     conus_status status = CONUS_OK;
     for (size_t start = 0, run; !status && start < count; start += run) {
-        uint32_t label = labels[start];
         run = count_run(labels + start, count - start);
-        if (label != coder->last || !coder->done) {
-            status = find_place(&coder->last_place, coder, label);
-            coder->last = label;
-            coder->minimum = label < coder->minimum ? label : coder->minimum;
-            coder->maximum = label > coder->maximum ? label : coder->maximum;
+        if (labels[start] != coder->last) {
+            status = find_place(&coder->last_place, coder, labels[start]);
+            coder->last = labels[start];
         }
-        write_run(coder, coder->last_place, status ? 0 : run);
+        if (!status) {
+            write_run(coder, coder->last_place, run);
+        }
     }
     return status;
 }
 
+conus_status label_coder_put(struct label_coder *coder, size_t first, const uint32_t *labels, size_t count)
+{
+    coder->done = first;
+    return label_coder_add(coder, labels, count);
+}
+
+/* Counts the voxels that never came, and finds the range of the labels. */
+static void end_counts(struct label_coder *coder)
+{
+    struct label_voxels *voxels = &coder->voxels;
+    uint64_t others = 0;
+    coder->minimum = UINT32_MAX;
+    for (size_t p = 1; p < voxels->label_count; p++) {
+        uint32_t label = voxels->labels[p];
+        others += voxels->counts[p];
+        coder->minimum = label < coder->minimum ? label : coder->minimum;
+        coder->maximum = label > coder->maximum ? label : coder->maximum;
+    }
+    voxels->counts[0] = voxels->count - others;
+    coder->minimum = voxels->counts[0] ? 0 : coder->minimum;
+}
+
 void label_coder_end(struct label_voxels *out, struct label_coder *coder)
 {
+    end_counts(coder);
     size_t each = coder->voxels.wide ? WIDE : NARROW;
     uint8_t *less =
         coder->size > coder->voxels.count * each ? memory_resize(coder->memory, coder->voxels.count, each) : NULL;

@@ -32,11 +32,14 @@ struct label_voxels {
     uint32_t *wide;   /**< by the number of different labels.                                           */
     uint32_t *labels; /**< [label_count], owned: 0, then in the order in which they were first read. They may be
                            changed: all voxels of a label change with it. */
+    uint64_t *counts; /**< [label_count], owned: how many voxels have each place. */
     size_t label_count;
+    uint8_t *filled; /**< [count / LABEL_BLOCK + 1], owned: 0 = no voxel of the block has a place but 0. */
 };
 
 enum {
     LABEL_VOXELS_LIMIT = 1 << 24, /**< Different labels.                                                    */
+    LABEL_BLOCK = 2048,           /**< Voxels in a row, 2 bytes of which are a page.                        */
     LABEL_BYTES = 512 /**< Memory of a label beside its voxels, once it is an area: object, name and maps. */
 };
 
@@ -60,8 +63,8 @@ conus_status label_voxels_tally(struct label_map *out, const struct label_voxels
  * is unchanged. */
 conus_status label_voxels_merge(struct label_voxels *to, const struct label_voxels *from);
 
-/** Replaces each place p by numbers[p], in the same memory; 2 bytes each if @p narrow, else 4. The voxels no longer
- * refer to `labels` then. */
+/** Replaces each place p by numbers[p], in the same memory; 2 bytes each if @p narrow, else 4. numbers[0] is 0. The
+ * voxels no longer refer to `labels` then. */
 conus_status label_voxels_renumber(struct label_voxels *voxels, const uint32_t *numbers, bool narrow);
 
 /** The labels of an array. */
@@ -73,12 +76,13 @@ struct label_coder {
     uint8_t *memory;  /* of the places */
     size_t size;      /* its bytes */
     uint8_t *earlier; /* what `memory` was before the places became wide, if that was not in place */
-    size_t done;      /* voxels */
+    size_t done;      /* voxels before the next one */
+    bool is_own;      /* the memory was zeros, and voxels may come in any order */
     uint64_t limit;
-    size_t label_capacity;
+    size_t label_capacity, count_capacity;
     struct label_map place_of; /* label -> place */
     uint32_t last, last_place;
-    uint32_t minimum, maximum; /* of the labels */
+    uint32_t minimum, maximum; /* of the labels, at the end */
 };
 
 /** For @p count voxels, whose places and labels may take @p limit bytes (0 = any), LABEL_BYTES for each label;
@@ -91,7 +95,10 @@ conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t 
  * more than fit CONUS_ERROR_MEMORY. */
 conus_status label_coder_add(struct label_coder *coder, const uint32_t *labels, size_t count);
 
-/** Moves the result to @p out when all voxels are there. */
+/** The same of voxels from @p first on, in any order, each once, where label_coder_init() was given no memory. */
+conus_status label_coder_put(struct label_coder *coder, size_t first, const uint32_t *labels, size_t count);
+
+/** Moves the result to @p out when all voxels are there; of memory of its own, those that never came have label 0. */
 void label_coder_end(struct label_voxels *out, struct label_coder *coder);
 void label_coder_finish(struct label_coder *coder);
 

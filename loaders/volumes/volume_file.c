@@ -426,6 +426,7 @@ static conus_status take_head(struct volume_file *file, const struct opening *o)
 struct filling {
     uint8_t *data;
     size_t done;
+    size_t size;
 };
 
 static conus_status fill(void *user, const uint8_t *data, size_t size)
@@ -451,18 +452,27 @@ static conus_status fill_zeros(void *user, const uint8_t *data, size_t size)
     return CONUS_OK;
 }
 
-/* Reads the voxels of OME-Zarr or MINC into the sink of the range, or else into `out`. */
+/* A zarr_sink: a row of voxels of `size` bytes. */
+static conus_status fill_row(void *user, size_t first, const uint8_t *voxels, size_t count)
+{
+    struct filling *filling = user;
+    memcpy(filling->data + first * filling->size, voxels, count * filling->size);
+    return CONUS_OK;
+}
+
+/* Reads the voxels of OME-Zarr or MINC for the reader of labels, or else into `out`. */
 static conus_status take_slabs(struct bytes *out, char sha256[65], const struct gzip_range *range, struct opening *o)
 {
-    struct filling filling = {.data = range->sink ? NULL : memory_raw(range->count, 1)};
-    if (!range->sink && !filling.data) {
+    bool is_filled = !range->sink;
+    struct filling filling = {.data = is_filled ? memory_zeroed(range->count, 1) : NULL,
+                              .size = volume_datatype_size(o->header.datatype)};
+    if (is_filled && !filling.data) {
         return CONUS_ERROR_MEMORY;
     }
-    gzip_sink *sink = range->sink ? range->sink : fill;
-    void *user = range->sink ? range->user : &filling;
-    conus_status status =
-        o->minc.hdf5 ? minc_read(&o->minc, sink, user)
-                     : volume_zarr_read(sha256, &o->zarr, o->header.info.volume, o->limit, sink, user, &o->notes);
+    void *user = is_filled ? &filling : range->user;
+    conus_status status = o->minc.hdf5 ? minc_read(&o->minc, is_filled ? fill : range->sink, user)
+                                       : volume_zarr_read(sha256, &o->zarr, o->header.info.volume, o->limit,
+                                                          is_filled ? fill_row : label_reader_put, user, &o->notes);
     if (status) {
         memory_free(filling.data);
         return status;

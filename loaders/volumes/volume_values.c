@@ -114,7 +114,17 @@ static bool block_labels(uint32_t *out, const struct decoder *decoder, const str
     return fine;
 }
 
-/* Decodes the next voxels, of which `from` is the first. */
+/* Keeps the first voxel that is no label. */
+static void keep_bad(struct label_reader *reader, size_t voxel, const uint8_t *bytes)
+{
+    if (!reader->is_bad || voxel < reader->bad_voxel) {
+        reader->is_bad = true;
+        reader->bad_voxel = voxel;
+        memcpy(reader->bad_bytes, bytes, volume_datatype_size(reader->file->datatype));
+    }
+}
+
+/* Decodes voxels, of which `from` is the first. */
 static conus_status code_labels(struct label_reader *reader, const uint8_t *voxels, size_t from, size_t count)
 {
     const struct volume_file *file = reader->file;
@@ -122,7 +132,7 @@ static conus_status code_labels(struct label_reader *reader, const uint8_t *voxe
     size_t size = volume_datatype_size(file->datatype);
     conus_status status = CONUS_OK;
     if (file->datatype == VOLUME_UINT32 && !file->swapped && !is_scaled(file) && (uintptr_t)voxels % size == 0) {
-        return label_coder_add(&reader->coder, (const void *)voxels, count); /* they are labels as they are */
+        return label_coder_put(&reader->coder, from, (const void *)voxels, count); /* they are labels as they are */
     }
     for (size_t at = 0; !status && at < count; at += BLOCK) {
         uint32_t labels[BLOCK];
@@ -131,12 +141,10 @@ static conus_status code_labels(struct label_reader *reader, const uint8_t *voxe
             while (block_labels(labels, decoder, file, voxels + at * size, 1)) { /* the first one that is no label */
                 at++;
             }
-            reader->is_bad = true;
-            reader->bad_voxel = from + at;
-            memcpy(reader->bad_bytes, voxels + at * size, size);
+            keep_bad(reader, from + at, voxels + at * size);
             return CONUS_OK;
         }
-        status = label_coder_add(&reader->coder, labels, block);
+        status = label_coder_put(&reader->coder, from + at, labels, block);
     }
     return status;
 }
@@ -154,12 +162,17 @@ conus_status label_reader_add(void *user, const uint8_t *voxels, size_t size)
     return reader->is_bad ? CONUS_OK : code_labels(reader, voxels, reader->coder.done, size / each);
 }
 
+conus_status label_reader_put(void *user, size_t first, const uint8_t *voxels, size_t count)
+{
+    return code_labels(user, voxels, first, count);
+}
+
 conus_status label_reader_end(struct label_voxels *out, struct label_reader *reader, struct volume_file *file)
 {
     if (!reader->is_bad) {
+        label_coder_end(out, &reader->coder);
         file->info.minimum = reader->coder.minimum;
         file->info.maximum = reader->coder.maximum;
-        label_coder_end(out, &reader->coder);
         return CONUS_OK;
     }
     char words[128]; /* as a person would write it: integers whole, however big; scaled ones with their scale */

@@ -19,7 +19,7 @@ conus_status volume_file_take_labels(struct label_voxels *out, struct volume_fil
 struct label_reader {
     const struct volume_file *file; /**< Its info, datatype, byte order and max_memory, but no voxels; borrowed. */
     struct label_coder coder;
-    bool is_bad; /**< A voxel is no label: the first such is kept, and nothing is decoded any more. */
+    bool is_bad; /**< A voxel is no label: the first such is kept. */
     size_t bad_voxel;
     uint8_t bad_bytes[8];
 };
@@ -30,6 +30,9 @@ conus_status label_reader_init(struct label_reader *reader, const struct volume_
 
 /** A gzip_sink: appends whole voxels as they are stored. @p user is the reader. */
 conus_status label_reader_add(void *user, const uint8_t *voxels, size_t size);
+
+/** A zarr_sink: the voxels from @p first on, in any order, where init got no memory. */
+conus_status label_reader_put(void *user, size_t first, const uint8_t *voxels, size_t count);
 
 /** Gives the labels of all voxels, and @p file their range. A voxel that is none is CONUS_ERROR_DATA, as of
  * volume_file_labels(). */

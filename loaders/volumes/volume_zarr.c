@@ -265,7 +265,7 @@ void volume_zarr_finish(struct volume_zarr *zarr)
 }
 
 conus_status volume_zarr_read(char sha256[65], const struct volume_zarr *zarr, uint64_t volume, uint64_t limit,
-                              gzip_sink *sink, void *user, struct notes *notes)
+                              zarr_sink *sink, void *user, struct notes *notes)
 {
     struct zarr_found found;
     conus_status status = zarr_read(&found, &zarr->array, zarr->folder, volume, limit, sink, user);

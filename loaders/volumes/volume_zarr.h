@@ -27,6 +27,6 @@ void volume_zarr_finish(struct volume_zarr *zarr);
 /** Reads the voxels of @p volume into @p sink, as zarr_read() does, and their sum into @p sha256, [65]. A note says how
  * many chunks are not there. */
 conus_status volume_zarr_read(char sha256[65], const struct volume_zarr *zarr, uint64_t volume, uint64_t limit,
-                              gzip_sink *sink, void *user, struct notes *notes);
+                              zarr_sink *sink, void *user, struct notes *notes);
 
 #endif

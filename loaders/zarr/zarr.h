@@ -63,11 +63,15 @@ struct zarr_found {
     char sha256[65];        /**< Of the lines that sha256sum writes for the files of chunks, in the order of space. */
 };
 
-/** Reads the volume @p volume, from 0, of the array in @p folder, row of chunks by row of chunks: of the axes ahead of
- * space, the last is the fastest. @p sink gets the voxels in order, the last axis fastest, in the byte order of the
- * file. What is held in memory meanwhile is a row of chunks, and the indexes of a row of shards; more than @p limit
- * bytes of it are CONUS_ERROR_MEMORY, an array without any chunk CONUS_ERROR_DATA. */
+/** Takes @p count voxels along the last axis, as they are stored; the first is voxel @p first of the volume, of which
+ * the last axis is the fastest. */
+typedef conus_status zarr_sink(void *user, size_t first, const uint8_t *voxels, size_t count);
+
+/** Reads the volume @p volume, from 0, of the array in @p folder: of the axes ahead of space, the last is the fastest.
+ * @p sink gets the voxels chunk by chunk, each row of a chunk once; voxels that it does not get are zeros. What is held
+ * in memory meanwhile is a chunk, and the index of a shard; more than @p limit bytes of it are CONUS_ERROR_MEMORY, an
+ * array without any chunk CONUS_ERROR_DATA. */
 conus_status zarr_read(struct zarr_found *out, const struct zarr_array *array, const char *folder, uint64_t volume,
-                       uint64_t limit, gzip_sink *sink, void *user);
+                       uint64_t limit, zarr_sink *sink, void *user);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reads the chunks of an array, row by row of chunks. */
+/* Reads the chunks of an array, one after the other. */
 #include "base/buffer.h"
 #include "base/byte_order.h"
 #include "base/memory.h"
@@ -17,18 +17,6 @@ struct entry {
     uint64_t from, size;
 };
 
-/* The index of a shard, kept for the rows of chunks in it. */
-struct shard {
-    struct entry *entries; /* NULL where there is no file */
-    struct file_state state;
-};
-
-/* A chunk of the row that is being read. */
-struct chunk {
-    uint8_t *room; /* for its numbers, kept from row to row; NULL where it was never there */
-    bool there;    /* else it has the fill value */
-};
-
 struct reading {
     const struct zarr_array *array;
     const char *folder;
@@ -40,23 +28,18 @@ struct reading {
     size_t start;            /* from the number where the volume begins */
     size_t ahead[ZARR_AXES]; /* the volume's place along the axes ahead of space */
     size_t entries, first;   /* of a shard's index: all, and the volume's first */
-    struct shard *shards;    /* [files[1]][files[2]] of a row */
     struct zarr_unpacker *unpacker;
-    size_t chunks[SPACE]; /* of the array */
-    struct chunk *row;    /* [chunks[1]][chunks[2]] */
-    uint8_t *line;        /* a row of a chunk's voxels that are copied together, */
-    uint8_t *fill;        /* and one of fill values */
+    uint8_t *room; /* for a chunk's numbers, */
+    uint8_t *line; /* for a row of them that are copied together, */
+    uint8_t *fill; /* and one of fill values; NULL = they are zeros */
+    zarr_sink *sink;
+    void *user;
     struct bytes stored;
     struct buffer path;
     size_t key; /* where it begins in the path */
     struct sha256_ctx sum;
     struct zarr_found found;
 };
-
-static size_t smaller(size_t a, size_t b)
-{
-    return a < b ? a : b;
-}
 
 /* Copies a row of numbers that lie `step` apart; a step of 0 repeats one. */
 static void copy_row(uint8_t *out, const uint8_t *from, size_t count, size_t step, size_t size)
@@ -98,10 +81,12 @@ static void find_volume(struct reading *reading, uint64_t volume)
 
 static conus_status reading_init(struct reading *reading, uint64_t volume)
 {
+    static const uint8_t zeros[sizeof reading->array->fill] = {0};
     const struct zarr_array *array = reading->array;
     size_t ahead = array->rank - SPACE;
     size_t line = (size_t)array->chunk[array->rank - 1] * array->size;
-    size_t bytes = array->chunk_bytes + ZARR_AROUND + 2 * line + sizeof *reading->row; /* of the row of chunks */
+    size_t bytes = array->chunk_bytes + ZARR_AROUND + 2 * line;
+    size_t index = sizeof(struct entry);
     find_volume(reading, volume);
     for (size_t i = 0; i < SPACE; i++) {
         size_t file = (size_t)array->file_chunk[ahead + i];
@@ -109,29 +94,27 @@ static conus_status reading_init(struct reading *reading, uint64_t volume)
         reading->chunk[i] = (size_t)array->chunk[ahead + i];
         reading->each[i] = file / reading->chunk[i];
         reading->files[i] = (reading->size[i] + file - 1) / file;
-        reading->chunks[i] = (reading->size[i] + reading->chunk[i] - 1) / reading->chunk[i];
     }
     reading->found.wanted = (uint64_t)reading->files[0] * reading->files[1] * reading->files[2];
-    size_t shards = array->sharded ? reading->files[1] * reading->files[2] : 0;
-    size_t indexes = sizeof *reading->shards + reading->entries * sizeof(struct entry);
-    bool fits = memory_multiply(bytes, reading->chunks[1], &bytes) &&
-                memory_multiply(bytes, reading->chunks[2], &bytes) && memory_multiply(indexes, shards, &indexes) &&
-                indexes <= reading->limit;
-    if (!fits || bytes > reading->limit - indexes) {
+    bool fits = memory_multiply(index, array->sharded ? reading->entries : 0, &index) && index <= reading->limit;
+    if (!fits || bytes > reading->limit - index) {
         return fail(CONUS_ERROR_MEMORY,
-                    "chunk_shape: a row of chunks takes more memory than the %llu bytes allowed "
-                    "(--max-memory)",
+                    "chunk_shape: a chunk takes more memory than the %llu bytes allowed (--max-memory)",
                     (unsigned long long)reading->limit);
     }
     sha256_init(&reading->sum);
-    reading->row = memory_zeroed(reading->chunks[1] * reading->chunks[2], sizeof *reading->row);
-    reading->shards = shards ? memory_zeroed(shards, sizeof *reading->shards) : NULL;
+    reading->room = memory_raw(array->chunk_bytes + ZARR_AROUND, 1);
     reading->line = memory_raw(line, 1);
-    reading->fill = memory_raw(line, 1);
-    if (!reading->row || (shards && !reading->shards) || !reading->line || !reading->fill) {
+    if (!reading->room || !reading->line) {
         return CONUS_ERROR_MEMORY;
     }
-    copy_row(reading->fill, array->fill, (size_t)array->chunk[array->rank - 1], 0, array->size);
+    if (memcmp(array->fill, zeros, array->size) != 0) {
+        reading->fill = memory_raw(line, 1);
+        if (!reading->fill) {
+            return CONUS_ERROR_MEMORY;
+        }
+        copy_row(reading->fill, array->fill, (size_t)array->chunk[array->rank - 1], 0, array->size);
+    }
     return zarr_unpacker_create(&reading->unpacker);
 }
 
@@ -139,16 +122,9 @@ static void reading_finish(struct reading *reading)
 {
     zarr_unpacker_destroy(reading->unpacker);
     bytes_finish(&reading->stored);
-    for (size_t i = 0; reading->row && i < reading->chunks[1] * reading->chunks[2]; i++) {
-        memory_free(reading->row[i].room);
-    }
-    memory_free(reading->row);
+    memory_free(reading->room);
     memory_free(reading->line);
     memory_free(reading->fill);
-    for (size_t i = 0; reading->shards && i < reading->files[1] * reading->files[2]; i++) {
-        memory_free(reading->shards[i].entries);
-    }
-    memory_free(reading->shards);
     buffer_finish(&reading->path);
 }
 
@@ -198,24 +174,40 @@ static void add_line(struct reading *reading, const char hex[65])
     reading->found.files++;
 }
 
-static struct chunk *find_chunk(const struct reading *reading, const size_t at[SPACE])
+/* Gives the sink the voxels of the chunk at `at`, counted in chunks along space, row by row along the last axis: those
+ * that were unpacked, or else the fill value. */
+static conus_status give_chunk(const struct reading *reading, const size_t at[SPACE], bool there)
 {
-    return &reading->row[at[1] * reading->chunks[2] + at[2]];
+    const size_t size = reading->array->size;
+    const size_t *step = reading->step;
+    size_t first[SPACE], count[SPACE];
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < SPACE; i++) {
+        first[i] = at[i] * reading->chunk[i];
+        count[i] = smaller_of(reading->chunk[i], reading->size[i] - first[i]);
+    }
+    for (size_t row = there || reading->fill ? 0 : SIZE_MAX; !status && row < count[0] * count[1]; row++) {
+        size_t z = row / count[1];
+        size_t y = row % count[1];
+        const uint8_t *from =
+            there ? reading->room + (reading->start + z * step[0] + y * step[1]) * size : reading->fill;
+        if (there && step[2] != 1) {
+            copy_row(reading->line, from, count[2], step[2], size);
+            from = reading->line;
+        }
+        size_t voxel = ((first[0] + z) * reading->size[1] + first[1] + y) * reading->size[2] + first[2];
+        status = reading->sink(reading->user, voxel, from, count[2]);
+    }
+    return status;
 }
 
-/* Unpacks `size` stored bytes of the chunk at `at`, counted in chunks along space. */
-static conus_status take_chunk(struct reading *reading, const size_t at[SPACE], const uint8_t *data, size_t size)
+/* Unpacks the stored bytes of the chunk at `at`, and gives its voxels. */
+static conus_status take_chunk(const struct reading *reading, const size_t at[SPACE])
 {
     const struct zarr_array *array = reading->array;
-    struct chunk *chunk = find_chunk(reading, at);
-    if (!chunk->room) {
-        chunk->room = memory_raw(array->chunk_bytes + ZARR_AROUND, 1);
-    }
-    conus_status status =
-        chunk->room ? zarr_unpack(chunk->room, reading->unpacker, &array->chain, data, size, array->chunk_bytes)
-                    : CONUS_ERROR_MEMORY;
-    chunk->there = !status;
-    return status ? fail_in(status, reading->path.data) : CONUS_OK;
+    conus_status status = zarr_unpack(reading->room, reading->unpacker, &array->chain, reading->stored.data,
+                                      reading->stored.size, array->chunk_bytes);
+    return status ? fail_in(status, reading->path.data) : give_chunk(reading, at, true);
 }
 
 /* The chunk of a file that has one. */
@@ -229,7 +221,7 @@ static conus_status read_chunk(struct reading *reading, const struct open_file *
     }
     file_sha256(hex, &reading->stored);
     add_line(reading, hex);
-    return take_chunk(reading, at, reading->stored.data, reading->stored.size);
+    return take_chunk(reading, at);
 }
 
 /* Reads a part of the file into `stored`. */
@@ -338,120 +330,64 @@ static conus_status read_index(struct entry **out, struct reading *reading, cons
     return CONUS_OK;
 }
 
-/* Gives the chunks of the file at `at`, of those in the row `row`, their voxels: those of an index, or the fill value.
- */
-static conus_status fill_chunks(struct reading *reading, const struct open_file *file, const struct entry *entries,
-                                const size_t at[SPACE], size_t row)
+/* The chunks of the file at `at`, counted in files along space: those of its index, NULL where there is no file. */
+static conus_status give_chunks(struct reading *reading, const struct open_file *file, const struct entry *entries,
+                                const size_t at[SPACE])
 {
     const size_t *each = reading->each;
     conus_status status = CONUS_OK;
-    for (size_t y = 0; !status && y < each[1]; y++) {
-        for (size_t x = 0; !status && x < each[2]; x++) {
-            const size_t chunk[SPACE] = {row, at[1] * each[1] + y, at[2] * each[2] + x};
-            bool inside =
-                chunk[1] * reading->chunk[1] < reading->size[1] && chunk[2] * reading->chunk[2] < reading->size[2];
-            const struct entry *entry =
-                entries ? &entries[reading->first + (row % each[0] * each[1] + y) * each[2] + x] : NULL;
-            if (inside && (!entry || entry->from == UINT64_MAX)) {
-                find_chunk(reading, chunk)->there = false;
-            } else if (inside) {
-                status = read_part(reading, file, entry->from, (size_t)entry->size);
-                status = status ? status : take_chunk(reading, chunk, reading->stored.data, reading->stored.size);
-            }
+    for (size_t i = 0; !status && i < each[0] * each[1] * each[2]; i++) {
+        const size_t chunk[SPACE] = {at[0] * each[0] + i / each[2] / each[1], at[1] * each[1] + i / each[2] % each[1],
+                                     at[2] * each[2] + i % each[2]};
+        bool inside = true;
+        for (size_t axis = 0; axis < SPACE; axis++) {
+            inside = inside && chunk[axis] * reading->chunk[axis] < reading->size[axis];
+        }
+        const struct entry *entry = entries ? &entries[reading->first + i] : NULL;
+        if (inside && entry && entry->from != UINT64_MAX) {
+            status = read_part(reading, file, entry->from, (size_t)entry->size);
+            status = status ? status : take_chunk(reading, chunk);
+        } else if (inside) {
+            status = give_chunk(reading, chunk, false);
         }
     }
     return status;
 }
 
-/* The index of the shard at `at`, read at the first row of chunks in it; `file` is NULL where it is not there. */
-static conus_status find_shard(const struct shard **out, struct reading *reading, const struct open_file *file,
-                               const size_t at[SPACE], size_t row)
+static conus_status read_shard(struct reading *reading, const struct open_file *file, const size_t at[SPACE])
 {
-    struct shard *shard = &reading->shards[at[1] * reading->files[2] + at[2]];
-    conus_status status = CONUS_OK;
-    if (row % reading->each[0] == 0) {
-        memory_free(shard->entries);
-        *shard = (struct shard){.state = file ? file->before : (struct file_state){0}};
-        status = file ? sum_shard(reading, file) : CONUS_OK;
-        status = status || !file ? status : read_index(&shard->entries, reading, file);
-    } else if (file ? !file_state_equal(&file->before, &shard->state) : shard->entries != NULL) {
-        status = fail(CONUS_ERROR_IO, "%s: " FILE_CHANGED, reading->path.data);
-    }
-    *out = shard;
+    struct entry *entries = NULL;
+    conus_status status = sum_shard(reading, file);
+    status = status ? status : read_index(&entries, reading, file);
+    status = status ? status : give_chunks(reading, file, entries, at);
+    memory_free(entries);
     return status;
 }
 
-/* Reads of the chunks of the file at `at` those of the row `row`. */
-static conus_status read_file(struct reading *reading, const size_t at[SPACE], size_t row)
+/* Reads the chunks of the file at `at`. */
+static conus_status read_file(struct reading *reading, const size_t at[SPACE])
 {
     struct open_file file = {.descriptor = -1};
-    const struct shard *shard = NULL;
     bool there = false;
     conus_status status = find_path(reading, at);
     status = status ? status : open_chunk(&file, &there, reading);
-    if (status) {
-        return status;
+    if (status || !there) {
+        return status ? status : give_chunks(reading, NULL, NULL, at);
     }
-    if (reading->array->sharded) {
-        status = find_shard(&shard, reading, there ? &file : NULL, at, row);
-    }
-    if (!status && there && !shard) {
-        status = read_chunk(reading, &file, at);
-    } else if (!status) {
-        status = fill_chunks(reading, &file, shard ? shard->entries : NULL, at, row);
-    }
-    if (there) {
-        file_close(&file);
-    }
-    return status;
-}
-
-/* Reads the row `row` of chunks. */
-static conus_status read_row(struct reading *reading, size_t row)
-{
-    conus_status status = CONUS_OK;
-    size_t at[SPACE] = {row / reading->each[0], 0, 0};
-    for (at[1] = 0; !status && at[1] < reading->files[1]; at[1]++) {
-        for (at[2] = 0; !status && at[2] < reading->files[2]; at[2]++) {
-            status = read_file(reading, at, row);
-        }
-    }
-    return status;
-}
-
-/* Gives the sink a row of voxels along the last axis, of the plane `z` of the row of chunks: piece by piece, as they
- * lie in the chunks. */
-static conus_status give_line(const struct reading *reading, size_t z, size_t y, gzip_sink *sink, void *user)
-{
-    const size_t size = reading->array->size;
-    const size_t *step = reading->step;
-    size_t at[SPACE] = {0, y / reading->chunk[1], 0};
-    size_t first = reading->start + z * step[0] + y % reading->chunk[1] * step[1];
-    conus_status status = CONUS_OK;
-    for (at[2] = 0; !status && at[2] < reading->chunks[2]; at[2]++) {
-        const struct chunk *chunk = find_chunk(reading, at);
-        const uint8_t *from = chunk->there ? chunk->room + first * size : reading->fill;
-        size_t count = smaller(reading->chunk[2], reading->size[2] - at[2] * reading->chunk[2]);
-        if (chunk->there && step[2] != 1) {
-            copy_row(reading->line, from, count, step[2], size);
-            from = reading->line;
-        }
-        status = sink(user, from, count * size);
-    }
+    status = reading->array->sharded ? read_shard(reading, &file, at) : read_chunk(reading, &file, at);
+    file_close(&file);
     return status;
 }
 
 conus_status zarr_read(struct zarr_found *out, const struct zarr_array *array, const char *folder, uint64_t volume,
-                       uint64_t limit, gzip_sink *sink, void *user)
+                       uint64_t limit, zarr_sink *sink, void *user)
 {
-    struct reading reading = {.array = array, .folder = folder, .limit = limit};
+    struct reading reading = {.array = array, .folder = folder, .limit = limit, .sink = sink, .user = user};
     conus_status status = reading_init(&reading, volume);
-    for (size_t row = 0; !status && row * reading.chunk[0] < reading.size[0]; row++) {
-        size_t planes = smaller(reading.chunk[0], reading.size[0] - row * reading.chunk[0]);
-        status = read_row(&reading, row);
-        for (size_t line = 0; !status && line < planes * reading.size[1]; line++) {
-            status = give_line(&reading, line / reading.size[1], line % reading.size[1], sink, user);
-        }
+    for (uint64_t i = 0; !status && i < reading.found.wanted; i++) {
+        const size_t at[SPACE] = {i / reading.files[2] / reading.files[1], i / reading.files[2] % reading.files[1],
+                                  i % reading.files[2]};
+        status = read_file(&reading, at);
     }
     if (!status && !reading.found.files) {
         status = fail(CONUS_ERROR_DATA, "%s: no chunk of this array is there: it was not downloaded", folder);

@@ -153,6 +153,66 @@ static void numbers_take_the_place_of_places(void **state)
     }
 }
 
+/* Pieces of voxels come last first, and one of them never: its voxels have label 0. */
+static void voxels_come_in_any_order(void **state)
+{
+    (void)state;
+    enum { PIECE = 1000 };
+    static const uint32_t different[] = {100, MANY};
+    for (size_t n = 0; n < sizeof different / sizeof different[0]; n++) {
+        struct label_coder coder;
+        struct label_voxels voxels = {0};
+        struct label_map tally = {0};
+        uint32_t *labels = make_labels(different[n]);
+        assert_ok(label_coder_init(&coder, COUNT, 0, NULL, 0));
+        memset(labels, 0, PIECE * sizeof *labels);
+        for (size_t at = COUNT; at > PIECE; at -= PIECE) {
+            assert_ok(label_coder_put(&coder, at - PIECE, labels + at - PIECE, PIECE));
+        }
+        label_coder_end(&voxels, &coder);
+        assert_int_equal(coder.minimum, 0);
+        label_coder_finish(&coder);
+        assert_int_equal(voxels.wide != NULL, different[n] == MANY);
+        assert_same(&voxels, labels);
+        assert_ok(label_voxels_tally(&tally, &voxels));
+        uint64_t filled = 0;
+        for (size_t i = 0; i < COUNT; i++) {
+            filled += labels[i] != 0;
+        }
+        for (size_t i = 0; i <= tally.mask; i++) {
+            filled -= tally.slots[i].value;
+        }
+        assert_int_equal(filled, 0);
+        label_map_finish(&tally);
+        label_voxels_finish(&voxels);
+        memory_free(labels);
+    }
+}
+
+/* Each block of voxels that has a label is renumbered, those with label 0 in front and behind stay 0. */
+static void empty_blocks_stay_empty(void **state)
+{
+    (void)state;
+    const uint32_t numbers[3] = {0, 7, 1};
+    for (size_t at = 0; at < 5; at++) {
+        static const size_t places[5] = {0, LABEL_BLOCK - 1, LABEL_BLOCK, 3 * LABEL_BLOCK + 17, COUNT - 1};
+        struct label_coder coder;
+        struct label_voxels voxels = {0};
+        const uint32_t labels[2] = {40, 50};
+        size_t count = at == 4 ? 1 : 2; /* the second pair lies in two blocks */
+        assert_ok(label_coder_init(&coder, COUNT, 0, NULL, 0));
+        assert_ok(label_coder_put(&coder, places[at], labels, count));
+        label_coder_end(&voxels, &coder);
+        label_coder_finish(&coder);
+        assert_ok(label_voxels_renumber(&voxels, numbers, true));
+        for (size_t i = 0; i < COUNT; i++) {
+            bool is = i >= places[at] && i < places[at] + count;
+            assert_int_equal(voxels.narrow[i], is ? numbers[1 + i - places[at]] : 0);
+        }
+        label_voxels_finish(&voxels);
+    }
+}
+
 static conus_status code_and_finish(struct label_coder *coder, const uint32_t *labels, size_t count)
 {
     struct label_voxels voxels = {0};
@@ -229,6 +289,8 @@ TEST_GROUP(label_voxels)
         cmocka_unit_test(a_tally_counts_the_voxels_of_each_label),
         cmocka_unit_test(merging_fills_what_is_empty),
         cmocka_unit_test(numbers_take_the_place_of_places),
+        cmocka_unit_test(voxels_come_in_any_order),
+        cmocka_unit_test(empty_blocks_stay_empty),
         cmocka_unit_test(what_does_not_fit_is_refused),
         cmocka_unit_test(every_failing_allocation),
     };

@@ -3,6 +3,7 @@
  * tests/oracles/compare_zarr.py. */
 #include "loaders/zarr/zarr.h"
 
+#include "atlas/labels/label_voxels.h"
 #include "base/memory.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/zarr/ome.h"
@@ -301,11 +302,12 @@ static void every_failing_allocation_of_a_shard_is_reported(void **state)
     test_every_allocation(open_shard, (void *)write_shard(good_index));
 }
 
-/* Writes the shard anew, with another size, once the first row of its chunks was read; or takes it away. */
-static conus_status change_shard(void *user, const uint8_t *data, size_t size)
+/* Writes the shard anew, with another size, once the first of its chunks was read; or takes it away. */
+static conus_status change_shard(void *user, size_t first, const uint8_t *voxels, size_t count)
 {
-    (void)data;
-    (void)size;
+    (void)first;
+    (void)voxels;
+    (void)count;
     if (*(bool *)user) {
         remove(test_scratch("shard/c/0/0/0"));
         return CONUS_OK;
@@ -313,7 +315,7 @@ static conus_status change_shard(void *user, const uint8_t *data, size_t size)
     return file_write(test_scratch("shard/c/0/0/0"), "another size", 12);
 }
 
-static void a_shard_that_changes_between_rows_is_an_error(void **state)
+static void a_shard_that_changes_between_chunks_is_an_error(void **state)
 {
     (void)state;
     struct zarr_array array;
@@ -337,6 +339,28 @@ static void indexes_beyond_the_limit_are_refused(void **state)
     array.file_chunk[0] = 1 << 20; /* as many chunks in a shard, 16 bytes each in its index */
     assert_fails(zarr_read(&found, &array, test_scratch("shard"), 0, 1 << 24, change_shard, &goes), CONUS_ERROR_MEMORY);
     assert_non_null(strstr(conus_message(), "(--max-memory)"));
+}
+
+/* Of two chunks along the first row, the second one has a voxel that is no label ahead of that of the first one. */
+static void the_first_voxel_that_is_no_label_is_named(void **state)
+{
+    (void)state;
+    static const int8_t chunks[2][4] = {{1, 1, -5, 1}, {1, -3, 1, 1}};
+    static const char array[] = "{\"zarr_format\":2,\"shape\":[1,2,4],\"chunks\":[1,2,2],\"dtype\":\"|i1\","
+                                "\"compressor\":null,\"fill_value\":0,\"order\":\"C\",\"filters\":null}";
+    struct volume_file file = {0};
+    struct label_voxels labels = {0};
+    struct notes notes = {0};
+    const conus_load_options options = {0};
+    test_folder("signs");
+    assert_ok(file_write(test_scratch("signs/.zarray"), array, strlen(array)));
+    assert_ok(file_write(test_scratch("signs/0.0.0"), (const char *)chunks[0], 4));
+    assert_ok(file_write(test_scratch("signs/0.0.1"), (const char *)chunks[1], 4));
+    assert_fails(volume_file_open_labels(&file, &labels, test_scratch("signs,resolution=1,orientation=ras"), NULL,
+                                         &options, "", &notes),
+                 CONUS_ERROR_DATA);
+    assert_non_null(strstr(conus_message(), "voxel (3, 0, 0): found -3"));
+    notes_finish(&notes);
 }
 
 /* An array of 2 x 2 volumes, in chunks of 1 x 2, of 2 x 1 x 1 voxels each, as the level "scale0/image" of a group. */
@@ -447,8 +471,9 @@ TEST_GROUP(zarr)
         cmocka_unit_test(a_chunk_of_another_size_is_refused),
         cmocka_unit_test(chunks_of_a_shard_lie_apart),
         cmocka_unit_test(every_failing_allocation_of_a_shard_is_reported),
-        cmocka_unit_test(a_shard_that_changes_between_rows_is_an_error),
+        cmocka_unit_test(a_shard_that_changes_between_chunks_is_an_error),
         cmocka_unit_test(indexes_beyond_the_limit_are_refused),
+        cmocka_unit_test(the_first_voxel_that_is_no_label_is_named),
         cmocka_unit_test(volumes_lie_along_the_axes_ahead_of_space),
         cmocka_unit_test(pathways_of_a_manifest_are_volumes),
         cmocka_unit_test(areas_of_an_image_have_its_names_and_colours),
