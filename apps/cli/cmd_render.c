@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
 #include "cli/commands.h"
+#include "cli/render_cuts.h"
 #include "figures/figure.h"
 #include "options/messages.h"
 #include "options/options.h"
@@ -366,6 +367,7 @@ struct render_settings {
     struct context_choice context;
     const char *transfer;
     bool no_skipping;
+    struct cut_settings cuts;
 };
 
 static const struct option picture_options[] = {
@@ -474,7 +476,8 @@ static const struct option_group groups[] = {
     {"", context_choice_options, offsetof(struct render_settings, context)},
     {"", map_options, offsetof(struct render_settings, context)},
     {"", figure_options, offsetof(struct render_settings, figure)},
-    {"", translucent_options, offsetof(struct render_settings, translucent)},
+    {"Flat cuts", cut_options, offsetof(struct render_settings, cuts)},
+    {"Surfaces of areas and pathways", translucent_options, offsetof(struct render_settings, translucent)},
     {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
     {"", row_options, 0},
     {"", pose_file_options, offsetof(struct render_settings, file)},
@@ -547,7 +550,8 @@ static bool check_cone(const struct render_settings *settings, const struct argu
     const struct option *of_rays = option_with(arguments, OPTION_OF_RAYS);
     const char *unused = of_rays ? of_rays->name : NULL;
     for (size_t i = 0; i < sizeof more / sizeof more[0] && !unused; i++) {
-        bool used = has_camera(arguments) && strcmp(more[i], "space") == 0;
+        bool has_places = has_camera(arguments) || render_cuts_have_places(&settings->cuts, arguments);
+        bool used = has_places && strcmp(more[i], "space") == 0;
         unused = option_given(arguments, more[i]) && !used ? more[i] : NULL;
     }
     if (!cone && unused) {
@@ -558,7 +562,12 @@ static bool check_cone(const struct render_settings *settings, const struct argu
 
 static bool check_settings(const struct render_settings *settings, const struct arguments *arguments)
 {
-    if (!check_cone(settings, arguments)) {
+    if (!render_cuts_check(&settings->cuts, arguments) || !check_cone(settings, arguments)) {
+        return false;
+    }
+    if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SAMPLING_SLICES &&
+        !render_cuts_need_space(&settings->cuts)) {
+        print_error_line("--slices has no effect on cuts: --cuts 3d,... adds the view in space");
         return false;
     }
     if (option_given(arguments, "frustum") && !has_camera(arguments)) {
@@ -700,11 +709,15 @@ static conus_status make_selector(struct picture *picture)
     return status ? status : conus_aims_create(&picture->aims, picture->selector);
 }
 
+/* Cuts need none. */
 static conus_status make_renderer(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
     if (settings->figure.safe_colours) {
         conus_atlas_use_safe_colours(picture->atlas);
+    }
+    if (!render_cuts_need_space(&settings->cuts)) {
+        return CONUS_OK;
     }
     const conus_renderer_options options = {.transfer = settings->transfer,
                                             .max_memory = settings->atlas.max_memory,
@@ -719,10 +732,26 @@ static conus_status make_renderer(struct picture *picture)
     return status;
 }
 
-static conus_status draw_picture(const struct picture *picture, const conus_selection *selection, const char *path)
+/* Draws the picture in space, or of the cuts. */
+static conus_status draw_view(conus_image **out, const struct picture *picture, const conus_view *view,
+                              const conus_cut_plane *planes, size_t count)
+{
+    const struct cut_settings *cuts = &picture->settings->cuts;
+    if (!cuts->cuts) {
+        return conus_render(out, picture->renderer, view);
+    }
+    const conus_cut_view look = render_cuts_look(cuts, picture->arguments);
+    return conus_cuts_image(out, picture->atlas, planes, count, &look, picture->renderer, view);
+}
+
+/* Of a cone, if any: `selection` is what it selects at `pose`. */
+static int draw_picture(const struct picture *picture, const conus_selection *selection, const conus_pose *pose,
+                        const char *path)
 {
     const struct render_settings *settings = picture->settings;
     conus_image *image = NULL;
+    conus_cut_plane *planes = NULL;
+    size_t count = 0;
     const double *f = settings->frustum;
     conus_view view = {.slices = settings->slices,
                        .field_of_view = radians(settings->field_of_view),
@@ -734,10 +763,21 @@ static conus_status draw_picture(const struct picture *picture, const conus_sele
                        .frame = &picture->frame,
                        .no_skipping = settings->no_skipping};
     figure_view(&view, &settings->figure);
-    conus_status status = conus_render(&image, picture->renderer, &view);
-    status = status ? status : conus_image_write(image, path);
+    if (settings->cuts.cuts && !option_given(picture->arguments, "size") &&
+        !option_given(picture->arguments, "height-mm")) {
+        view.height = 0;
+    }
+    int code = settings->cuts.cuts ? render_cuts_find(&planes, &count, &settings->cuts, picture->arguments,
+                                                      picture->atlas, &picture->frame, selection, pose)
+                                   : EXIT_DONE;
+    if (!code) {
+        conus_status status = draw_view(&image, picture, &view, planes, count);
+        status = status ? status : conus_image_write(image, path);
+        code = status ? print_status(status) : EXIT_DONE;
+    }
     conus_image_destroy(image);
-    return status;
+    free(planes);
+    return code;
 }
 
 /* Draws a cone; *fault where the pose itself is at fault, which is the caller's to say. */
@@ -746,9 +786,9 @@ static int draw_cone(struct picture *picture, const conus_pose *pose, double ang
     conus_selection *selection = NULL;
     conus_status status = conus_select(&selection, picture->selector, pose, angle);
     *fault = status == CONUS_ERROR_ARGUMENT;
-    status = status ? status : draw_picture(picture, selection, path);
+    int code = !status ? draw_picture(picture, selection, pose, path) : *fault ? EXIT_DONE : print_status(status);
     conus_selection_destroy(selection);
-    return status && !*fault ? print_status(status) : EXIT_DONE;
+    return code;
 }
 
 /* Gives the exit code where this is the only pose; of several, the others are drawn. */
@@ -833,8 +873,7 @@ static int run_render(const void *given, const struct arguments *arguments)
         bool cone = picture.poses || option_given(arguments, "origin");
         conus_status status = cone ? make_selector(&picture) : CONUS_OK;
         status = status ? status : make_renderer(&picture);
-        status = status || cone ? status : draw_picture(&picture, NULL, settings->output);
-        code = status ? print_status(status) : EXIT_DONE;
+        code = status ? print_status(status) : cone ? EXIT_DONE : draw_picture(&picture, NULL, NULL, settings->output);
     }
     if (!code && picture.selector) {
         code = picture.poses ? draw_rows(&picture) : draw_origin(&picture);

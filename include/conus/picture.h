@@ -268,6 +268,36 @@ CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const con
 CONUS_CHECKED conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const conus_cut_view *view,
                                            const conus_view *sheet);
 
+/** A plane through an atlas. */
+typedef struct conus_cut_plane {
+    double at[3];    /**< A point of it, world mm. */
+    double right[3]; /**< Unit vector to the picture's right. */
+    double up[3];    /**< Unit vector to the picture's top, perpendicular to it. */
+} conus_cut_plane;
+
+/**
+ * Draws cuts side by side on one sheet, all at the largest scale at which the box around the atlas and its context fits
+ * in each: with the letters of directions outside of the cuts, below each one where its plane is, one scale bar, and
+ * with a selection its cone in each cut and one legend. What is black at the edges of a cut and nothing else is the
+ * background.
+ * @param[out] out Channels R, G, B, A, as of conus_render(). End it with conus_image_destroy().
+ * @param atlas The atlas.
+ * @param planes [count] Where the cuts are, in the order of reading.
+ * @param count 1 to 400; 0 with a renderer, too.
+ * @param look Its fill, no_outlines, window and chosen are those of all cuts. NULL = defaults.
+ * @param renderer The atlas's, which draws the view in space before the first cut; NULL = only cuts.
+ * @param sheet Of the whole: its size, legend, background, dpi, no_legend, selection and frame; all else is of the view
+ * in space. Its height 0 means as high as the cuts need it, at most three quarters of the width. NULL = defaults.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for something out of its range, and for a sheet too small for so many cuts;
+ * #CONUS_ERROR_DATA for an atlas in which nothing shows; #CONUS_ERROR_MEMORY for more than 8 GiB, at 32 bytes per
+ * pixel; the errors of conus_render().
+ * @threads The one that made the renderer; without one any, while none changes the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const conus_cut_plane *planes,
+                                            size_t count, const conus_cut_view *look, conus_renderer *renderer,
+                                            const conus_view *sheet);
+
 /**
  * Prepares to draw one cut after the other, as windows do. The pictures are those of conus_cut(), but voxels and
  * surfaces are read again only where a view lies elsewhere. Another selection over the same place costs little.

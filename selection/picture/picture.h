@@ -41,6 +41,21 @@ conus_status picture_annotate(conus_image *image, const struct picture *picture)
  * degrees of the world's; the camera's first two columns are the cut's right and up. */
 conus_status picture_annotate_cut(conus_image *image, struct picture *picture, double mm_per_pixel);
 
+/** The letter of the direction, in the world, to which a picture's axis points; NULL where none is within 15 degrees.
+ */
+const char *picture_letter_of(const double axis[3]);
+
+/** A bar, as long as so many mm are, at the lower edge of the drawing, @p beside letters from the right. */
+conus_status picture_draw_bar(conus_image *image, const struct picture *picture, double pixels_per_mm, double beside);
+
+/** Whether the sheet's side, legend, background and dpi are some. */
+conus_status picture_check_sheet(const conus_view *view);
+
+/** Sets up the picture of cuts of its atlas: all areas show, also beside pathways. Of @p view count width, height,
+ * selection and chosen. What it holds is the caller's to picture_cut_finish() in any case. */
+conus_status picture_cut_init(struct picture *picture, const conus_cut_view *view, const conus_view *sheet);
+void picture_cut_finish(struct picture *picture);
+
 /** Linear light, premultiplied, and opacity of the background, @p part of the way down. */
 void picture_background(float out[4], const conus_view *options, float part);
 
@@ -62,6 +77,10 @@ void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, cons
 
 /** The space that a drawing leaves free for a legend inside it, on the left or above, pixels; else 0. */
 void picture_legend_room(double out[2], const struct picture *picture);
+
+/** Makes the drawing, and with it the sheet, as low as @p height, but not lower than a legend on its left or beside it.
+ * A legend below follows. */
+void picture_lower(struct picture *picture, uint32_t height);
 
 conus_status picture_legend_draw(conus_image *image, const struct picture *picture);
 

@@ -15,8 +15,7 @@ static const double ACROSS = 0.2588;
 
 static const char letters[6][2] = {"L", "R", "P", "A", "I", "S"};
 
-/* The letter of the direction, in the world, to which a picture's axis points; NULL where none is so near. */
-static const char *letter_of(const double axis[3])
+const char *picture_letter_of(const double axis[3])
 {
     for (int a = 0; a < 3; a++) {
         if (axis[a] * axis[a] >= 1 - ACROSS * ACROSS) {
@@ -30,7 +29,7 @@ static const char *letter_of(const double axis[3])
 static bool is_across(const struct picture *picture)
 {
     const double *m = picture->camera.world_from_camera;
-    return letter_of(m) && letter_of(m + 4);
+    return picture_letter_of(m) && picture_letter_of(m + 4);
 }
 
 static conus_status draw_edges(conus_image *image, const struct picture *picture)
@@ -50,7 +49,7 @@ static conus_status draw_edges(conus_image *image, const struct picture *picture
                     : n == 2 ? frame->height - near
                              : near + frame->top - frame->bottom;
         vec3_scale(axis, m + (n < 2 ? 0 : 4), n % 2 ? 1 : -1);
-        const char *letter = letter_of(axis);
+        const char *letter = picture_letter_of(axis);
         const double corner[2] = {at[0] - font_width(picture->font, size, letter) / 2, at[1] + 0.36 * size};
         status = font_draw(picture->font, image, corner, size, picture->ink, letter);
     }
@@ -89,8 +88,7 @@ static conus_status draw_directions(conus_image *image, const struct picture *pi
     return status;
 }
 
-/* A bar, as long as so many mm are, at the lower edge, `beside` letters from the right. */
-static conus_status draw_bar(conus_image *image, const struct picture *picture, double pixels_per_mm, double beside)
+conus_status picture_draw_bar(conus_image *image, const struct picture *picture, double pixels_per_mm, double beside)
 {
     double size = picture->em;
     double limit = 0.14 * picture->drawing[0] / pixels_per_mm;
@@ -120,7 +118,7 @@ static conus_status draw_scale(conus_image *image, const struct picture *picture
         return CONUS_OK;
     }
     double pixels_per_mm = picture->drawing[0] / (2 * depth * picture->camera.slope[0]);
-    return draw_bar(image, picture, pixels_per_mm, is_across(picture) ? 1.5 : 10.5);
+    return picture_draw_bar(image, picture, pixels_per_mm, is_across(picture) ? 1.5 : 10.5);
 }
 
 conus_status picture_annotate(conus_image *image, const struct picture *picture)
@@ -139,5 +137,5 @@ conus_status picture_annotate_cut(conus_image *image, struct picture *picture, d
     if (!status && is_across(picture)) {
         status = draw_edges(image, picture);
     }
-    return status ? status : draw_bar(image, picture, 1 / mm_per_pixel, 1.5);
+    return status ? status : picture_draw_bar(image, picture, 1 / mm_per_pixel, 1.5);
 }

@@ -12,8 +12,7 @@
 
 enum { DPI_LIMIT = 100000 };
 
-/* A cut shows all areas, also beside pathways, and no haze. */
-static conus_status set_up(struct picture *picture, const conus_cut_view *view, const conus_view *sheet)
+conus_status picture_cut_init(struct picture *picture, const conus_cut_view *view, const conus_view *sheet)
 {
     size_t count = picture->atlas->object_count + 1;
     picture->options = (conus_view){.width = view->width,
@@ -22,7 +21,8 @@ static conus_status set_up(struct picture *picture, const conus_cut_view *view, 
                                     .legend = sheet->legend,
                                     .no_legend = sheet->no_legend,
                                     .background = sheet->background,
-                                    .dpi = sheet->dpi};
+                                    .dpi = sheet->dpi,
+                                    .frame = sheet->frame};
     memcpy(picture->options.background_rgb, sheet->background_rgb, sizeof sheet->background_rgb);
     picture->areas = memory_raw(count, sizeof *picture->areas);
     picture->emphasis = view->selection ? picture_emphasis(view->selection, view->chosen) : NULL;
@@ -31,6 +31,15 @@ static conus_status set_up(struct picture *picture, const conus_cut_view *view, 
     }
     memset(picture->areas, PATHWAYS_AREA_OVER, count * sizeof *picture->areas);
     return picture_prepare_sheet(picture, memory_limit(0), NULL, NULL);
+}
+
+void picture_cut_finish(struct picture *picture)
+{
+    picture_legend_finish(picture);
+    font_destroy(picture->font);
+    memory_free(picture->emphasis);
+    memory_free(picture->areas);
+    memory_free(picture->rgba);
 }
 
 static void lay_out(conus_image *image, const struct picture *picture, const uint8_t *rgba)
@@ -93,7 +102,7 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
         return fail(CONUS_ERROR_ARGUMENT, "%g dpi; allowed is 0 to %d", on.dpi, DPI_LIMIT);
     }
     status = conus_cutter_create(&cutter, atlas);
-    status = status ? status : set_up(&picture, &what, &on);
+    status = status ? status : picture_cut_init(&picture, &what, &on);
     if (!status) {
         /* Shrinks the view to the width beside the legend: the shorter side still shows as many mm. An invalid scale
          * stays invalid; conus_cutter_draw() refuses it. */
@@ -119,10 +128,6 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
     }
     status = status ? status : make_image(out, &picture, &what, conus_cutter_rgba(cutter));
     conus_cutter_destroy(cutter);
-    picture_legend_finish(&picture);
-    font_destroy(picture.font);
-    memory_free(picture.emphasis);
-    memory_free(picture.areas);
-    memory_free(picture.rgba);
+    picture_cut_finish(&picture);
     return status;
 }

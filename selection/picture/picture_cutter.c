@@ -77,7 +77,18 @@ void cut_view_axes(double right[3], double up[3], const conus_cut_view *view)
     memcpy(up, is_axial ? (const double[]){0, 1, 0} : view->up, 3 * sizeof *up);
 }
 
-static conus_status draw(conus_cutter *cutter, const conus_cut_view *view)
+void cutter_cone(struct cut_cone *out, const conus_selection *selection)
+{
+    const struct cone *cone = &selection->cone;
+    bool has_range = cone_has_range(cone);
+    *out = (struct cut_cone){.world_from_cone = cone->pose.world_from_device,
+                             .slope = tan(cone->angle / 2),
+                             .radius = cone->radius,
+                             .near = has_range ? cone->range[0] : 0,
+                             .far = has_range ? cone->range[1] : INFINITY};
+}
+
+static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool has_cone)
 {
     struct cut_cone cone;
     uint8_t *emphasis = NULL;
@@ -90,14 +101,8 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view)
     cut_view_axes(what.place.right, what.place.up, view);
     conus_status status = choose_window(what.window, cutter, view->window);
     if (!status && view->selection) {
-        const struct cone *of = &view->selection->cone;
-        bool has_range = cone_has_range(of);
-        cone = (struct cut_cone){.world_from_cone = of->pose.world_from_device,
-                                 .slope = tan(of->angle / 2),
-                                 .radius = of->radius,
-                                 .near = has_range ? of->range[0] : 0,
-                                 .far = has_range ? of->range[1] : INFINITY};
-        what.cone = &cone;
+        cutter_cone(&cone, view->selection);
+        what.cone = has_cone ? &cone : NULL;
         what.emphasis = emphasis = picture_emphasis(view->selection, view->chosen);
         status = emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
@@ -130,7 +135,15 @@ conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view)
 {
     view = options_of(conus_cut_view, view);
     conus_status status = check_view(view);
-    return status ? status : draw(cutter, view);
+    return status ? status : draw(cutter, view, true);
+}
+
+conus_status cutter_draw_bare(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view)
+{
+    conus_status status = check_view(view);
+    status = status ? status : draw(cutter, view, false);
+    *out = &cutter->cut;
+    return status;
 }
 
 const uint8_t *conus_cutter_rgba(const conus_cutter *cutter)

@@ -399,6 +399,22 @@ void picture_legend_room(double out[2], const struct picture *picture)
     out[above] = above ? fmin(size[1], ROOM * height) : fmin(size[0], ROOM * width);
 }
 
+void picture_lower(struct picture *picture, uint32_t height)
+{
+    struct picture_legend *legend = picture->legend;
+    const conus_legend where = picture->options.legend;
+    uint32_t beside = legend && where != CONUS_LEGEND_BELOW ? (uint32_t)ceil(legend->size[1]) : 0;
+    uint32_t lowered = where == CONUS_LEGEND_INSIDE && beside > height ? beside : height;
+    lowered = lowered < picture->drawing[1] ? lowered : picture->drawing[1];
+    if (legend && where == CONUS_LEGEND_BELOW) {
+        legend->at[1] = lowered;
+        picture->sheet_height -= picture->drawing[1] - lowered;
+    } else {
+        picture->sheet_height = lowered > beside ? lowered : beside;
+    }
+    picture->drawing[1] = lowered;
+}
+
 /* Opacity that was drawn under a legend in a corner of the drawing. */
 static double covered(const struct picture *picture, enum legend_corner corner)
 {

@@ -52,6 +52,13 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
     return refuse();
 }
 
+conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const conus_cut_plane *planes, size_t count,
+                              const conus_cut_view *look, conus_renderer *renderer, const conus_view *sheet)
+{
+    (void)out, (void)atlas, (void)planes, (void)count, (void)look, (void)renderer, (void)sheet;
+    return refuse();
+}
+
 conus_status conus_window_camera(conus_pose *camera, double frustum[4], const conus_pose *window, const double size[2],
                                  const double eye[3])
 {

@@ -43,8 +43,7 @@ static conus_status check_frustum(const conus_view *view)
     return CONUS_OK;
 }
 
-/* The sheet: from where, with which margins and letters, on what. */
-static conus_status check_sheet(const conus_view *view)
+conus_status picture_check_sheet(const conus_view *view)
 {
     if (view->side > CONUS_SIDE_BOTTOM || view->legend > CONUS_LEGEND_NONE ||
         view->background > CONUS_BACKGROUND_TRANSPARENT) {
@@ -79,7 +78,7 @@ static conus_status fill_options(conus_view *out, const conus_view *view, const 
 {
     conus_view options = *options_of(conus_view, view);
     conus_status status = check_frustum(&options);
-    status = status ? status : check_sheet(&options);
+    status = status ? status : picture_check_sheet(&options);
     status = status ? status : check_opacity(&options, atlas);
     if (status) {
         return status;

@@ -49,6 +49,7 @@ SIZE(conus_pose, 128);
 SIZE(conus_pose_row, 248);
 SIZE(conus_oddity, 160);
 SIZE(conus_astray, 656);
+SIZE(conus_cut_plane, 72);
 SIZE(conus_result, 264);
 SIZE(conus_evidence, 40);
 SIZE(conus_interval, 32);

@@ -1,0 +1,521 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Cuts side by side on one sheet, at one scale, perhaps with the view in space before them. */
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "base/options.h"
+#include "conus/atlas_info.h"
+#include "render/image/image.h"
+#include "render/image/image_srgb.h"
+#include "selection/picture/picture.h"
+#include "selection/picture/picture_cutter.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { DEFAULT_WIDTH = 1400, PANEL_LIMIT = 400, TITLE_SIZE = 48 };
+
+/* Letters as of a legend, in pixels: those of conus_render() have so many points by its dpi. */
+static const double POINTS = 7.5;
+
+/* Around the box of the atlas, as a part of it. */
+static const double MARGIN = 0.02;
+
+/* Samples of a context that are looked at, and how bright one is that belongs in the picture: a part of the way from
+ * black to white. */
+static const double SAMPLES = 2e6;
+static const double BRIGHT = 0.15;
+
+/* Lengths in em: beside a panel and above it for letters, below it for its title, the strip of the scale bar, and the
+ * least height of a panel that has letters above and below. */
+static const double BAND = 1.6;
+static const double GAP = 0.4;
+static const double TITLE = 1.7;
+static const double STRIP = 3;
+static const double TALL = 14;
+
+/* A panel shows so many mm; its picture is in the pixels `at` to `at` + `size` of the sheet. */
+struct panel {
+    const conus_cut_plane *plane; /* NULL = the view in space */
+    double centre[3], mm[2];
+    long at[2], size[2];
+};
+
+struct sheet {
+    struct picture picture;
+    conus_view view;
+    const conus_cut_view *look;
+    conus_renderer *renderer;
+    conus_cutter *cutter;
+    conus_image *image;
+    struct panel *panels;
+    size_t count, columns;
+    bool trims; /* no height was asked for */
+    double pixels_per_mm;
+    double room[2];                     /* for a legend inside, on the left or above */
+    double beside, above, below, strip; /* pixels around each panel, and below all */
+    uint8_t *rgba;                      /* of the panel that is drawn: scratch */
+    uint32_t *stack;
+};
+
+/* Extent of the box along a unit vector. */
+static double extent(const double low[3], const double high[3], const double axis[3])
+{
+    double sum = 0;
+    for (int a = 0; a < 3; a++) {
+        sum += fabs(axis[a]) * (high[a] - low[a]);
+    }
+    return sum * (1 + 2 * MARGIN);
+}
+
+static void include_point(double low[3], double high[3], const double point[3])
+{
+    for (int a = 0; a < 3; a++) {
+        low[a] = fmin(low[a], point[a]);
+        high[a] = fmax(high[a], point[a]);
+    }
+}
+
+/* Makes the box hold what is bright in the context, and the surfaces around the areas. */
+static conus_status include_context(double low[3], double high[3], const conus_atlas *atlas)
+{
+    const struct volume *volume = atlas_context(atlas);
+    double window[2];
+    conus_status status = volume ? conus_atlas_window(window, atlas, (size_t)(volume - atlas->volumes)) : CONUS_OK;
+    for (size_t i = 0; i < atlas->context_surface_count; i++) {
+        include_point(low, high, atlas->context_surfaces[i].mesh.shape.low);
+        include_point(low, high, atlas->context_surfaces[i].mesh.shape.high);
+    }
+    if (status || !volume) {
+        return status;
+    }
+    const size_t *dim = volume->info.dim;
+    const size_t step = (size_t)ceil(cbrt(fmax((double)volume->voxel_count / SAMPLES, 1)));
+    const double bright = window[0] + BRIGHT * (window[1] - window[0]);
+    for (size_t k = 0; k < dim[2]; k += step) {
+        for (size_t j = 0; j < dim[1]; j += step) {
+            for (size_t i = 0; i < dim[0]; i += step) {
+                if ((double)volume_value(volume, i + dim[0] * (j + dim[1] * k)) > bright) {
+                    double at[3];
+                    mat4_point(at, volume->info.world_from_voxel, (double[]){(double)i, (double)j, (double)k});
+                    include_point(low, high, at);
+                }
+            }
+        }
+    }
+    return CONUS_OK;
+}
+
+/* A cut is centred on the box, but for its depth. */
+static void measure_panels(struct sheet *sheet, const double low[3], const double high[3])
+{
+    double largest = 1;
+    for (size_t i = 0; i < sheet->count; i++) {
+        struct panel *panel = &sheet->panels[i];
+        const conus_cut_plane *plane = panel->plane;
+        for (int a = 0; a < 3; a++) {
+            panel->centre[a] = (low[a] + high[a]) / 2;
+            largest = fmax(largest, (high[a] - low[a]) * (1 + 2 * MARGIN));
+        }
+        if (plane) {
+            double normal[3], offset[3];
+            vec3_cross(normal, plane->right, plane->up);
+            vec3_sub(offset, plane->at, panel->centre);
+            vec3_add_scaled(panel->centre, panel->centre, vec3_dot(offset, normal), normal);
+            panel->mm[0] = fmax(extent(low, high, plane->right), 1e-6);
+            panel->mm[1] = fmax(extent(low, high, plane->up), 1e-6);
+        }
+    }
+    if (!sheet->panels[0].plane) {
+        sheet->panels[0].mm[0] = sheet->panels[0].mm[1] = largest;
+    }
+}
+
+/* Width and height in mm of rows of so many columns. */
+static void measure_rows(double mm[2], const struct sheet *sheet, size_t columns)
+{
+    mm[0] = mm[1] = 0;
+    for (size_t first = 0; first < sheet->count; first += columns) {
+        double width = 0;
+        double height = 0;
+        for (size_t i = first; i < sheet->count && i < first + columns; i++) {
+            width += sheet->panels[i].mm[0];
+            height = fmax(height, sheet->panels[i].mm[1]);
+        }
+        mm[0] = fmax(mm[0], width);
+        mm[1] += height;
+    }
+}
+
+/* The number of columns at which the scale is largest; a last row that is not full counts against it. */
+static void choose_scale(struct sheet *sheet)
+{
+    const uint32_t *drawing = sheet->picture.drawing;
+    double best = 0;
+    sheet->pixels_per_mm = 0;
+    for (size_t columns = sheet->count; columns >= 1; columns--) {
+        double mm[2];
+        size_t rows = (sheet->count + columns - 1) / columns;
+        measure_rows(mm, sheet, columns);
+        double width = drawing[0] - sheet->room[0] - 2 * sheet->beside * (double)columns;
+        double height = drawing[1] - sheet->room[1] - sheet->strip - (sheet->above + sheet->below) * (double)rows;
+        double scale = fmin(width / mm[0], height / mm[1]);
+        double score = scale * (double)sheet->count / (double)(rows * columns);
+        if (score > best) {
+            best = score;
+            sheet->pixels_per_mm = scale;
+            sheet->columns = columns;
+        }
+    }
+}
+
+static void set_bands(struct sheet *sheet, bool has_letters)
+{
+    const double em = sheet->picture.font ? sheet->picture.em : 0;
+    const double gap = GAP * sheet->picture.em;
+    sheet->beside = BAND * em > gap ? BAND * em : gap;
+    sheet->above = has_letters ? sheet->beside : gap;
+    sheet->below = sheet->above + TITLE * em;
+    sheet->strip = STRIP * em;
+}
+
+/* In the middle of the drawing, and each row in the middle of its height. */
+static void place_panels(struct sheet *sheet)
+{
+    double mm[2];
+    size_t rows = (sheet->count + sheet->columns - 1) / sheet->columns;
+    measure_rows(mm, sheet, sheet->columns);
+    double taken = mm[1] * sheet->pixels_per_mm + (sheet->above + sheet->below) * (double)rows + sheet->strip;
+    if (sheet->trims) {
+        picture_lower(&sheet->picture, (uint32_t)ceil(sheet->room[1] + taken));
+    }
+    double top = (sheet->room[1] + sheet->picture.drawing[1] - taken) / 2;
+    for (size_t first = 0; first < sheet->count; first += sheet->columns) {
+        size_t end = first + sheet->columns < sheet->count ? first + sheet->columns : sheet->count;
+        double width = 0;
+        double height = 0;
+        for (size_t i = first; i < end; i++) {
+            width += sheet->panels[i].mm[0] * sheet->pixels_per_mm + 2 * sheet->beside;
+            height = fmax(height, sheet->panels[i].mm[1] * sheet->pixels_per_mm);
+        }
+        double left = (sheet->room[0] + sheet->picture.drawing[0] - width) / 2;
+        for (size_t i = first; i < end; i++) {
+            struct panel *panel = &sheet->panels[i];
+            const double size[2] = {panel->mm[0] * sheet->pixels_per_mm, panel->mm[1] * sheet->pixels_per_mm};
+            panel->size[0] = lrint(fmax(floor(size[0]), 1));
+            panel->size[1] = lrint(fmax(floor(size[1]), 1));
+            panel->at[0] = lrint(left + sheet->beside);
+            panel->at[1] = lrint(top + sheet->above + (height - size[1]) / 2);
+            left += size[0] + 2 * sheet->beside;
+        }
+        top += height + sheet->above + sheet->below;
+    }
+}
+
+/* Panels that are low have no letters above and below. */
+static conus_status lay_out(struct sheet *sheet)
+{
+    double low[3], high[3];
+    conus_status status = conus_atlas_bounds(low, high, sheet->picture.atlas);
+    status = status ? status : include_context(low, high, sheet->picture.atlas);
+    if (status) {
+        return status;
+    }
+    measure_panels(sheet, low, high);
+    picture_legend_room(sheet->room, &sheet->picture);
+    set_bands(sheet, true);
+    choose_scale(sheet);
+    if (sheet->panels[sheet->count - 1].mm[1] * sheet->pixels_per_mm < TALL * sheet->picture.em) {
+        set_bands(sheet, false);
+        choose_scale(sheet);
+    }
+    if (sheet->pixels_per_mm <= 0) {
+        return fail(CONUS_ERROR_ARGUMENT, "%u x %u pixels are too few for %zu cuts", sheet->view.width,
+                    sheet->view.height, sheet->count);
+    }
+    place_panels(sheet);
+    return CONUS_OK;
+}
+
+static void lay_background(struct sheet *sheet)
+{
+    const struct image_rgba to = image_rgba(sheet->image);
+    for (uint32_t row = 0; row < sheet->image->height; row++) {
+        float under[4];
+        picture_background(under, &sheet->picture.options, (float)row / (float)sheet->image->height);
+        for (uint32_t column = 0; column < sheet->image->width; column++) {
+            for (int c = 0; c < 4; c++) {
+                to.plane[c][(size_t)sheet->image->width * row + column] = under[c];
+            }
+        }
+    }
+}
+
+/* Lays `over`, linear and premultiplied, over a pixel of the sheet. */
+static void lay_pixel(const struct sheet *sheet, long x, long y, const float over[4])
+{
+    const struct image_rgba to = image_rgba(sheet->image);
+    if (x >= 0 && y >= 0 && x < (long)sheet->image->width && y < (long)sheet->image->height) {
+        size_t at = (size_t)y * sheet->image->width + (size_t)x;
+        for (int c = 0; c < 4; c++) {
+            to.plane[c][at] = over[c] + (1 - over[3]) * to.plane[c][at];
+        }
+    }
+}
+
+static bool is_empty(const struct cut *cut, size_t pixel)
+{
+    return !cut->objects[pixel] && !(cut->contours && cut->contours[pixel]) && !cut->grey[pixel];
+}
+
+/* Makes transparent what is empty from the panel's edges on: a dark ventricle stays. */
+static void clear_outside(struct sheet *sheet, const struct cut *cut, size_t width, size_t height)
+{
+    size_t top = 0;
+    for (size_t i = 0; i < width * height; i++) {
+        size_t column = i % width;
+        size_t row = i / width;
+        bool is_edge = column == 0 || row == 0 || column + 1 == width || row + 1 == height;
+        if (is_edge && is_empty(cut, i) && sheet->rgba[4 * i + 3]) {
+            sheet->rgba[4 * i + 3] = 0;
+            sheet->stack[top++] = (uint32_t)i;
+        }
+    }
+    while (top) {
+        size_t at = sheet->stack[--top];
+        size_t column = at % width;
+        const size_t next[4] = {column > 0 ? at - 1 : at, column + 1 < width ? at + 1 : at,
+                                at >= width ? at - width : at, at + width < width * height ? at + width : at};
+        for (int n = 0; n < 4; n++) {
+            if (sheet->rgba[4 * next[n] + 3] && is_empty(cut, next[n])) {
+                sheet->rgba[4 * next[n] + 3] = 0;
+                sheet->stack[top++] = (uint32_t)next[n];
+            }
+        }
+    }
+}
+
+/* What is transparent was black, so that the cone over it has left its own colour times its opacity there: the largest
+ * byte of the cone's colour is 255. */
+static void lay_cut(const struct sheet *sheet, const struct panel *panel)
+{
+    for (long y = 0; y < panel->size[1]; y++) {
+        for (long x = 0; x < panel->size[0]; x++) {
+            const uint8_t *from = sheet->rgba + 4 * ((size_t)panel->size[0] * (size_t)y + (size_t)x);
+            float over[4];
+            double opacity = from[3] ? 1 : from[0] / 255.0;
+            for (int c = 0; c < 3; c++) {
+                double level = opacity > 0 ? fmin(from[c] / 255.0 / opacity, 1) : 0;
+                over[c] = (float)(linear_from_srgb(level) * opacity);
+            }
+            over[3] = (float)opacity;
+            lay_pixel(sheet, panel->at[0] + x, panel->at[1] + y, over);
+        }
+    }
+}
+
+static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
+{
+    const struct cut *cut = NULL;
+    conus_cut_view view = *sheet->look;
+    view.width = (uint32_t)panel->size[0];
+    view.height = (uint32_t)panel->size[1];
+    view.mm_per_pixel = 1 / sheet->pixels_per_mm;
+    view.selection = sheet->view.selection;
+    memcpy(view.centre, panel->centre, sizeof view.centre);
+    memcpy(view.right, panel->plane->right, sizeof view.right);
+    memcpy(view.up, panel->plane->up, sizeof view.up);
+    conus_status status = cutter_draw_bare(&cut, sheet->cutter, &view);
+    size_t pixels = (size_t)view.width * view.height;
+    sheet->rgba = status ? NULL : memory_copy(cut->rgba, pixels, 4);
+    sheet->stack = sheet->rgba ? memory_raw(pixels, sizeof *sheet->stack) : NULL;
+    status = status || sheet->stack ? status : CONUS_ERROR_MEMORY;
+    if (!status) {
+        clear_outside(sheet, cut, view.width, view.height);
+        if (view.selection) {
+            struct cut_cone cone;
+            cutter_cone(&cone, view.selection);
+            cut_draw_cone(sheet->rgba, &cut->of, &cone);
+        }
+        lay_cut(sheet, panel);
+    }
+    memory_free(sheet->rgba);
+    memory_free(sheet->stack);
+    return status;
+}
+
+/* Its letters are as large as the sheet's. A background that changes from row to row is the sheet's own. */
+static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
+{
+    conus_image *image = NULL;
+    conus_view view = sheet->view;
+    view.width = (uint32_t)panel->size[0];
+    view.height = (uint32_t)panel->size[1];
+    view.legend = CONUS_LEGEND_NONE;
+    view.dpi = sheet->picture.em * 72 / POINTS;
+    view.background = view.background == CONUS_BACKGROUND_LIGHT ? CONUS_BACKGROUND_TRANSPARENT : view.background;
+    conus_status status = conus_render(&image, sheet->renderer, &view);
+    if (status) {
+        return status;
+    }
+    const struct image_rgba from = image_rgba(image);
+    for (long y = 0; y < panel->size[1]; y++) {
+        for (long x = 0; x < panel->size[0]; x++) {
+            size_t at = (size_t)y * image->width + (size_t)x;
+            const float over[4] = {from.plane[0][at], from.plane[1][at], from.plane[2][at], from.plane[3][at]};
+            lay_pixel(sheet, panel->at[0] + x, panel->at[1] + y, over);
+        }
+    }
+    conus_image_destroy(image);
+    return CONUS_OK;
+}
+
+/* "z = -12 mm": the coordinate of the sheet's space that does not change in the plane; "" of an oblique one. */
+static void put_title(char out[TITLE_SIZE], const struct sheet *sheet, const struct panel *panel)
+{
+    static const conus_frame world = {.space = CONUS_SPACE_RAS,
+                                      .world_from_space = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    const conus_frame *frame = sheet->view.frame ? sheet->view.frame : &world;
+    double at[3], beyond[3], normal[3];
+    vec3_cross(normal, panel->plane->right, panel->plane->up);
+    vec3_add_scaled(beyond, panel->centre, 1, normal);
+    conus_frame_from_world(at, frame, panel->centre);
+    conus_frame_from_world(beyond, frame, beyond);
+    vec3_sub(beyond, beyond, at);
+    out[0] = '\0';
+    for (size_t a = 0; a < 3; a++) {
+        if (fabs(beyond[a]) > (1 - 1e-9) * vec3_length(beyond)) {
+            double value = fabs(at[a]) < 1e-9 ? 0 : at[a];
+            bool is_fine = frame->space == CONUS_SPACE_CCF;
+            snprintf(out, TITLE_SIZE, "%s = %s%.*g %s", conus_space_axis(frame->space, a), value < 0 ? "\u2212" : "",
+                     is_fine ? 5 : 4, fabs(value), is_fine ? "\u00b5m" : "mm");
+        }
+    }
+}
+
+static conus_status write_centred(const struct sheet *sheet, double x, double baseline, double size, const char *text)
+{
+    const struct picture *picture = &sheet->picture;
+    const double at[2] = {x - font_width(picture->font, size, text) / 2, baseline};
+    return font_draw(picture->font, sheet->image, at, size, picture->ink, text);
+}
+
+/* Letters in the bands around the cut, where they lie on nothing, and the title below. */
+static conus_status annotate(const struct sheet *sheet, const struct panel *panel)
+{
+    const double em = sheet->picture.em;
+    const double size = 1.2 * em;
+    const double middle[2] = {(double)panel->at[0] + (double)panel->size[0] / 2,
+                              (double)panel->at[1] + (double)panel->size[1] / 2};
+    const double bottom = (double)(panel->at[1] + panel->size[1]);
+    const bool has_letters = sheet->above >= sheet->beside;
+    const double places[4][2] = {{(double)panel->at[0] - sheet->beside / 2, middle[1] + 0.36 * size},
+                                 {(double)(panel->at[0] + panel->size[0]) + sheet->beside / 2, middle[1] + 0.36 * size},
+                                 {middle[0], bottom + 0.5 * sheet->above + 0.36 * size},
+                                 {middle[0], (double)panel->at[1] - 0.5 * sheet->above + 0.36 * size}};
+    const char *words[4];
+    char title[TITLE_SIZE];
+    conus_status status = CONUS_OK;
+    for (int n = 0; n < 4; n++) {
+        double axis[3];
+        vec3_scale(axis, n < 2 ? panel->plane->right : panel->plane->up, n % 2 ? 1 : -1);
+        words[n] = picture_letter_of(axis);
+    }
+    for (int n = 0; n < (has_letters ? 4 : 2) && !status && words[0] && words[2]; n++) {
+        status = write_centred(sheet, places[n][0], places[n][1], size, words[n]);
+    }
+    put_title(title, sheet, panel);
+    return status ? status : write_centred(sheet, middle[0], bottom + sheet->above + (TITLE - 0.5) * em, em, title);
+}
+
+static conus_status draw_panel(struct sheet *sheet, const struct panel *panel)
+{
+    if (!panel->plane) {
+        return draw_space(sheet, panel);
+    }
+    conus_status status = draw_cut(sheet, panel);
+    return status || !sheet->picture.font ? status : annotate(sheet, panel);
+}
+
+/* A legend inside has the upper left corner, since nothing counts as covered. */
+static conus_status draw_legend(struct sheet *sheet)
+{
+    struct picture *picture = &sheet->picture;
+    if (!picture->legend) {
+        return CONUS_OK;
+    }
+    picture->rgba = memory_zeroed((size_t)picture->drawing[0] * picture->drawing[1], 4 * sizeof *picture->rgba);
+    return picture->rgba ? picture_legend_draw(sheet->image, picture) : CONUS_ERROR_MEMORY;
+}
+
+static conus_status draw_sheet(struct sheet *sheet)
+{
+    struct picture *picture = &sheet->picture;
+    conus_status status = lay_out(sheet);
+    status = status ? status : image_create_rgba(&sheet->image, picture->options.width, picture->sheet_height);
+    if (status) {
+        return status;
+    }
+    sheet->image->dpi = picture->options.dpi;
+    lay_background(sheet);
+    for (size_t i = 0; i < sheet->count && !status; i++) {
+        status = draw_panel(sheet, &sheet->panels[i]);
+    }
+    bool has_cuts = sheet->panels[sheet->count - 1].plane;
+    if (!status && picture->font && has_cuts) {
+        status = picture_draw_bar(sheet->image, picture, sheet->pixels_per_mm, 1.5);
+    }
+    status = status ? status : draw_legend(sheet);
+    return status ? status : picture_add_volumes(sheet->image, picture->atlas, true);
+}
+
+static conus_status check_planes(const conus_cut_plane *planes, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (!vec3_is_finite(planes[i].at) || vec3_length(planes[i].right) == 0) {
+            return fail(CONUS_ERROR_ARGUMENT, "cut %zu: a place of numbers and unit vectors are needed", i + 1);
+        }
+    }
+    return CONUS_OK;
+}
+
+conus_status conus_cuts_image(conus_image **out, const conus_atlas *atlas, const conus_cut_plane *planes, size_t count,
+                              const conus_cut_view *look, conus_renderer *renderer, const conus_view *sheet)
+{
+    struct sheet of = {.look = options_of(conus_cut_view, look), .renderer = renderer, .picture = {.atlas = atlas}};
+    of.view = *options_of(conus_view, sheet);
+    of.view.width = of.view.width ? of.view.width : DEFAULT_WIDTH;
+    of.trims = !of.view.height;
+    of.view.height = of.trims ? (uint32_t)fmax(ceil(0.75 * of.view.width), 1) : of.view.height;
+    of.count = count + (renderer ? 1 : 0);
+    const conus_cut_view whole = {
+        .width = of.view.width, .height = of.view.height, .selection = of.view.selection, .chosen = of.look->chosen};
+    if (count > PANEL_LIMIT || !of.count) {
+        return fail(CONUS_ERROR_ARGUMENT, "%zu cuts; allowed is 1 to %d", count, PANEL_LIMIT);
+    }
+    conus_status status = cut_view_check_size(&whole);
+    status = status ? status : picture_check_sheet(&of.view);
+    status = status ? status : check_planes(planes, count);
+    if (status) {
+        return status;
+    }
+    of.panels = memory_zeroed(of.count, sizeof *of.panels);
+    status = of.panels ? conus_cutter_create(&of.cutter, atlas) : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < count && of.panels; i++) {
+        of.panels[of.count - count + i].plane = &planes[i];
+    }
+    if (renderer) {
+        of.picture.streamlines = &renderer->colour.streamlines;
+        of.picture.hazy = &renderer->colour.hazy;
+    }
+    status = status ? status : picture_cut_init(&of.picture, &whole, &of.view);
+    status = status ? status : draw_sheet(&of);
+    if (status) {
+        conus_image_destroy(of.image);
+    } else {
+        *out = of.image;
+    }
+    picture_cut_finish(&of.picture);
+    conus_cutter_destroy(of.cutter);
+    memory_free(of.panels);
+    return status;
+}

@@ -1,0 +1,109 @@
+#!/usr/bin/env bats
+# conus render --cuts: flat cuts on one sheet.
+load helpers
+
+@test "each pixel of a cut has the label that the affine says, left is left, and the bar is as long as it says" {
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/cuts.py" "$CONUS"
+}
+
+@test "planes that are none, and places outside of the atlas, are refused in one line" {
+    sphere --size 16
+    local spoken
+    while IFS='|' read -r cuts spoken; do
+        fails 2 "$spoken" render sphere.nii.gz -o x.png --cuts "$cuts"
+    done <<'END'
+axal|"axal"; allowed are axial, coronal and sagittal
+axial:|"axial:"; wanted is axial or axial:NUMBER
+axial:1x|wanted is axial or axial:NUMBER
+axial,5|"5" does not follow a plane with a place
+axial,|""; allowed are axial
+axial:500|z = 500 mm is outside of the atlas, which is from
+axial:0,nan|"nan"; allowed are
+mosaic:0|mosaic:0; allowed is 1 to 400
+mosaic:10000|mosaic:10000; allowed is 1 to 400
+mosaic:-1|"mosaic:-1"; wanted is mosaic or mosaic:N
+mosaic:400,axial|more than 400 cuts
+3d|3d alone is the picture without --cuts
+3d,3d,axial|3d stands there twice
+END
+    fails 2 'are too few for 400 cuts' render sphere.nii.gz -o x.png --cuts mosaic:400 --size 100x100
+    fails 2 'z = 500 mm is outside' render sphere.nii.gz -o x.png --cuts axial --at 0,0,500
+    fails 2 '--at has no effect: every cut' render sphere.nii.gz -o x.png --cuts axial:0 --at 0,0,0
+    fails 2 '--at has no effect without --cuts' render sphere.nii.gz -o x.png --at 0,0,0
+    fails 2 '--opacity has no effect on cuts' render sphere.nii.gz -o x.png --cuts axial --opacity 0.5
+    fails 2 '--slices has no effect on cuts' render sphere.nii.gz -o x.png --cuts axial --slices 9
+    fails 3 'cannot write' render sphere.nii.gz -o none/x.png --cuts axial
+    nothing_left sphere.nii.gz sphere.json sphere.tsv
+}
+
+# height FILE: of a PNG, pixels.
+height() {
+    head -c 24 "$1" | tail -c 4 | od -An -tu1 | awk '{ print $3 * 256 + $4 }'
+}
+
+@test "a sheet is as high as its cuts need, unless a height is asked for" {
+    sphere --size 16
+    answers render sphere.nii.gz -o one.png --cuts axial,coronal,sagittal
+    answers render sphere.nii.gz -o two.png --cuts mosaic:12
+    [ "$(height one.png)" -lt "$(height two.png)" ]
+    [ "$(height two.png)" -le 1050 ]
+    answers render sphere.nii.gz -o three.png --cuts mosaic:6 --size 600x500
+    [ "$(height three.png)" -eq 500 ]
+}
+
+@test "cuts go through the best hit's contact, and each row of a file has its own" {
+    sphere --size 32
+    printf 'query_id,x,y,z,tx,ty,tz,angle\na,60,0,8,0,0,8,5\nb,-60,0,0,0,0,0,5\n' >two.csv
+    answers render sphere.nii.gz --poses two.csv -o '{query}.exr' --cuts sagittal,axial -q --size 300x200
+    run -0 --separate-stderr "$CONUS" query sphere.nii.gz --pose two.csv --format tsv
+    awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+        $at["kind"] == "area" { x = $at["contact_x"] + (n ? 0.001 : -0.001) # into the ball
+            print (n++ ? "b" : "a"), x "," $at["contact_y"] "," $at["contact_z"] }' \
+        <<<"$output" >contacts
+    [ "$(wc -l <contacts)" -eq 2 ]
+    while read -r name contact; do
+        [ "$name" = a ] && aim='--origin=60,0,8 --toward=0,0,8' || aim='--origin=-60,0,0 --toward=0,0,0'
+        # shellcheck disable=SC2086 # several words
+        answers render sphere.nii.gz $aim --angle 5 -o at.exr --cuts sagittal,axial --at="$contact" --size 300x200
+        answers diff at.exr "$name.exr" --tolerance 0.001
+    done <contacts
+    answers render sphere.nii.gz --origin=60,0,8 --toward=0,0,8 --angle 5 -o at.exr --cuts sagittal,axial --at=0,0,0 \
+        --size 300x200
+    run -1 conus diff at.exr a.exr
+}
+
+# colours FILE: how many pixels have the five most frequent colours that are no grey.
+colours() {
+    /usr/bin/python3 - "$1" <<'END'
+import sys
+import numpy
+import OpenImageIO as oiio
+rgb = oiio.ImageBuf(sys.argv[1]).get_pixels(oiio.UINT8)[..., :3].reshape(-1, 3)
+rgb = rgb[numpy.ptp(rgb, axis=1) > 20]
+print(*sorted(numpy.unique(rgb, axis=0, return_counts=True)[1])[:-6:-1])
+END
+}
+
+@test "closed surfaces are filled, as labels are" {
+    answers phantom brain -o brain
+    answers render brain/brain.atlas.json --cuts axial --fill 1 -o full.png --size 300x300 -q
+    answers render brain/brain.atlas.json --cuts axial --fill 0 -o lines.png --size 300x300 -q
+    read -r -a full < <(colours full.png)
+    read -r -a lines < <(colours lines.png)
+    [ "${full[4]}" -gt 1000 ] && [ "${lines[0]}" -lt $((full[4] / 2)) ]
+}
+
+@test "3d adds the view in space before the cuts, which is the one that render draws" {
+    sphere --size 32
+    gl render sphere.nii.gz -o both.png --cuts 3d,axial --size 400x200 --no-legend --background white
+    answers render sphere.nii.gz -o cut.png --cuts axial --size 200x200 --no-legend --background white
+    /usr/bin/python3 - <<'END'
+import numpy
+import OpenImageIO as oiio
+both, cut = (oiio.ImageBuf(name).get_pixels(oiio.UINT8)[..., :3].astype(int) for name in ("both.png", "cut.png"))
+area = numpy.ptp(both, axis=2) > 20
+assert area[:, :200].sum() > 2000 and area[:, 200:].sum() > 2000
+assert len(numpy.unique(both[:, :200][area[:, :200]], axis=0)) > 50  # shaded
+assert len(numpy.unique(both[:, 200:][area[:, 200:]], axis=0)) < 5
+END
+}
