@@ -376,13 +376,14 @@ static const struct option picture_options[] = {
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, output),
      .value = "FILE",
-     .help = ".png, or .exr with linear light as float; of several poses {query} stands for each one's name, {row} for "
+     .help = ".png, .svg and .pdf with text as text, or .exr with linear light as float; of several poses {query} "
+             "stands for each one's name, {row} for "
              "its number",
      .required = true,
      .words = "save, export, figure, image",
      .common = true,
      .role = OPTION_WRITES_ANSWER,
-     .endings = ".png .exr"},
+     .endings = ".png .svg .pdf .exr"},
     {.name = "camera",
      .type = OPTION_TEXT,
      .offset = offsetof(struct render_settings, camera),
@@ -763,6 +764,7 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
                        .frame = &picture->frame,
                        .no_skipping = settings->no_skipping};
     figure_view(&view, &settings->figure);
+    view.shapes = path_ends(path, ".svg") || path_ends(path, ".pdf");
     if (settings->cuts.cuts && !option_given(picture->arguments, "size") &&
         !option_given(picture->arguments, "height-mm")) {
         view.height = 0;

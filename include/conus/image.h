@@ -115,10 +115,13 @@ CONUS_CHECKED conus_status conus_image_from_bytes(conus_image **out, const uint8
 CONUS_CHECKED conus_status conus_image_load(conus_image **out, const char *path);
 
 /**
- * Writes an image: .exr all channels, .png 8-bit sRGB of R, G, B and A (A not premultiplied).
+ * Writes an image: .exr all channels, .png 8-bit sRGB of R, G, B and A (A not premultiplied); a picture with
+ * conus_view.shapes as .svg or .pdf, with the pixels as an image inside, text as text, and a size by the dpi (a 96th
+ * inch a pixel without).
  * @param image The image.
  * @param path The ending decides the format.
- * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another ending; #CONUS_ERROR_IO where the system refuses.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another ending; #CONUS_ERROR_IO where the system refuses;
+ * #CONUS_ERROR_UNSUPPORTED for .pdf without cairo.
  * @threads Any: the object does not change.
  * @since 0.1
  */
@@ -129,7 +132,7 @@ CONUS_CHECKED conus_status conus_image_write(const conus_image *image, const cha
  * @param[out] data [size] Borrowed until the next call on the image.
  * @param[out] size Bytes.
  * @param image The image.
- * @param format "exr" or "png".
+ * @param format "exr", "png", "svg" or "pdf", as of conus_image_write().
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another format.
  * @threads One at a time for each @p image.
  * @since 0.1

@@ -263,9 +263,10 @@ static void fill_rows(struct cut *cut, const struct turned *turned, uint32_t obj
     }
 }
 
-/* Draws the lines in which the plane cuts the triangles, and fills a closed surface. Surfaces around the areas have no
+/* Marks the lines in which the plane cuts the triangles, and fills a closed surface. Surfaces around the areas have no
  * inside here. */
-static void find_surface(struct cut *cut, const struct pane *pane, const struct mesh *mesh, uint32_t object)
+static void find_surface(struct cut *cut, const struct cut_view *view, const struct pane *pane, const struct mesh *mesh,
+                         uint32_t object)
 {
     struct turned turned = {{SIZE_MAX, SIZE_MAX}, {0, 0}};
     if (!passes_plane(pane, &mesh->shape)) {
@@ -275,6 +276,9 @@ static void find_surface(struct cut *cut, const struct pane *pane, const struct 
         double ends[2][2] = {{0}};
         if (cut_triangle(ends, pane, mesh, mesh->triangles + 3 * t)) {
             mark_line(cut->contours, pane, ends[0], ends[1], object);
+            if (view->line) {
+                view->line(view->line_user, ends[0], ends[1], object);
+            }
             if (mesh->shape.closed && object != CUT_AROUND) {
                 turn_rows(&turned, cut, pane, ends[0], ends[1]);
             }
@@ -292,10 +296,10 @@ static void find_surfaces(struct cut *cut, const struct cut_view *view)
     vec3_cross(pane.forward, view->place.right, view->place.up);
     memset(cut->contours, 0, (size_t)pane.width * pane.height * sizeof *cut->contours);
     for (size_t i = 0; i < cut->atlas->context_surface_count; i++) {
-        find_surface(cut, &pane, &cut->atlas->context_surfaces[i].mesh, CUT_AROUND);
+        find_surface(cut, view, &pane, &cut->atlas->context_surfaces[i].mesh, CUT_AROUND);
     }
     for (size_t i = 0; i < cut->surface_count; i++) {
-        find_surface(cut, &pane, atlas_object_mesh(cut->atlas, cut->surfaces[i]), cut->surfaces[i]);
+        find_surface(cut, view, &pane, atlas_object_mesh(cut->atlas, cut->surfaces[i]), cut->surfaces[i]);
     }
 }
 
@@ -519,7 +523,7 @@ static void draw_tile(const struct cone_drawing *drawing, uint32_t left, uint32_
             double opacity = tint;
             if (!inside) {
                 double outside = distance_to_wall(drawing, column, row);
-                double line = 0.9 * fmin(fmax(half_line - fabs(outside), 0), 1);
+                double line = drawing->cone->no_line ? 0 : 0.9 * fmin(fmax(half_line - fabs(outside), 0), 1);
                 opacity = fmax(line, outside < 0 ? tint : 0);
             }
             if (opacity > 0) {
@@ -527,6 +531,15 @@ static void draw_tile(const struct cone_drawing *drawing, uint32_t left, uint32_
             }
         }
     }
+}
+
+double cut_cone_distance(const struct cut_place *place, const struct cut_cone *cone, double column, double row)
+{
+    double identity[16];
+    struct cone_drawing drawing = {.place = place, .cone = cone, .secant = sqrt(1 + cone->slope * cone->slope)};
+    mat4_identity(identity);
+    walk_init(&drawing.walk, place, identity);
+    return distance_to_wall(&drawing, column, row);
 }
 
 void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cut_cone *cone)
@@ -651,7 +664,7 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
     for (uint32_t column = 0; column < cut->of.width; column++, at++) {
         uint8_t *pixel = cut->rgba + 4 * at;
         uint32_t object = cut->objects[at];
-        uint32_t contour = cut->contours ? cut->contours[at] : 0;
+        uint32_t contour = cut->contours && !view->line ? cut->contours[at] : 0;
         memset(pixel, cut->grey[at], 3);
         pixel[3] = 255;
         if (contour == CUT_AROUND) {
@@ -686,7 +699,7 @@ conus_status cut_draw(struct cut *cut, const struct cut_view *view)
     if (!cut->has_grey || !same || !same_window) {
         find_grey(cut, view);
     }
-    if (!cut->has_objects || !same) {
+    if (!cut->has_objects || !same || view->line) {
         find_objects(cut, view);
     }
     cut->has_grey = cut->has_objects = true;

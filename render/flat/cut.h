@@ -17,7 +17,11 @@ struct cut_cone {
     double slope;                  /**< Tangent of half the angle.                                               */
     double radius;                 /**< At the apex: 0 of a cone.                                                */
     double near, far;              /**< Depths along the axis between which it is drawn.                          */
+    bool no_line;                  /**< Only its inside is tinted. */
 };
+
+/** Takes a line in which the plane cuts a surface, pixels from the upper left corner. @p object as in cut.contours. */
+typedef void cut_line(void *user, const double from[2], const double to[2], uint32_t object);
 
 /** Where the cut's pixels are. */
 struct cut_place {
@@ -34,6 +38,8 @@ struct cut_view {
     bool no_outlines;
     double window[2];            /**< Grey values shown as black and white.                                         */
     const struct cut_cone *cone; /**< NULL = none.                                                               */
+    cut_line *line;              /**< Gets the lines of surfaces, which are then not drawn; NULL = they are. */
+    void *line_user;             /**< Passed to `line`. */
 };
 
 /** Number in `contours` of a surface around the areas. */
@@ -64,6 +70,9 @@ void cut_finish(struct cut *cut);
 
 /** Fills rgba and objects. On failure their contents are undefined. */
 conus_status cut_draw(struct cut *cut, const struct cut_view *view);
+
+/** Pixels from the cone's wall, negative inside, at @p column and @p row, where the middle of the first pixel is 0. */
+double cut_cone_distance(const struct cut_place *place, const struct cut_cone *cone, double column, double row);
 
 /** Draws the cone over @p rgba, a picture at @p place. */
 void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cut_cone *cone);

@@ -2,6 +2,7 @@
 /* Every shape is a signed distance: the coverage of a pixel follows from the distance of its centre. */
 #include "render/flat/draw.h"
 #include "render/image/image_srgb.h"
+#include "render/image/shapes.h"
 
 #include <math.h>
 
@@ -80,6 +81,14 @@ static double distance_to_box(const struct shape *shape, double x, double y)
 
 void draw_line(conus_image *image, const double from[2], const double to[2], double width, const float rgba[4])
 {
+    if (image->shapes) {
+        shapes_add(image->shapes, &(struct image_shape){.kind = SHAPE_LINE,
+                                                        .from = {from[0], from[1]},
+                                                        .to = {to[0], to[1]},
+                                                        .width = width,
+                                                        .rgba = {rgba[0], rgba[1], rgba[2], rgba[3]}});
+        return;
+    }
     const struct shape shape = {distance_to_line, {from[0], from[1]}, {to[0], to[1]}, width / 2, 0};
     const struct draw_box bounds = {fmin(from[0], to[0]) - shape.radius, fmin(from[1], to[1]) - shape.radius,
                                     fmax(from[0], to[0]) + shape.radius, fmax(from[1], to[1]) + shape.radius};
@@ -93,6 +102,15 @@ void draw_box(conus_image *image, const struct draw_box *box, double rounding, c
 
 void draw_frame(conus_image *image, const struct draw_box *box, double rounding, double width, const float rgba[4])
 {
+    if (image->shapes) {
+        shapes_add(image->shapes, &(struct image_shape){.kind = SHAPE_BOX,
+                                                        .from = {box->left, box->top},
+                                                        .to = {box->right, box->bottom},
+                                                        .width = width,
+                                                        .rounding = rounding,
+                                                        .rgba = {rgba[0], rgba[1], rgba[2], rgba[3]}});
+        return;
+    }
     const struct shape shape = {distance_to_box, {box->left, box->top}, {box->right, box->bottom}, rounding, width};
     fill_shape(image, &shape, box, rgba);
 }

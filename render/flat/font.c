@@ -5,10 +5,12 @@
 #include "base/library.h"
 #include "base/memory.h"
 #include "render/flat/draw.h"
+#include "render/image/shapes.h"
 
 #include <fontconfig/fontconfig.h>
 #include <ft2build.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 #include FT_FREETYPE_H
 #include FT_MODULE_H
@@ -207,6 +209,17 @@ static void paint_glyph(const struct font *font, conus_image *image, long x, lon
 conus_status font_draw(struct font *font, conus_image *image, const double at[2], double size, const float rgba[4],
                        const char *text)
 {
+    if (image->shapes) {
+        const struct image_shape shape = {.kind = SHAPE_TEXT,
+                                          .from = {at[0], at[1]},
+                                          .width = size,
+                                          .length = font_width(font, size, text),
+                                          .rgba = {rgba[0], rgba[1], rgba[2], rgba[3]},
+                                          .text = (char *)text};
+        snprintf(image->shapes->family, sizeof image->shapes->family, "%s", font->face->family_name);
+        shapes_add(image->shapes, &shape);
+        return CONUS_OK;
+    }
     double x = at[0];
     for (const unsigned char *rest = (const unsigned char *)text; *rest;) {
         FT_Error error = load_glyph(font, size, next_character(&rest));

@@ -3,6 +3,7 @@
 #include "render/image/image.h"
 
 #include "base/memory.h"
+#include "render/image/shapes.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -39,6 +40,7 @@ void conus_image_destroy(conus_image *image)
     memory_free(image->channels);
     memory_free(image->attributes);
     memory_free(image->png_rgba);
+    shapes_destroy(image->shapes);
     bytes_finish(&image->encoded);
     memory_free(image);
 }
@@ -90,6 +92,12 @@ conus_status image_create_rgba(conus_image **out, uint32_t width, uint32_t heigh
     }
     *out = image;
     return CONUS_OK;
+}
+
+conus_status image_keep_shapes(conus_image *image)
+{
+    image->shapes = image->shapes ? image->shapes : memory_zeroed(1, sizeof *image->shapes);
+    return image->shapes ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
 struct image_attribute *image_find_attribute(const conus_image *image, const char *name)

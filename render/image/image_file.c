@@ -28,15 +28,38 @@ conus_status conus_image_load(conus_image **out, const char *path)
     return status ? fail_in(status, path) : CONUS_OK;
 }
 
-/* Whether the ending, without its dot, is that of a format that is written. */
-static bool is_known(const char *ending)
+/* The formats that are written. */
+static const struct {
+    const char *ending; /* without its dot */
+    bool shapes;        /* It has those that are kept beside the pixels, and others have them in the pixels. */
+    conus_status (*format)(struct bytes *out, const conus_image *image);
+} formats[] = {{"exr", false, image_format_exr},
+               {"png", false, image_format_png},
+               {"svg", true, image_format_svg},
+               {"pdf", true, image_format_pdf}};
+
+enum { FORMATS = sizeof formats / sizeof *formats };
+
+/* FORMATS where it is none. */
+static size_t find_format(const char *ending)
 {
-    return strcasecmp(ending, "exr") == 0 || strcasecmp(ending, "png") == 0;
+    size_t i = 0;
+    while (i < FORMATS && strcasecmp(ending, formats[i].ending) != 0) {
+        i++;
+    }
+    return i;
 }
 
-static conus_status format_image(struct bytes *out, const conus_image *image, const char *ending)
+static conus_status format_image(struct bytes *out, const conus_image *image, size_t format)
 {
-    return strcasecmp(ending, "exr") == 0 ? image_format_exr(out, image) : image_format_png(out, image);
+    if (formats[format].shapes != (image->shapes != NULL)) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: a picture whose lines and text are %s (conus_view.shapes)",
+                    formats[format].ending,
+                    image->shapes ? "kept as shapes is written as svg or pdf"
+                                  : "pixels is "
+                                    "written as png or exr");
+    }
+    return formats[format].format(out, image);
 }
 
 conus_status conus_image_write(const conus_image *image, const char *path)
@@ -45,11 +68,13 @@ conus_status conus_image_write(const conus_image *image, const char *path)
         return fail(CONUS_ERROR_ARGUMENT, "conus_image_write: %s is NULL", image ? "path" : "image");
     }
     const char *dot = strrchr(path, '.');
-    if (!dot || !is_known(dot + 1)) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: the ending says the format of a picture: .exr or .png", path);
+    const size_t format = dot ? find_format(dot + 1) : FORMATS;
+    if (format == FORMATS) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: the ending says the format of a picture: .exr, .png, .svg or .pdf",
+                    path);
     }
     struct bytes bytes;
-    conus_status status = format_image(&bytes, image, dot + 1);
+    conus_status status = format_image(&bytes, image, format);
     if (status) {
         return fail_in(status, path);
     }
@@ -60,11 +85,12 @@ conus_status conus_image_write(const conus_image *image, const char *path)
 
 conus_status conus_image_encode(const uint8_t **data, size_t *size, conus_image *image, const char *format)
 {
-    if (!data || !size || !image || !format || !is_known(format)) {
-        return fail(CONUS_ERROR_ARGUMENT, "format: %s, allowed is exr or png", format ? format : "NULL");
+    const size_t number = format ? find_format(format) : FORMATS;
+    if (!data || !size || !image || number == FORMATS) {
+        return fail(CONUS_ERROR_ARGUMENT, "format: %s, allowed is exr, png, svg or pdf", format ? format : "NULL");
     }
     struct bytes bytes;
-    conus_status status = format_image(&bytes, image, format);
+    conus_status status = format_image(&bytes, image, number);
     if (status) {
         return status;
     }

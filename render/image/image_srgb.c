@@ -16,6 +16,13 @@ double linear_from_srgb(double srgb)
     return srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4);
 }
 
+void srgb_bytes(uint8_t rgb[3], const float linear[3])
+{
+    for (int c = 0; c < 3; c++) {
+        rgb[c] = (uint8_t)lrint(255 * srgb_from_linear(fmin(fmax((double)linear[c], 0), 1)));
+    }
+}
+
 static uint8_t byte_from_linear(const float steps[255], float linear)
 {
     unsigned low = 0;

@@ -22,7 +22,8 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
                                     .no_legend = sheet->no_legend,
                                     .background = sheet->background,
                                     .dpi = sheet->dpi,
-                                    .frame = sheet->frame};
+                                    .frame = sheet->frame,
+                                    .shapes = sheet->shapes};
     memcpy(picture->options.background_rgb, sheet->background_rgb, sizeof sheet->background_rgb);
     picture->areas = memory_raw(count, sizeof *picture->areas);
     picture->emphasis = view->selection ? picture_emphasis(view->selection, view->chosen) : NULL;
@@ -67,6 +68,9 @@ static conus_status make_image(conus_image **out, struct picture *picture, const
     if (!status) {
         image->dpi = picture->options.dpi;
         lay_out(image, picture, rgba);
+        status = picture->options.shapes ? image_keep_shapes(image) : CONUS_OK;
+    }
+    if (!status) {
         status = picture_add_volumes(image, picture->atlas, true);
     }
     if (!status && picture->font) {

@@ -4,8 +4,10 @@
 #include "base/memory.h"
 #include "base/options.h"
 #include "conus/atlas_info.h"
+#include "render/flat/cut_trace.h"
 #include "render/image/image.h"
 #include "render/image/image_srgb.h"
+#include "render/image/shapes.h"
 #include "selection/picture/picture.h"
 #include "selection/picture/picture_cutter.h"
 
@@ -313,6 +315,31 @@ static void lay_cut(const struct sheet *sheet, const struct panel *panel)
     }
 }
 
+/* The outlines that are not in the pixels: of areas, but for surfaces, then of surfaces, and of the cone over them. */
+static conus_status trace(const struct sheet *sheet, const struct cut *cut, struct cut_lines *lines)
+{
+    const conus_atlas *atlas = sheet->picture.atlas;
+    bool *skips = memory_zeroed(atlas->object_count + 1, sizeof *skips);
+    if (!skips) {
+        cut_lines_finish(lines);
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < cut->surface_count; i++) {
+        skips[cut->surfaces[i]] = true;
+    }
+    conus_status status = sheet->look->no_outlines ? CONUS_OK
+                                                   : cut_trace_areas(lines->shapes, cut->objects, cut->of.width,
+                                                                     cut->of.height, atlas->objects, skips, lines->at);
+    memory_free(skips);
+    cut_lines_finish(lines);
+    if (!status && sheet->view.selection) {
+        struct cut_cone cone;
+        cutter_cone(&cone, sheet->view.selection);
+        cut_trace_cone(lines->shapes, &cut->of, &cone, lines->at);
+    }
+    return status;
+}
+
 static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
 {
     const struct cut *cut = NULL;
@@ -324,7 +351,13 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
     memcpy(view.centre, panel->centre, sizeof view.centre);
     memcpy(view.right, panel->plane->right, sizeof view.right);
     memcpy(view.up, panel->plane->up, sizeof view.up);
-    conus_status status = cutter_draw_bare(&cut, sheet->cutter, &view);
+    struct shapes *shapes = sheet->image->shapes;
+    struct cut_lines lines = {.shapes = shapes,
+                              .list = sheet->picture.atlas->objects,
+                              .at = {(double)panel->at[0], (double)panel->at[1]},
+                              .limit = {(double)panel->size[0], (double)panel->size[1]}};
+    view.no_outlines = view.no_outlines || shapes;
+    conus_status status = cutter_draw_bare(&cut, sheet->cutter, &view, shapes ? cut_lines_add : NULL, &lines);
     size_t pixels = (size_t)view.width * view.height;
     sheet->rgba = status ? NULL : memory_copy(cut->rgba, pixels, 4);
     sheet->stack = sheet->rgba ? memory_raw(pixels, sizeof *sheet->stack) : NULL;
@@ -334,10 +367,15 @@ static conus_status draw_cut(struct sheet *sheet, const struct panel *panel)
         if (view.selection) {
             struct cut_cone cone;
             cutter_cone(&cone, view.selection);
+            cone.no_line = shapes;
             cut_draw_cone(sheet->rgba, &cut->of, &cone);
         }
         lay_cut(sheet, panel);
     }
+    if (!status && shapes) {
+        status = trace(sheet, cut, &lines);
+    }
+    memory_free(lines.points); /* of a cut that failed */
     memory_free(sheet->rgba);
     memory_free(sheet->stack);
     return status;
@@ -364,6 +402,9 @@ static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
             const float over[4] = {from.plane[0][at], from.plane[1][at], from.plane[2][at], from.plane[3][at]};
             lay_pixel(sheet, panel->at[0] + x, panel->at[1] + y, over);
         }
+    }
+    if (sheet->image->shapes) {
+        shapes_take(sheet->image->shapes, image->shapes, (double[]){(double)panel->at[0], (double)panel->at[1]});
     }
     conus_image_destroy(image);
     return CONUS_OK;
@@ -457,6 +498,7 @@ static conus_status draw_sheet(struct sheet *sheet)
     }
     sheet->image->dpi = picture->options.dpi;
     lay_background(sheet);
+    status = picture->options.shapes ? image_keep_shapes(sheet->image) : CONUS_OK;
     for (size_t i = 0; i < sheet->count && !status; i++) {
         status = draw_panel(sheet, &sheet->panels[i]);
     }

@@ -88,7 +88,7 @@ void cutter_cone(struct cut_cone *out, const conus_selection *selection)
                              .far = has_range ? cone->range[1] : INFINITY};
 }
 
-static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool has_cone)
+static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool has_cone, cut_line *line, void *user)
 {
     struct cut_cone cone;
     uint8_t *emphasis = NULL;
@@ -96,7 +96,9 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool 
                                       .height = view->height,
                                       .mm_per_pixel = view->mm_per_pixel > 0 ? view->mm_per_pixel : 1},
                             .fill = view->fill,
-                            .no_outlines = view->no_outlines};
+                            .no_outlines = view->no_outlines,
+                            .line = line,
+                            .line_user = user};
     memcpy(what.place.centre, view->centre, sizeof what.place.centre);
     cut_view_axes(what.place.right, what.place.up, view);
     conus_status status = choose_window(what.window, cutter, view->window);
@@ -135,13 +137,14 @@ conus_status conus_cutter_draw(conus_cutter *cutter, const conus_cut_view *view)
 {
     view = options_of(conus_cut_view, view);
     conus_status status = check_view(view);
-    return status ? status : draw(cutter, view, true);
+    return status ? status : draw(cutter, view, true, NULL, NULL);
 }
 
-conus_status cutter_draw_bare(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view)
+conus_status cutter_draw_bare(const struct cut **out, conus_cutter *cutter, const conus_cut_view *view, cut_line *line,
+                              void *user)
 {
     conus_status status = check_view(view);
-    status = status ? status : draw(cutter, view, false);
+    status = status ? status : draw(cutter, view, false, line, user);
     *out = &cutter->cut;
     return status;
 }

@@ -27,6 +27,18 @@ conus_status image_format_png(struct bytes *out, const conus_image *image)
     return refuse();
 }
 
+conus_status image_format_svg(struct bytes *out, const conus_image *image)
+{
+    (void)out, (void)image;
+    return refuse();
+}
+
+conus_status image_format_pdf(struct bytes *out, const conus_image *image)
+{
+    (void)out, (void)image;
+    return refuse();
+}
+
 conus_status image_parse_png(conus_image **out, const uint8_t *data, size_t size)
 {
     (void)out, (void)data, (void)size;

@@ -370,6 +370,9 @@ static conus_status make_image(conus_image **out, const struct picture *picture,
     if (!status) {
         image->dpi = picture->options.dpi;
         lay_over_background(image, picture);
+        status = picture->options.shapes ? image_keep_shapes(image) : CONUS_OK;
+    }
+    if (!status) {
         status = picture->font ? picture_annotate(image, picture) : CONUS_OK;
     }
     status = status ? status : add_attributes(image, picture, renderer);

@@ -14,7 +14,7 @@ load helpers
 @test "the start loads nothing that only pictures and the triangles of surfaces need" {
     run -0 --separate-stderr env LD_DEBUG=files "$CONUS" --version
     [[ $stderr == *libjansson* ]] # that it says what is loaded
-    for library in libembree libepoxy libfontconfig libfreetype libOpenEXR libpng; do
+    for library in libcairo libembree libepoxy libfontconfig libfreetype libOpenEXR libpng; do
         [[ $stderr != *"$library"* ]]
     done
 }

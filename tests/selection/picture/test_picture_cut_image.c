@@ -257,13 +257,86 @@ static void every_allocation_may_fail(void **state)
     conus_atlas_destroy(atlas);
 }
 
+static const conus_cut_plane planes[] = {{.right = {1, 0, 0}, .up = {0, 1, 0}}, {.right = {0, 1, 0}, .up = {0, 0, 1}}};
+
+static conus_status draw_sheet(void *user)
+{
+    static const char *const formats[] = {"svg", "pdf"};
+    const conus_view sheet = {.width = 80, .height = 40, .no_legend = true, .shapes = true};
+    conus_image *image = NULL;
+    conus_status status = conus_cuts_image(&image, user, planes, 2, NULL, NULL, &sheet);
+    for (size_t i = 0; i < 2 && !status; i++) {
+        const uint8_t *data = NULL;
+        size_t size = 0;
+        status = conus_image_encode(&data, &size, image, formats[i]);
+    }
+    conus_image_destroy(image);
+    return status;
+}
+
+static void every_failing_allocation_of_a_sheet_is_reported(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = load();
+    test_every_allocation(draw_sheet, atlas);
+    conus_atlas_destroy(atlas);
+}
+
+static void a_sheet_says_what_is_wrong(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = load();
+    conus_image *image = NULL;
+    conus_cut_plane bad = planes[0];
+    assert_fails(conus_cuts_image(&image, atlas, planes, 0, NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_cuts_image(&image, atlas, planes, 401, NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_cuts_image(&image, atlas, planes, 2, NULL, NULL, &(conus_view){.width = 8, .height = 8}),
+                 CONUS_ERROR_ARGUMENT);
+    bad.up[0] = 1;
+    assert_fails(conus_cuts_image(&image, atlas, &bad, 1, NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
+    bad = (conus_cut_plane){.at = {0, 0, NAN}, .right = {1, 0, 0}, .up = {0, 1, 0}};
+    assert_fails(conus_cuts_image(&image, atlas, &bad, 1, NULL, NULL, NULL), CONUS_ERROR_ARGUMENT);
+    assert_null(image);
+    conus_atlas_destroy(atlas);
+}
+
+static void shapes_are_for_svg_and_pdf_only(void **state)
+{
+    (void)state;
+    conus_atlas *atlas = load();
+    for (int shapes = 0; shapes < 2; shapes++) {
+        static const char *const formats[] = {"png", "exr", "svg", "pdf"};
+        conus_image *image = NULL;
+        const conus_view sheet = {.shapes = shapes == 1};
+        assert_ok(conus_cut_image(&image, atlas, &plain, &sheet));
+        for (int i = 0; i < 4; i++) {
+            const uint8_t *data = NULL;
+            size_t size = 0;
+            if ((i >= 2) == (shapes == 1)) {
+                assert_ok(conus_image_encode(&data, &size, image, formats[i]));
+                assert_true(size > 100);
+            } else {
+                assert_fails(conus_image_encode(&data, &size, image, formats[i]), CONUS_ERROR_ARGUMENT);
+            }
+        }
+        conus_image_destroy(image);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 TEST_GROUP(picture_cut_image)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(without_text_it_is_the_cut),     cmocka_unit_test(letters_stand_where_the_axes_are),
-        cmocka_unit_test(the_bar_is_as_long_as_it_says),  cmocka_unit_test(a_legend_has_its_place),
-        cmocka_unit_test(a_legend_tells_namesakes_apart), cmocka_unit_test(what_cannot_be_is_refused),
+        cmocka_unit_test(without_text_it_is_the_cut),
+        cmocka_unit_test(letters_stand_where_the_axes_are),
+        cmocka_unit_test(the_bar_is_as_long_as_it_says),
+        cmocka_unit_test(a_legend_has_its_place),
+        cmocka_unit_test(a_legend_tells_namesakes_apart),
+        cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(every_failing_allocation_of_a_sheet_is_reported),
+        cmocka_unit_test(a_sheet_says_what_is_wrong),
+        cmocka_unit_test(shapes_are_for_svg_and_pdf_only),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

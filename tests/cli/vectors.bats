@@ -1,0 +1,61 @@
+#!/usr/bin/env bats
+# conus render -o fig.svg and fig.pdf: text is text, and lines are lines.
+load helpers
+
+need_readers() {
+    for program in rsvg-convert pdftotext; do
+        command -v $program >/dev/null || skip "there is no $program (scripts/packages test)"
+    done
+}
+
+# shellcheck disable=SC2034 # used by the tests
+BOX='blocks.nii.gz --labels blocks.txt --cuts axial:0 --origin=-90,0,0 --toward=0,0,0 --angle 20 --background white
+    --legend right --width-mm 120 --height-mm 80 --dpi 200 --quiet'
+
+@test "SVG and PDF have the text, the size in mm, the outlines, and look as the PNG does" {
+    need_readers
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/vectors.py" write
+    for ending in png svg pdf; do
+        # shellcheck disable=SC2086 # several words
+        answers render $BOX -o fig.$ending
+    done
+    /usr/bin/python3 "$BATS_TEST_DIRNAME/vectors.py" check
+    for ending in svg pdf; do # always the same bytes
+        # shellcheck disable=SC2086
+        answers render $BOX -o again.$ending
+        cmp fig.$ending again.$ending
+    done
+    # shellcheck disable=SC2086
+    answers render $BOX -o other.svg --radiological
+    x() { sed -n "s/.*<text x=\"\([0-9.]*\)\".*>$1<.*/\1/p" other.svg; }
+    awk "BEGIN { exit !($(x R) < $(x L)) }"
+}
+
+@test "the view in space has its text beside the pixels, too" {
+    need_readers
+    sphere --size 32
+    gl render sphere.nii.gz -o ball.svg --size 300x200 --view left --slices 60
+    for letter in A P S I; do
+        grep -q "<text.*>$letter</text>" ball.svg
+    done
+    rsvg-convert ball.svg -o ball.png
+    gl render sphere.nii.gz -o ball.pdf --size 300x200 --view left --slices 60
+    pdfinfo ball.pdf | grep -q 'Page size: *225 x 150 pts' # a pixel is a 96th inch
+}
+
+@test "without a font there is no text, and what lacks is said in one line" {
+    sphere --size 16
+    printf '<fontconfig></fontconfig>' >none.conf
+    FONTCONFIG_FILE=$PWD/none.conf answers render sphere.nii.gz --cuts axial -o bare.svg
+    xmllint --noout bare.svg
+    not grep -q '<text' bare.svg
+    FONTCONFIG_FILE=$PWD/none.conf answers render sphere.nii.gz --cuts axial -o bare.pdf
+    mkdir library
+    : >library/libcairo.so.2 # no library
+    LD_LIBRARY_PATH=$PWD/library fails 3 'libcairo.so.2 cannot be loaded (Debian: libcairo2)' \
+        render sphere.nii.gz --cuts axial -o x.pdf
+    [ ! -e x.pdf ]
+    LD_LIBRARY_PATH=$PWD/library answers render sphere.nii.gz --cuts axial -o fine.svg
+    fails 3 'cannot write' render sphere.nii.gz --cuts axial -o none/x.svg
+    fails 2 'x.eps' render sphere.nii.gz --cuts axial -o x.eps
+}
