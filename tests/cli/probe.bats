@@ -110,3 +110,13 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     [ ! -e out.tsv ] && [ ! -e out.json ] && [ ! -e probes.tsv ]
     conus "${q[@]}" --probe blunt.json --probe-tip 2 --format tsv -q | diff - <(conus "${q[@]}" --probe np.json --format tsv -q)
 }
+
+@test "JSON of points is verified, whatever their names hold; and not when a point was moved" {
+    probe
+    sed -i 's/"e0"/"e\\"0\\\\, {"/; s/"e1"/"\\u00e9 ],"/; s/"e2"/"\\"Queries\\": []"/' np.json
+    conus query slabs.nii.gz --probe np.json "${AIM[@]}" --format json -q -o points.json
+    grep -qF '"query": "e\"0\\, {"' points.json
+    answers verify points.json
+    sed -i '0,/12.6/s//12.7/' points.json
+    run -1 conus verify points.json
+}
