@@ -2,6 +2,7 @@
 /* conus render: draws an atlas, with or without a cone, into a picture file. */
 #include "cli/commands.h"
 #include "cli/render_cuts.h"
+#include "cli/render_turn.h"
 #include "figures/figure.h"
 #include "options/messages.h"
 #include "options/options.h"
@@ -49,7 +50,7 @@ static bool begins(const char *text, const char *word)
 static bool render_pattern_check(const char *pattern)
 {
     for (const char *at = strchr(pattern, '{'); at; at = strchr(at + 1, '{')) {
-        if (!begins(at, QUERY) && !begins(at, ROW)) {
+        if (!begins(at, QUERY) && !begins(at, ROW) && !begins(at, TURN_FRAME)) {
             const char *end = strchr(at, '}');
             int length = end ? (int)(end - at + 1) : (int)strlen(at);
             print_error_line("--output: \"%.*s\" stands for nothing, allowed are %s and %s", length, at, QUERY, ROW);
@@ -368,6 +369,7 @@ struct render_settings {
     const char *transfer;
     bool no_skipping;
     struct cut_settings cuts;
+    struct turn_settings turn;
 };
 
 static const struct option picture_options[] = {
@@ -477,6 +479,7 @@ static const struct option_group groups[] = {
     {"", context_choice_options, offsetof(struct render_settings, context)},
     {"", map_options, offsetof(struct render_settings, context)},
     {"", figure_options, offsetof(struct render_settings, figure)},
+    {"", turn_options, offsetof(struct render_settings, turn)},
     {"Flat cuts", cut_options, offsetof(struct render_settings, cuts)},
     {"Surfaces of areas and pathways", translucent_options, offsetof(struct render_settings, translucent)},
     {"Cone to draw", aim_options, offsetof(struct render_settings, aim)},
@@ -563,7 +566,8 @@ static bool check_cone(const struct render_settings *settings, const struct argu
 
 static bool check_settings(const struct render_settings *settings, const struct arguments *arguments)
 {
-    if (!render_cuts_check(&settings->cuts, arguments) || !check_cone(settings, arguments)) {
+    if (!render_cuts_check(&settings->cuts, arguments) || !turn_check(&settings->turn, settings->output) ||
+        !check_cone(settings, arguments)) {
         return false;
     }
     if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SAMPLING_SLICES &&
@@ -745,12 +749,40 @@ static conus_status draw_view(conus_image **out, const struct picture *picture, 
     return conus_cuts_image(out, picture->atlas, planes, count, &look, picture->renderer, view);
 }
 
+/* Draws the frames of a turntable, or the one picture that there is without. */
+static int draw_frames(const struct picture *picture, const conus_view *view, const conus_cut_plane *planes,
+                       size_t count, const char *path)
+{
+    const struct turn_settings *turn = &picture->settings->turn;
+    int code = EXIT_DONE;
+    for (uint32_t frame = 0; (frame == 0 || frame < turn->frames) && !code; frame++) {
+        conus_image *image = NULL;
+        conus_pose camera;
+        conus_view of_frame = *view;
+        conus_status status = CONUS_OK;
+        char *name = turn->frames ? turn_path(path, turn, frame) : strdup(path);
+        if (!name) {
+            return print_no_memory();
+        }
+        if (turn->frames) {
+            status =
+                turn_camera(&camera, turn, frame, picture->has_camera ? &picture->camera : NULL, picture->atlas, view);
+            of_frame.camera = &camera;
+        }
+        status = status ? status : draw_view(&image, picture, &of_frame, planes, count);
+        status = status ? status : conus_image_write(image, name);
+        code = status ? print_status(status) : EXIT_DONE;
+        conus_image_destroy(image);
+        free(name);
+    }
+    return code;
+}
+
 /* Of a cone, if any: `selection` is what it selects at `pose`. */
 static int draw_picture(const struct picture *picture, const conus_selection *selection, const conus_pose *pose,
                         const char *path)
 {
     const struct render_settings *settings = picture->settings;
-    conus_image *image = NULL;
     conus_cut_plane *planes = NULL;
     size_t count = 0;
     const double *f = settings->frustum;
@@ -764,6 +796,9 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
                        .frame = &picture->frame,
                        .no_skipping = settings->no_skipping};
     figure_view(&view, &settings->figure);
+    if (settings->turn.frames && !option_given(picture->arguments, "legend")) {
+        view.legend = CONUS_LEGEND_BELOW; /* inside, it would change its corner */
+    }
     view.shapes = path_ends(path, ".svg") || path_ends(path, ".pdf");
     if (settings->cuts.cuts && !option_given(picture->arguments, "size") &&
         !option_given(picture->arguments, "height-mm")) {
@@ -772,12 +807,7 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
     int code = settings->cuts.cuts ? render_cuts_find(&planes, &count, &settings->cuts, picture->arguments,
                                                       picture->atlas, &picture->frame, selection, pose)
                                    : EXIT_DONE;
-    if (!code) {
-        conus_status status = draw_view(&image, picture, &view, planes, count);
-        status = status ? status : conus_image_write(image, path);
-        code = status ? print_status(status) : EXIT_DONE;
-    }
-    conus_image_destroy(image);
+    code = code ? code : draw_frames(picture, &view, planes, count, path);
     free(planes);
     return code;
 }

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Frames of a turntable: the camera goes around the atlas in equal steps. */
+#include "cli/render_turn.h"
+
+#include "options/messages.h"
+
+#include "conus/atlas_info.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double RADIANS = 0.017453292519943295; /* of a degree */
+static const double FULL_TURN = 360;
+
+/* Where the first camera is, degrees above the horizon, and how much room is around the ball. */
+static const double ABOVE = 15;
+static const double ROOM = 1.1;
+
+#define FIELD(member) offsetof(struct turn_settings, member)
+
+const struct option turn_options[] = {
+    {.name = "frames",
+     .type = OPTION_COUNT,
+     .offset = FIELD(frames),
+     .value = "N",
+     .help = "a turntable: so many pictures, the camera going around the atlas; {frame} in --output stands for the "
+             "number of each",
+     .low = 1,
+     .high = 9999,
+     .words = "turntable, animation, movie, rotate, spin",
+     .excludes = "view,frustum"},
+    {.name = "turn",
+     .type = OPTION_NUMBER,
+     .offset = FIELD(degrees),
+     .value = "DEGREES",
+     .help = "how far it goes in all frames, positive from the front over the left to the back (default 360)",
+     .low = -3600,
+     .high = 3600,
+     .needs = "frames"},
+    {0},
+};
+
+bool turn_check(const struct turn_settings *settings, const char *output)
+{
+    bool has_word = strstr(output, TURN_FRAME);
+    if (settings->frames && !has_word) {
+        print_error_line("--output: " TURN_FRAME " is missing, as in turn-" TURN_FRAME ".png");
+    } else if (!settings->frames && has_word) {
+        print_error_line("--output: " TURN_FRAME " stands for the pictures of a turntable, --frames N");
+    }
+    return has_word == (settings->frames > 0);
+}
+
+/* From in front, at the distance at which the ball fits between the nearer edges. */
+static conus_status find_start(conus_pose *out, const double centre[3], double radius, const conus_view *view)
+{
+    static const double up[3] = {0, 0, 1};
+    double upward = view->field_of_view > 0 ? view->field_of_view / 2 : 15 * RADIANS;
+    double aspect = view->width && view->height ? (double)view->width / view->height : 1;
+    double across = atan(tan(upward) * aspect);
+    double distance = ROOM * radius / sin(fmin(upward, across));
+    const double origin[3] = {centre[0], centre[1] + distance * cos(ABOVE * RADIANS),
+                              centre[2] + distance * sin(ABOVE * RADIANS)};
+    return conus_pose_toward(out, origin, centre, up);
+}
+
+conus_status turn_camera(conus_pose *out, const struct turn_settings *settings, uint32_t frame, const conus_pose *start,
+                         const conus_atlas *atlas, const conus_view *view)
+{
+    double low[3], high[3], centre[3], radius = 0;
+    conus_pose first;
+    conus_status status = conus_atlas_bounds(low, high, atlas);
+    if (status) {
+        return status;
+    }
+    for (int a = 0; a < 3; a++) {
+        centre[a] = (low[a] + high[a]) / 2;
+        radius = hypot(radius, (high[a] - low[a]) / 2);
+    }
+    status = start ? CONUS_OK : find_start(&first, centre, radius, view);
+    first = start ? *start : first;
+    if (status) {
+        return status;
+    }
+    double degrees = (settings->degrees != 0 ? settings->degrees : FULL_TURN) * frame / settings->frames;
+    double c = cos(degrees * RADIANS);
+    double s = sin(degrees * RADIANS);
+    double turned[16];
+    for (int column = 0; column < 4; column++) {
+        const double *m = first.world_from_device + 4 * column;
+        bool is_place = column == 3;
+        double x = m[0] - (is_place ? centre[0] : 0);
+        double y = m[1] - (is_place ? centre[1] : 0);
+        turned[4 * column] = c * x - s * y + (is_place ? centre[0] : 0);
+        turned[4 * column + 1] = s * x + c * y + (is_place ? centre[1] : 0);
+        turned[4 * column + 2] = m[2];
+        turned[4 * column + 3] = m[3];
+    }
+    return conus_pose_from_matrix(out, turned);
+}
+
+char *turn_path(const char *pattern, const struct turn_settings *settings, uint32_t frame)
+{
+    char *path = NULL;
+    size_t size = 0;
+    int digits = snprintf(NULL, 0, "%" PRIu32, settings->frames);
+    FILE *out = open_memstream(&path, &size);
+    for (const char *c = pattern; out && *c;) {
+        if (strncmp(c, TURN_FRAME, strlen(TURN_FRAME)) == 0) {
+            fprintf(out, "%0*" PRIu32, digits, frame + 1);
+            c += strlen(TURN_FRAME);
+        } else {
+            fputc(*c++, out);
+        }
+    }
+    if (!out || fclose(out)) {
+        free(path);
+        return NULL;
+    }
+    return path;
+}
