@@ -4,6 +4,7 @@
 
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
+#include "base/geometry/tangent.h"
 #include "base/memory.h"
 #include "selection/rank.h"
 #include "selection/selector.h"
@@ -253,7 +254,7 @@ conus_status selection_begin(conus_selection **out, conus_selector *selector, co
     if (status) {
         return status;
     }
-    cone.slope = tan(angle / 2);
+    cone.slope = tangent(angle / 2);
     conus_selection *selection = memory_zeroed(1, sizeof *selection);
     if (!selection) {
         return CONUS_ERROR_MEMORY;

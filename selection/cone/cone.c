@@ -3,6 +3,7 @@
 #include "selection/cone/cone.h"
 
 #include "base/geometry/math3.h"
+#include "base/geometry/tangent.h"
 #include "poses/rows/pose_row.h"
 
 #include <string.h>
@@ -34,7 +35,7 @@ conus_status cone_check(const struct cone *cone)
 
 double cone_slope(const struct cone *cone)
 {
-    return cone->slope > 0 ? cone->slope : tan(cone->angle / 2);
+    return cone->slope > 0 ? cone->slope : tangent(cone->angle / 2);
 }
 
 bool cone_is_wide(const struct cone *cone)
