@@ -14,7 +14,7 @@
 
 #pragma GCC diagnostic ignored "-Wmissing-prototypes" /* the page's JavaScript has no header to read */
 
-enum { SIDE_LIMIT = 512, REACH = 3 };
+enum { SIDE_LIMIT = 512, COARSE_LIMIT = 128, REACH = 3 };
 
 static const double RADIANS = 3.14159265358979323846 / 180;
 
@@ -22,11 +22,14 @@ static const double RADIANS = 3.14159265358979323846 / 180;
 static struct {
     conus_atlas *atlas;
     conus_selector *selector; /* of the question */
-    conus_selector *viewer;   /* of the 3-D view: all pixels' first hits */
+    struct viewer {
+        conus_selector *selector;
+        uint32_t side;
+    } viewers[2]; /* of the 3-D view, all pixels' first hits: while it moves, and at rest */
     conus_cutter *cutter;
     conus_selection *selection; /* the answer; NULL before the first */
     conus_report *report;
-    uint32_t resolution, side;
+    uint32_t resolution;
     bool all_layers;
     char *text;
     size_t text_size;
@@ -85,9 +88,11 @@ static void forget_question(void)
 static void forget_answers(void)
 {
     forget_question();
-    conus_selector_destroy(page.viewer);
+    for (size_t i = 0; i < 2; i++) {
+        conus_selector_destroy(page.viewers[i].selector);
+        page.viewers[i].selector = NULL;
+    }
     conus_cutter_destroy(page.cutter);
-    page.viewer = NULL;
     page.cutter = NULL;
 }
 
@@ -312,14 +317,15 @@ EMSCRIPTEN_KEEPALIVE const uint8_t *web_view(uint32_t side, double x, double y, 
     static const double up[3] = {0, 0, 1};
     conus_pose pose;
     conus_selection *selection = NULL;
-    if (page.viewer && page.side != side) {
-        conus_selector_destroy(page.viewer);
-        page.viewer = NULL;
+    struct viewer *viewer = &page.viewers[side > COARSE_LIMIT];
+    if (viewer->side != side) {
+        conus_selector_destroy(viewer->selector);
+        viewer->selector = NULL;
     }
-    page.side = side;
-    if (side > SIDE_LIMIT || prepare_selector(&page.viewer, side, false) ||
+    viewer->side = side;
+    if (side > SIDE_LIMIT || prepare_selector(&viewer->selector, side, false) ||
         conus_pose_toward(&pose, (const double[]){x, y, z}, (const double[]){toward_x, toward_y, toward_z}, up) ||
-        conus_select(&selection, page.viewer, &pose, angle * RADIANS)) {
+        conus_select(&selection, viewer->selector, &pose, angle * RADIANS)) {
         return NULL;
     }
     const conus_evidence evidence = conus_selection_evidence(selection);

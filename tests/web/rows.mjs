@@ -15,14 +15,52 @@ const run = (...words) => execFileSync(CONUS, words, { cwd: folder, env, maxBuff
 const POSES = Number(process.env.CONUS_POSES ?? 3000);
 const NDJSON = 4;
 
+const ROOT = path.resolve(import.meta.url.slice(7), "../../..");
 run("phantom", "brain", "-o", "brain");
-run("phantom", "bundle", "-o", "bundle");
+execFileSync("python3", [path.join(ROOT, "tests/cli/ccf.py")], { cwd: folder });
+const brain = JSON.parse(fs.readFileSync(path.join(folder, "brain/brain.atlas.json")));
+for (const part of ["areas", "pathways"]) fs.writeFileSync(path.join(folder, `brain/${part}.atlas.json`), JSON.stringify({ conus_atlas: 1, [part]: brain[part] }));
+
+/** Three blurred balls as a 4-D volume of probabilities in percent, uint8, 24 x 20 x 16 voxels of 2 mm. */
+function probabilities() {
+  const [nx, ny, nz] = [24, 20, 16];
+  const head = new DataView(new ArrayBuffer(352));
+  head.setInt32(0, 348, true);
+  [4, nx, ny, nz, 3, 1, 1, 1].forEach((n, i) => head.setInt16(40 + 2 * i, n, true));
+  head.setInt16(70, 2, true);
+  head.setInt16(72, 8, true);
+  [1, 2, 2, 2, 1].forEach((edge, i) => head.setFloat32(76 + 4 * i, edge, true));
+  head.setFloat32(108, 352, true);
+  head.setInt16(254, 1, true);
+  [nx, ny, nz].forEach((n, i) => {
+    head.setFloat32(280 + 20 * i, 2, true);
+    head.setFloat32(292 + 16 * i, 1 - n, true);
+  });
+  head.setUint32(344, 0x00312b6e, true);
+  const voxels = Uint8Array.from({ length: nx * ny * nz * 3 }, (_, i) => {
+    const at = [i % nx, Math.floor(i / nx) % ny, Math.floor(i / nx / ny) % nz];
+    const far = Math.hypot(...at.map((v, a) => v - [[7, 8, 8], [15, 12, 6], [12, 6, 11]][Math.floor(i / nx / ny / nz)][a]));
+    return Math.max(0, 100 - 14 * far);
+  });
+  return Buffer.concat([Buffer.from(head.buffer), voxels]);
+}
+fs.mkdirSync(path.join(folder, "prob"));
+fs.writeFileSync(path.join(folder, "prob/prob.nii"), probabilities());
+fs.writeFileSync(path.join(folder, "prob/prob.xml"), `<?xml version="1.0"?><atlas version="1.0"><header><name>Balls</name><type>Probabilistic</type>
+<images><imagefile>/prob</imagefile><summaryimagefile>/prob</summaryimagefile></images></header><data>
+${["left", "right", "top"].map((name, i) => `<label index="${i}" x="0" y="0" z="0">${name}</label>`).join("\n")}</data></atlas>`);
 
 /** Random poses around a box, with angles: no libm in them, so that both sides ask the same. */
 function poses(low, high, seed) {
   const next = random(seed);
   const within = (margin) => low.map((v, a) => Number((v - margin + next() * (high[a] - v + 2 * margin)).toFixed(3)));
   return Array.from({ length: POSES }, () => ({ origin: within(40), toward: within(0), angle: Number((1 + 60 * next()).toFixed(2)) }));
+}
+
+/** Whether rows differ in the volumes of the parts of surfaces alone, and there by no more than a 10-millionth: arcs need sines of the C library. */
+function haveNearVolumes(a, b) {
+  const [x, y] = [a, b].map((row) => JSON.parse(row));
+  return Object.keys(x).every((key) => x[key] === y[key] || (/^(volume_mm3|fraction|cone_fraction|centroid_[xyz])$/.test(key) && Math.abs(x[key] - y[key]) <= 1e-7 * Math.abs(y[key])));
 }
 
 /** Asks both, of all poses. */
@@ -49,19 +87,32 @@ async function compare(files, atlas, layers) {
   const theirs = run("batch", files[0][0], "--poses", "poses.tsv", "--layers", layers, "--format", "ndjson", "--quiet");
   const [a, b] = [ours, theirs].map((text) => text.trim().split("\n"));
   assert.equal(a.length, b.length);
-  for (let i = 0; i < a.length; i++) assert.equal(a[i], b[i]);
-  return a.length;
+  let near = 0;
+  const others = a.filter((row, i) => row !== b[i] && !(layers === "all" && /gii|json/.test(atlas) && haveNearVolumes(row, b[i]) && ++near));
+  assert.deepEqual(others, []);
+  assert.ok(near <= a.length / 1000, `${near}`);
+  return `${a.length} rows; of ${near} a volume differs in its last digits`;
 }
 
 const real = ["aal.nii.gz", "aal.nii.txt", "aal.nii.lut"].map((name) => [path.join(TEMPLATES, name), name]).filter(([file]) => fs.existsSync(file));
 const inside = (name) => fs.readdirSync(path.join(folder, name), { recursive: true }).map((file) => [path.join(folder, name, file), file]).filter(([file]) => fs.statSync(file).isFile());
 
+const KINDS = { // folder and atlas of each
+  "a manifest with surfaces, pathways and areas": ["brain", "brain.atlas.json"],
+  "surfaces of GIFTI alone": ["brain", "areas.atlas.json"],
+  "a surface of GIFTI without a manifest": ["brain", "brain-04-SupR.surf.gii"],
+  "probabilistic pathways alone": ["brain", "pathways.atlas.json"],
+  "an FSL atlas of probabilities": ["prob", "prob.xml"],
+  "a stack of TIFF on the Allen CCF's grid": ["globe", "annotation.tiff"],
+};
 for (const layers of ["visible", "all"]) {
-  test(`AAL, ${layers}`, { skip: !real.length && "mricron-data is not installed" }, async (t) => t.diagnostic(`${await compare(real, "aal.nii.gz", layers)} rows`));
-  test(`a manifest with surfaces, pathways and areas, ${layers}`, async (t) => {
-    const files = inside("brain").sort(([a], [b]) => Number(b.endsWith(".atlas.json")) - Number(a.endsWith(".atlas.json")));
-    t.diagnostic(`${await compare(files, path.basename(files[0][1]), layers)} rows`);
-  });
+  test(`AAL, ${layers}`, { skip: !real.length && "mricron-data is not installed" }, async (t) => t.diagnostic(`${await compare(real, "aal.nii.gz", layers)}`));
+  for (const [kind, [where, atlas]] of Object.entries(KINDS)) {
+    test(`${kind}, ${layers}`, async (t) => {
+      const files = inside(where).sort(([, a], [, b]) => Number(b === atlas) - Number(a === atlas));
+      t.diagnostic(`${await compare(files, atlas, layers)}`);
+    });
+  }
 }
 
 test("the question of the README", { skip: !real.length && "mricron-data is not installed" }, async () => {

@@ -4,7 +4,7 @@
 const LIMIT = 2 ** 31;
 /** Endings of what can be an atlas, the likeliest first; others (tables, colours) lie beside one. */
 const ATLASES = [/\.atlas\.json$/, /\.nii(\.gz)?$/, /\.mg[hz]$/, /\.n(rrd|hdr)$/, /\.mh[ad]$/, /\.head$/, /\.tiff?$/, /\.gii(\.gz)?$/, /\.annot$/,
-  /\.(pial|white|inflated)$/, /\.(obj|ply|stl|vt[kp]|off|mz3)$/, /\.(trk|tck|trx|tt\.gz)$/];
+  /\.(pial|white|inflated)$/, /\.(obj|ply|stl|vt[kp]|off|mz3)$/, /\.(trk|tck|trx|tt\.gz)$/, /\.xml$/];
 
 /** Unpacks a block of base64, packed by gzip or not. @param {Element} block */
 export async function unpack(block) {
@@ -34,10 +34,12 @@ async function walk(entry) {
   }
 }
 
-/** @param {DataTransfer} transfer @returns {Promise<[string, File][]>} */
+/** Files as they are: a page that is itself a file may not read them as entries, in Chromium. @param {DataTransfer} transfer @returns {Promise<[string, File][]>} */
 export async function dropped(transfer) {
-  const entries = [...transfer.items].map((item) => item.webkitGetAsEntry()).filter(Boolean);
-  return (await Promise.all(entries.map((entry) => walk(/** @type {FileSystemEntry} */ (entry))))).flat();
+  const items = [...transfer.items].filter((item) => item.kind === "file").map((item) => ({ entry: item.webkitGetAsEntry(), file: item.getAsFile() }));
+  return (await Promise.all(items.map(({ entry, file }) => (entry?.isDirectory || !file ? walk(/** @type {any} */ (entry)).catch(() => {
+    throw new Error(`${entry?.name}: this browser does not open a folder here; drop the files in it, or choose it`);
+  }) : [/** @type {[string, File]} */ ([file.name, file])])))).flat();
 }
 
 /** @param {FileList} list @returns {[string, File][]} */

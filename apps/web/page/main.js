@@ -8,6 +8,7 @@ import { candidates, chosen as chosenFiles, dropped, inside, read, unpack } from
 const source = `<!doctype html>\n${document.documentElement.outerHTML}`; // before anything changes
 const FORMATS = { tsv: 1, csv: 2, json: 3 }; // of enum conus_format
 const REST = 150; // ms without a change, and pictures are drawn in full
+const BUSY = 12; // ms of a picture of 60 in a second, the rest is the browser's
 const SPEAK = 700; // ms, and the answer is spoken
 const NUDGES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
@@ -34,6 +35,9 @@ let given = null; // the question and rows that the program wrote into the page
 /** @type {any[]} */
 let rows = [];
 let rowsText = ""; // of the same, as conus wrote them
+let rowsKey = "";
+let edition = 0; // of the atlas, its image and colours
+const isInside = location.protocol === "about:"; // of another page, which has the address
 
 // ---- The worker: one message at a time -----------------------------------------------------------------------------
 
@@ -56,6 +60,7 @@ async function startWorker() {
   worker.onmessage = ({ data }) => {
     const { done, failed } = waiting.get(data.id);
     waiting.delete(data.id);
+    if (data.objects) edition++;
     if (data.error === undefined) done(data);
     else failed(new Error(data.error));
   };
@@ -152,6 +157,7 @@ let busy = false;
 let again = false;
 let moving = false;
 let resting = 0;
+let detail = 1; // of what moves, so that a slow machine keeps up
 
 /** @param {boolean} [isMoving] */
 function redraw(isMoving = false) {
@@ -159,7 +165,7 @@ function redraw(isMoving = false) {
   clearTimeout(resting);
   if (isMoving) resting = window.setTimeout(() => redraw(false), REST);
   fillFields();
-  for (const pane of panes) pane.annotate(question, end);
+  for (const pane of panes) pane.annotate(question, end, objects);
   if (!atlas || busy) {
     again = Boolean(atlas);
     return;
@@ -168,31 +174,52 @@ function redraw(isMoving = false) {
   busy = true;
 }
 
+/** What a picture shows; a picture that would show the same is not drawn again. @param {Cut | View} pane @param {boolean} isMoving */
+function wanted(pane, isMoving) {
+  const request = pane instanceof Cut ? { ...pane.request(question, isMoving && detail, 0.55, atlas.window ?? [0, 0]) } : pane.request(isMoving);
+  return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut && { ...question, cut: 0 }]) };
+}
+
 async function draw() {
   again = false;
-  const shown = panes.filter((pane) => pane.box.offsetParent !== null);
-  const requests = cuts.filter((cut) => shown.includes(cut)).map((cut) => ({ cut, ...cut.request(question, moving, 0.55, atlas.window ?? [0, 0]) }));
-  const solid = shown.includes(view) ? view.request(moving) : null;
+  const began = performance.now();
+  const needed = panes.filter((pane) => pane.box.offsetParent !== null && wanted(pane, false).key !== pane.key)
+    .map((pane) => wanted(pane, moving)).filter(({ pane, key }) => key !== pane.key);
+  const isCut = (/** @type {any} */ { pane }) => pane instanceof Cut;
+  const solid = needed.find((need) => !isCut(need));
   try {
-    const answer = await ask("draw", { question, cuts: requests.map(({ cut, ...rest }) => rest), view: solid, chosen });
-    requests.forEach(({ cut, width }, i) => cut.show(answer.cuts[i], width));
-    if (solid) view.show(answer.view, solid.side);
-    rowsText = answer.rows;
-    rows = refused ? [] : answer.rows.trim().split("\n").filter(Boolean).map((/** @type {string} */ row) => JSON.parse(row));
-    fillTable();
-    if (!refused) describeAnswer();
-    compare(answer.rows);
+    const answer = await ask("draw", { question, cuts: needed.filter(isCut).map(({ request }) => request), view: solid?.request ?? null, chosen });
+    needed.filter(isCut).forEach(({ pane, request }, i) => pane.show(answer.cuts[i], request.width));
+    if (solid) view.show(answer.view, solid.request);
+    for (const { pane, key } of needed) pane.key = key;
+    if (!moving) for (const pane of panes) pane.annotate(question, end, objects); // which says what it shows
+    fillRows(answer.rows);
     say(refused);
+    const took = performance.now() - began;
+    if (moving) detail = Math.min(1, Math.max(0.4, detail * (took > BUSY ? 0.85 : 1.02)));
+    document.body.dataset.took = took.toFixed(1);
     document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
   } catch (error) {
-    rows = [];
-    fillTable();
+    fillRows("");
     say(/** @type {Error} */ (error).message);
   }
-  for (const pane of panes) pane.annotate(question, end);
   busy = false;
   if (again) redraw(moving);
-  else if (!moving && !document.body.classList.contains("embed")) history.replaceState(null, "", `#${toFragment(question, identity())}`);
+  else if (!moving && !document.body.classList.contains("embed") && !isInside) history.replaceState(null, "", `#${toFragment(question, identity())}`);
+}
+
+/** Shows rows, and what follows from them. @param {string} text */
+function fillRows(text) {
+  const key = JSON.stringify([text, edition, chosen, refused]);
+  if (key !== rowsKey) {
+    rowsKey = key;
+    rowsText = text;
+    rows = refused ? [] : text.trim().split("\n").filter(Boolean).map((row) => JSON.parse(row));
+    fillTable();
+  }
+  if (!text) return;
+  if (!refused) describeAnswer();
+  compare(text);
 }
 
 // ---- Fields --------------------------------------------------------------------------------------------------------
@@ -266,7 +293,12 @@ panes.forEach((pane, number) => {
   });
   over.addEventListener("pointermove", (event) => {
     const at = pointOf(over, event);
-    over.title = nameAt(at);
+    const under = nameAt(at);
+    if (under !== pane.under) {
+      pane.under = under;
+      over.setAttribute("aria-description", under);
+      pane.annotate(question, end, objects);
+    }
     if (!drag || !touches.has(event.pointerId)) return;
     touches.set(event.pointerId, at);
     if (touches.size === 2) {
@@ -358,7 +390,6 @@ function key(event, pane, number) {
   tab.setAttribute("role", "tab");
   tab.onclick = () => showTab(number);
   $("#tabs").append(tab);
-  panes[number].over.setAttribute("aria-label", number < 3 ? `${name} cut with the cone. Arrows move its chosen end.` : "3-D view of the atlas. Ctrl and arrows turn it.");
 });
 
 /** @param {number} number */
@@ -385,9 +416,18 @@ async function open(name) {
   atlasFile = name;
   chosen = 0;
   for (const pane of panes) pane.frame(atlas.low, atlas.high);
+  if (document.body.classList.replace("empty", "full") && toFragment(question, "") === toFragment(START, "")) aimAt(atlas.low, atlas.high);
+  layOut();
   describeAtlas();
   $("#choose-t1").disabled = false;
   checkLink();
+}
+
+/** Aims at the middle from the left, where the target that a page begins with is not in the atlas. @param {number[]} low @param {number[]} high */
+function aimAt(low, high) {
+  if (question.toward.every((v, a) => v > low[a] && v < high[a])) return;
+  put("toward", /** @type {any} */ (low.map((v, a) => (v + high[a]) / 2)));
+  put("origin", [low[0] - 0.2 * (high[0] - low[0]), question.toward[1], question.toward[2]]);
 }
 
 /** A link's question is for its atlas alone. */
@@ -409,7 +449,12 @@ const take = (list) => attempt(async () => {
   await open(names[0]).finally(() => redraw());
 });
 
-$("#choose").onclick = () => $("#files").click();
+for (const button of document.querySelectorAll("[data-choose]")) {
+  /** @type {HTMLElement} */ (button).onclick = () => {
+    $("#files").webkitdirectory = /** @type {HTMLElement} */ (button).dataset.choose === "folder";
+    $("#files").click();
+  };
+}
 $("#choose-t1").onclick = () => $("#t1").click();
 $("#files").onchange = (/** @type {any} */ event) => take(chosenFiles(event.target.files));
 $("#which select").onchange = (/** @type {any} */ event) => attempt(() => open(event.target.value).finally(() => redraw()));
@@ -426,10 +471,10 @@ $("#safe").onchange = (/** @type {any} */ event) => attempt(async () => {
 });
 addEventListener("dragover", (event) => { event.preventDefault(); document.body.classList.add("dropping"); });
 addEventListener("dragleave", () => document.body.classList.remove("dropping"));
-addEventListener("drop", async (event) => {
+addEventListener("drop", (event) => {
   event.preventDefault();
   document.body.classList.remove("dropping");
-  if (event.dataTransfer) await take(await dropped(event.dataTransfer));
+  attempt(async () => take(await dropped(/** @type {DataTransfer} */ (event.dataTransfer))));
 });
 
 // ---- Saving --------------------------------------------------------------------------------------------------------
@@ -482,7 +527,8 @@ function picture() {
 const save = (kind) => attempt(async () => {
   if (!atlas) throw new Error("open an atlas first");
   const name = `conus-${atlas.name.replace(/\..*/, "")}`;
-  const copy = (/** @type {string} */ text) => navigator.clipboard.writeText(text).catch(() => { window.prompt("Copy this:", text); });
+  const copy = (/** @type {string} */ text) => navigator.clipboard.writeText(text)
+    .then(() => { $("#said").textContent = `The ${kind} is copied.`; }, () => { window.prompt("Copy this:", text); });
   if (kind === "link") await copy(`${location.href.replace(/#.*/s, "")}#${toFragment(question, identity())}`);
   else if (kind === "command") await copy(toCommand(question, atlasFile));
   else if (kind === "png") download(`${name}.png`, await picture());
@@ -513,6 +559,8 @@ addEventListener("hashchange", () => attempt(async () => {
 
 attempt(async () => {
   showTab(0);
+  view.over.setAttribute("aria-label", "3-D view of the atlas and the cone. Ctrl and arrows turn it.");
+  $('[data-save="link"]').hidden = isInside;
   const block = document.getElementById("question");
   if (block) {
     given = JSON.parse(block.textContent ?? "");

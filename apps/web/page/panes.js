@@ -19,6 +19,16 @@ export function paint(canvas, rgba, width) {
   canvas.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(rgba), width, height), 0, 0);
 }
 
+/** What draws on an empty canvas of so many points of the page. @param {HTMLCanvasElement} canvas @param {number} side */
+function cleared(canvas, side) {
+  const pixels = Math.round(side * devicePixelRatio);
+  if (canvas.width !== pixels) [canvas.width, canvas.height] = [pixels, pixels]; // a new one is slow
+  const c = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+  c.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
+  c.clearRect(0, 0, side, side);
+  return c;
+}
+
 /** A cut and what is drawn over it. */
 export class Cut {
   /** @param {typeof CUTS[number]} plane @param {HTMLElement} box */
@@ -32,6 +42,7 @@ export class Cut {
     this.fit = 1;
     /** @type {Uint32Array} */
     this.objects = new Uint32Array();
+    this.under = ""; // the name of what is under the pointer
   }
 
   /** Shows the whole of a box of the world, mm. @param {Point} low @param {Point} high */
@@ -46,9 +57,9 @@ export class Cut {
   get side() { return Math.max(50, Math.min(this.box.clientWidth, this.box.clientHeight)); }
   get mmPerPoint() { return (this.extent ?? 200) / this.side / this.zoom; }
 
-  /** What the worker draws: at the screen's density, or coarse while something moves. @param {Aim} aim @param {boolean} moving */
-  request(aim, moving, fill, window) {
-    const width = Math.round(Math.min(moving ? 300 : 800, this.side * (moving ? 1 : devicePixelRatio)));
+  /** What the worker draws: at the screen's density, or while something moves with a part of its detail. @param {Aim} aim @param {number | false} detail */
+  request(aim, detail, fill, window) {
+    const width = Math.round(detail ? Math.min(300, this.side) * Math.ceil(detail * 10) / 10 : Math.min(800, this.side * devicePixelRatio));
     const centre = [...aim.cut];
     centre[this.plane.right] = this.middle[0];
     centre[this.plane.up] = this.middle[1];
@@ -88,14 +99,11 @@ export class Cut {
     this.objects = new Uint32Array(picture.objects);
   }
 
-  /** The axis with its ends, the lines of the other cuts, letters and a scale. @param {Aim} aim @param {string} chosenEnd */
-  annotate(aim, chosenEnd) {
-    const scale = devicePixelRatio;
+  /** The axis with its ends, the lines of the other cuts, letters, names and a scale.
+   * @param {Aim} aim @param {string} chosenEnd @param {any[][]} names each object's, first of its members */
+  annotate(aim, chosenEnd, names) {
     const side = this.side;
-    [this.over.width, this.over.height] = [side * scale, side * scale];
-    const c = this.over.getContext("2d");
-    if (!c) return;
-    c.scale(scale, scale);
+    const c = cleared(this.over, side);
     const [x, y] = this.place(aim.cut);
     line(c, "rgba(255,255,255,0.35)", 1, [[x, 0], [x, side]]);
     line(c, "rgba(255,255,255,0.35)", 1, [[0, y], [side, y]]);
@@ -109,6 +117,10 @@ export class Cut {
     line(c, "#fff", 2, [[12, side - 12], [12 + mm / this.mmPerPoint, side - 12]]);
     c.textAlign = "left";
     outlined(c, `${mm} mm`, 12, side - 18);
+    const title = `${this.plane.name}, ${"xyz"[this.plane.through]} = ${Number(aim.cut[this.plane.through].toFixed(1))} mm`;
+    caption(c, title, this.under, side);
+    const area = names[this.object([x, y]) - 1]?.[0] ?? "no area";
+    this.over.setAttribute("aria-label", `${title}: ${area} at the crosshair. Arrows move the chosen end of the cone.`);
   }
 }
 
@@ -130,6 +142,16 @@ function outlined(c, text, x, y) {
   c.fillText(text, x, y);
 }
 
+/** A pane's title, and what is under the pointer. @param {CanvasRenderingContext2D} c @param {string} title @param {string} under @param {number} side */
+function caption(c, title, under, side) {
+  c.font = "13px sans-serif";
+  c.textAlign = "left";
+  outlined(c, title, 8, 18);
+  c.textAlign = "right";
+  c.font = "bold 14px sans-serif";
+  outlined(c, under, side - 8, side - 16);
+}
+
 /** The axis from its start, a ring, to its target, a cross. @param {CanvasRenderingContext2D} c @param {number[]} from @param {number[]} to */
 export function axis(c, from, to, chosenEnd) {
   for (const [colour, width] of /** @type {[string, number][]} */ ([["#000", 4], ["#fff", 1.5]])) {
@@ -148,6 +170,24 @@ export function axis(c, from, to, chosenEnd) {
       c.setLineDash([]);
     }
   }
+  c.font = "12px sans-serif";
+  c.textAlign = from[0] < to[0] ? "right" : "left";
+  outlined(c, "start", from[0] + (from[0] < to[0] ? -10 : 10), from[1] - 10);
+  c.textAlign = from[0] < to[0] ? "left" : "right";
+  outlined(c, "target", to[0] + (from[0] < to[0] ? 12 : -12), to[1] - 12);
+}
+
+/** Points of the world around the target where the cone passes it. @param {Aim} aim */
+function circle({ origin, toward, angle }) {
+  const axis = toward.map((v, a) => v - origin[a]);
+  const length = Math.hypot(...axis) || 1;
+  const least = axis.map(Math.abs).indexOf(Math.min(...axis.map(Math.abs)));
+  const cross = (/** @type {number[]} */ p, /** @type {number[]} */ q) => [0, 1, 2].map((a) => p[(a + 1) % 3] * q[(a + 2) % 3] - p[(a + 2) % 3] * q[(a + 1) % 3]);
+  const across = cross(axis, [0, 1, 2].map((a) => Number(a === least)));
+  const scale = Math.hypot(...across) || 1;
+  const up = cross(axis, across).map((v) => v / length);
+  const radius = length * Math.tan(angle * Math.PI / 360) / scale;
+  return Array.from({ length: 24 }, (_, i) => toward.map((v, a) => v + radius * (Math.cos(i * Math.PI / 12) * across[a] + Math.sin(i * Math.PI / 12) * up[a])));
 }
 
 /** The 3-D view: an eye on a sphere around the middle of the atlas. */
@@ -158,6 +198,7 @@ export class View {
     this.canvas = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas"));
     this.over = /** @type {HTMLCanvasElement} */ (box.querySelector("canvas.over"));
     this.angle = 30;
+    this.under = "";
     this.objects = new Uint32Array();
     this.distances = new Float32Array();
     this.frame([-70, -100, -50], [70, 70, 80]);
@@ -182,15 +223,15 @@ export class View {
 
   /** @param {boolean} moving */
   request(moving) {
-    return { side: moving ? 128 : 384, eye: this.eye, toward: this.middle, angle: this.angle };
+    return { side: moving ? 96 : 384, eye: this.eye, toward: this.middle, angle: this.angle };
   }
 
-  /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer, distances: ArrayBuffer}} picture @param {number} side */
-  show(picture, side) {
-    paint(this.canvas, picture.rgba, side);
+  /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer, distances: ArrayBuffer}} picture @param {{side: number}} request */
+  show(picture, request) {
+    paint(this.canvas, picture.rgba, request.side);
     this.objects = new Uint32Array(picture.objects);
     this.distances = new Float32Array(picture.distances);
-    this.drawn = { side, eye: this.eye };
+    this.drawn = request;
   }
 
   /** Unit vectors to the right, the top and ahead. */
@@ -231,11 +272,13 @@ export class View {
 
   /** @param {Aim} aim @param {string} chosenEnd */
   annotate(aim, chosenEnd) {
-    const scale = devicePixelRatio;
-    [this.over.width, this.over.height] = [this.side * scale, this.side * scale];
-    const c = this.over.getContext("2d");
-    if (!c) return;
-    c.scale(scale, scale);
+    const c = cleared(this.over, this.side);
+    if (aim.angle < 120) {
+      const rim = circle(aim).map((p) => this.place(p));
+      line(c, "#f0a030", 2, [...rim, rim[0]]);
+      for (let i = 0; i < rim.length; i += 6) line(c, "rgba(240,160,48,0.6)", 1, [this.place(aim.origin), rim[i]]);
+    }
+    caption(c, "3-D", this.under, this.side);
     axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);
   }
 }
