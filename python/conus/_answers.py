@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, Iterator, Optional, Union, overload
 import numpy as np
 
 from ._conus import ffi, lib
-from ._library import ADMISSION, CHANCE, COVERAGE, RESULT, STEP, array_of, check, choice, owned, path_of, text, utf8
+from ._library import (
+    ADMISSION, CHANCE, COVERAGE, RESULT, STEP, Error, array_of, check, choice, owned, path_of, text, utf8, whole,
+)
 
 if TYPE_CHECKING:
     import pandas
@@ -250,6 +252,7 @@ class Selection:
     """
 
     space: Optional[Space] = None  #: of positions in hits and tables; None = RAS mm
+    _asked: Optional[tuple[Any, Any, float]] = None  # the pose of one cone, its target if given, and its angle
 
     def __init__(self, selector: Selector, pointer: Any) -> None:
         atlas = selector.atlas
@@ -415,6 +418,23 @@ class Selection:
         )
         heads = "".join(f"<th>{head}" for head in ("rank", "name", "label", "share of cone", "pixels", "nearest, mm"))
         return f"<table><thead><tr>{heads}</tr></thead><tbody>{rows}</tbody></table>"
+
+    def to_html(self, *, height: int = 720) -> str:
+        """A web page of the question with the atlas inside, as an HTML element: whoever sees it moves the cone.
+
+        ``IPython.display.HTML(hits.to_html())`` shows it in Jupyter. A page has the options ``layers`` and
+        ``resolution`` and an atlas from files as they are. Of another question, and where the page's template is
+        not installed, it is the table that a notebook shows, with the reason below. Runs the program, as
+        :func:`conus.page` does.
+        """
+        from ._program import page_of
+
+        try:
+            page = page_of(self)
+        except Error as error:
+            return f"{self._repr_html_()}<p>No page: {html.escape(str(error))}</p>"
+        return (f'<div><iframe title="conus: which areas are in this cone?" srcdoc="{html.escape(page)}" '
+                f'style="width: 100%; height: {whole("height", height)}px; border: 0"></iframe></div>')
 
     def _repr_png_(self) -> bytes:
         out = ffi.new("conus_image **")

@@ -631,6 +631,7 @@ class Selector:
         opening = self._angle(angle)
         self._call(lib.conus_select, out, self._p, aim, opening)
         selection: Selection = self._place(Selection(self, out[0]))
+        selection._asked = aim, self.space.to_world("toward", toward) if self.space else toward, opening
         self._warn_of(aim, opening)
         return selection
 

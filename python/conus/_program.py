@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import json
+import math
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from typing import Any, NamedTuple, NoReturn, Optional, Sequence, Union
 
-from ._library import ArgumentError, DataError, FileError, UnsupportedError, python_words
+import numpy as np
+
+from ._conus import lib
+from ._library import ArgumentError, DataError, FileError, UnsupportedError, python_words, text
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -157,3 +163,32 @@ def page(
     if ended.returncode:
         _refuse(ended)
     return os.fsdecode(output)
+
+
+def page_of(hits: Any) -> str:
+    """The text of a page with the question of a selection, whose rows must be those of the selection."""
+    atlas = hits.atlas._p
+    if hits._asked is None:
+        raise UnsupportedError("a page has the question of one cone")
+    pose, toward, opening = hits._asked
+    matrix = np.array(list(pose.world_from_device)).reshape(4, 4)  # rows are its axes; a device points along -z
+    toward = (matrix[3, :3] - 100 * matrix[2, :3]).tolist() if toward is None else toward
+    files = [lib.conus_atlas_file(atlas, i) for i in range(lib.conus_atlas_file_count(atlas))]
+    volumes = (lib.conus_atlas_volume(atlas, i) for i in range(lib.conus_atlas_volume_count(atlas)))
+    parts = [volume.path for volume in volumes if volume.role != lib.CONUS_ROLE_CONTEXT] + files
+    path = text(files[0] if files and text(files[0]).endswith(".json") else parts[0])
+    layers = "all" if hits._layers else "visible"
+    resolution = lib.conus_selection_evidence(hits._p).resolution
+    with tempfile.TemporaryDirectory() as folder:
+        output = os.path.join(folder, "page.html")
+        page(path, output, origin=matrix[3, :3].tolist(), toward=toward, angle=math.degrees(opening), layers=layers,
+             resolution=resolution)
+        with open(output, encoding="utf-8") as file:
+            written = file.read()
+    question = re.search(r'id="question">(.*)</script>', written)
+    rows = [json.loads(row) for row in json.loads(question[1])["rows"].splitlines()] if question else []
+    if [(row["name"], row["pixels"]) for row in rows if row["kind"] != "unassigned"] != [
+        (hit.name, hit.pixels) for hit in hits if hit.rank
+    ]:
+        raise UnsupportedError("its answer would be another: the atlas or the question has options that it has not")
+    return written

@@ -72,6 +72,39 @@ def test_page(rows):
         conus.page("plates.nii.gz", "page.html", template="nothing.html")
 
 
+def test_html_of_a_selection(rows, monkeypatch):
+    """The page of a selection has its question and rows; where there is none, the table says why."""
+    import html
+    import re
+
+    (rows.parent / "page.html").write_text("<!-- atlas -->\n<p>")
+    program = conus._program.page
+    monkeypatch.setattr(conus._program, "page", lambda *names, **words: program(*names, template="page.html", **words))
+
+    def asked(**words):
+        shown = atlas.select((-60, 19, 19), **words).to_html(height=500)
+        found = re.search(r'<iframe [^>]* srcdoc="([^"]*)" style="[^"]*height: 500px', shown)
+        assert found, shown
+        return json.loads(re.search(r'id="question">(.*)</script>', html.unescape(found[1]))[1])
+
+    atlas = conus.load("plates.nii.gz")
+    question = asked(toward=(19, 19, 19.5), angle=12)
+    words = ("--origin=-60,19,19", "--toward=19,19,19.5", "--angle=12", "--format=ndjson", "-q")
+    assert question["rows"] == call_conus("query", "plates.nii.gz", *words).stdout.decode()
+    assert asked(direction=(1, 0, 0))["fragment"].startswith("v=1&origin=-60,19,19&toward=40,19,19&angle=10&")
+
+    def refused(selection, why):
+        shown = selection.to_html()
+        assert shown.startswith("<table>") and "iframe" not in shown
+        assert re.search(f"<p>No page: .*{why}", shown)
+
+    refused(atlas.near((19, 19, 19)), "one cone")
+    refused(conus.load("plates.nii.gz", hide="1").select((-60, 19, 19), direction=(1, 0, 0)), "another")
+    refused(conus.load(plates(), AFFINE).select((-60, 19, 19), direction=(1, 0, 0)), "array|no such|No such|not")
+    monkeypatch.setattr(conus._program, "page", program)
+    refused(atlas.select((-60, 19, 19), direction=(1, 0, 0)), "template")
+
+
 def test_cite(rows):
     assert conus.cite(rows) == call_conus("cite", "rows.tsv").stdout.decode()
     assert "full\nopening angle of 10°" in conus.cite(rows)
