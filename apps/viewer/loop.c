@@ -116,11 +116,10 @@ static void navigate(struct window *window)
     static const char *const panels[] = {NULL, "Areas", "Hits of the cone"};
     const struct ui_mouse mouse = ui_mouse_now();
     bool is_pressed = mouse.pressed[0] || mouse.pressed[1] || mouse.pressed[2];
-    bool ends = ui_navigates() && (is_pressed || window->start.on || window->screen.alone);
+    bool ends = window->frame.navigated && (is_pressed || window->start.on || screen_is_bare(&window->screen));
     if (window->frame.navigates_anew || ends) {
         window->frame.navigated = ends ? 0 : window->frame.navigated;
-        window->frame.navigates_anew = false;
-        ui_navigate(panels[window->frame.navigated]);
+        window->frame.navigates_anew = !ui_navigate(panels[window->frame.navigated]); /* it may open in this frame */
     }
 }
 
@@ -144,8 +143,10 @@ static void draw_panels(struct window *window)
         panel_start(window);
         return;
     }
-    pane_borders(window);        /* first, so that they lie in front */
-    if (!window->screen.alone) { /* before the panes: the list shows an answer to the mouse there one frame later */
+    pane_borders(window); /* first, so that they lie in front */
+    panel_views(window);
+    if (!screen_is_bare(&window->screen)) { /* before the panes: the list shows an answer to the mouse there one frame
+                                               later */
         panel_areas(window);
         panel_results(window);
     }
@@ -157,7 +158,7 @@ static void draw_panels(struct window *window)
     if (screen_shows_pane(&window->screen, PANE_3D)) {
         pane_3d(window);
     }
-    if (!window->screen.alone) { /* after the panes, which find what is under the mouse */
+    if (!screen_is_bare(&window->screen)) { /* after the panes, which find what is under the mouse */
         panel_status(window);
     }
 }
@@ -184,6 +185,7 @@ static void draw_window(struct window *window)
     window->screen.next_scale = 0;
     window_clear(window);
     tap(window, true);
+    ui_navigate_lists(window->frame.navigated);
     ui_begin();
     navigate(window);
     draw_panels(window);
@@ -204,15 +206,12 @@ static void draw_window(struct window *window)
 
 static void draw_frame(struct window *window)
 {
+    bool writes = window->files.saves_as; /* which the frame before asked for, of another page */
     times_begin_frame(&window->times);
     draw_window(window);
     title_update(window);
     note_changes(window);
-    if (window->frame.keeps_picture) {
-        window->frame.keeps_picture = false;
-        save_file(window, SAVE_PICTURE);
-    }
-    if (window->files.saves_as) {
+    if (writes) {
         save_file_as(window);
     }
     figure_form_step(window);

@@ -2,6 +2,7 @@
 /* Whether what the window says can be read: contrast of its colours, and texts that are cut, at usual sizes. */
 #include "viewer/commands/keys.h"
 #include "viewer/model/columns.h"
+#include "viewer/model/studies.h"
 #include "viewer/opening/view_words.h"
 #include "viewer/panes/panels.h"
 #include "viewer/ui/ui_audit.h"
@@ -201,6 +202,28 @@ static void nothing_is_cut(struct window *window, const char *where)
     }
 }
 
+/* Tables of studies have room for their numbers in the frame that first shows them: nothing draws a second one. */
+static void numbers_of_studies_are_seen_at_once(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    for (int kind = STUDY_SWEEP; kind < STUDY_COUNT; kind++) {
+        struct study_settings study = viewer->study.settings;
+        study.kind = (enum study_kind)kind;
+        study.samples = 16;
+        studies_use(viewer, &study);
+        do {
+            studies_step(viewer);
+            sched_yield();
+        } while (studies_is_old(viewer));
+        draw(window);
+        if (ui_audit_cut(0)) {
+            fail_msg("study %d, its first frame: \"%s\" is cut", kind, ui_audit_cut(0));
+        }
+        nothing_is_cut(window, "a study");
+    }
+    studies_use(viewer, &(struct study_settings){.kind = STUDY_NONE, .angles = {2, 40, 2}, .samples = 16});
+}
+
 /* Every setting in turn, with all that it adds to the panels. */
 static void look_at_all(struct window *window)
 {
@@ -214,6 +237,7 @@ static void look_at_all(struct window *window)
     viewer->cone.options.score = "unoccluded";
     tool_reselect(viewer);
     nothing_is_cut(window, "all hits in a cylinder");
+    numbers_of_studies_are_seen_at_once(window);
     for (size_t column = 0; column < RESULT_COLUMNS; column++) {
         result_show(viewer, column, true);
     }

@@ -245,7 +245,8 @@ static void tips_name_the_keys_of_the_table(void **state)
     char tip[KEYS_TIP];
     (void)state;
     assert_string_equal(keys_tip(tip, PROPERTY_ANGLE), "full opening angle of the cone, degrees; + and - change it");
-    assert_string_equal(keys_tip(tip, PROPERTY_RADIOLOGICAL), "the head's left on the right of the cuts; F changes it");
+    assert_string_equal(keys_tip(tip, PROPERTY_RADIOLOGICAL),
+                        "the head's left on the right of the cuts; Ctrl+R changes it");
     assert_string_equal(keys_tip(tip, PROPERTY_FILL), "opacity of the areas in the cuts, 0 to 1");
     for (enum property_id id = 0; id < PROPERTY_COUNT; id++) {
         assert_in_range(strlen(keys_tip(tip, id)), 1, KEYS_TIP - 2);

@@ -34,6 +34,7 @@ static void assert_same_place(const struct place *a, const struct place *b)
     for (size_t i = 0; i < 2; i++) {
         assert_near(a->layout.panels[i], b->layout.panels[i], 1e-12);
         assert_near(a->layout.division[i], b->layout.division[i], 1e-12);
+        assert_int_equal(a->layout.folds[i], b->layout.folds[i]);
     }
 }
 
@@ -45,7 +46,7 @@ static void the_window_finds_its_place_again(void **state)
                                .x = 11,
                                .y = -22,
                                .zoom = 1.25,
-                               .layout = {.panels = {300, 0}, .division = {0.25, 0}}};
+                               .layout = {.panels = {300, 0}, .division = {0.25, 0}, .folds = {FOLD_OPEN, 0}}};
     struct place found = {.width = 1, .height = 2};
     char path[PATH_MAX];
     (void)state;
@@ -68,6 +69,7 @@ static void the_window_finds_its_place_again(void **state)
                                       "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"panels\": [9, 0]}",
                                       "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"panels\": [300]}",
                                       "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"division\": [0, 1]}",
+                                      "{\"width\": 900, \"height\": 700, \"x\": 0, \"y\": 0, \"folds\": [0, 3]}",
                                       "{\"width\": \"900\", \"height\": 700, \"x\": 0, \"y\": 0}"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         found = (struct place){.width = 5};
@@ -106,14 +108,14 @@ static void assert_divides(const struct layout *layout, float width, const float
     }
 }
 
-/* Of 1280 pixels 250 and 480 are panels at first: 550 are left for the panes, which need so many. With 300 on the left
- * 430 are left on the right. A panel of the
+/* Of 1280 pixels the left rail has 60 and the right panel three tenths, 384: 836 are left, of which 3-D has four
+ * fifths, 668, and the first cut a third of 800. So 3-D has 668 x 800 of 1280 x 800, more than a half. A panel of the
  * user's has two fifths at most: 512 of 1280. */
 static void panes_and_panels_are_as_the_user_left_them(void **state)
 {
     struct layout layout = {.panels = {0}};
     (void)state;
-    assert_divides(&layout, 1280, (const float[]){250, 480, 550, 800, 275, 400});
+    assert_divides(&layout, 1280, (const float[]){60, 384, 836, 800, 668, 266});
     layout_move(&layout, BORDER_LEFT, 300, 1280, 800, 1);
     layout_move(&layout, BORDER_RIGHT, 880, 1280, 800, 1); /* 400 wide; 580 are left for the columns */
     layout_move(&layout, BORDER_COLUMN, 300 + 145, 1280, 800, 1);
@@ -123,7 +125,7 @@ static void panes_and_panels_are_as_the_user_left_them(void **state)
     assert_true(layout_is_fine(&layout));
     layout_reset(&layout, BORDER_COLUMN);
     layout_reset(&layout, BORDER_RIGHT);
-    assert_divides(&layout, 1280, (const float[]){300, 430, 550, 800, 275, 600});
+    assert_divides(&layout, 1280, (const float[]){300, 384, 596, 800, 476, 600});
     layout_move(&layout, BORDER_LEFT, -50, 1280, 800, 1);
     layout_move(&layout, BORDER_RIGHT, 0, 1280, 800, 1);
     layout_move(&layout, BORDER_COLUMN, 0, 1280, 800, 1);
@@ -132,17 +134,33 @@ static void panes_and_panels_are_as_the_user_left_them(void **state)
     assert_true(layout_is_fine(&layout));
 }
 
-/* By keys: a twentieth of the middle, 20 pixels of each panel. */
+/* A panel is folded to a rail of 60 pixels at scale 1 and opened again, in windows of any width. */
+static void panels_fold(void **state)
+{
+    struct layout layout = {.panels = {0}};
+    (void)state;
+    assert_divides(&layout, 2000, (const float[]){250, 480, 1270, 800, 1016, 266}); /* it is wide: both are open */
+    layout_fold(&layout, 0, true);
+    layout_fold(&layout, 1, true);
+    assert_divides(&layout, 2000, (const float[]){60, 60, 1880, 800, 1504, 266});
+    layout_fold(&layout, 0, false);
+    assert_divides(&layout, 1280, (const float[]){250, 60, 970, 800, 776, 266});
+    assert_true(layout_is_fine(&layout));
+    layout.folds[0] = FOLD_COUNT;
+    assert_false(layout_is_fine(&layout));
+}
+
+/* By keys: a twentieth of the middle, 20 pixels of each open panel. */
 static void keys_divide_the_window(void **state)
 {
     struct layout layout = {.panels = {0}};
     (void)state;
     layout_widen_first(&layout, 1);
-    assert_divides(&layout, 1280, (const float[]){250, 480, 550, 800, 302, 440}); /* 0.55 of 550 is 302.5 */
+    assert_divides(&layout, 1280, (const float[]){60, 384, 836, 800, 710, 266}); /* 0.85 of 836 */
     layout_widen_panels(&layout, 1, 1280, 1);
-    assert_divides(&layout, 1280, (const float[]){270, 500, 510, 800, 280, 440}); /* 0.55 of 510 is 280.5 */
+    assert_divides(&layout, 1280, (const float[]){60, 404, 816, 800, 693, 266}); /* a rail stays */
     layout_widen_panels(&layout, -1, 1280, 1);
-    assert_divides(&layout, 1280, (const float[]){250, 480, 550, 800, 302, 440});
+    assert_divides(&layout, 1280, (const float[]){60, 384, 836, 800, 710, 266});
     for (int i = 0; i < 20; i++) {
         layout_widen_first(&layout, -1);
     }
@@ -435,6 +453,7 @@ TEST_GROUP(window_state)
         cmocka_unit_test(the_window_finds_its_place_again),
         cmocka_unit_test(a_window_fits_its_screen),
         cmocka_unit_test(panes_and_panels_are_as_the_user_left_them),
+        cmocka_unit_test(panels_fold),
         cmocka_unit_test(keys_divide_the_window),
         cmocka_unit_test(texts_are_as_large_as_the_screen_is_dense),
         cmocka_unit_test(only_a_whole_list_is_read),

@@ -48,7 +48,7 @@ open_slabs() {
 }
 
 search_300() {
-    xdotool mousemove --window "$window" 100 66 click 1
+    xdotool mousemove --window "$window" 1150 457 click 1
     xdotool key --window "$window" ctrl+a
     xdotool type --window "$window" 300
     enter
@@ -103,7 +103,7 @@ seen() {
     live slabs.nii.gz --size 1000x640
     tell quiet-status 'pointer wand'
     seen before.png
-    xdotool mousemove --window "$window" 250 200
+    xdotool mousemove --window "$window" 60 200
     pass
     xdotool mousedown 1
     pass
@@ -119,8 +119,8 @@ seen() {
     xdotool key --window "$window" backslash
     seen back.png
     conus diff before.png back.png
-    # the axial cut is the second pane
-    xdotool mousemove --window "$window" 550 200
+    # the axial cut is the first of the strip
+    xdotool mousemove --window "$window" 630 100
     pass
     xdotool key --window "$window" z
     look '.enlarged == "axial"'
@@ -151,7 +151,7 @@ seen() {
     wait "$child"
     mv slabs-session.json before.json
     jq -e '.hidden == [1] and .frozen == 1 and .has_pose == 1' before.json
-    jq -e '.panels[0] > 250' state/conus/window.json
+    jq -e '.panels[1] > 384' state/conus/window.json
     # what was read is what conus answers for that cone, hidden areas left out
     jq -r '.world_from_device | "--origin=\(.[12]),\(.[13]),\(.[14]) --direction=\(-.[8]),\(-.[9]),\(-.[10])"' \
         before.json >axis

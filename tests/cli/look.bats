@@ -51,11 +51,11 @@ END
     live nested.nii.gz --context nested.nii.gz
     look '.look.grey == null'
     crosshair=$(jq -c .crosshair "look$looks.json")
-    xdotool mousemove --window "$window" 260 77
+    xdotool mousemove --window "$window" 305 48
     look true
     xdotool mousedown 2
     look true
-    xdotool mousemove --window "$window" 280 77 # more contrast: the same middle
+    xdotool mousemove --window "$window" 325 48 # more contrast: the same middle
     until look '.look.grey != null'; do :; done
     width=$(jq '.look.grey[1] - .look.grey[0]' "look$looks.json")
     black=$(jq '.look.grey[0]' "look$looks.json")
@@ -63,7 +63,7 @@ END
     look true
     xdotool keydown ctrl mousedown 1
     look true
-    xdotool mousemove --window "$window" 280 127 # darker: the same width
+    xdotool mousemove --window "$window" 325 80 # darker: the same width
     until look ".look.grey[0] > $black"; do :; done
     look "(.look.grey[1] - .look.grey[0]) / $width | . > 0.999999 and . < 1.000001"
     xdotool mouseup 1

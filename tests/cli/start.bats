@@ -93,7 +93,7 @@ drop nested.nii.gz
 $AIM
 results first.tsv
 key c
-key f
+key ctrl+r
 drop slabs.nii.gz
 $AIM
 results second.tsv

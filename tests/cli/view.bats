@@ -17,8 +17,8 @@ END
 import OpenImageIO as oiio
 pixels = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)
 assert pixels.shape[:2] == (640, 1000), pixels.shape
-assert pixels[290, 255][:3].mean() > 150, pixels[290, 255]
-assert pixels[600, 255][:3].max() == 0, pixels[600, 255]
+assert pixels[560, 80][:3].mean() > 150, pixels[560, 80]
+assert pixels[600, 575][:3].max() == 0, pixels[600, 575]
 assert 20 < pixels[600, 30][:3].mean() < 60, pixels[600, 30]
 END
 }
@@ -62,12 +62,16 @@ key l
 export view/b.csv
 export view/c.json
 key ctrl+e
+key enter
+wait 2
 key ctrl+e
+key enter
+wait 2
 END
     [ "$(find . -name 'conus-*-hits*.tsv' | wc -l)" -eq 2 ]
     for file in conus-*-hits*.tsv; do
         conus diff "$file" view/b.csv
-        jq -e '.Outputs[0].path == "'"$file"'"' "${file%.tsv}.json"
+        jq -e '.Outputs[0].path == "'"$PWD/$file"'"' "${file%.tsv}.json"
     done
     for file in a.tsv b.csv c.json; do
         layers=$([ $file = a.tsv ] && echo visible || echo all)
@@ -160,7 +164,7 @@ in_columns() {
 aim 3 90 2 3 0 2
 angle 23
 key l
-key f
+key ctrl+r
 crosshair 1 2 3
 orbit 40 20
 choose "Slab anterior"
@@ -333,14 +337,14 @@ END
     diff two.json three.json
 }
 
-# On a screen of 1280 x 800 pixels and mm, as Xvfb's here; the 3-D pane of a window of 1000 x 640 at its corner is 207 x
-# 307 pixels at (250, 0), so its middle is at (353.5, 153.5).
+# On a screen of 1280 x 800 pixels and mm, as Xvfb's here; the 3-D pane of a window of 1000 x 640 at its corner is 511 x
+# 616 pixels at (60, 0), so its middle is at (315.5, 308).
 @test "the mouse points through the eye of a tracked head" {
     need_window
     conus phantom nested -o .
     view nested.nii.gz --size 1000x640 <<'END'
 key x
-screen -280 200 -240 -280 0 -240 1280 800
+screen -318 200 -85.5 -318 0 -85.5 1280 800
 head 30 900 60
 angle 6
 point 0.5 0.5
@@ -348,23 +352,23 @@ results head.tsv
 point 0.52 0.46
 results other.tsv
 save one.json
-picture seen.png 207 307
+picture seen.png 511 616
 head lost
-picture lost.png 207 307
+picture lost.png 511 616
 head 30 100 60
-picture behind.png 207 307
+picture behind.png 511 616
 orbit 10 20
-picture turned.png 207 307
+picture turned.png 511 616
 key t
-picture orbit.png 207 307
+picture orbit.png 511 616
 save two.json
 open one.json
 save three.json
-picture opened.png 207 307
+picture opened.png 511 616
 END
-    # the screen's right is -x, since what is behind it lies towards -y: -280 + 640 - 353.5, -240 + 400 - 153.5
+    # the screen's right is -x, since what is behind it lies towards -y: -318 + 640 - 315.5, -85.5 + 400 - 308
     conus query nested.nii.gz --origin 30,900,60 --toward 6.5,200,6.5 --angle 6 --format tsv | diff head.tsv -
-    conus query nested.nii.gz --origin 30,900,60 --toward 2.36,200,18.78 --angle 6 --format tsv | diff other.tsv -
+    conus query nested.nii.gz --origin 30,900,60 --toward=-3.72,200,31.14 --angle 6 --format tsv | diff other.tsv -
     grep -q area head.tsv
     grep -q area other.tsv
     run -1 diff head.tsv other.tsv
@@ -415,7 +419,7 @@ END
 @test "a tracker moves the head, and loses it" {
     need_window
     conus phantom nested -o .
-    printf '%s\n' '-1 0 0 -560' '0 0 1 400' '0 1 0 -490' '0 0 0 1' >screen.txt
+    printf '%s\n' '-1 0 0 -636' '0 0 1 400' '0 1 0 -181' '0 0 0 1' >screen.txt
     printf '%s\n' '1 0 0 0' '0 1 0 0' '0 0 1 10' '0 0 0 1' >world.txt
     cat >send.py <<'END'
 # A tracker that sees the glasses, and no more once left.json is there.
@@ -442,9 +446,9 @@ END
     until look '.eye == [30, 900, 60]'; do
         runs "$sender"
     done
-    tell 'angle 6' 'key x' 'point 0.5 0.5' 'results head.tsv' 'picture seen.png 207 307' 'save left.json'
+    tell 'angle 6' 'key x' 'point 0.5 0.5' 'results head.tsv' 'picture seen.png 511 616' 'save left.json'
     wait_until "$sender" test -e lost
-    tell 'wait 2' 'picture lost.png 207 307' 'save lost.json'
+    tell 'wait 2' 'picture lost.png 511 616' 'save lost.json'
     leave
     conus query nested.nii.gz --origin 30,900,60 --toward 6.5,200,6.5 --angle 6 --format tsv | cut -f 1-9 >wanted
     cut -f 1-9 head.tsv | diff - wanted
@@ -520,12 +524,13 @@ screenshot escaped.png
 END
     /usr/bin/python3 - <<'END'
 import OpenImageIO as oiio
-corners = {"3-D": (250, 0), "axial": (458, 0), "coronal": (250, 308), "sagittal": (458, 308)} # of 207 x 307 pixels
+boxes = {"3-D": (60, 0, 511, 615), "axial": (572, 0, 127, 204), "coronal": (572, 205, 127, 204),
+         "sagittal": (572, 410, 127, 205)}
 def panes(name):
     pixels = oiio.ImageBuf(name + ".png").get_pixels(oiio.UINT8)[..., :3].astype(int)
-    return {pane: pixels[y:y + 307, x:x + 207] for pane, (x, y) in corners.items()}
+    return {pane: pixels[y:y + high, x:x + wide] for pane, (x, y, wide, high) in boxes.items()}
 none, chosen, hidden, again, escaped = map(panes, ("none", "chosen", "hidden", "again", "escaped"))
-for pane in corners:
+for pane in boxes:
     amber = abs(chosen[pane] - (255, 200, 90)).max(axis=2) < 40 # nearly as the outline and the name
     changed = (chosen[pane] != none[pane]).any(axis=2)
     assert (amber & changed).sum() > 100, pane
@@ -542,7 +547,7 @@ END
     look '.has_pose == 0 and .confirmed == []'
     until look '.has_pose == 1'; do # over the middle of the 3-D pane
         step=$((step + 1))
-        xdotool mousemove --window "$window" $((170 + step % 10)) 77
+        xdotool mousemove --window "$window" $((170 + step % 10)) 148
     done
     tell 'results mouse.tsv'
     until look '.confirmed[0].object == 1'; do # two clicks are a double one where two frames are quick enough
@@ -553,7 +558,7 @@ END
     xdotool mousedown 1
     until look ".orbit[4] != $before"; do
         step=$((step + 1))
-        xdotool mousemove --window "$window" $((170 + 2 * (step % 10))) 77
+        xdotool mousemove --window "$window" $((170 + 2 * (step % 10))) 148
     done
     xdotool mouseup 1
     leave
@@ -601,7 +606,7 @@ def count(name, x, y, width, height, low, high):
     return ((pixels >= low) & (pixels <= high)).all(axis=2).sum()
 white = (200, 200, 200), (255, 255, 255)
 orange = (200, 120, 20), (255, 190, 90)
-the_list, pane = (670, 20, 320, 200), (250, 250, 207, 57) # and its words at the lower edge
+the_list, pane = (704, 20, 290, 200), (60, 540, 511, 75) # and its words at the lower edge
 assert count("fresh.png", *the_list, *white) > 100
 assert count("old.png", *the_list, *white) == 0
 for place in the_list, pane:
@@ -715,6 +720,8 @@ angle 9
 key ctrl+s
 angle 11
 key o
+key enter
+wait 2
 angle 13
 key ctrl+s
 angle 15
@@ -730,9 +737,10 @@ END
     [ "$(jq .angle_deg two.json)" = 16 ]
     printf 'angle 17\nkey ctrl+s\n' | view slabs.nii.gz --session one.json
     [ "$(jq .angle_deg one.json)" = 17 ]
-    rm conus-2*.json
-    printf 'angle 19\nkey ctrl+s\n' | view slabs.nii.gz # there was none
-    [ "$(jq .angle_deg conus-2*.json)" = 19 ]
+    printf 'angle 19\nkey ctrl+s\n' | view slabs.nii.gz # there was none: it asks where
+    [ ! -e slabs-session.json ]
+    printf 'angle 19\nkey ctrl+s\nkey enter\nwait 2\n' | view slabs.nii.gz
+    [ "$(jq .angle_deg slabs-session.json)" = 19 ]
 }
 
 @test "a click holds the cone, another lets it go, panels do not move it, Escape clears it" {
@@ -742,21 +750,21 @@ END
     local step=0 pose
     until look '.has_pose == 1'; do # over the middle of the 3-D pane
         step=$((step + 1))
-        xdotool mousemove --window "$window" $((170 + step % 10)) 77
+        xdotool mousemove --window "$window" $((170 + step % 10)) 148
     done
     pose=$(jq -c .world_from_device "look$looks.json")
     until look ".world_from_device != $pose"; do # it follows
         step=$((step + 1))
-        xdotool mousemove --window "$window" $((170 + step % 10)) 77
+        xdotool mousemove --window "$window" $((170 + step % 10)) 148
     done
     xdotool click 1
     until look '.frozen == 1'; do :; done
     pose=$(jq -c .world_from_device "look$looks.json")
-    xdotool mousemove --window "$window" 177 75 mousemove --window "$window" 172 80 mousemove --window "$window" 50 150
+    xdotool mousemove --window "$window" 177 146 mousemove --window "$window" 172 151 mousemove --window "$window" 50 150
     look ".frozen == 1 and .world_from_device == $pose"
     xdotool mousedown 1 # pressed on a panel, it is no click of the pane
     look true
-    xdotool mousemove --window "$window" 177 77
+    xdotool mousemove --window "$window" 177 148
     look true
     xdotool mouseup 1
     look ".frozen == 1 and .world_from_device == $pose"
@@ -764,9 +772,9 @@ END
     until look '.frozen == 0'; do :; done
     until look ".world_from_device != $pose"; do
         step=$((step + 1))
-        xdotool mousemove --window "$window" $((170 + step % 10)) 77
+        xdotool mousemove --window "$window" $((170 + step % 10)) 148
     done
-    xdotool mousemove --window "$window" 150 145 # to the pane's corner, beside the ball, then to the panels
+    xdotool mousemove --window "$window" 66 288 # to the pane's corner, beside the ball, then to the panels
     look true
     pose=$(jq -c .world_from_device "look$looks.json")
     xdotool mousemove --window "$window" 50 150 mousemove --window "$window" 450 150 mousemove --window "$window" 450 300
@@ -816,7 +824,7 @@ END
     until grep -aq Sphere told; do
         runs "$view"
         step=$((step + 1))
-        xdotool mousemove --window "$window" $((340 + step % 20)) 155
+        xdotool mousemove --window "$window" $((300 + step % 20)) 300
         sleep 0.05
     done
     exec 5>&-
@@ -915,7 +923,7 @@ END
     open_it
     wait_until "$child" is_at '600x800+680+0'
     close_it
-    jq -e '. == {width: 600, height: 800, x: 680, y: 0, zoom: 1.5, panels: [300, 0], division: [0, 0.25]}' \
+    jq -e '. == {width: 600, height: 800, x: 680, y: 0, zoom: 1.5, panels: [300, 0], division: [0, 0.25], folds: [0, 0]}' \
         state/conus/window.json
     open_it
     xdotool key --window "$window" ctrl+0
@@ -1081,7 +1089,10 @@ save placed.json
 key w
 save moved.json
 key o
+key enter
+wait 2
 key p
+key enter
 wait 2
 screenshot window.png
 END
@@ -1102,7 +1113,7 @@ END
     conus phantom sphere -o .
     live sphere.nii.gz
     tell 'pointer wand'
-    xdotool mousemove --window "$window" 270 29 # in the axial pane, above its middle: in front of the sphere
+    xdotool mousemove --window "$window" 320 20 # in the axial pane, above its middle: in front of the sphere
     look '.has_pose == 0'
     xdotool mousedown 3
     until look '.has_pose == 1'; do :; done
@@ -1143,18 +1154,18 @@ status_at() {
         printf 'index\tname\n1\t%s\n' "$name" >sphere.tsv
         watched sphere.nii.gz
         cp before.png "$name-cross.png" # the mouse is over the panels
-        status_at 560 150 "$name.png"
-        status_at 575 150 beside.png
-        status_at 560 150 "$name-again.png"
+        status_at 640 110 "$name.png"
+        status_at 655 110 beside.png
+        status_at 640 110 "$name-again.png"
         leave
         rm before.png
     done
     # another atlas, whose ball is smaller, so that in 3-D it is deeper; in a cut the place is the same
     conus phantom sphere -o small --size 16
     watched sphere.nii.gz --atlas small/sphere.nii.gz
-    status_at 560 150 both.png
-    status_at 340 155 space.png
-    status_at 560 150 both-again.png
+    status_at 640 110 both.png
+    status_at 316 300 space.png
+    status_at 640 110 both-again.png
     leave
     /usr/bin/python3 - <<'END'
 import OpenImageIO as oiio

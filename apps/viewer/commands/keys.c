@@ -63,7 +63,7 @@ static void clear(struct window *window)
         window->forms.figure.open = false;
     } else if (window->forms.added.open) {
         window->forms.added.open = false;
-    } else if (ui_navigates()) {
+    } else if (window->frame.navigated) {
         window->frame.navigated = 0;
         window->frame.navigates_anew = true;
     } else {
@@ -76,7 +76,11 @@ static void clear(struct window *window)
 /* Moves the keyboard from the areas to the hits, and back to the panes. */
 static void go_to_panel(struct window *window)
 {
-    window->frame.navigated = ui_navigates() ? (window->frame.navigated + 1) % 3 : 1;
+    window->frame.navigated = (window->frame.navigated + 1) % 3;
+    if (window->frame.navigated) {
+        window->screen.bare = false;
+        layout_fold(&window->screen.layout, (size_t)window->frame.navigated - 1, false);
+    }
     window->frame.navigates_anew = true;
 }
 
@@ -135,11 +139,6 @@ static void draw_next(struct window *window)
 static void quit(struct window *window)
 {
     glfwSetWindowShouldClose(window->handle, GLFW_TRUE);
-}
-
-static void press_picture(struct window *window)
-{
-    window->frame.keeps_picture = true; /* once the frame is drawn */
 }
 
 static void list_added(struct window *window)
@@ -296,6 +295,26 @@ static void next_backdrop(struct window *window)
     viewer_say(window->viewer, "background: %s", backdrop_names[window->viewer->display.backdrop]);
 }
 
+/* Degrees to the head's left, and up. */
+static void look_from(struct window *window, const int by[3])
+{
+    struct viewer *viewer = window->viewer;
+    if (viewer->head.on) {
+        viewer_say(viewer, "the head moves the view; T gives it to the mouse");
+    } else {
+        orbit_look_from(&viewer->orbit, by[0] * M_PI / 180, by[1] * M_PI / 180);
+        viewer->version++;
+    }
+}
+
+/* Opens the panel of hits, whose search is in sight, and lets it be typed. */
+static void go_to_search(struct window *window)
+{
+    window->screen.bare = false;
+    layout_fold(&window->screen.layout, 1, false);
+    window->frame.searches = true;
+}
+
 static void turn(struct window *window, const int by[3])
 {
     static const double step = 0.025; /* of a pane's height: 5 degrees */
@@ -381,8 +400,7 @@ static const struct key keys[] = {
     {"f2", "the nearer one 1 mm nearer", .move = move_range, .by = {-1, 0}},
     {"f3", "the nearer one 1 mm deeper", .move = move_range, .by = {1, 0}},
     {"j", "a study of the cone: sweep over its angle, jitter of its pose, or none", .sets = PROPERTY_STUDY},
-    {"ctrl+j", "save the study's table: conus-DATE-TIME.tsv, in the folder where conus was started", .move = press_save,
-     .by = {SAVE_STUDY}},
+    {"ctrl+j", "save the study's table", .move = press_save, .by = {SAVE_STUDY}},
     {";", "the next pose of the plan; : the one before", .move = go_in_plan, .by = {1}},
     {":", NULL, .move = go_in_plan, .by = {-1}},
     {"h", "hide or show the chosen area", .act = hide_chosen},
@@ -393,7 +411,18 @@ static const struct key keys[] = {
     {"ctrl+shift+z", NULL, .move = undo, .by = {1}},
     {"v", "show all areas", .act = show_all},
     {"r", "look at the whole brain", .act = look_at_all},
-    {"f", "neurological or radiological", .sets = PROPERTY_RADIOLOGICAL, .ends_column = true},
+    {"f", "the brain alone in the whole window, or panels and cuts again", .sets = PROPERTY_BARE},
+    {"ctrl+1",
+     "look at the left side; Ctrl+2 the right, Ctrl+3 the front, Ctrl+4 the back, Ctrl+5 from above, Ctrl+6 "
+     "from below",
+     .move = look_from, .by = {90, 0}},
+    {"ctrl+2", NULL, .move = look_from, .by = {-90, 0}},
+    {"ctrl+3", NULL, .move = look_from, .by = {0, 0}},
+    {"ctrl+4", NULL, .move = look_from, .by = {180, 0}},
+    {"ctrl+5", NULL, .move = look_from, .by = {180, 90}},
+    {"ctrl+6", NULL, .move = look_from, .by = {0, -90}},
+    {"/", "search an area", .act = go_to_search},
+    {"ctrl+r", "neurological or radiological", .sets = PROPERTY_RADIOLOGICAL, .ends_column = true},
     {"t", "what a tracked head sees, or what the mouse turns", .act = toggle_head},
     {"n", "draw the next of several atlases", .act = draw_next},
     {"c", "colours for any colour vision, or the atlas's own", .sets = PROPERTY_SAFE_COLOURS},
@@ -411,13 +440,11 @@ static const struct key keys[] = {
     {"9", "streamlines by their bundle, by direction, or by the next number of their file", .act = next_streamlines},
     {"ctrl+s", "save the session where it was opened or saved last", .move = press_save, .by = {SAVE_SAME_SESSION}},
     {"ctrl+shift+s", "save the session under another name", .move = show_dialog, .by = {DIALOG_SAVE}},
-    {"o", "or at once: conus-DATE-TIME.json, in the folder where conus was started", .move = press_save,
-     .by = {SAVE_SESSION}},
-    {"p", "save what the window shows: conus-DATE-TIME.png, there, too", .act = press_picture},
+    {"o", "save a copy of the session, under a name by the time", .move = press_save, .by = {SAVE_SESSION}},
+    {"p", "save what the window shows, as a picture", .move = press_save, .by = {SAVE_PICTURE}},
     {"ctrl+c", "copy the hits of the cone as a table", .move = copy_table, .by = {COPY_RESULTS}},
     {"ctrl+shift+c", "copy what was confirmed", .move = copy_table, .by = {COPY_PINS}},
-    {"ctrl+e", "export the hits of the cone: conus-DATE-TIME-hits.tsv, .csv or .json, there, too", .move = press_save,
-     .by = {SAVE_RESULTS}},
+    {"ctrl+e", "export the hits of the cone", .move = press_save, .by = {SAVE_RESULTS}},
     {"ctrl+p", "save 3-D or a cut as a figure: its size, dpi, background, legend and name", .act = figure_form_open},
     {"ctrl+shift+p", "copy the path of the figure that was saved last", .act = figure_form_copy},
     {"ctrl+o", "open a file: an atlas or a session; or add one: streamlines or an image as context",

@@ -586,7 +586,9 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
     if (fine) {
         times_start(&window->times, begun);
     }
-    if (why[0]) {
+    if (*failed && wanted.by_dialog) {
+        dialog_complain(&window->dialog, why);
+    } else if (why[0]) {
         window_say(window, why);
     }
     wanted_finish(&wanted);

@@ -67,6 +67,8 @@ static const double view_rest_ms = 120, others_rest_ms = 300;
 static const double arm = 0.12; /* of the crosshair, in radii of the atlas */
 static const float click = 4;   /* pixels that the mouse may move and it is still one */
 
+static const char device_caption[] = "what the device sees";
+
 enum { NAMES_SHOWN = 3, INSET = 7 /* pixels on the screen per pixel of the device's view */ };
 
 static void ask_painter(struct window *window, bool moving)
@@ -115,42 +117,57 @@ static void take_picture(struct window *window)
     }
 }
 
-/* Draws a name beside the place, on the side where there is room. */
-static void draw_name(const struct window *window, const float at[2], float y, const char *name)
-{
-    const struct ui_box *box = &window->screen.panes[PANE_3D];
-    char shown[PANE_NAME];
-    float gap = 18;
-    ui_shorten(shown, sizeof shown, name, box->width - 14);
-    float width = ui_text_width(shown) + 6;
-    bool fits = at[0] + gap + width <= box->x + box->width;
-    float x = fits ? at[0] + gap : fmaxf(at[0] - gap - width, box->x + 4);
-    ui_draw_line(at, (float[]){fits ? x - 2 : fminf(x + width - 4, at[0]), y + ui_line() * 0.575F}, light, 1);
-    ui_draw_text((float[]){x, y}, light, shown);
-}
-
-/* The names of the best results beside their contacts, one below the other where they would overlap. */
-static void draw_names(const struct window *window)
+/* The names of the best results beside their contacts, which they do not cover. */
+static void draw_names(struct window *window)
 {
     const conus_selection *selection = viewer_selection(window->viewer);
     size_t count = conus_selection_count(selection);
-    float line = 1.15F * ui_line();
-    float taken[NAMES_SHOWN];
-    char title[VIEW_ATLAS_TITLE];
+    const conus_result *results[NAMES_SHOWN];
+    float places[NAMES_SHOWN][2];
     size_t shown = 0;
     for (size_t i = 0; i < count && shown < NAMES_SHOWN; i++) {
         const conus_result *result = conus_selection_result(selection, i);
-        float at[2];
-        if (result->object && result->pixels && window_point(at, window, result->contact)) {
-            float y = at[1] - line / 2;
-            for (size_t k = 0; k < shown; k++) {
-                y = fabsf(y - taken[k]) < line ? taken[k] + line : y;
-            }
-            taken[shown++] = y;
+        if (result->object && result->pixels && window_point(places[shown], window, result->contact)) {
+            const float *at = places[shown];
+            results[shown++] = result;
             ui_draw_circle(at, 4, light, 1.5F);
-            draw_name(window, at, y, view_atlas_title(title, window->viewer->drawn, result->object));
+            labels_reserve(&window->frame.labels, (struct ui_box){at[0] - 4, at[1] - 4, 8, 8});
         }
     }
+    for (size_t i = 0; i < shown; i++) {
+        char title[VIEW_ATLAS_TITLE];
+        pane_name(&window->frame.labels, &window->screen.panes[PANE_3D], places[i], false, light, results[i]->object,
+                  view_atlas_title(title, window->viewer->drawn, results[i]->object));
+    }
+}
+
+static struct ui_box find_inset(const struct window *window)
+{
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
+    float edge = fminf(INSET * 16 * window->screen.scale, 0.3F * fminf(box->width, box->height));
+    return (struct ui_box){box->x + box->width - edge - 10, box->y + 10, edge, edge};
+}
+
+/* Keeps names off what else lies over the picture. */
+static void reserve_places(struct window *window)
+{
+    const struct ui_box *box = &window->screen.panes[PANE_3D];
+    struct ui_box inset = find_inset(window);
+    float line = ui_line();
+    float reach = 6 * line;
+    window->frame.labels.count = 0;
+    labels_reserve(&window->frame.labels, (struct ui_box){box->x, box->y, 0.7F * box->width, 2 * line}); /* buttons */
+    if (viewer_selection(window->viewer)) {
+        inset.width = fmaxf(inset.width, ui_text_width(device_caption));
+        inset.x = box->x + box->width - inset.width - 10;
+        inset.height += 1.5F * line;
+        labels_reserve(&window->frame.labels, inset);
+    }
+    labels_reserve(&window->frame.labels,
+                   (struct ui_box){box->x + box->width - reach, box->y + box->height - 1.2F * reach, reach,
+                                   1.2F * reach}); /* directions */
+    labels_reserve(&window->frame.labels,
+                   (struct ui_box){box->x, box->y + box->height - 3 * line, box->width, 3 * line}); /* notices */
 }
 
 /* Draws the device's view, enlarged: the pixels of its buffer in the areas' colours. */
@@ -175,14 +192,12 @@ static void draw_device_view(struct window *window)
         to[3] = 255;
     }
     texture_set(&window->pictures.device_view, rgba, n, n, false);
-    const struct ui_box *box = &window->screen.panes[PANE_3D];
-    float edge = fminf(INSET * 16 * window->screen.scale, 0.3F * fminf(box->width, box->height));
-    struct ui_box inset = {box->x + box->width - edge - 10, box->y + 10, edge, edge};
+    struct ui_box inset = find_inset(window);
     ui_surface("inset", inset);
     ui_draw_image(window->pictures.device_view.name, inset);
     ui_draw_box(inset, light, 1);
-    static const char caption[] = "what the device sees";
-    ui_draw_text((float[]){inset.x + edge - ui_text_width(caption), inset.y + edge + 4}, light, caption);
+    ui_draw_text((float[]){inset.x + inset.width - ui_text_width(device_caption), inset.y + inset.height + 4}, light,
+                 device_caption);
 }
 
 /* Draws the crosshair's arms along the axes. */
@@ -326,7 +341,8 @@ static bool use_mouse(struct window *window)
 static void tell_hovered(const struct window *window)
 {
     enum tool_number follows = tool_moved_by(window->viewer, POINT_BY_MOUSE);
-    if (window->frame.hover.object && (follows == TOOL_COUNT || window->viewer->tools[follows].held)) {
+    if (window->frame.hover.object && !labels_has(&window->frame.labels, window->frame.hover.object) &&
+        (follows == TOOL_COUNT || window->viewer->tools[follows].held)) {
         hover_tip(window);
     }
 }
@@ -369,16 +385,17 @@ void pane_3d(struct window *window)
     }
     note_moves(window, by_mouse);
     ask_painter(window, window->pictures.moving);
+    reserve_places(window);
     ui_clip(*box);
     pane_chosen(window);
     draw_compass(window);
+    pane_chosen_name(window);
     pane_second_3d(window);
     draw_crosshair(window);
     draw_names(window);
     draw_waiting(window);
     draw_notices(window);
     draw_device_view(window);
-    pane_chosen_name(window);
     ui_clip_end();
     ui_panel_end();
 }

@@ -15,9 +15,9 @@ static bool find_box(struct ui_box *out, const struct window *window, enum borde
     struct division d = layout_divide(&window->screen.layout, width, height, window->screen.scale);
     float edge = floorf(thick * window->screen.scale);
     float at[] = {d.left, width - d.right, d.left + d.column, d.row};
-    *out = border == BORDER_ROW ? (struct ui_box){d.left, at[border] - edge / 2, d.columns, edge}
+    *out = border == BORDER_ROW ? (struct ui_box){d.left + d.column, at[border] - edge / 2, d.columns - d.column, edge}
                                 : (struct ui_box){at[border] - edge / 2, 0, edge, height};
-    return !window->screen.alone && (border < BORDER_COLUMN || window->screen.enlarged < 0);
+    return !screen_is_bare(&window->screen) && (border < BORDER_COLUMN || window->screen.enlarged < 0);
 }
 
 static void use_mouse(struct window *window, enum border border)

@@ -57,25 +57,31 @@ static void cast(struct window *window, uint32_t width, uint32_t height)
     free(rgba);
 }
 
-void pane_chosen_name(const struct window *window)
+void pane_chosen_name(struct window *window)
 {
     const struct shadow *shadow = &window->pictures.shadow;
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     if (shadow->cells.count && shadow->top.is_there) {
         char title[VIEW_ATLAS_TITLE];
-        pane_name(box, box->x + (float)(COARSE * shadow->top.x), box->y + (float)(COARSE * shadow->top.y),
+        const float at[2] = {box->x + (float)(COARSE * shadow->top.x), box->y + (float)(COARSE * shadow->top.y)};
+        pane_name(&window->frame.labels, box, at, true, theme_texts[THEME_AMBER], shadow->chosen,
                   view_atlas_title(title, window->viewer->drawn, shadow->chosen));
     }
 }
 
-void pane_name(const struct ui_box *box, float x, float y, const char *name)
+void pane_name(struct labels *labels, const struct ui_box *box, const float at[2], bool above, ui_colour colour,
+               uint32_t object, const char *name)
 {
     char shown[PANE_NAME];
+    struct ui_box place;
     ui_shorten(shown, sizeof shown, name, box->width - 14);
-    float width = ui_text_width(shown);
-    const float at[2] = {fmaxf(fminf(x - width / 2, box->x + box->width - width - 6), box->x + 6),
-                         fmaxf(y - 1.2F * ui_line(), box->y + 1.7F * ui_line())}; /* below the title */
-    ui_draw_text(at, theme_texts[THEME_AMBER], shown);
+    const float size[2] = {ui_text_width(shown), ui_line()};
+    if (labels_place(&place, labels, box, at, size, above, object)) {
+        const float end[2] = {fmaxf(fminf(at[0], place.x + place.width), place.x),
+                              fmaxf(fminf(at[1], place.y + place.height), place.y)};
+        ui_draw_line(at, end, colour, 1);
+        ui_draw_text((float[]){place.x, place.y}, colour, shown);
+    }
 }
 
 void pane_chosen(struct window *window)

@@ -56,6 +56,7 @@ struct frame {
     float title_width, title_height;
     uint32_t width, height;
     struct pane_plane plane;
+    struct labels labels;
 };
 
 static void draw_picture(struct window *window, const struct frame *frame, const conus_cut_view *view)
@@ -123,7 +124,7 @@ static char letter_towards(const double direction[3])
     return ' ';
 }
 
-static void draw_letters(const struct frame *frame)
+static void draw_letters(struct frame *frame)
 {
     const struct ui_box *box = &frame->pane->box;
     const double left[3] = {-frame->plane.right[0], -frame->plane.right[1], -frame->plane.right[2]};
@@ -140,6 +141,7 @@ static void draw_letters(const struct frame *frame)
         float top = places[i].towards == frame->plane.up && covered ? frame->title_height : margin;
         const float at[2] = {box->x + margin + places[i].x * space[0], box->y + top + places[i].y * space[1]};
         ui_draw_text(at, light, text);
+        labels_reserve(&frame->labels, (struct ui_box){at[0], at[1], ui_text_width(text), ui_line()});
     }
 }
 
@@ -190,6 +192,8 @@ static void draw_title(const struct window *window, struct frame *frame, enum pl
     const float beside[2] = {fits ? at[0] + first + 12 : at[0], fits ? at[1] : at[1] + 1.2F * ui_line()};
     frame->title_width = fits ? first + 12 + second : fmaxf(first, second);
     frame->title_height = (fits ? 1.6F : 2.8F) * ui_line();
+    labels_reserve(&frame->labels,
+                   (struct ui_box){at[0], at[1], frame->title_width, frame->title_height - 0.6F * ui_line()});
     ui_draw_text(at, light, text);
     if (*sides) {
         ui_draw_text(beside, light, sides);
@@ -287,8 +291,9 @@ void pane_cut(struct window *window, enum plane plane)
     const struct view_atlas *drawn = window->viewer->drawn;
     char title[VIEW_ATLAS_TITLE];
     if (frame.pane->top.is_there && conus_atlas_object(drawn->atlas, drawn->shown.chosen)) {
-        pane_name(&frame.pane->box, frame.pane->box.x + (float)frame.pane->top.x,
-                  frame.pane->box.y + (float)frame.pane->top.y, view_atlas_title(title, drawn, drawn->shown.chosen));
+        const float at[2] = {pane->box.x + (float)pane->top.x, pane->box.y + (float)pane->top.y};
+        pane_name(&frame.labels, &pane->box, at, true, theme_texts[THEME_AMBER], drawn->shown.chosen,
+                  view_atlas_title(title, drawn, drawn->shown.chosen));
     }
     ui_clip_end();
     if (touched && window->frame.hover.object) {

@@ -101,7 +101,7 @@ static void draw_between(const struct window *window, const double from[3], cons
     }
 }
 
-static void draw_best(const struct window *window)
+static void draw_best(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     const conus_selection *selection = view_atlas_selection(viewer->drawn, SECOND_TOOL);
@@ -111,11 +111,8 @@ static void draw_best(const struct window *window)
         ui_draw_circle(at, 4, second_colour, 1.5F);
         const struct ui_box *box = &window->screen.panes[PANE_3D];
         char title[VIEW_ATLAS_TITLE];
-        char shown[PANE_NAME];
-        ui_shorten(shown, sizeof shown, view_atlas_title(title, viewer->drawn, best->object), box->width - 14);
-        at[0] = fminf(at[0] + 10, box->x + box->width - ui_text_width(shown) - 6);
-        at[1] -= ui_line();
-        ui_draw_text(at, second_colour, shown);
+        pane_name(&window->frame.labels, box, at, false, second_colour, best->object,
+                  view_atlas_title(title, viewer->drawn, best->object));
     }
 }
 

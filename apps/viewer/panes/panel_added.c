@@ -27,12 +27,12 @@ static void draw_file(struct window *window, size_t index, enum addition kind, c
     snprintf(plain, sizeof plain, "%s", value + (slash ? slash + 1 - path : 0));
     conus_plain_text(plain);
     ui_id((uint32_t)index);
-    if (ui_small_button("take out")) {
+    if (ui_small_button("Take out")) {
         window_take_out(window, index);
     }
     ui_tip("the atlas is opened again without it");
     ui_same_line();
-    if (ui_small_button("change")) {
+    if (ui_small_button("Change")) {
         form->kind = kind;
         form->changed = index + 1;
         form->takes_keys = form->is_set = true;
@@ -69,19 +69,19 @@ static void draw_files(struct window *window, const json_t *words)
 static void draw_line(struct window *window, const json_t *words)
 {
     struct added_form *form = &window->forms.added;
-    ui_choose("kind", &form->kind, addition_names, ADDITION_COUNT);
+    ui_choose("Kind", &form->kind, addition_names, ADDITION_COUNT);
     ui_tip("what the file is to be");
     if (form->takes_keys) {
         form->takes_keys = false;
         ui_take_keys();
     }
     ui_width(ui_room());
-    ui_type_path("##file", form->text, sizeof form->text, &form->is_set);
+    ui_type_path("##file", form->text, sizeof form->text, "", false, &form->is_set);
     bool entered = ui_entered();
     ui_tint(theme_texts[THEME_HINT]);
     ui_text_wrapped(keys[form->kind]);
     ui_tint_end();
-    bool used = ui_button(form->changed ? "use instead" : "add") || entered;
+    bool used = ui_button(form->changed ? "Use instead" : "Add") || entered;
     if (used && form->text[0] && form->changed && form->changed <= json_array_size(words)) {
         window_change(window, form->changed - 1, (enum addition)form->kind, form->text);
     } else if (used && form->text[0]) {
@@ -93,7 +93,7 @@ static void draw_line(struct window *window, const json_t *words)
         *form = (struct added_form){.open = true, .kind = form->kind, .is_set = true};
     }
     ui_same_line();
-    if (ui_button("close")) {
+    if (ui_button("Close")) {
         form->open = false;
     }
     ui_text_wrapped(window->viewer->message);

@@ -73,12 +73,12 @@ static void draw_buttons(struct viewer *viewer, uint32_t object)
 {
     bool hide = viewer_shown(viewer, object) == SHOWN;
     ui_same_line();
-    if (ui_small_button(hide ? "hide" : "show")) {
+    if (ui_small_button(hide ? "Hide" : "Show")) {
         viewer_hide(viewer, object, hide);
     }
     ui_tip("hidden areas are not hit, not drawn, and block nothing; H, too");
     ui_same_line();
-    if (ui_small_button("only")) {
+    if (ui_small_button("Only")) {
         viewer_isolate(viewer, object);
     }
     ui_tip("hides all others; I, too, and Ctrl+Z takes it back");
@@ -107,7 +107,7 @@ static void draw_area(struct window *window, uint32_t number)
         }
         snprintf(name, sizeof name, "%s%s", title, shown == SHOWN_IN_PART ? " (in part)" : "");
         ui_tint(theme_texts[THEME_AMBER]);
-        float buttons = ui_text_width("show") + ui_text_width("only") + 32 * window->screen.scale; /* and a gap */
+        float buttons = ui_text_width("Show") + ui_text_width("Only") + 32 * window->screen.scale; /* and a gap */
         ui_text_cut(name, ui_room() - buttons);
         ui_tint_end();
         draw_buttons(viewer, number);
@@ -158,7 +158,7 @@ static void draw_found(struct window *window)
     if (!count) {
         ui_text("nothing fits");
         ui_same_line();
-        if (ui_small_button("clear")) {
+        if (ui_small_button("Clear")) {
             shown->search[0] = '\0';
         }
         ui_tip("lists all areas again");
@@ -183,18 +183,19 @@ static void choose_atlas(struct window *window)
     }
 }
 
-/* Draws buttons that press keys, for users who do not know the keys yet. */
-static void draw_key_buttons(struct window *window)
+/* Draws buttons that press keys, for users who do not know the keys yet: in a line, or on the rail one below the other.
+ */
+static void draw_key_buttons(struct window *window, bool in_line)
 {
     static const struct {
         const char *label, *key, *tip;
-    } buttons[] = {{"open", "ctrl+o", "an atlas or a session (Ctrl+O)"},
-                   {"save", "ctrl+s", "saves the session (Ctrl+S)"},
-                   {"undo", "ctrl+z", "takes back the last change (Ctrl+Z)"},
-                   {"redo", "ctrl+y", "does it again (Ctrl+Y)"},
+    } buttons[] = {{"Open", "ctrl+o", "an atlas or a session (Ctrl+O)"},
+                   {"Save", "ctrl+s", "saves the session (Ctrl+S)"},
+                   {"Undo", "ctrl+z", "takes back the last change (Ctrl+Z)"},
+                   {"Redo", "ctrl+y", "does it again (Ctrl+Y)"},
                    {" ? ", "?", "all keys, and what the mouse does (? or F1)"}};
     for (size_t i = 0; i < sizeof buttons / sizeof buttons[0]; i++) {
-        if (i) {
+        if (i && in_line) {
             ui_same_line();
         }
         if (ui_button(buttons[i].label)) {
@@ -202,14 +203,36 @@ static void draw_key_buttons(struct window *window)
         }
         ui_tip(buttons[i].tip);
     }
-    ui_separator();
+}
+
+void panel_rail(struct window *window, size_t side)
+{
+    static const char *const titles[] = {"##areas", "##hits"};
+    static const char *const labels[] = {"Areas", "Hits"};
+    static const char *const tips[] = {"opens the list of areas: search, hide, hemispheres (F6)",
+                                       "opens the hits of the cone and the settings (F6)"};
+    ui_panel(titles[side], side ? window->screen.right : window->screen.left, UI_UNTITLED);
+    if (ui_button(labels[side])) {
+        layout_fold(&window->screen.layout, side, false);
+    }
+    ui_tip(tips[side]);
+    if (side == 0) {
+        ui_separator();
+        draw_key_buttons(window, false);
+    }
+    ui_panel_end();
 }
 
 void panel_areas(struct window *window)
 {
     struct viewer *viewer = window->viewer;
+    if (window->screen.folded[0]) {
+        panel_rail(window, 0);
+        return;
+    }
     ui_panel("Areas", window->screen.left, 0);
-    draw_key_buttons(window);
+    draw_key_buttons(window, true);
+    ui_separator();
     choose_atlas(window);
     ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
     ui_width(window->screen.left.width - 20);
@@ -223,17 +246,22 @@ void panel_areas(struct window *window)
             viewer_choose(viewer, best);
         }
     }
-    if (ui_button("show all")) {
+    if (ui_button("Show all")) {
         viewer_show_all(viewer);
     }
     ui_tip("no area is hidden any more; V, too");
     ui_same_line();
     ui_text("%zu in all", viewer->drawn->object_count);
     ui_same_line();
-    if (ui_button("files")) {
+    if (ui_button("Files")) {
         window_press(window, "ctrl+l");
     }
     ui_tip("streamlines, pathways and context: add one, change it, take it out; Ctrl+L, too");
+    ui_flow("\u00ab");
+    if (ui_button("\u00ab")) {
+        layout_fold(&window->screen.layout, 0, true);
+    }
+    ui_tip("folds this panel to its rail");
     ui_text_coloured(theme_texts[THEME_HINT], "left and right");
     choose_hemispheres(window);
     choose_side(window);

@@ -3,12 +3,14 @@
 #include "conus/score.h"
 #include "settings/station_settings.h"
 #include "viewer/model/question.h"
+#include "viewer/model/search.h"
 #include "viewer/panes/panels.h"
 #include "viewer/tools/point.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void show_replay(struct window *window)
@@ -20,12 +22,12 @@ static void show_replay(struct window *window)
         return;
     }
     uint32_t row = (uint32_t)replay->at + 1;
-    if (ui_button(replay->playing ? "stop" : "play")) {
+    if (ui_button(replay->playing ? "Stop" : "Play")) {
         replay_toggle(replay, glfwGetTime());
     }
     ui_tip("the poses one after the other, at their times");
     ui_same_line();
-    if (ui_count("row", &row, 1, (uint32_t)count)) {
+    if (ui_count("Row", &row, 1, (uint32_t)count)) {
         replay->playing = false;
         replay_show(replay, window->viewer, row - 1);
     }
@@ -52,7 +54,7 @@ void panel_speed(struct window *window, enum pointer pointer)
     if (pointer < POINT_BY_SPACEMOUSE) {
         return;
     }
-    if (ui_slider("speed", &speed, SOURCE_LEAST_SPEED, SOURCE_MOST_SPEED, "%.0f mm/s", true)) {
+    if (ui_slider("Speed", &speed, SOURCE_LEAST_SPEED, SOURCE_MOST_SPEED, "%.0f mm/s", true)) {
         devices_set_speed(&window->inputs.devices, speed);
         window->viewer->version++;
     }
@@ -73,7 +75,7 @@ static void choose_range(struct viewer *viewer)
         ui_text("depth limits need exact sampling");
         return;
     }
-    if (ui_check("only some depths", &limited)) {
+    if (ui_check("Only some depths", &limited)) {
         (void)(limited ? question_move_range(viewer, 0, 0) : question_set_range(viewer, 0, 0));
         return;
     }
@@ -82,9 +84,9 @@ static void choose_range(struct viewer *viewer)
     if (!limited) {
         return;
     }
-    bool changed = ui_slider("from depth", &from, 0, deepest_mm, "%.1f mm", true);
+    bool changed = ui_slider("From depth", &from, 0, deepest_mm, "%.1f mm", true);
     ui_tip("mm along the axis from the apex: nothing before it counts");
-    changed = ui_slider("to depth", &to, least_mm, deepest_mm, "%.1f mm", true) || changed;
+    changed = ui_slider("To depth", &to, least_mm, deepest_mm, "%.1f mm", true) || changed;
     ui_tip("mm along the axis from the apex: nothing behind it counts");
     if (changed) {
         from = fmin(from, fmax(to - least_mm, 0));
@@ -100,7 +102,7 @@ static void choose_depth(struct viewer *viewer, unsigned deepest)
     bool listed = viewer->cone.level[0] && !question_depth(viewer);
     size_t depth = listed ? SIZE_MAX : question_depth(viewer);
     char level[32] = "";
-    if (ui_choose("level", &depth, names, 1 + (deepest < LEVELS_SHOWN ? deepest : LEVELS_SHOWN))) {
+    if (ui_choose("Level", &depth, names, 1 + (deepest < LEVELS_SHOWN ? deepest : LEVELS_SHOWN))) {
         if (depth) {
             snprintf(level, sizeof level, "%zu", depth);
         }
@@ -117,7 +119,7 @@ static void type_level(struct viewer *viewer)
     if (!question_depth(viewer)) {
         memcpy(typed, viewer->cone.level, sizeof typed);
     }
-    ui_type("areas", typed, sizeof typed, "Thalamus,Isocortex");
+    ui_type("Level by areas", typed, sizeof typed, "Thalamus,Isocortex");
     bool entered = ui_entered();
     ui_tip("areas are reported as the nearest of these that they are part of; names with commas between, then Enter");
     if (entered) {
@@ -146,12 +148,12 @@ static void choose_hits(struct window *window)
         choose_depth(viewer, deepest);
         type_level(viewer);
     }
-    choose_property(window, PROPERTY_ORDER, "list", orders, 2);
+    choose_property(window, PROPERTY_ORDER, "List", orders, 2);
 }
 
 enum { SCORE_LIMIT = 64 };
 
-static const char *const layers[] = {"visible", "all"};
+static const char *const layers[] = {"first hits", "all layers"};
 static const char *const apertures[] = {"circle", "square"};
 static const char *const samplings[] = {"exact", "slices"};
 static const char *const engines[] = {"rays", "gl"};
@@ -168,7 +170,7 @@ static bool choose_score(struct viewer *viewer)
             names[count++] = info->name;
         }
     }
-    bool changed = ui_choose("score", &chosen, names, count);
+    bool changed = ui_choose("Score", &chosen, names, count);
     ui_tip("by what the hits are ranked, the best first: conus query --help says what each means");
     viewer->cone.options.score = names[chosen];
     return changed;
@@ -176,16 +178,15 @@ static bool choose_score(struct viewer *viewer)
 
 static bool choose_shape(struct viewer *viewer)
 {
-    bool changed = ui_slider("angle", &viewer->tools[FIRST_TOOL].angle, 0.1, 179, "%.1f\u00b0", true);
-    panel_tip(PROPERTY_ANGLE);
+    bool changed = false;
     bool cylinder = viewer->cone.options.radius > 0;
-    if (ui_check("cylinder instead", &cylinder)) {
+    if (ui_check("A cylinder in place of the cone", &cylinder)) {
         viewer->cone.options.radius = cylinder ? 2 : 0;
         changed = true;
     }
     ui_tip("in place of the cone a tube around its axis, such as a needle or a probe");
     if (cylinder) {
-        changed = ui_slider("radius", &viewer->cone.options.radius, 0.1, 50, "%.4g mm", true) || changed;
+        changed = ui_slider("Radius", &viewer->cone.options.radius, 0.1, 50, "%.4g mm", true) || changed;
         ui_tip("radius of the cylinder, mm");
     }
     return changed;
@@ -200,11 +201,11 @@ static bool choose_slices(conus_selector_options *options)
         options->slices = 0;
         return false;
     }
-    bool changed = ui_slider("slices", &part, 0.01, 1, "%.2f of the picture's", true);
+    bool changed = ui_slider("Slices", &part, 0.01, 1, "%.2f of the picture's", true);
     ui_tip("which part of the picture's slices the cone asks at (--slice-fraction)");
     options->slice_fraction = changed ? part : options->slice_fraction;
     options->range[0] = options->range[1] = 0; /* needs exact sampling */
-    changed = ui_count("picture's slices", &options->slices, 0, 2048) || changed;
+    changed = ui_count("Picture's slices", &options->slices, 0, 2048) || changed;
     ui_tip("how many slices the picture has (--slices); 0 = 1.41 times the longest edge of the volume, in voxels");
     return changed;
 }
@@ -213,21 +214,18 @@ static bool choose_look(struct viewer *viewer)
 {
     conus_selector_options *options = &viewer->cone.options;
     uint32_t resolution = options->resolution ? options->resolution : 16;
-    size_t layer = (size_t)options->layers;
     size_t aperture = (size_t)options->aperture;
     size_t sampling = (size_t)options->sampling;
     size_t engine = options->engine == CONUS_ENGINE_GL;
-    bool changed = ui_choose("layers", &layer, layers, 2);
-    panel_tip(PROPERTY_LAYERS);
-    changed = ui_count("pixels", &resolution, 1, 64) || changed;
+    bool changed = ui_count("Pixels", &resolution, 1, 64);
     ui_tip("N, of N x N rays, one per pixel of the image that the device sees");
-    changed = ui_choose("aperture", &aperture, apertures, 2) || changed;
+    changed = ui_choose("Aperture", &aperture, apertures, 2) || changed;
     ui_tip("the pixels that count: those in the circle, or all of the square");
-    changed = ui_choose("sampling", &sampling, samplings, 2) || changed;
+    changed = ui_choose("Sampling", &sampling, samplings, 2) || changed;
     ui_tip("every voxel along a ray, or planes across the view only, which can miss thin objects");
-    changed = ui_choose("engine", &engine, engines, 2) || changed;
+    changed = ui_choose("Engine", &engine, engines, 2) || changed;
     ui_tip("what traces the rays, the processor or OpenGL: the hits are the same");
-    options->layers = sampling == CONUS_SAMPLING_SLICES ? CONUS_LAYERS_VISIBLE : (conus_layers)layer;
+    options->layers = sampling == CONUS_SAMPLING_SLICES ? CONUS_LAYERS_VISIBLE : options->layers;
     options->resolution = resolution;
     options->aperture = (conus_aperture)aperture;
     options->sampling = (conus_sampling)sampling;
@@ -246,7 +244,7 @@ static void show_pose(struct viewer *viewer)
         return;
     }
     conus_space space = viewer->frame.space;
-    char label[32] = "from, mm";
+    char label[32] = "From, mm";
     if (space >= CONUS_SPACE_CCF) {
         snprintf(label, sizeof label, "%s %s %s, %s", conus_space_axis(space, 0), conus_space_axis(space, 1),
                  conus_space_axis(space, 2), conus_space_unit(space));
@@ -255,7 +253,7 @@ static void show_pose(struct viewer *viewer)
     conus_frame_direction_from_world(along, &viewer->frame, along);
     bool moved = ui_numbers(label, origin, viewer_place_format(viewer));
     ui_tip("where the cone has its apex, in the unit of the label beside it; type numbers and press Enter");
-    bool turned = ui_numbers("along", along, "%.3f");
+    bool turned = ui_numbers("Along", along, "%.3f");
     ui_tip("the direction of the cone's axis, of any length; type numbers and press Enter");
     if ((moved || turned) && viewer_to_world(origin, viewer, origin)) {
         conus_frame_direction_to_world(along, &viewer->frame, along);
@@ -265,10 +263,9 @@ static void show_pose(struct viewer *viewer)
 
 static void choose_pointer(struct window *window)
 {
-    static const char *const apexes[] = {"at the surface", "at your eye"};
     struct viewer *viewer = window->viewer;
     size_t pointer = (size_t)viewer->tools[FIRST_TOOL].pointer;
-    if (ui_choose("points", &pointer, pointer_names, POINTER_COUNT)) {
+    if (ui_choose("Point with", &pointer, pointer_names, POINTER_COUNT)) {
         tool_choose(viewer, FIRST_TOOL, (enum pointer)pointer);
     }
     ui_tip("what moves the cone: the mouse, keys, a file of poses, or a tracked tool");
@@ -278,25 +275,65 @@ static void choose_pointer(struct window *window)
         show_tracker(window);
     }
     panel_speed(window, viewer->tools[FIRST_TOOL].pointer);
-    if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
-        choose_property(window, PROPERTY_APEX_AT_EYE, "begins", apexes, 2);
+}
+
+/* Where all hits cannot be had, slices are left. */
+static void choose_layers(struct viewer *viewer)
+{
+    conus_selector_options *options = &viewer->cone.options;
+    size_t layer = (size_t)options->layers;
+    if (ui_choose("Count", &layer, layers, 2)) {
+        options->layers = options->sampling == CONUS_SAMPLING_SLICES ? CONUS_LAYERS_VISIBLE : (conus_layers)layer;
+        tool_reselect(viewer);
     }
+    panel_tip(PROPERTY_LAYERS);
+}
+
+enum { FOUND_SHOWN = 5 };
+
+/* Lists the areas that fit best where the list of areas, which has them all, is folded. */
+static void search_area(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    char *search = viewer->drawn->shown.search;
+    if (window->frame.searches) {
+        window->frame.searches = false;
+        ui_take_keys();
+    }
+    ui_type("Search", search, sizeof viewer->drawn->shown.search, "area or label");
+    bool entered = ui_entered();
+    ui_tip("an area by its name, abbreviation or label; Enter chooses the first; / comes here");
+    uint32_t best = entered && search[0] ? search_best(viewer->drawn->atlas, search) : 0;
+    if (best) {
+        viewer_choose(viewer, best);
+    }
+    size_t count = 0;
+    uint32_t *found = search[0] && window->screen.folded[0] ? search_all(&count, viewer->drawn->atlas, search) : NULL;
+    for (size_t i = 0; i < count && i < FOUND_SHOWN; i++) {
+        char title[VIEW_ATLAS_TITLE];
+        ui_id(found[i]);
+        if (ui_row(view_atlas_title(title, viewer->drawn, found[i]), viewer->drawn->shown.chosen == found[i])) {
+            viewer_choose(viewer, found[i]);
+        }
+        ui_id_end();
+    }
+    free(found);
 }
 
 static void choose_view(struct viewer *viewer)
 {
     bool outlines = !viewer->display.no_outlines;
     bool safe = viewer->display.safe_colours;
-    bool shown = ui_slider("context", &viewer->display.fade, 0, 1, "%.2f faded", false);
+    bool shown = ui_slider("Context", &viewer->display.fade, 0, 1, "%.2f faded", false);
     panel_tip(PROPERTY_FADE);
-    shown = ui_slider("areas", &viewer->display.fill, 0, 1, "%.2f filled", false) || shown;
+    shown = ui_slider("Areas", &viewer->display.fill, 0, 1, "%.2f filled", false) || shown;
     panel_tip(PROPERTY_FILL);
-    shown = ui_check("outlines", &outlines) || shown;
+    shown = ui_check("Outlines", &outlines) || shown;
     panel_tip(PROPERTY_OUTLINES);
     viewer->display.no_outlines = !outlines;
-    shown = ui_check("radiological (left is right)", &viewer->display.radiological) || shown;
+    shown = ui_check("Radiological (left is right)", &viewer->display.radiological) || shown;
     panel_tip(PROPERTY_RADIOLOGICAL);
-    if (ui_check("colours for any colour vision", &safe)) {
+    if (ui_check("Colours for any colour vision", &safe)) {
         viewer_use_safe_colours(viewer, safe);
     }
     panel_tip(PROPERTY_SAFE_COLOURS);
@@ -304,18 +341,34 @@ static void choose_view(struct viewer *viewer)
     panel_look_view(viewer);
 }
 
-void panel_cone(struct window *window)
+void panel_question(struct window *window)
 {
-    static const char *const followed[FOLLOW_COUNT] = {"nothing", "the cone's tip", "the best contact"};
     struct viewer *viewer = window->viewer;
-    if (!ui_section("Cone", true)) {
+    if (!ui_section("What is asked", true)) {
         return;
     }
     choose_pointer(window);
+    if (ui_slider("Angle", &viewer->tools[FIRST_TOOL].angle, 0.1, 179, "%.1f\u00b0", true)) {
+        tool_reselect(viewer);
+    }
+    panel_tip(PROPERTY_ANGLE);
+    choose_layers(viewer);
+    search_area(window);
+}
+
+/* All else that decides what the cone is and which of its hits count. */
+static void choose_details(struct window *window)
+{
+    static const char *const apexes[] = {"at the surface", "at your eye"};
+    static const char *const followed[FOLLOW_COUNT] = {"nothing", "the cone's tip", "the best contact"};
+    struct viewer *viewer = window->viewer;
+    if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
+        choose_property(window, PROPERTY_APEX_AT_EYE, "Start", apexes, 2);
+    }
     show_pose(viewer);
-    choose_property(window, PROPERTY_FOLLOW, "cuts follow", followed, FOLLOW_COUNT);
+    choose_property(window, PROPERTY_FOLLOW, "Cuts follow", followed, FOLLOW_COUNT);
     bool one_ray = viewer->cone.one_ray;
-    if (ui_check("one area only", &one_ray)) {
+    if (ui_check("One area only", &one_ray)) {
         property_set(window, PROPERTY_ONE_RAY, one_ray);
     }
     panel_tip(PROPERTY_ONE_RAY);
@@ -328,8 +381,16 @@ void panel_cone(struct window *window)
         }
     }
     choose_hits(window);
+}
+
+void panel_expert(struct window *window)
+{
+    if (ui_section("Expert", false)) {
+        choose_details(window);
+        panel_study_kind(window->viewer);
+    }
     if (ui_section("View", false)) {
-        choose_view(viewer);
+        choose_view(window->viewer);
     }
     panel_transfer(window);
 }

@@ -13,13 +13,15 @@ static void draw_line(struct window *window)
 {
     struct dialog *dialog = &window->dialog;
     bool saves = dialog->purpose == DIALOG_SAVE;
-    ui_heading(saves ? "Save the session as" : "Open an atlas or a session, or add streamlines or a context");
+    static const char *const saved[] = {"Save the session as", "Save the session as", "Save the window's picture as",
+                                        "Export the hits as", "Save the study as"};
+    ui_heading(saves ? saved[window->files.saves] : "Open an atlas or a session, or add streamlines or a context");
     ui_width(ui_room());
     if (dialog->takes_keys) {
         ui_take_keys();
         dialog->takes_keys = false;
     }
-    ui_type_path("##path", dialog->text, sizeof dialog->text, &dialog->is_set);
+    ui_type_path("##path", dialog->text, sizeof dialog->text, dialog->prefilled, dialog->selects, &dialog->is_set);
     bool entered = ui_entered();
     int moved = ui_wants_keys() ? ui_arrow() : 0; /* else keys.c hears them */
     if (moved) {
@@ -27,7 +29,7 @@ static void draw_line(struct window *window)
     }
     ui_tint(theme_texts[dialog->why[0] ? THEME_ORANGE : THEME_HINT]);
     ui_text_wrapped(dialog->why[0] ? dialog->why
-                    : saves        ? "A name for the file; .json is put behind it"
+                    : saves        ? "A name for the file, whose ending is put behind it"
                                    : "Type a path, or a part of a name to search this folder");
     ui_tint_end();
     if (entered) {

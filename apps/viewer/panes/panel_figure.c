@@ -8,18 +8,18 @@ static void choose_size(struct sheet *sheet)
 {
     static const char *const units[] = {"pixels", "mm on paper"};
     size_t unit = sheet->in_mm;
-    if (ui_choose("size in", &unit, units, 2)) {
+    if (ui_choose("Size in", &unit, units, 2)) {
         sheet->in_mm = unit;
     }
     if (sheet->in_mm) {
-        ui_slider("width", &sheet->mm[0], 1, SHEET_MM_LIMIT, "%.4g mm", true);
+        ui_slider("Width", &sheet->mm[0], 1, SHEET_MM_LIMIT, "%.4g mm", true);
         ui_tip("mm on paper, 1 to 10000, such as a column's 85; Ctrl and click to type it");
-        ui_slider("height", &sheet->mm[1], 1, SHEET_MM_LIMIT, "%.4g mm", true);
+        ui_slider("Height", &sheet->mm[1], 1, SHEET_MM_LIMIT, "%.4g mm", true);
         ui_tip("mm on paper, 1 to 10000; Ctrl and click to type it");
     } else {
-        ui_count("width", &sheet->pixels[0], 1, SHEET_SIDE_LIMIT);
+        ui_count("Width", &sheet->pixels[0], 1, SHEET_SIDE_LIMIT);
         ui_tip("pixels, 1 to 16384; Ctrl and click to type it");
-        ui_count("height", &sheet->pixels[1], 1, SHEET_SIDE_LIMIT);
+        ui_count("Height", &sheet->pixels[1], 1, SHEET_SIDE_LIMIT);
         ui_tip("pixels, 1 to 16384; Ctrl and click to type it");
     }
 }
@@ -29,13 +29,12 @@ static void choose_dpi(struct sheet *sheet)
     bool said = sheet->dpi > 0;
     const char *format = said ? "%.4g" : sheet->in_mm ? "300" : "not said";
     double dpi = said ? sheet->dpi : 300;
-    if (ui_slider("dpi", &dpi, SHEET_DPI_LEAST, 1200, format, true)) {
+    if (ui_slider("Dots per inch", &dpi, SHEET_DPI_LEAST, 1200, format, true)) {
         sheet->dpi = dpi;
     }
     ui_tip("pixels per inch, which the file says, with letters of 7.5 points; Ctrl and click to type it");
     if (said) {
-        ui_same_line();
-        if (ui_small_button("leave out")) {
+        if (ui_small_button("Leave out")) {
             sheet->dpi = 0;
         }
     }
@@ -47,11 +46,11 @@ static void choose_text(struct window *window)
     size_t legend = (size_t)sheet->legend;
     size_t backdrop = (size_t)window->viewer->display.backdrop;
     bool text = !sheet->no_text;
-    if (ui_choose("background", &backdrop, backdrop_names, BACKDROP_COUNT)) {
+    if (ui_choose("Background", &backdrop, backdrop_names, BACKDROP_COUNT)) {
         window->viewer->display.backdrop = (enum backdrop)backdrop;
     }
     ui_tip("of the 3-D pane, too, which shows a transparent one white");
-    if (ui_choose("legend", &legend, figure_legends, CONUS_LEGEND_NONE + 1)) {
+    if (ui_choose("Legend", &legend, figure_legends, CONUS_LEGEND_NONE + 1)) {
         sheet->legend = (conus_legend)legend;
     }
     ui_tip("where the areas that the cone hits are listed; right and below make the figure higher where it needs that");
@@ -68,18 +67,18 @@ static void choose_name(struct window *window)
         form->takes_keys = false;
         ui_take_keys();
     }
-    ui_type("name", form->name, sizeof form->name, "figure.png");
+    ui_type("Name", form->name, sizeof form->name, "figure.png");
     bool entered = ui_entered();
     ui_tip("of the file, .png or .exr, in the folder where conus was started, or a whole path; Enter saves");
-    if (ui_button("save figure") || entered) {
+    if (ui_button("Save figure") || entered) {
         figure_form_save(window);
     }
     ui_same_line();
-    if (form->saved[0] && ui_button("copy its path")) {
+    if (form->saved[0] && ui_button("Copy its path")) {
         figure_form_copy(window);
     }
     ui_same_line();
-    if (ui_button("close")) {
+    if (ui_button("Close")) {
         form->open = false;
     }
     ui_text_wrapped(form->update);
@@ -91,7 +90,7 @@ void panel_figure(struct window *window)
     struct sheet before = window->sheet;
     enum backdrop backdrop = window->viewer->display.backdrop;
     window_panel(window, "Save a figure (Ctrl+P; Escape closes this)", 520, 400);
-    ui_choose("of", &window->forms.figure.pane, panes, PANE_COUNT);
+    ui_choose("Of", &window->forms.figure.pane, panes, PANE_COUNT);
     ui_tip("drawn anew at this size: the place, the cone and the look that the pane has now");
     choose_size(&window->sheet);
     choose_dpi(&window->sheet);

@@ -137,8 +137,14 @@ void panel_list(struct window *window, const struct view_atlas *view, const conu
     float widths[RESULT_COLUMNS];
     struct viewer *viewer = window->viewer;
     size_t columns = result_shown(shown, viewer);
+    float wide = 4 * ui_line(); /* of the list's bar and the cells' margins */
     for (size_t i = 0; i < columns; i++) {
         widths[i] = width_of(window, shown[i]);
+        wide += widths[i];
+    }
+    bool gives_way = !viewer->list.columns && wide > ui_room(); /* places of contacts, where nobody asked for them */
+    while (gives_way && columns && shown[columns - 1] >= RESULT_X && shown[columns - 1] <= RESULT_Z) {
+        columns--;
     }
     if (ui_list("results", widths, columns, lines * ui_line())) {
         ui_list_top();
@@ -159,7 +165,7 @@ void panel_columns(struct window *window)
     for (size_t i = 0; i < count; i++) {
         is_shown[shown[i]] = true;
     }
-    bool open = ui_popup("columns");
+    bool open = ui_popup("Columns");
     if (!open) {
         ui_tip("which columns the list has; a click above a column orders by it");
         return;
@@ -178,7 +184,7 @@ void panel_columns(struct window *window)
         ui_tip(result_meaning(meaning, viewer, i));
     }
     if (viewer->list.columns) {
-        bool pressed = ui_button("the usual ones");
+        bool pressed = ui_button("The usual ones");
         ui_tip("those that there were before any was chosen");
         if (pressed) {
             result_choose(viewer, NULL, 0);

@@ -11,12 +11,12 @@ void panel_look_view(struct viewer *viewer)
 {
     double rest = viewer->drawn->appearance.opacity[0];
     size_t backdrop = (size_t)viewer->display.backdrop;
-    if (ui_slider("the rest", &rest, least_pale, 1, "%.2f opaque", false)) {
+    if (ui_slider("The rest", &rest, least_pale, 1, "%.2f opaque", false)) {
         viewer_set_opacity(viewer, 0, rest);
     }
     ui_tip("opacity in 3-D, 0 to 1, of the areas that the cone does not hit; , and . change it where no area is\n"
            "chosen. It is of the picture only: what is not hidden is hit");
-    if (ui_choose("background", &backdrop, backdrop_names, BACKDROP_COUNT)) {
+    if (ui_choose("Background", &backdrop, backdrop_names, BACKDROP_COUNT)) {
         viewer->display.backdrop = (enum backdrop)backdrop;
         viewer->version++;
     }
@@ -32,17 +32,17 @@ static void edit_grey(struct viewer *viewer)
     double least = fmin(info->minimum, black);
     double most = fmax(info->maximum, white);
     double gap = (most - least) / 1000;
-    bool changed = ui_slider("black", &black, least, white - gap, "%.6g", false);
+    bool changed = ui_slider("Black", &black, least, white - gap, "%.6g", false);
     ui_tip(
         "the grey value that the cuts show as black, in the image's own unit. In a cut drag with the middle button,\n"
         "or with Ctrl and the left one: up is brighter, right is more contrast; a double click resets");
-    changed = ui_slider("white", &white, fmin(black + gap, most), most, "%.6g", false) || changed;
+    changed = ui_slider("White", &white, fmin(black + gap, most), most, "%.6g", false) || changed;
     ui_tip("the grey value that the cuts show as white, in the image's own unit; [ and ] change brightness, { and }\n"
            "contrast");
     if (changed && white > black) {
         viewer_set_grey(viewer, black, white);
     }
-    if (view_atlas_grey(viewer->drawn) != viewer->drawn->window && ui_small_button("as found")) {
+    if (view_atlas_grey(viewer->drawn) != viewer->drawn->window && ui_small_button("As found")) {
         viewer_set_grey(viewer, 0, 0);
     }
 }
@@ -59,7 +59,7 @@ static void choose_preset(struct viewer *viewer)
     }
     names[0] = viewer->transfer_editor.edited ? "edited" : names[0];
     chosen = viewer->transfer_editor.edited ? 0 : chosen;
-    if (ui_choose("colours", &chosen, names, count)) {
+    if (ui_choose("Colours", &chosen, names, count)) {
         viewer_use_preset(viewer, chosen ? names[chosen] : NULL);
     }
     ui_tip("colours and opacities of the context in 3-D by its values: a preset of conus render --transfer");
@@ -82,7 +82,7 @@ void panel_look_pathway(struct viewer *viewer, uint32_t pathway)
         count++;
     }
     ui_id(pathway);
-    if (ui_choose("drawn as", &haze, names, count)) {
+    if (ui_choose("Drawn as", &haze, names, count)) {
         viewer_set_haze(viewer, pathway, haze);
     }
     ui_tip(
@@ -118,7 +118,7 @@ void panel_look_streamlines(struct viewer *viewer)
     for (size_t i = 0; i < count; i++) {
         names[i] = tract_colour_name(viewer->drawn->atlas, i);
     }
-    if (ui_choose("coloured by", &colour, names, count)) {
+    if (ui_choose("Coloured by", &colour, names, count)) {
         viewer_colour_streamlines(viewer, colour);
     }
     ui_tip(
@@ -144,7 +144,7 @@ void panel_look_area(struct viewer *viewer, uint32_t object)
            "is not hidden is hit");
     if (is_set) {
         ui_same_line();
-        if (ui_small_button("as others")) {
+        if (ui_small_button("As others")) {
             viewer_set_opacity(viewer, object, NAN);
         }
     }

@@ -6,15 +6,16 @@
 #include "viewer/ui/ui_list.h"
 
 #include <math.h>
+#include <stdio.h>
 
 static void draw_number(const char *format, double value)
 {
-    ui_cell();
+    char text[32] = "-";
     if (isfinite(value)) {
-        ui_text_number(format, value);
-    } else {
-        ui_text("-");
+        snprintf(text, sizeof text, format, value);
     }
+    ui_cell();
+    ui_text_right(text);
 }
 
 /* Draws a list for each atlas, under its name, in the order in which they were given. */
@@ -30,7 +31,7 @@ static void draw_all_results(struct window *window)
         if (view == viewer->drawn) {
             ui_text("drawn");
         } else {
-            bool next = ui_small_button("draw");
+            bool next = ui_small_button("Draw");
             ui_tip("shows this atlas in the pictures and the list of areas; N: the next one");
             if (next) {
                 viewer_draw(viewer, i);
@@ -45,8 +46,13 @@ static void draw_pins(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     const char *columns[5] = {"confirmed", "share", "mm", "apart mm", "atlas"};
+    static const char *const widest[5] = {"", "100.00 %", "1000.00", "1000.00", "an atlas's name"};
+    float widths[5] = {118 * window->screen.scale};
+    for (size_t i = 1; i < 5; i++) {
+        widths[i] = fmaxf(ui_text_width(columns[i]), ui_text_width(widest[i]));
+    }
     bool several = viewer->atlas_count > 1;
-    if (ui_table("pins", columns, several ? 5 : 4, 6 * ui_line())) {
+    if (ui_table("pins", columns, widths, several ? 5 : 4, 6 * ui_line())) {
         for (size_t i = viewer->pin_count; i > 0; i--) {
             const struct pin *pin = &viewer->pins[i - 1];
             char title[VIEW_ATLAS_TITLE];
@@ -57,10 +63,10 @@ static void draw_pins(struct window *window)
             draw_number("%.2f", pin->apart);
             if (several) {
                 ui_cell();
-                ui_text("%s", viewer->names[pin->atlas]);
+                ui_text_cut(viewer->names[pin->atlas], ui_room());
             }
         }
-        ui_table_end();
+        ui_list_end();
     }
 }
 
@@ -77,12 +83,11 @@ static void draw_copy(struct window *window, const char *label, const char *tip,
 static void draw_export(struct window *window)
 {
     struct viewer *viewer = window->viewer;
-    ui_flow("export");
-    if (ui_button("export")) {
+    ui_flow("Export");
+    if (ui_button("Export")) {
         window_press(window, "ctrl+e");
     }
-    ui_tip("writes the hits of the cone with all columns as conus query does, and a sidecar, to conus-DATE-TIME-hits\n"
-           "in the folder where conus was started (Ctrl+E)");
+    ui_tip("writes the hits of the cone with all columns as conus query does, and a sidecar (Ctrl+E)");
     ui_flow("XXXXXX");
     ui_width(70 * window->screen.scale);
     if (ui_choose("##format", &viewer->list.format, result_formats, RESULT_FORMATS)) {
@@ -93,20 +98,25 @@ static void draw_export(struct window *window)
 
 static void draw_buttons(struct window *window)
 {
-    if (ui_button("confirm")) {
+    if (ui_button("Confirm")) {
         tool_confirm(window->viewer, FIRST_TOOL);
     }
     ui_tip("pins the best hit in a list; or Enter, or a double click on the brain");
-    draw_copy(window, "copy list", "copies the hits of the cone as a table (Ctrl+C)", COPY_RESULTS);
-    draw_copy(window, "copy confirmed", "copies what was confirmed as a table (Ctrl+Shift+C)", COPY_PINS);
-    ui_flow("columns");
+    draw_copy(window, "Copy list", "copies the hits of the cone as a table (Ctrl+C)", COPY_RESULTS);
+    draw_copy(window, "Copy confirmed", "copies what was confirmed as a table (Ctrl+Shift+C)", COPY_PINS);
+    ui_flow("Columns");
     panel_columns(window);
     draw_export(window);
-    ui_flow("figure");
-    if (ui_button("figure")) {
+    ui_flow("Figure");
+    if (ui_button("Figure")) {
         window_press(window, "ctrl+p");
     }
     ui_tip("saves 3-D or a cut at any size (Ctrl+P)");
+    ui_flow("\u00bb");
+    if (ui_button("\u00bb")) {
+        layout_fold(&window->screen.layout, 1, true);
+    }
+    ui_tip("folds this panel to its rail");
 }
 
 void panel_results(struct window *window)
@@ -114,6 +124,10 @@ void panel_results(struct window *window)
     struct viewer *viewer = window->viewer;
     const double *range = viewer->cone.options.range;
     struct notice notice;
+    if (window->screen.folded[1]) {
+        panel_rail(window, 1);
+        return;
+    }
     inputs_notice(&notice, &window->inputs, viewer, FIRST_TOOL);
     ui_panel("Hits of the cone", window->screen.right, 0);
     if (notice.is_trouble || notice.is_old) { /* then what follows is pale */
@@ -143,7 +157,9 @@ void panel_results(struct window *window)
     if (two) {
         panel_second(window);
     }
-    panel_cone(window);
+    panel_question(window);
+    panel_card(window);
+    panel_expert(window);
     if (!two) {
         panel_second(window);
     }

@@ -16,7 +16,7 @@ static void choose_pointer(struct window *window)
         names[i] = pointer_names[places[i]];
         chosen = places[i] == window->viewer->tools[SECOND_TOOL].pointer ? i : chosen;
     }
-    if (ui_choose("points", &chosen, names, PLACES)) {
+    if (ui_choose("Point with", &chosen, names, PLACES)) {
         tool_choose(window->viewer, SECOND_TOOL, places[chosen]);
     }
     ui_tip(
@@ -29,17 +29,17 @@ static void choose_settings(struct window *window)
     struct tool *second = &viewer->tools[SECOND_TOOL];
     choose_pointer(window);
     panel_speed(window, second->pointer);
-    if (ui_slider("angle", &second->angle, 0.1, 179, "%.1f\u00b0", true)) {
+    if (ui_slider("Angle", &second->angle, 0.1, 179, "%.1f\u00b0", true)) {
         tool_changed(viewer, SECOND_TOOL);
     }
     panel_tip(PROPERTY_SECOND_ANGLE);
     bool held = second->held;
-    if (ui_check("hold", &held)) {
+    if (ui_check("Hold", &held)) {
         tool_hold(viewer, SECOND_TOOL);
     }
     ui_tip("nothing moves the second tool; 4 changes it");
     ui_same_line();
-    if (ui_button("confirm 2")) {
+    if (ui_button("Confirm 2")) {
         tool_confirm(viewer, SECOND_TOOL);
     }
     ui_tip("pins the best hit of the second cone");
@@ -64,7 +64,7 @@ void panel_second(struct window *window)
     struct notice notice;
     bool on = window->viewer->tools[SECOND_TOOL].on;
     ui_id(2); /* widgets have the names of the first tool's */
-    if (ui_check("second tool", &on)) {
+    if (ui_check("Second tool", &on)) {
         tool_use_second(window->viewer, on);
     }
     ui_tip("another cone, of another device, with a list of its own; 2 switches it on and off");

@@ -3,22 +3,24 @@
 #include "viewer/panes/panels.h"
 
 #include "viewer/model/studies.h"
+#include "viewer/ui/ui_list.h"
 
 #include <math.h>
 #include <stdio.h>
 
 enum { PLOT_HEIGHT = 120, LINES = 6, TIP_ROWS = 10, SAMPLE_CHOICES = 17 };
+static const float name_width = 118, bar_width = 40, gap = 6; /* pixels at scale 1 */
 
 static const ui_colour ground = {24, 25, 30, 255};
 static const ui_colour grid = {255, 255, 255, 40};
 static const ui_colour nothing = {150, 150, 155, 255};
 
-static void choose_kind(struct viewer *viewer)
+void panel_study_kind(struct viewer *viewer)
 {
     static const char *const kinds[STUDY_COUNT] = {"none", "sweep of the angle", "jitter of the pose"};
     struct study_settings study = viewer->study.settings;
     size_t kind = study.kind;
-    if (ui_choose("study", &kind, kinds, STUDY_COUNT)) {
+    if (ui_choose("Study", &kind, kinds, STUDY_COUNT)) {
         study.kind = (enum study_kind)kind;
         studies_use(viewer, &study);
     }
@@ -33,11 +35,11 @@ static void choose_errors(struct viewer *viewer)
         "8192", "16384", "32768", "65536", "131072", "262144", "524288", "1048576"}; /* from 2^4 on */
     struct study_settings study = viewer->study.settings;
     size_t choice = (size_t)lround(log2(study.samples)) - 4;
-    bool changed = ui_slider("tilt", &study.tilt_deg, 0, 20, "%.2f\u00b0", false);
+    bool changed = ui_slider("Tilt", &study.tilt_deg, 0, 20, "%.2f\u00b0", false);
     ui_tip("standard deviation of the axis about two axes, degrees (--jitter)");
-    changed = ui_slider("shift", &study.shift_mm, 0, 20, "%.2f mm", false) || changed;
+    changed = ui_slider("Shift", &study.shift_mm, 0, 20, "%.2f mm", false) || changed;
     ui_tip("standard deviation of the position along three axes, mm (--jitter)");
-    if (ui_choose("poses", &choice, samples, SAMPLE_CHOICES)) {
+    if (ui_choose("Poses", &choice, samples, SAMPLE_CHOICES)) {
         study.samples = ldexp(1, (int)choice + 4);
         changed = true;
     }
@@ -168,30 +170,44 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
     return angle;
 }
 
-static void draw_name(struct viewer *viewer, uint32_t object)
+static void draw_name(struct viewer *viewer, uint32_t object, const char *tip)
 {
     ui_cell();
     ui_chip("colour", colour_of(viewer, object));
     ui_same_line();
     if (!object) {
         ui_text("(nothing hit)");
-    } else if (ui_row(name_of(viewer, object), viewer->drawn->shown.chosen == object)) {
+    } else if (ui_row_cut(name_of(viewer, object), viewer->drawn->shown.chosen == object, tip)) {
         viewer_choose(viewer, object);
     }
 }
 
 static void draw_part(double part, float width, ui_colour colour)
 {
+    char text[32];
     ui_cell();
     ui_bar(part, width, colour);
     ui_same_line();
-    ui_text("%6.2f %%", 100 * part);
+    snprintf(text, sizeof text, "%.2f %%", 100 * part);
+    ui_text_right(text);
 }
 
 static void draw_percent(double part)
 {
+    char text[32];
+    snprintf(text, sizeof text, "%.2f %%", 100 * part);
     ui_cell();
-    ui_text("%6.2f %%", 100 * part);
+    ui_text_right(text);
+}
+
+/* Widths that hold in the first frame already: names, a bar with its number, and numbers. */
+static void find_widths(float out[4], const struct window *window, const char *const *headings)
+{
+    float scale = window->screen.scale;
+    float number = ui_text_width("100.00 %");
+    out[0] = name_width * scale;
+    out[1] = fmaxf((bar_width + gap) * scale + number, ui_text_width(headings[1]));
+    out[2] = out[3] = number;
 }
 
 static void draw_shares(struct window *window, const struct study_answer *answer, const struct study_table *table,
@@ -199,51 +215,56 @@ static void draw_shares(struct window *window, const struct study_answer *answer
 {
     char at[48];
     struct viewer *viewer = window->viewer;
-    snprintf(at, sizeof at, "share at %.4g\u00b0###share", answer->angles[angle]);
+    snprintf(at, sizeof at, "share at %.4g\u00b0", answer->angles[angle]);
     const char *columns[3] = {"area", at, "most"};
-    if (ui_table("shares", columns, 3, LINES * ui_line())) {
+    float widths[4];
+    find_widths(widths, window, columns);
+    if (ui_table("shares", columns, widths, 3, LINES * ui_line())) {
         for (size_t i = 0; i < table->curve_count; i++) {
             const struct study_curve *curve = &table->curves[i];
             ui_id(curve->object);
-            draw_name(viewer, curve->object);
-            draw_part(curve->shares[angle], 40 * window->screen.scale, colour_of(viewer, curve->object));
+            draw_name(viewer, curve->object, "click: choose it");
+            draw_part(curve->shares[angle], bar_width * window->screen.scale, colour_of(viewer, curve->object));
             draw_percent(curve->most);
             ui_id_end();
         }
-        ui_table_end();
+        ui_list_end();
     }
 }
 
-static void tip_of_chance(const struct viewer *viewer, const conus_chance *chance)
+enum { CHANCE_TIP = 320 };
+
+static void tip_of_chance(char tip[CHANCE_TIP], const conus_chance *chance)
 {
-    char tip[320];
-    size_t used = (size_t)snprintf(tip, sizeof tip,
-                                   "%s\nis the one hit: %.2f %%, standard error %.2f %%\nsome pixel hits it first: "
+    size_t used = (size_t)snprintf(tip, CHANCE_TIP,
+                                   "is the one hit: %.2f %%, standard error %.2f %%\nsome pixel hits it first: "
                                    "%.2f %%\nshare: %.2f %% on average, varies by %.2f %%",
-                                   name_of(viewer, chance->object), 100 * chance->hit, 100 * chance->hit_error,
-                                   100 * chance->seen, 100 * chance->share, 100 * chance->share_deviation);
-    if (isfinite(chance->in_cone) && used < sizeof tip) {
-        snprintf(tip + used, sizeof tip - used, "\nis in the cone at all: %.2f %%", 100 * chance->in_cone);
+                                   100 * chance->hit, 100 * chance->hit_error, 100 * chance->seen, 100 * chance->share,
+                                   100 * chance->share_deviation);
+    if (isfinite(chance->in_cone) && used < CHANCE_TIP) {
+        snprintf(tip + used, CHANCE_TIP - used, "\nis in the cone at all: %.2f %%", 100 * chance->in_cone);
     }
-    ui_tip(tip);
 }
 
 static void draw_chances(struct window *window, const struct study_table *table)
 {
     static const char *const columns[] = {"area", "hit", "\u00b1", "seen"};
     struct viewer *viewer = window->viewer;
-    if (ui_table("chances", columns, 4, (LINES + 2) * ui_line())) {
+    float widths[4];
+    find_widths(widths, window, columns);
+    if (ui_table("chances", columns, widths, 4, (LINES + 2) * ui_line())) {
         for (size_t i = 0; i < table->chance_count; i++) {
             const conus_chance *chance = &table->chances[i];
+            char tip[CHANCE_TIP];
+            tip_of_chance(tip, chance);
             ui_id(chance->object);
-            draw_name(viewer, chance->object);
-            tip_of_chance(viewer, chance);
-            draw_part(chance->hit, 40 * window->screen.scale, colour_of(viewer, chance->object));
+            draw_name(viewer, chance->object, tip);
+            draw_part(chance->hit, bar_width * window->screen.scale, colour_of(viewer, chance->object));
             draw_percent(chance->hit_error);
             draw_percent(chance->seen);
             ui_id_end();
         }
-        ui_table_end();
+        ui_list_end();
     }
 }
 
@@ -270,24 +291,23 @@ static void draw_study(struct window *window, bool cone_is_old)
         draw_chances(window, table);
     }
     ui_dim_end();
-    if (ui_button("copy study")) {
+    if (ui_button("Copy study")) {
         window_copy(window, COPY_STUDY);
     }
     ui_tip("copies the table that conus sweep prints");
     ui_same_line();
-    if (ui_button("save study")) {
+    if (ui_button("Save study")) {
         window_press(window, "ctrl+j");
     }
-    ui_tip("saves that table, conus-DATE-TIME.tsv, in the folder where conus was started (Ctrl+J)");
+    ui_tip("saves that table (Ctrl+J)");
 }
 
 void panel_study(struct window *window, bool is_old)
 {
     struct viewer *viewer = window->viewer;
-    choose_kind(viewer);
     if (viewer->study.settings.kind == STUDY_SWEEP) {
         struct study_settings study = viewer->study.settings;
-        if (ui_numbers("from, to, by \u00b0", study.angles, "%.4g")) {
+        if (ui_numbers("From, to, by \u00b0", study.angles, "%.4g")) {
             studies_use(viewer, &study);
         }
         ui_tip("full opening angles in degrees: the first, the last, and the step between them (--angles); Enter takes "

@@ -9,10 +9,16 @@
 void panel_start(struct window *window);  /**< In place of all others. */
 void panel_dialog(struct window *window); /**< Likewise. */
 void panel_areas(struct window *window);
+/** A folded panel, left (0) or right (1). */
+void panel_rail(struct window *window, size_t side);
 /** The hits of a cone in an atlas, as a list so many lines high. */
 void panel_list(struct window *window, const struct view_atlas *view, const conus_selection *selection, float lines);
-void panel_second(struct window *window); /**< The second tool. */
-void panel_cone(struct window *window);
+void panel_second(struct window *window);     /**< The second tool. */
+void panel_question(struct window *window);   /**< The four settings that everybody needs, */
+void panel_expert(struct window *window);     /**< and all others. */
+void panel_views(struct window *window);      /**< Buttons over the 3-D pane. */
+void panel_card(struct window *window);       /**< What is known of the chosen area, and what can be done with it. */
+void panel_study_kind(struct viewer *viewer); /**< The choice of a study. */
 /** Sweep or jitter of the cone; pale where @p is_old says that the cone is one from before. */
 void panel_study(struct window *window, bool is_old);
 static inline ui_colour panel_verdict_colour(const struct plan_verdict *verdict) /**< The words say it, too. */

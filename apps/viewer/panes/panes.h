@@ -11,10 +11,11 @@ void pane_borders(struct window *window);
 void pane_3d(struct window *window);
 /** The chosen area over the picture of the 3-D pane, whatever lies before it. */
 void pane_chosen(struct window *window);
-void pane_chosen_name(const struct window *window); /**< And its name. */
+void pane_chosen_name(struct window *window); /**< And its name. */
 enum { PANE_NAME = 512 /**< Bytes of a name in a pane, in which it ends with "..." where it is too long. */ };
-/** The name of the chosen area above a place in a pane. */
-void pane_name(const struct ui_box *box, float x, float y, const char *name);
+/** A name in a pane where it lies on no other, with a line from there to it: beside the place, or above it. */
+void pane_name(struct labels *labels, const struct ui_box *box, const float at[2], bool above, ui_colour colour,
+               uint32_t object, const char *name);
 /** Where a flat pane looks: world mm, unit vectors. */
 struct pane_plane {
     struct ui_box box;

@@ -97,6 +97,12 @@ void orbit_camera(conus_pose *out, const struct orbit *orbit)
     m[15] = 1;
 }
 
+void orbit_look_from(struct orbit *orbit, double azimuth, double elevation)
+{
+    orbit->azimuth = azimuth;
+    orbit->elevation = fmin(fmax(elevation, -steepest), steepest);
+}
+
 void orbit_turn(struct orbit *orbit, double right, double down, double height)
 {
     double step = 3.5 / height;

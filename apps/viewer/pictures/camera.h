@@ -22,6 +22,8 @@ void orbit_fit(struct orbit *orbit, const double size[2]);
 /** The camera: looks down its own -z, +y up. */
 void orbit_camera(conus_pose *out, const struct orbit *orbit);
 
+/** Looks from there, radians, at the same centre. */
+void orbit_look_from(struct orbit *orbit, double azimuth, double elevation);
 /** Goes around by so many pixels of a pane @p height pixels high; moves the centre along the picture; comes nearer by
  * that many clicks of a wheel. */
 void orbit_turn(struct orbit *orbit, double right, double down, double height);

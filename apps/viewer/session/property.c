@@ -20,6 +20,7 @@ static const char *const pane_names[] = {"none", "axial", "coronal", "sagittal",
 static const char *const follow_names[] = {"nothing", "tip", "contact"};
 static const char *const order_names[] = {"rank", "depth"};
 static const char *const study_names[] = {"none", "sweep", "jitter"};
+static const char *const fold_names[] = {"as-at-first", "folded", "open"};
 static const char *const legend_names[] = {"inside", "right", "below", "none"};
 
 static const char *const eye_says[] = {"the mouse's cone begins at the surface: of the context, or of the atlas",
@@ -29,6 +30,7 @@ static const char *const ray_says[] = {"all areas in the cone",
 static const char *const follow_says[] = {"the cuts stay where they are", "the cuts follow the cone's tip",
                                           "the cuts follow the contact of the best hit"};
 static const char *const order_says[] = {"the best first", "the nearest first"};
+static const char *const bare_says[] = {"panels and cuts are back", "the brain alone; F brings all back"};
 static const char *const study_says[] = {"no study", "sweep: the shares over the angle",
                                          "jitter: the chances under errors of the pose"};
 
@@ -170,10 +172,18 @@ const struct property properties[PROPERTY_COUNT] = {
     [PROPERTY_PANELS] = {"layout", "panels",
                          "widths of the left and the right panel, pixels at scale 1, from 240 to 4000; 0 = as at first",
                          OF_WINDOW(screen.layout.panels), REALS(2, 0, FAR)},
-    [PROPERTY_DIVISION] =
-        {"layout", "division",
-         "parts of the middle's width and height for the first column and row, 0.1 to 0.9; 0 = as at first",
-         OF_WINDOW(screen.layout.division), REALS(2, 0, FAR)},
+    [PROPERTY_DIVISION] = {"layout", "division",
+                           "parts of the middle's width for the 3-D pane, and of its height for the first cut, 0.1 to "
+                           "0.9; 0 = as at first",
+                           OF_WINDOW(screen.layout.division), REALS(2, 0, FAR)},
+    [PROPERTY_FOLD_LEFT] = {"layout", "left", "whether the panel of areas is folded to its rail",
+                            OF_WINDOW(screen.layout.folds[0]), .type = PROPERTY_NAME, .high = FOLD_COUNT - 1,
+                            .names = fold_names, .presence = PROPERTY_KEPT},
+    [PROPERTY_FOLD_RIGHT] = {"layout", "right", "whether the panel of hits is", OF_WINDOW(screen.layout.folds[1]),
+                             .type = PROPERTY_NAME, .high = FOLD_COUNT - 1, .names = fold_names,
+                             .presence = PROPERTY_KEPT},
+    [PROPERTY_BARE] = {"layout", "brain_alone", "whether the 3-D pane has the whole window", OF_WINDOW(screen.bare),
+                       TRUTH, .presence = PROPERTY_KEPT, .undo = UNDO_LEAVES, .says = bare_says},
     [PROPERTY_RESULT_ORDER] =
         {"results", "order",
          "the column by which the list of hits is ordered, by its name in the tables of conus query",

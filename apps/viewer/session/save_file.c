@@ -38,51 +38,53 @@ static void make_name(char name[NAME_SIZE], const char *ending)
     }
 }
 
+static bool write_study(struct viewer *viewer, const char *path)
+{
+    const char *text = studies_text(viewer);
+    return text && !conus_write_file(path, text, strlen(text));
+}
+
 void save_file_as(struct window *window)
 {
     char why[PROPERTY_REASON] = "";
+    enum saved_file what = window->files.saves;
     char *path = window->files.saves_as;
     window->files.saves_as = NULL;
-    if (session_save(window, path, why)) {
-        viewer_say(window->viewer, "saved: %s", path);
-        if (window->files.remembers) {
-            recent_add(path);
-        }
-    } else {
-        viewer_say(window->viewer, "%s", why);
+    bool fine = what == SAVE_PICTURE   ? !window_write(window, path)
+                : what == SAVE_RESULTS ? export_results(window->viewer, path, why)
+                : what == SAVE_STUDY   ? write_study(window->viewer, path)
+                                       : session_save(window, path, why);
+    viewer_say(window->viewer, "%s%s", fine ? "saved: " : "", fine ? path : why[0] ? why : conus_message());
+    if (!fine) {
+        free(path);
+        return;
     }
-    free(path);
+    if (what <= SAVE_SAME_SESSION && window->files.remembers) {
+        recent_add(path);
+    }
+    free(window->files.saved_last);
+    window->files.saved_last = path;
 }
 
 void save_file(struct window *window, enum saved_file what)
 {
+    const struct viewer *viewer = window->viewer;
+    const char *ending = what == SAVE_PICTURE   ? ".png"
+                         : what == SAVE_STUDY   ? ".tsv"
+                         : what == SAVE_RESULTS ? result_ending(viewer->list.format)
+                                                : ".json";
     char name[NAME_SIZE];
-    char ending[16];
-    if (what == SAVE_STUDY) {
-        const char *text = studies_text(window->viewer);
-        make_name(name, ".tsv");
-        if (text && !conus_write_file(name, text, strlen(text))) {
-            viewer_say(window->viewer, "saved: %s", name);
-        } else if (text) {
-            viewer_say(window->viewer, "%s", conus_message());
-        }
-        return;
-    }
-    char why[PROPERTY_REASON] = "";
-    snprintf(ending, sizeof ending, "%s%s", what == SAVE_RESULTS ? "-hits" : "",
-             what == SAVE_PICTURE   ? ".png"
-             : what == SAVE_RESULTS ? result_ending(window->viewer->list.format)
-                                    : ".json");
-    make_name(name, ending);
-    char path[PATH_MAX];
-    snprintf(path, sizeof path, "%s",
-             what == SAVE_SAME_SESSION && window->history.session_path ? window->history.session_path : name);
-    bool fine = what == SAVE_PICTURE   ? !window_write(window, path)
-                : what == SAVE_RESULTS ? export_results(window->viewer, path, why)
-                                       : session_save(window, path, why);
-    if (fine) {
-        viewer_say(window->viewer, "saved: %s", path);
-    } else {
-        viewer_say(window->viewer, "%s", why[0] ? why : conus_message());
+    char end[16];
+    if (what == SAVE_SAME_SESSION && window->history.session_path) {
+        free(window->files.saves_as);
+        window->files.saves = what;
+        window->files.saves_as = strdup(window->history.session_path);
+        save_file_as(window);
+    } else if (what == SAVE_SAME_SESSION) {
+        window_show_dialog(window, DIALOG_SAVE);
+    } else if (what != SAVE_STUDY || studies_text(window->viewer)) {
+        snprintf(end, sizeof end, "%s%s", what == SAVE_RESULTS ? "-hits" : "", ending);
+        make_name(name, end);
+        window_show_saving(window, what, name, ending);
     }
 }

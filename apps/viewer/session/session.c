@@ -365,6 +365,9 @@ static void put_session(struct window *window, struct session *session, const js
     session_atlases_show(&session->atlases, viewer);
     read_pins(viewer, root);
     tool_reselect(viewer);
+    if (json_object_get(root, "crosshair")) { /* a click may have left it elsewhere than what the cuts follow */
+        memcpy(viewer->crosshair, session->values[PROPERTY_CROSSHAIR], sizeof viewer->crosshair);
+    }
     enum pointer pointer = second->pointer;
     tool_use_second(viewer, session->values[PROPERTY_SECOND_ON][0] > 0);
     second->pointer = pointer; /* whatever moves the first */

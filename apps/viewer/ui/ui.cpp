@@ -21,6 +21,27 @@ static ImU32 packed(ui_colour c)
     return IM_COL32(c.r, c.g, c.b, c.a);
 }
 
+/* Puts a label before its field, and gives the field the rest of the line; "##..." is none. */
+static void begin_field(const char *label)
+{
+    if (label[0] != '#') {
+        float room = ui_room();
+        float wide = ImGui::CalcTextSize(label).x + ImGui::GetStyle().ItemSpacing.x;
+        float column = ImGui::GetCursorPosX() + (wide > 0.36F * room ? wide : 0.36F * room);
+        ImGui::AlignTextToFramePadding();
+        ImGui::TextUnformatted(label);
+        audit_item(label);
+        ImGui::SameLine(column);
+        ImGui::SetNextItemWidth(-1);
+    }
+    ImGui::PushID(label);
+}
+
+static void end_field()
+{
+    ImGui::PopID();
+}
+
 extern "C" {
 
 bool ui_create(void *window, float scale)
@@ -64,9 +85,14 @@ void ui_end(void)
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
+bool ui_lists(void)
+{
+    return ImGui::GetCurrentContext()->OpenPopupStack.Size > 0;
+}
+
 bool ui_wants_keys(void)
 {
-    return ImGui::GetIO().WantTextInput;
+    return ImGui::GetIO().WantTextInput || ui_lists();
 }
 
 float ui_line(void)
@@ -79,11 +105,18 @@ float ui_text_width(const char *text)
     return ImGui::CalcTextSize(text).x;
 }
 
+float ui_button_width(const char *label)
+{
+    const ImGuiStyle &style = ImGui::GetStyle();
+    return ImGui::CalcTextSize(label).x + 2 * style.FramePadding.x + style.ItemSpacing.x;
+}
+
 void ui_panel(const char *title, struct ui_box box, unsigned flags)
 {
     ImGuiWindowFlags window = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
                               ImGuiWindowFlags_NoSavedSettings;
     bool plain = flags & UI_PLAIN;
+    window |= flags & UI_UNTITLED ? ImGuiWindowFlags_NoTitleBar : 0;
     window |= flags & UI_IN_FRONT ? 0 : ImGuiWindowFlags_NoBringToFrontOnFocus | ImGuiWindowFlags_NoBackground;
     if (plain) {
         window |= ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar | ImGuiWindowFlags_NoScrollWithMouse;
@@ -206,12 +239,6 @@ void ui_text_coloured(ui_colour colour, const char *format, ...)
     audit_item(format);
 }
 
-void ui_text_number(const char *format, double value)
-{
-    ImGui::Text(format, value);
-    audit_item(format);
-}
-
 void ui_text_wrapped(const char *text)
 {
     ImGui::PushTextWrapPos(0);
@@ -287,20 +314,23 @@ bool ui_choose(const char *label, size_t *index, const char *const *choices, siz
 {
     bool changed = false;
     const char *shown = *index < count ? choices[*index] : "";
+    begin_field(label);
     audit_within(shown, ImGui::CalcItemWidth() - ImGui::GetFrameHeight() - ImGui::GetStyle().FramePadding.x);
-    bool open = ImGui::BeginCombo(label, shown);
+    bool open = ImGui::BeginCombo("##field", shown);
     audit_widget(label);
-    if (!open) {
-        audit_item(label);
-    } else {
+    if (open) {
         for (size_t i = 0; i < count; i++) {
             if (ImGui::Selectable(choices[i], i == *index)) {
                 changed = i != *index;
                 *index = i;
             }
+            if (i == *index) {
+                ImGui::SetItemDefaultFocus(); // where keys go on from
+            }
         }
         ImGui::EndCombo();
     }
+    end_field();
     return changed;
 }
 
@@ -309,35 +339,38 @@ bool ui_slider(const char *label, double *value, double low, double high, const 
     ImGuiSliderFlags flags = ImGuiSliderFlags_AlwaysClamp | (logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
     char shown[64];
     snprintf(shown, sizeof shown, format, *value);
+    begin_field(label);
     audit_within(shown, ImGui::CalcItemWidth());
-    bool changed = ImGui::SliderScalar(label, ImGuiDataType_Double, value, &low, &high, format, flags);
-    audit_item(label);
+    bool changed = ImGui::SliderScalar("##field", ImGuiDataType_Double, value, &low, &high, format, flags);
     audit_widget(label);
+    end_field();
     return changed;
 }
 
 bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high)
 {
+    begin_field(label);
     bool changed =
-        ImGui::SliderScalar(label, ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
-    audit_item(label);
+        ImGui::SliderScalar("##field", ImGuiDataType_U32, value, &low, &high, "%u", ImGuiSliderFlags_AlwaysClamp);
     audit_widget(label);
+    end_field();
     return changed;
 }
 
 bool ui_numbers(const char *label, double value[3], const char *format)
 {
     const ImGuiStyle &style = ImGui::GetStyle();
+    begin_field(label);
     float wide = (ImGui::CalcItemWidth() - 2 * style.ItemInnerSpacing.x) / 3 - 2 * style.FramePadding.x;
     for (int i = 0; i < 3; i++) {
         char shown[64];
         snprintf(shown, sizeof shown, format, value[i]);
         audit_within(shown, wide);
     }
-    bool changed = ImGui::InputScalarN(label, ImGuiDataType_Double, value, 3, nullptr, nullptr, format,
+    bool changed = ImGui::InputScalarN("##field", ImGuiDataType_Double, value, 3, nullptr, nullptr, format,
                                        ImGuiInputTextFlags_EnterReturnsTrue);
-    audit_item(label);
     audit_widget(label);
+    end_field();
     return changed;
 }
 
@@ -348,16 +381,31 @@ void ui_take_keys(void)
 
 bool ui_type(const char *label, char *text, size_t size, const char *hint)
 {
+    begin_field(label);
     audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
-    bool changed = ImGui::InputTextWithHint(label, hint, text, size);
+    bool changed = ImGui::InputTextWithHint("##field", hint, text, size);
     audit_widget(label);
+    end_field();
     return changed;
 }
 
 struct path_line {
     const char *text;
+    const char *folder;
+    bool selects;
     bool *is_set;
 };
+
+// A whole path that is pasted behind the folder that the line had by itself takes its place.
+static void mind_folder(ImGuiInputTextCallbackData *data, const char *folder)
+{
+    int length = static_cast<int>(std::strlen(folder));
+    const char *rest = data->Buf + length;
+    bool is_behind = length && std::strncmp(data->Buf, folder, static_cast<size_t>(length)) == 0;
+    if (is_behind && (rest[0] == '/' || (rest[0] == '~' && rest[1] == '/'))) {
+        data->DeleteChars(0, length);
+    }
+}
 
 static int take_text(ImGuiInputTextCallbackData *data)
 {
@@ -367,17 +415,22 @@ static int take_text(ImGuiInputTextCallbackData *data)
         data->InsertChars(0, line->text);
         data->CursorPos = data->BufTextLen;
         data->ClearSelection();
+        if (line->selects) {
+            data->SelectAll();
+        }
         *line->is_set = false;
+    } else {
+        mind_folder(data, line->folder);
     }
     return 0;
 }
 
-bool ui_type_path(const char *label, char *text, size_t size, bool *is_set)
+bool ui_type_path(const char *label, char *text, size_t size, const char *folder, bool selects, bool *is_set)
 {
     char wanted[4096]; // the line may write to text before it asks
     std::strncpy(wanted, text, sizeof wanted - 1);
     wanted[sizeof wanted - 1] = 0;
-    path_line line = {wanted, is_set};
+    path_line line = {wanted, folder, selects, is_set};
     return ImGui::InputText(label, text, size, ImGuiInputTextFlags_CallbackAlways, take_text, &line);
 }
 
@@ -431,34 +484,9 @@ void ui_tree_end(void)
     ImGui::TreePop();
 }
 
-bool ui_table(const char *id, const char *const *columns, size_t count, float height)
-{
-    ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit |
-                            ImGuiTableFlags_BordersInnerV;
-    if (!ImGui::BeginTable(id, static_cast<int>(count), flags, ImVec2(0, height))) {
-        return false;
-    }
-    ImGui::TableSetupScrollFreeze(0, 1);
-    for (size_t i = 0; i < count; i++) {
-        ImGui::TableSetupColumn(columns[i], i ? 0 : ImGuiTableColumnFlags_WidthStretch);
-    }
-    ImGui::TableNextRow(ImGuiTableRowFlags_Headers);
-    for (size_t i = 0; i < count; i++) {
-        ImGui::TableNextColumn();
-        audit_within(columns[i], ui_room());
-        ImGui::TableHeader(columns[i]);
-    }
-    return true;
-}
-
 void ui_cell(void)
 {
     ImGui::TableNextColumn();
-}
-
-void ui_table_end(void)
-{
-    ImGui::EndTable();
 }
 
 /* Pictures are opaque, and blending costs a software renderer more than the picture. */
@@ -584,7 +612,7 @@ bool ui_surface_held(void)
     return ImGui::IsItemActive();
 }
 
-void ui_navigate(const char *title)
+bool ui_navigate(const char *title)
 {
     ImGuiIO &io = ImGui::GetIO();
     ImGuiContext &context = *ImGui::GetCurrentContext();
@@ -593,12 +621,20 @@ void ui_navigate(const char *title)
     if (!window) {
         ImGui::ClearActiveID();
         ImGui::FocusWindow(nullptr);
-        return;
+        return !title;
     }
     io.ConfigFlags |= ImGuiConfigFlags_NavEnableKeyboard;
     ImGui::FocusWindow(window);
     ImGui::NavInitWindow(window, true); // the first widget, in this frame
     context.NavDisableHighlight = false;
+    return true;
+}
+
+void ui_navigate_lists(bool also_panels)
+{
+    ImGuiIO &io = ImGui::GetIO();
+    io.ConfigFlags = (io.ConfigFlags & ~ImGuiConfigFlags_NavEnableKeyboard) |
+                     (also_panels || ui_lists() ? ImGuiConfigFlags_NavEnableKeyboard : 0);
 }
 
 bool ui_navigates(void)

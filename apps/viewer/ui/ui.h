@@ -31,11 +31,13 @@ void ui_begin(void);
 /** Draws everything into the window's framebuffer. */
 void ui_end(void);
 
-/** Whether the widgets want the keyboard: a text is being typed. */
+/** Whether the widgets want the whole keyboard: a text is being typed, or a list of choices is open. */
 bool ui_wants_keys(void);
+bool ui_lists(void); /**< A list of choices is open. */
 /** Height of a line of text. */
 float ui_line(void);
 float ui_text_width(const char *text);
+float ui_button_width(const char *label); /**< Of a small button, and the gap behind it. */
 
 /* Panels: a panel's widgets come between ui_panel() and ui_panel_end(). */
 
@@ -43,6 +45,7 @@ float ui_text_width(const char *text);
 enum ui_panel_flag {
     UI_PLAIN = 1,    /**< No title, no padding: for pictures. */
     UI_IN_FRONT = 2, /**< Before all others.                  */
+    UI_UNTITLED = 4, /**< No title: a rail. */
 };
 /** The state of a tree's node: as it was left, open at first, open now whatever it was. */
 enum ui_opening { UI_AS_IT_WAS = 0, UI_OPEN_FIRST, UI_OPEN_NOW };
@@ -74,7 +77,6 @@ void ui_id_end(void);
 void ui_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void ui_text_coloured(ui_colour colour, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /** One number, by a printf format for a double. */
-void ui_text_number(const char *format, double value);
 void ui_text_wrapped(const char *text);
 void ui_heading(const char *text); /**< In large letters, of ASCII. */
 /** A text over the widget before, where the mouse is on it. */
@@ -96,8 +98,9 @@ bool ui_numbers(const char *label, double value[3], const char *format);
 void ui_take_keys(void);
 /** A line that is typed; true when it changed. */
 bool ui_type(const char *label, char *text, size_t size, const char *hint);
-/** A line for a path without a hint; where *is_set is true it takes over what @p text is, with the mark at its end. */
-bool ui_type_path(const char *label, char *text, size_t size, bool *is_set);
+/** A line for a path without a hint; where *is_set is true it takes over what @p text is, all of it selected or with
+ * the mark at its end. A whole path that is pasted behind @p folder (ends in '/'; "" = none) takes its place. */
+bool ui_type_path(const char *label, char *text, size_t size, const char *folder, bool selects, bool *is_set);
 bool ui_escaped(void);                          /**< Escape was pressed. */
 void ui_chip(const char *id, ui_colour colour); /**< A small square. */
 void ui_bar(double part, float width, ui_colour colour);
@@ -107,9 +110,7 @@ bool ui_section(const char *label, bool open); /**< A heading that folds what is
 bool ui_tree(const char *label, enum ui_opening opening);
 void ui_tree_end(void);
 
-bool ui_table(const char *id, const char *const *columns, size_t count, float height);
-void ui_cell(void); /**< The next cell. */
-void ui_table_end(void);
+void ui_cell(void); /**< The next cell of a list. */
 
 /** A picture, @p texture of GL, opaque. */
 void ui_draw_image(uint32_t texture, struct ui_box box);
@@ -143,8 +144,10 @@ void ui_resize_pointer(bool down);
 bool ui_surface_held(void); /**< The one before: a button is down that was pressed on it. */
 
 /** From this frame on the arrow keys, Tab, Space and Enter go to the widgets of the panel with this title; NULL = to
- * none. Between ui_begin() and ui_end(). */
-void ui_navigate(const char *title);
+ * none. Between ui_begin() and ui_end(). False: there is no such panel yet. */
+bool ui_navigate(const char *title);
+/** Before ui_begin(): those keys go to an open list of choices in any case, and to the panel only where they did. */
+void ui_navigate_lists(bool also_panels);
 bool ui_navigates(void);
 /** For the frame that begins next a key of GLFW is down, or up again. Without that, one that is pressed and let go
  * between two frames does nothing. */

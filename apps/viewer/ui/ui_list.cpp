@@ -76,6 +76,20 @@ bool ui_list_heading(const char *text, bool right)
     return pressed;
 }
 
+bool ui_table(const char *id, const char *const *headings, const float *widths, size_t count, float height)
+{
+    if (!ui_list(id, widths, count, height)) {
+        return false;
+    }
+    ui_list_top();
+    for (size_t i = 0; i < count; i++) {
+        ImGui::TableNextColumn();
+        audit_within(headings[i], ui_room());
+        ImGui::TextUnformatted(headings[i]);
+    }
+    return true;
+}
+
 bool ui_list_row(void)
 {
     float line = ImGui::GetTextLineHeightWithSpacing();

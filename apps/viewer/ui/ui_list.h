@@ -17,6 +17,8 @@ void ui_list_end(void);
  * ui_text_right(). */
 void ui_list_top(void);
 bool ui_list_heading(const char *text, bool right);
+/** Such a list with headings that are not pressed. */
+bool ui_table(const char *id, const char *const *headings, const float *widths, size_t count, float height);
 /** The next row, and its first cell. False where it lies so far out of sight that nothing need be drawn in it. */
 bool ui_list_row(void);
 void ui_text_right(const char *text); /**< It ends at the cell's right edge. */

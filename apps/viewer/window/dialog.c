@@ -139,6 +139,8 @@ void dialog_set(struct dialog *dialog, const char *text)
 {
     snprintf(dialog->text, sizeof dialog->text, "%s", text);
     dialog->is_set = dialog->takes_keys = true;
+    dialog->selects = false;
+    dialog->prefilled[0] = '\0';
     dialog_look(dialog);
 }
 
@@ -149,6 +151,7 @@ static void go_to(struct dialog *dialog, const char *folder)
     size_t length = strlen(folder);
     if (snprintf(text, sizeof text, "%s%s", folder, length && folder[length - 1] == '/' ? "" : "/") < PATH_MAX) {
         dialog_set(dialog, text);
+        memcpy(dialog->prefilled, text, strlen(text) + 1);
     }
 }
 
@@ -156,7 +159,7 @@ void dialog_look(struct dialog *dialog)
 {
     char path[PATH_MAX];
     enum folder_filter filter = dialog->all                      ? FOLDER_ALL
-                                : dialog->purpose == DIALOG_SAVE ? FOLDER_SESSIONS
+                                : dialog->purpose == DIALOG_SAVE ? (dialog->ending ? FOLDER_ALL : FOLDER_SESSIONS)
                                                                  : FOLDER_OPENABLE;
     dialog_here(path, dialog);
     if (strcmp(path, dialog->folder.path) != 0 || filter != dialog->folder.filter) {
@@ -223,23 +226,31 @@ void dialog_take(struct dialog *dialog, size_t index)
     }
 }
 
-static void complain(struct dialog *dialog, const char *text, const char *path)
+void dialog_complain(struct dialog *dialog, const char *why)
 {
-    snprintf(dialog->why, sizeof dialog->why, "%.300s: %s", path, text);
+    snprintf(dialog->why, sizeof dialog->why, "%s", why);
     make_plain_line(dialog->why);
-    dialog->takes_keys = dialog->is_set = true;
+    dialog->on = dialog->takes_keys = dialog->is_set = dialog->selects = true;
 }
 
-/* Checks the path to save to: it ends in .json, and an existing file is replaced only after a question. */
+static void complain(struct dialog *dialog, const char *text, const char *path)
+{
+    char why[DIALOG_WHY];
+    snprintf(why, sizeof why, "%.300s: %s", path, text);
+    dialog_complain(dialog, why);
+}
+
+/* Checks the path to save to: it has its ending, and an existing file is replaced only after a question. */
 static bool answer_save(char path[PATH_MAX], struct dialog *dialog)
 {
-    if (!path_ends(path, ".json")) {
+    const char *ending = dialog->ending ? dialog->ending : ".json";
+    if (!path_ends(path, ending)) {
         size_t length = strlen(path);
-        if (length + sizeof ".json" > PATH_MAX) {
+        if (length + strlen(ending) >= PATH_MAX) {
             complain(dialog, "too long", path);
             return false;
         }
-        memcpy(path + length, ".json", sizeof ".json");
+        memcpy(path + length, ending, strlen(ending) + 1);
     }
     if (!dialog->sure && access(path, F_OK) == 0) {
         complain(dialog, "is there already; Enter again writes over it", path);

@@ -43,14 +43,17 @@ enum dialog_purpose { DIALOG_OPEN, DIALOG_SAVE };
 struct dialog {
     bool on;
     enum dialog_purpose purpose;
-    char text[PATH_MAX];  /**< The typed text: up to its last '/' the folder that is listed, then a part of a name. */
-    bool is_set;          /**< The text is not what the line has: it is to take it over. */
-    bool takes_keys;      /**< From the next frame on what is typed goes into the line. */
-    bool all;             /**< Lists all files. */
-    size_t marked;        /**< Entry of the folder; past the last = none. */
-    bool scrolls;         /**< The list is to scroll to what is marked. */
-    bool sure;            /**< To write over the file that is there. */
-    char why[DIALOG_WHY]; /**< An error, or ""; plain. */
+    char text[PATH_MAX]; /**< The typed text: up to its last '/' the folder that is listed, then a part of a name. */
+    bool is_set;         /**< The text is not what the line has: it is to take it over, */
+    bool selects;        /**< and to select it, so that what is typed next takes its place. */
+    char prefilled[PATH_MAX];   /**< The folder that was put there, with its '/'; "" = the user was there. */
+    const char *ending;         /**< Of the file to be written; NULL = ".json", a session. */
+    bool takes_keys;            /**< From the next frame on what is typed goes into the line. */
+    bool all;                   /**< Lists all files. */
+    size_t marked;              /**< Entry of the folder; past the last = none. */
+    bool scrolls;               /**< The list is to scroll to what is marked. */
+    bool sure;                  /**< To write over the file that is there. */
+    char why[DIALOG_WHY];       /**< An error, or ""; plain. */
     char text_before[PATH_MAX]; /**< When marked and sure were set. */
     struct folder folder;
     char places[DIALOG_PLACES][PATH_MAX]; /**< Folders to go to. */
@@ -63,6 +66,8 @@ void dialog_show(struct dialog *dialog, enum dialog_purpose purpose, const char 
 void dialog_finish(struct dialog *dialog);
 /** Puts a text into the line. */
 void dialog_set(struct dialog *dialog, const char *text);
+/** Shows it as it was left, with why its file could not be opened; what is typed then takes the place of its path. */
+void dialog_complain(struct dialog *dialog, const char *why);
 /** Reads the folder that the text is in, unless it was read; to be called before its entries are looked at. */
 void dialog_look(struct dialog *dialog);
 /** Whether entry @p index of the folder fits the part of a name. */

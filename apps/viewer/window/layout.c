@@ -6,8 +6,9 @@
 #include <stddef.h>
 
 static const double first_panels[2] = {250, 480};
-static const double first_panes = 550;                   /* at least, where they have it */
-static const double first_parts[2] = {1 / 4.0, 1 / 3.0}; /* of the window's width, at most, of these */
+static const double first_parts[2] = {1 / 4.0, 0.3}; /* of the window's width, at most, of these */
+static const double rail = 60, narrow = 1500;        /* below that width the left panel is folded at first */
+static const double first_division[2] = {0.8, 1 / 3.0};
 static const double least_panel = 240, most_panel = 4000;
 static const double most_part = 0.4; /* of the window's width, of each panel */
 static const double least_division = 0.1, most_division = 0.9;
@@ -18,36 +19,44 @@ static double clamp(double value, double low, double high)
     return fmin(fmax(value, low), high);
 }
 
-/* The width of a panel. The right one at first leaves the panes the width that they need, where it can. */
+static bool is_folded(const struct layout *layout, size_t side, float width, float scale)
+{
+    bool at_first = side == 0 && !(layout->panels[0] > 0) && (double)(width / scale) < narrow;
+    return layout->folds[side] == FOLD_AS_AT_FIRST ? at_first : layout->folds[side] == FOLD_CLOSED;
+}
+
 static float panel_width(const struct layout *layout, size_t side, float width, float scale)
 {
     double own = layout->panels[side];
     double wanted = (own > 0 ? own : first_panels[side]) * (double)scale;
     double most = (double)width * (own > 0 ? most_part : first_parts[side]);
-    if (side == 1 && !(own > 0)) {
-        most = fmax(most, (double)(width - panel_width(layout, 0, width, scale)) - first_panes * (double)scale);
+    if (is_folded(layout, side, width, scale)) {
+        return floorf((float)rail * scale);
     }
     return floorf((float)fmin(wanted, most));
 }
 
-static float first_part(double division, float whole)
+static float first_part(const struct layout *layout, size_t axis, float whole)
 {
-    return floorf((division > 0 ? (float)division : 0.5F) * whole);
+    double own = layout->division[axis];
+    return floorf((float)(own > 0 ? own : first_division[axis]) * whole);
 }
 
 struct division layout_divide(const struct layout *layout, float width, float height, float scale)
 {
-    struct division division = {.left = panel_width(layout, 0, width, scale),
+    struct division division = {.folded = {is_folded(layout, 0, width, scale), is_folded(layout, 1, width, scale)},
+                                .left = panel_width(layout, 0, width, scale),
                                 .right = panel_width(layout, 1, width, scale)};
     division.columns = 2 * floorf((width - division.left - division.right) / 2);
     division.rows = 2 * floorf(height / 2);
-    division.column = first_part(layout->division[0], division.columns);
-    division.row = first_part(layout->division[1], division.rows);
+    division.column = first_part(layout, 0, division.columns);
+    division.row = first_part(layout, 1, division.rows);
     return division;
 }
 
 static void set_panel(struct layout *layout, size_t side, double wide, float width, float scale)
 {
+    layout->folds[side] = FOLD_OPEN;
     double most = fmax(most_part * (double)width / (double)scale, least_panel);
     layout->panels[side] = clamp(wide, least_panel, fmin(most, most_panel));
 }
@@ -80,24 +89,29 @@ void layout_reset(struct layout *layout, enum border border)
 
 void layout_widen_first(struct layout *layout, int steps)
 {
-    for (size_t axis = 0; axis < 2; axis++) {
-        double now = layout->division[axis] > 0 ? layout->division[axis] : 0.5;
-        set_division(layout, axis, now + steps * division_step);
-    }
+    set_division(layout, 0,
+                 (layout->division[0] > 0 ? layout->division[0] : first_division[0]) + steps * division_step);
+}
+
+void layout_fold(struct layout *layout, size_t side, bool fold)
+{
+    layout->folds[side] = fold ? FOLD_CLOSED : FOLD_OPEN;
 }
 
 void layout_widen_panels(struct layout *layout, int steps, float width, float scale)
 {
-    const float now[2] = {panel_width(layout, 0, width, scale), panel_width(layout, 1, width, scale)};
     for (size_t side = 0; side < 2; side++) {
-        set_panel(layout, side, (double)(now[side] / scale) + steps * panel_step, width, scale);
+        if (!is_folded(layout, side, width, scale)) {
+            double now = (double)(panel_width(layout, side, width, scale) / scale);
+            set_panel(layout, side, now + steps * panel_step, width, scale);
+        }
     }
 }
 
 bool layout_is_same(const struct layout *a, const struct layout *b)
 {
     return a->panels[0] == b->panels[0] && a->panels[1] == b->panels[1] && a->division[0] == b->division[0] &&
-           a->division[1] == b->division[1];
+           a->division[1] == b->division[1] && a->folds[0] == b->folds[0] && a->folds[1] == b->folds[1];
 }
 
 bool layout_is_fine(const struct layout *layout)
@@ -106,7 +120,7 @@ bool layout_is_fine(const struct layout *layout)
     for (size_t i = 0; i < 2; i++) {
         double panel = layout->panels[i];
         double division = layout->division[i];
-        fine = fine && (panel == 0 || (panel >= least_panel && panel <= most_panel)) &&
+        fine = fine && layout->folds[i] < FOLD_COUNT && (panel == 0 || (panel >= least_panel && panel <= most_panel)) &&
                (division == 0 || (division >= least_division && division <= most_division));
     }
     return fine;

@@ -57,11 +57,16 @@ bool place_parse(struct place *out, const char *text, size_t size)
     struct place place = {.known = true};
     double *panels = place.layout.panels;
     double *division = place.layout.division;
-    bool fine = !json_unpack(root, "{s: i, s: i, s: i, s: i, s?: F, s?: [F, F], s?: [F, F]}", "width", &place.width,
-                             "height", &place.height, "x", &place.x, "y", &place.y, "zoom", &place.zoom, "panels",
-                             &panels[0], &panels[1], "division", &division[0], &division[1]) &&
-                layout_is_fine(&place.layout) && is_size(place.width) && is_size(place.height) &&
-                (place.zoom == 0 || is_zoom(place.zoom));
+    int folds[2] = {0};
+    bool fine =
+        !json_unpack(root, "{s: i, s: i, s: i, s: i, s?: F, s?: [F, F], s?: [F, F], s?: [i, i]}", "width", &place.width,
+                     "height", &place.height, "x", &place.x, "y", &place.y, "zoom", &place.zoom, "panels", &panels[0],
+                     &panels[1], "division", &division[0], &division[1], "folds", &folds[0], &folds[1]) &&
+        folds[0] >= 0 && folds[1] >= 0;
+    place.layout.folds[0] = (enum fold)folds[0];
+    place.layout.folds[1] = (enum fold)folds[1];
+    fine = fine && layout_is_fine(&place.layout) && is_size(place.width) && is_size(place.height) &&
+           (place.zoom == 0 || is_zoom(place.zoom));
     json_decref(root);
     *out = fine ? place : *out;
     return fine;
@@ -79,14 +84,15 @@ void place_load(struct place *out)
 
 void place_save(const struct place *place)
 {
-    char text[384];
+    char text[512];
     const struct layout *layout = &place->layout;
     if (is_size(place->width) && is_size(place->height)) {
         int size = snprintf(text, sizeof text,
                             "{\"width\": %d, \"height\": %d, \"x\": %d, \"y\": %d, \"zoom\": %.4f,"
-                            " \"panels\": [%.2f, %.2f], \"division\": [%.4f, %.4f]}\n",
+                            " \"panels\": [%.2f, %.2f], \"division\": [%.4f, %.4f], \"folds\": [%d, %d]}\n",
                             place->width, place->height, place->x, place->y, is_zoom(place->zoom) ? place->zoom : 1,
-                            layout->panels[0], layout->panels[1], layout->division[0], layout->division[1]);
+                            layout->panels[0], layout->panels[1], layout->division[0], layout->division[1],
+                            (int)layout->folds[0], (int)layout->folds[1]);
         state_file_write(name, text, (size_t)size);
     }
 }

@@ -253,7 +253,8 @@ static void press_named(GLFWwindow *handle, int key, int scancode, int action, i
         name_with_control(name, key, scancode, mods);
     }
     if (action == GLFW_PRESS && is_for_widgets(key)) {
-        window->frame.tapped = key;
+        bool takes = ui_lists() && (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER);
+        window->frame.tapped = takes ? GLFW_KEY_SPACE : key; /* both take the marked choice of a list */
     }
     /* Held down these do nothing more: Escape leaves a page, and shall not clear the cone behind it, too. */
     bool acts_once =
@@ -460,6 +461,7 @@ void window_close(struct window *window)
     start_finish(&window->start);
     dialog_finish(&window->dialog);
     free(window->files.saves_as);
+    free(window->files.saved_last);
     ui_destroy();
     glfwDestroyWindow(window->handle);
     glfwTerminate();
@@ -524,26 +526,31 @@ void screen_divide(struct screen *screen)
     screen->left = (struct ui_box){0, 0, d.left, height};
     screen->right = (struct ui_box){width - d.right, 0, d.right, height};
     screen->status = (struct ui_box){0, height, width, status};
-    for (int p = 0; p < PANE_COUNT; p++) {
-        static const int place[PANE_COUNT] = {1, 2, 3, 0}; /* 3-D is the first, then axial, coronal, sagittal */
-        int column = place[p] % 2;
-        int row = place[p] / 2;
+    memcpy(screen->folded, d.folded, sizeof screen->folded);
+    screen->panes[PANE_3D] = (struct ui_box){d.left, 0, d.column - 1, d.rows};
+    float below = floorf((d.rows - d.row) / 2); /* the second and the third cut are as high as each other */
+    const float tops[PLANE_COUNT + 1] = {0, d.row, d.row + below, d.rows + 1};
+    for (int p = 0; p < PLANE_COUNT; p++) {
         screen->panes[p] =
-            (struct ui_box){d.left + (column ? d.column : 0), row ? d.row : 0,
-                            (column ? d.columns - d.column : d.column) - 1, (row ? d.rows - d.row : d.row) - 1};
-        if (screen->enlarged == p) {
-            screen->panes[p] = (struct ui_box){d.left, 0, d.columns, d.rows};
-        }
+            (struct ui_box){d.left + d.column, tops[p], d.columns - d.column - 1, tops[p + 1] - tops[p] - 1};
     }
-    if (screen->alone) {
+    if (screen->enlarged >= 0) {
+        screen->panes[screen->enlarged] = (struct ui_box){d.left, 0, d.columns, d.rows};
+    }
+    if (screen_is_bare(screen)) {
         screen->panes[PANE_3D] = (struct ui_box){0, 0, width, (float)screen->height};
     }
+}
+
+bool screen_is_bare(const struct screen *screen)
+{
+    return screen->alone || screen->bare;
 }
 
 bool screen_shows_pane(const struct screen *screen, int pane)
 {
     const struct ui_box *box = &screen->panes[pane];
-    bool chosen = screen->alone ? pane == PANE_3D : screen->enlarged < 0 || screen->enlarged == pane;
+    bool chosen = screen_is_bare(screen) ? pane == PANE_3D : screen->enlarged < 0 || screen->enlarged == pane;
     return chosen && box->width >= 2 && box->height >= 2;
 }
 
@@ -773,27 +780,51 @@ void window_want_hemispheres(struct window *window, conus_hemispheres how, int s
     }
 }
 
-/* Finds a path for a session: that of the last one, or else a name after the atlas in a folder that can be written. */
-static void find_session_path(char path[PATH_MAX], const struct window *window)
+/* Finds a path in the folder of the file that was saved last, or else in one that can be written. */
+static void find_saving_path(char path[PATH_MAX], const struct window *window, const char *name)
 {
     char here[PATH_MAX];
-    const char *atlas = window->viewer->atlases->path;
-    const char *name = path_name(atlas);
-    bool fits = getcwd(here, sizeof here) && access(here, W_OK) == 0;
+    const char *last = window->files.saved_last;
     const char *home = getenv("HOME");
-    int size = window->history.session_path ? snprintf(path, PATH_MAX, "%s", window->history.session_path)
-                                            : snprintf(path, PATH_MAX, "%s/%.*s-session.json",
-                                                       fits   ? here
-                                                       : home ? home
-                                                              : "",
-                                                       (int)strcspn(name, "."), name);
+    bool fits = getcwd(here, sizeof here) && access(here, W_OK) == 0;
+    int size = last ? snprintf(path, PATH_MAX, "%.*s%s", (int)(path_name(last) - last), last, name)
+                    : snprintf(path, PATH_MAX, "%s/%s",
+                               fits   ? here
+                               : home ? home
+                                      : "",
+                               name);
     path[size < PATH_MAX ? size : 0] = '\0';
+}
+
+/* That of the last session, or else a name after the atlas. */
+static void find_session_path(char path[PATH_MAX], const struct window *window)
+{
+    char name[PATH_MAX];
+    const char *atlas = path_name(window->viewer->atlases->path);
+    if (window->history.session_path) {
+        snprintf(path, PATH_MAX, "%s", window->history.session_path);
+    } else {
+        snprintf(name, sizeof name, "%.*s-session.json", (int)strcspn(atlas, "."), atlas);
+        find_saving_path(path, window, name);
+    }
+}
+
+void window_show_saving(struct window *window, enum saved_file what, const char *name, const char *ending)
+{
+    char path[PATH_MAX];
+    find_saving_path(path, window, name);
+    start_look(&window->start);
+    window->files.saves = what;
+    window->dialog.ending = ending;
+    dialog_show(&window->dialog, DIALOG_SAVE, path, &window->start);
 }
 
 void window_show_dialog(struct window *window, enum dialog_purpose purpose)
 {
     char path[PATH_MAX];
     start_look(&window->start);
+    window->files.saves = SAVE_SESSION;
+    window->dialog.ending = NULL;
     if (purpose == DIALOG_OPEN) {
         dialog_show(&window->dialog, purpose, NULL, &window->start);
     } else if (window->viewer) {
@@ -812,6 +843,7 @@ void window_use_dialog(struct window *window)
     dialog->on = false;
     if (dialog->purpose == DIALOG_OPEN) {
         window_want(window, path);
+        window->files.wanted.by_dialog = true;
     } else {
         free(window->files.saves_as);
         window->files.saves_as = strdup(path);
@@ -824,6 +856,7 @@ void window_use_folder(struct window *window)
     dialog_here(path, &window->dialog);
     window->dialog.on = false;
     window_want(window, path);
+    window->files.wanted.by_dialog = true;
 }
 
 void window_copy(struct window *window, enum copied what)

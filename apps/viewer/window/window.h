@@ -15,6 +15,7 @@
 #include "viewer/ui/ui.h"
 #include "viewer/window/changes.h"
 #include "viewer/window/dialog.h"
+#include "viewer/window/labels.h"
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
 
@@ -91,9 +92,13 @@ struct wanted {
     char **paths; /**< [count] Atlases, sessions, and what is to be added; 0 = none. */
     size_t count;
     bool asks;            /**< Where an atlas may be among them, the user is asked first. */
+    bool by_dialog;       /**< It is the dialog that asked, and says so where they cannot be opened. */
     struct json_t *words; /**< Options with which the atlas that is open is to be opened again; NULL = none. */
     int step;             /**< By which undo goes then (session/undo.h). */
 };
+
+/** What a file may have that a user saves. */
+enum saved_file { SAVE_SESSION = 0, SAVE_SAME_SESSION, SAVE_PICTURE, SAVE_RESULTS, SAVE_STUDY };
 
 /** The files that are open, and those that are to be opened or saved next. */
 struct window_files {
@@ -101,12 +106,14 @@ struct window_files {
     struct loader *begun;  /**< Loads the wanted files since before there was a window; NULL = none. */
     struct json_t *opened; /**< The open ones as a session keeps them (model/session_file.h); NULL = unknown. */
     conus_hemispheres hemispheres;
-    char *doubted;       /**< Options that were not taken, since bundles hardly are in the atlas's space: asked for
-                              once more, they are; NULL = none. */
-    char *session_waits; /**< A session whose atlas was not found: the next atlas is its; NULL = none. */
-    bool stops;          /**< The files that are being loaded are not wanted any more. */
-    bool remembers;      /**< Opened and saved files are listed on the start page, also next time. */
-    char *saves_as;      /**< Where the session is to be written after the next frame; NULL = nowhere. */
+    char *doubted;         /**< Options that were not taken, since bundles hardly are in the atlas's space: asked for
+                                once more, they are; NULL = none. */
+    char *session_waits;   /**< A session whose atlas was not found: the next atlas is its; NULL = none. */
+    bool stops;            /**< The files that are being loaded are not wanted any more. */
+    bool remembers;        /**< Opened and saved files are listed on the start page, also next time. */
+    char *saves_as;        /**< The file that is to be written after the next frame; NULL = none. */
+    enum saved_file saves; /**< What, then. */
+    char *saved_last;      /**< The newest file that was saved where the user said; NULL = none. */
 };
 
 /** How the window is divided, and how large its texts are. */
@@ -116,7 +123,9 @@ struct screen {
     struct ui_box left, right, status, panes[PANE_COUNT];
     struct layout layout;
     int enlarged;        /**< The pane that fills the middle, or -1. */
-    bool alone;          /**< The 3-D pane fills the whole screen. */
+    bool alone;          /**< The 3-D pane fills the whole screen, */
+    bool bare;           /**< or the window: no panels, no cuts. */
+    bool folded[2];      /**< The left and the right panel are rails. */
     struct place before; /**< Where the window was before that. */
     float next_scale;    /**< That the screen asks for; 0 = no other than before. */
     bool scale_given;    /**< By the user: the screen is not asked. */
@@ -147,14 +156,15 @@ struct frame_state {
     unsigned shown_head, shown_second;  /**< Likewise. */
     double ms;                          /**< That it took. */
     struct hover hover;
-    float click_left;    /**< Pixels that the mouse, pressed on the 3-D pane, may move and it is a click;
-                              0 = it is not pressed there. */
-    int navigated;       /**< The panel that keys go to, from 1: areas, hits; 0 = none. */
-    bool navigates_anew; /**< From the next frame on. */
-    int tapped;          /**< The key of GLFW that was pressed last for the widgets; 0 = none since the newest frame. */
-    uint32_t listed;     /**< The object that the list of areas was scrolled to last. */
+    struct labels labels; /**< Of the 3-D pane. */
+    float click_left;     /**< Pixels that the mouse, pressed on the 3-D pane, may move and it is a click;
+                               0 = it is not pressed there. */
+    bool searches;        /**< The line that searches areas takes the keyboard. */
+    int navigated;        /**< The panel that keys go to, from 1: areas, hits; 0 = none. */
+    bool navigates_anew;  /**< From the next frame on. */
+    int tapped;      /**< The key of GLFW that was pressed last for the widgets; 0 = none since the newest frame. */
+    uint32_t listed; /**< The object that the list of areas was scrolled to last. */
     const struct view_atlas *listed_of; /**< In the list of this atlas. */
-    bool keeps_picture;                 /**< The next frame goes into a file. */
     char title[TITLE_SIZE];             /**< As title_write() gave it last; "" = none yet. */
     unsigned sent_answer;               /**< The answer that was sent to the station last. */
     double watched;                     /**< When the atlas's files were looked at last, by clock_ms(). */
@@ -235,6 +245,8 @@ void window_want_typed(struct window *window);
 void window_want_sample(struct window *window);
 /** Lets the user choose a file to open, or one to save the session in; without an atlas there is no session. */
 void window_show_dialog(struct window *window, enum dialog_purpose purpose);
+/** Lets the user choose where something else is saved, with a name proposed in the folder of the last such file. */
+void window_show_saving(struct window *window, enum saved_file what, const char *name, const char *ending);
 /** Does what the dialog is for, if a file is chosen there. */
 void window_use_dialog(struct window *window);
 /** Opens the folder that the dialog lists. */
@@ -263,6 +275,8 @@ void screen_divide(struct screen *screen);
 
 /** Lets the pane under the mouse, or else that in 3-D, fill the middle, or all come back. */
 void window_maximise(struct window *window);
+/** Whether there is the 3-D pane alone, without panels. */
+bool screen_is_bare(const struct screen *screen);
 /** Whether a pane is on the window and large enough to be drawn. */
 bool screen_shows_pane(const struct screen *screen, int pane);
 

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The card of the chosen area: what is known of it, and what can be done with it. */
+#include "viewer/panes/panels.h"
+#include "viewer/ui/ui_list.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { TREE_TEXT = 512, DEEPEST = 32 };
+
+static void draw_fact(const char *name, const char *value)
+{
+    ui_text_coloured(theme_texts[THEME_HINT], "%s", name);
+    ui_same_line_at(0.36F * ui_room());
+    ui_text_cut(value, ui_room());
+}
+
+/* "Brain > Cortex > Insula": the areas that it is part of, and itself. */
+static void write_tree(char out[TREE_TEXT], const conus_atlas *atlas, uint32_t number)
+{
+    uint32_t line[DEEPEST];
+    size_t count = 0;
+    size_t used = 0;
+    while (number && count < DEEPEST) {
+        line[count++] = number;
+        number = conus_atlas_object(atlas, number)->parent;
+    }
+    out[0] = '\0';
+    while (count && used < TREE_TEXT) {
+        const char *name = conus_atlas_object(atlas, line[--count])->name;
+        used += (size_t)snprintf(out + used, TREE_TEXT - used, "%s%s", used ? " > " : "", name);
+    }
+}
+
+static const char *file_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/* The side that the table or the name gives; "" = none. */
+static const char *find_side(const struct view_atlas *view, uint32_t number)
+{
+    char side = view->sides ? view->sides[number] : conus_atlas_object(view->atlas, number)->hemisphere;
+    return side == 'L' ? "left" : side == 'R' ? "right" : side == 'B' ? "both" : "";
+}
+
+static void draw_facts(struct viewer *viewer, const conus_object *object, uint32_t number)
+{
+    const struct view_atlas *view = viewer->drawn;
+    char text[TREE_TEXT];
+    const char *side = find_side(view, number);
+    ui_tint(theme_texts[THEME_AMBER]);
+    ui_text_wrapped(object->name);
+    ui_tint_end();
+    if (object->abbreviation[0] && strcmp(object->abbreviation, object->name) != 0) {
+        draw_fact("Abbreviation", object->abbreviation);
+    }
+    snprintf(text, sizeof text, "%u", object->label);
+    draw_fact("Label", text);
+    if (object->volume_mm3 > 0) {
+        snprintf(text, sizeof text, "%.2f cm\u00b3 (%.0f mm\u00b3)", object->volume_mm3 / 1000, object->volume_mm3);
+        draw_fact("Volume", text);
+    }
+    if (side[0]) {
+        draw_fact("Side", side);
+    }
+    if (object->parent) {
+        write_tree(text, view->atlas, number);
+        draw_fact("Part of", text);
+    }
+    const char *name = view->name[0] ? view->name : file_name(view->path);
+    snprintf(text, sizeof text, "%.200s%s", name, object->named ? "" : ", which does not name it");
+    draw_fact("Atlas", text);
+}
+
+void panel_card(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    uint32_t number = viewer->drawn->shown.chosen;
+    const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
+    if (!object || !ui_section("Chosen area", true)) {
+        return;
+    }
+    bool hide = viewer_shown(viewer, number) == SHOWN;
+    ui_id(number);
+    draw_facts(viewer, object, number);
+    if (ui_button(hide ? "Hide" : "Show")) {
+        viewer_hide(viewer, number, hide);
+    }
+    ui_tip("hidden areas are not hit, not drawn, and block nothing; H, too");
+    ui_flow("Only");
+    if (ui_button("Only")) {
+        viewer_isolate(viewer, number);
+    }
+    ui_tip("hides all others; I, too, and Ctrl+Z takes it back");
+    ui_flow("Pin");
+    if (ui_button("Pin")) {
+        viewer_pin(viewer, (size_t)(viewer->drawn - viewer->atlases), number, NULL, NAN, NAN, viewer->crosshair);
+        viewer->version++;
+    }
+    ui_tip("adds it to what was confirmed, with the place of the crosshair");
+    panel_look_area(viewer, number);
+    ui_id_end();
+}

@@ -1,0 +1,218 @@
+#!/usr/bin/env bats
+# What takes the keyboard, the pages for files, and what comes back with a session.
+load helpers
+load window
+
+# enter: the key has to be down when a frame is drawn.
+enter() {
+    xdotool keydown --window "$window" Return
+    pass
+    xdotool keyup --window "$window" Return
+}
+
+@test "a whole path that is pasted takes the place of the folder in the line" {
+    conus phantom slabs -o "$PWD/else where"
+    conus phantom sphere -o .
+    live sphere.nii.gz
+    xdotool key --window "$window" ctrl+o
+    pass
+    xdotool type --window "$window" "$PWD/else where/slabs.nii.gz"
+    pass
+    enter
+    look '.objects == 2 and (.atlas | endswith("/else where/slabs.nii.gz"))'
+    leave
+}
+
+@test "what cannot be opened leaves the page with its path, no letter acts, and a second path takes its place" {
+    conus phantom sphere -o .
+    conus phantom slabs -o .
+    echo 'no atlas' >bad.nii
+    live sphere.nii.gz
+    for path in "$PWD/bad.nii" "$PWD/none.nii"; do
+        xdotool key --window "$window" ctrl+o
+        pass
+        xdotool type --window "$window" "$path"
+        pass
+        enter
+        xdotool type --window "$window" lhop
+        look '.objects == 1 and .layers == "visible" and .hidden == []'
+        [ -z "$(ls conus-* 2>/dev/null)" ]
+        xdotool keydown --window "$window" Escape
+        pass
+        xdotool keyup --window "$window" Escape
+    done
+    xdotool key --window "$window" ctrl+o
+    pass
+    xdotool type --window "$window" "$PWD/bad.nii"
+    pass
+    enter
+    xdotool type --window "$window" "$PWD/slabs.nii.gz" # in place of the one that failed
+    pass
+    enter
+    look '.objects == 2'
+    leave
+}
+
+@test "no key writes a file before its place is chosen" {
+    need_window
+    conus phantom slabs -o .
+    view slabs.nii.gz <<'END'
+aim 60 3 2 0 0 0
+key ctrl+s
+key escape
+key o
+key escape
+key p
+key escape
+key ctrl+e
+key escape
+sweep 2 10 4
+settle
+key ctrl+j
+key escape
+wait 4
+END
+    run ls conus-* slabs-session.json
+    [ "$status" -ne 0 ]
+    mkdir here
+    view slabs.nii.gz <<END
+key p
+type $PWD/here/shot
+key enter
+wait 2
+key o
+key enter
+wait 2
+END
+    [ -e here/shot.png ]
+    [ "$(ls here/conus-2*.json | wc -l)" -eq 1 ] # the folder that was chosen is proposed
+}
+
+@test "cuts are where they were when a session is opened again, though they follow the tip" {
+    need_window
+    conus phantom slabs -o .
+    view slabs.nii.gz <<'END'
+key g
+aim 60 3 2 0 0 0
+key space
+crosshair 5 1 2
+save left.json
+crosshair 9 9 9
+open left.json
+save again.json
+END
+    jq -e '.follow == "tip" and .crosshair == [5, 1, 2]' left.json
+    diff left.json again.json
+    view slabs.nii.gz --session left.json <<<'save started.json'
+    jq -e '.crosshair == [5, 1, 2]' started.json
+}
+
+# click_at X Y: pixels of the window.
+click_at() {
+    xdotool mousemove --window "$window" "$1" "$2"
+    pass
+    xdotool mousedown 1
+    pass
+    xdotool mouseup 1
+    pass
+}
+
+# key_at NAME: it is down while a frame is drawn.
+key_at() {
+    xdotool keydown --window "$window" "$1"
+    pass
+    xdotool keyup --window "$window" "$1"
+    pass
+}
+
+@test "an open list of choices takes all keys, and a heading folds only what is its own" {
+    conus phantom slabs -o .
+    live slabs.nii.gz --size 1280x800
+    tell 'aim 60 3 2 0 0 0' 'key space' 'orbit 10 0'
+    look '.frozen == 1 and .layers == "visible"'
+    orbit=$(jq -c .orbit "look$looks.json")
+    click_at 1150 432 # Count
+    key_at Escape
+    look '.has_pose == 1 and .frozen == 1'
+    click_at 1150 432
+    xdotool key --window "$window" h
+    key_at Down
+    key_at Return
+    look ".layers == \"all\" and .confirmed == [] and .hidden == [] and .orbit == $orbit"
+    xdotool key --window "$window" l # the list is closed: keys are the brain's again
+    until look '.layers == "visible"'; do :; done
+    click_at 1085 357 # What is asked
+    click_at 1085 407 # View, below Expert
+    click_at 914 482  # Outlines
+    look '.outlines == 0'
+    leave
+}
+
+@test "the brain alone and back, panels that fold, and standard views" {
+    need_window
+    conus phantom slabs -o .
+    view slabs.nii.gz --size 1000x640 <<'END'
+key ctrl+1
+save left.json
+key ctrl+2
+save right.json
+key ctrl+3
+save front.json
+key ctrl+5
+save top.json
+background white
+key f
+settle
+save alone.json
+screenshot alone.png
+key f
+settle
+screenshot back.png
+save back.json
+END
+    close_to() { jq -e ".orbit[4:6] | (.[0] - $2 | fabs) < 1e-9 and (.[1] - $3 | fabs) < 0.1" "$1.json"; }
+    close_to left 1.5707963267948966 0 # towards the head's left
+    close_to right -1.5707963267948966 0
+    close_to front 0 0
+    close_to top 3.141592653589793 1.5
+    jq -e .layout.brain_alone alone.json
+    jq -e '.layout.brain_alone == false and .layout.left == "as-at-first"' back.json
+    need_pixels
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+alone, back = (oiio.ImageBuf(f"{name}.png").get_pixels(oiio.UINT8)[..., :3].astype(int) for name in ("alone", "back"))
+for y, x in (320, 3), (320, 996), (636, 500): # no panels, no cuts, no line below
+    assert alone[y, x].min() > 200 and back[y, x].max() < 60, (y, x)
+END
+}
+
+@test "at 1280 x 800 the brain has more than half of the window" {
+    need_window
+    need_pixels
+    conus phantom sphere -o .
+    view sphere.nii.gz --size 1280x800 <<'END'
+background white
+settle
+screenshot window.png
+END
+    /usr/bin/python3 - <<'END'
+import numpy
+import OpenImageIO as oiio
+row = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[740, :, :3].astype(int)
+column = oiio.ImageBuf("window.png").get_pixels(oiio.UINT8)[:, 63, :3].astype(int)
+wide, high = ((line.min(axis=1) > 100).sum() for line in (row, column)) # beside the ball and all words
+assert wide * high > 0.5 * 1280 * 800, (wide, high)
+END
+}
+
+@test "the search is a key away, and names what it chooses" {
+    conus phantom slabs -o .
+    live slabs.nii.gz
+    xdotool key --window "$window" slash
+    pass
+    xdotool type --window "$window" posterior
+    pass
+    key_at Return
+    until look '.hidden == []' && [[ $(xdotool getwindowname "$window") == *'Slab posterior (chosen)' ]]; do :; done
+    leave
+}
