@@ -611,6 +611,9 @@ assert count("fresh.png", *the_list, *white) > 100
 assert count("old.png", *the_list, *white) == 0
 for place in the_list, pane:
     assert count("fresh.png", *place, *orange) == 0 < 50 < count("old.png", *place, *orange), place
+# the words are twice as high as those of a list, where a capital has 11 pixels
+high = lambda name, x, y, wide: sum(count(name, x, row, wide, 1, *orange) > 8 for row in range(y, y + 40))
+assert high("old.png", 704, 24, 290) >= 18 and high("old.png", 60, 535, 300) >= 18
 END
 }
 

@@ -216,3 +216,27 @@ END
     until look '.hidden == []' && [[ $(xdotool getwindowname "$window") == *'Slab posterior (chosen)' ]]; do :; done
     leave
 }
+
+@test "keys are listed in groups, and a search leaves those that fit" {
+    need_pixels
+    conus phantom slabs -o .
+    live slabs.nii.gz --size 1280x800
+    xdotool key --window "$window" F1
+    pass
+    tell 'screenshot all.png'
+    xdotool key --window "$window" slash
+    pass
+    xdotool type --window "$window" 'narrower cone'
+    look '.layers == "visible" and .angle_deg == 5'
+    tell 'screenshot found.png'
+    look true
+    leave
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+def amber(name):
+    "Rows of the left half where something is written in the colour of keys."
+    pixels = oiio.ImageBuf(name).get_pixels(oiio.UINT8)[60:780, 25:120, :3].astype(int)
+    return ((abs(pixels - (255, 200, 90)).max(axis=2) < 30).any(axis=1)).sum()
+assert 0 < amber("found.png") < 20 and amber("all.png") > 150, (amber("found.png"), amber("all.png"))
+END
+}

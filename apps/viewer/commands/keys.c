@@ -310,6 +310,10 @@ static void look_from(struct window *window, const int by[3])
 /* Opens the panel of hits, whose search is in sight, and lets it be typed. */
 static void go_to_search(struct window *window)
 {
+    if (window->forms.show_help) {
+        window->forms.searches_help = true;
+        return;
+    }
     window->screen.bare = false;
     layout_fold(&window->screen.layout, 1, false);
     window->frame.searches = true;
@@ -370,9 +374,9 @@ static void go_in_plan(struct window *window, const int by[3])
 
 /* In the order of the page that lists them. A key of the wand comes before one of the views. */
 static const struct key keys[] = {
-    {"?", "this list; F1, too", .act = toggle_help, .is_anywhere = true},
+    {"?", "this list; F1, too", .act = toggle_help, .is_anywhere = true, .group = "Window"},
     {"f1", NULL, .act = toggle_help, .is_anywhere = true},
-    {"enter", "confirm: pin the best result", .act = confirm},
+    {"enter", "confirm: pin the best result", .act = confirm, .group = "Pointing"},
     {"space", "hold the cone, or let it follow the mouse again, as a click does", .act = hold},
     {"escape", "clear the cone, and choose no area", .act = clear},
     {"1", "one area, by a single ray, or all areas in the cone", .sets = PROPERTY_ONE_RAY},
@@ -380,9 +384,10 @@ static const struct key keys[] = {
     {"g", "the cuts go along with the cone's tip, with the contact of its best hit, or stay", .sets = PROPERTY_FOLLOW},
     {"+", "a wider cone", .move = scale_angle, .by = {1}, .sets = PROPERTY_ANGLE},
     {"-", "a narrower cone", .move = scale_angle, .by = {-1}, .sets = PROPERTY_ANGLE},
-    {"l", "first hits, or all hits", .sets = PROPERTY_LAYERS},
+    {"l", "first hits, or all hits", .sets = PROPERTY_LAYERS, .group = "What is asked"},
     {"m", "what moves the cone: the next of mouse, wand, ...", .move = next_pointer, .by = {FIRST_TOOL}},
-    {"2", "the second tool, with a cone and a list of its own, or none", .act = use_second},
+    {"2", "the second tool, with a cone and a list of its own, or none", .act = use_second,
+     .group = "Second tool and devices"},
     {"3", "what moves the second tool: the next", .move = next_pointer, .by = {SECOND_TOOL}},
     {"4", "hold the second tool, or let it go", .act = hold_second},
     {"6", "a wider second cone", .move = scale_second, .by = {1}, .sets = PROPERTY_SECOND_ANGLE},
@@ -390,12 +395,13 @@ static const struct key keys[] = {
     {"8", "a SpaceMouse or gamepad moves faster", .move = scale_speed, .by = {1}, .sets = PROPERTY_SPEED},
     {"7", "slower", .move = scale_speed, .by = {-1}, .sets = PROPERTY_SPEED},
     {"f7", "areas as parts of larger ones: the next level of the tree, after the last one each by itself",
-     .act = go_deeper},
+     .act = go_deeper, .group = "Areas and lists"},
     {"f8", "areas as in the file, split left and right, or left and right as one", .act = change_hemispheres},
     {"f9", "both sides, the left one only, the right one only: the other side's areas are hidden",
      .act = show_next_side},
     {"y", "the list by rank, or the nearest first", .sets = PROPERTY_ORDER},
-    {"f4", "depth limits: the farther one 1 mm nearer; at first 0 to 50 mm", .move = move_range, .by = {0, -1}},
+    {"f4", "depth limits: the farther one 1 mm nearer; at first 0 to 50 mm", .move = move_range, .by = {0, -1},
+     .group = "Depths, studies and plans"},
     {"f5", "the farther one 1 mm deeper", .move = move_range, .by = {0, 1}},
     {"f2", "the nearer one 1 mm nearer", .move = move_range, .by = {-1, 0}},
     {"f3", "the nearer one 1 mm deeper", .move = move_range, .by = {1, 0}},
@@ -403,7 +409,7 @@ static const struct key keys[] = {
     {"ctrl+j", "save the study's table", .move = press_save, .by = {SAVE_STUDY}},
     {";", "the next pose of the plan; : the one before", .move = go_in_plan, .by = {1}},
     {":", NULL, .move = go_in_plan, .by = {-1}},
-    {"h", "hide or show the chosen area", .act = hide_chosen},
+    {"h", "hide or show the chosen area", .act = hide_chosen, .group = "Hide, undo"},
     {"i", "show the chosen area only", .act = isolate_chosen},
     {"ctrl+z", "take back the last change; U, too", .move = undo, .by = {-1}},
     {"u", NULL, .move = undo, .by = {-1}},
@@ -411,7 +417,7 @@ static const struct key keys[] = {
     {"ctrl+shift+z", NULL, .move = undo, .by = {1}},
     {"v", "show all areas", .act = show_all},
     {"r", "look at the whole brain", .act = look_at_all},
-    {"f", "the brain alone in the whole window, or panels and cuts again", .sets = PROPERTY_BARE},
+    {"f", "the brain alone in the whole window, or panels and cuts again", .sets = PROPERTY_BARE, .group = "Views"},
     {"ctrl+1",
      "look at the left side; Ctrl+2 the right, Ctrl+3 the front, Ctrl+4 the back, Ctrl+5 from above, Ctrl+6 "
      "from below",
@@ -425,7 +431,7 @@ static const struct key keys[] = {
     {"ctrl+r", "neurological or radiological", .sets = PROPERTY_RADIOLOGICAL, .ends_column = true},
     {"t", "what a tracked head sees, or what the mouse turns", .act = toggle_head},
     {"n", "draw the next of several atlases", .act = draw_next},
-    {"c", "colours for any colour vision, or the atlas's own", .sets = PROPERTY_SAFE_COLOURS},
+    {"c", "colours for any colour vision, or the atlas's own", .sets = PROPERTY_SAFE_COLOURS, .group = "How it looks"},
     {"]", "brighter cuts; [ darker, } more contrast, { less: grey values of the context", .move = move_grey,
      .by = {0, 1}},
     {"[", NULL, .move = move_grey, .by = {0, -1}},
@@ -438,7 +444,8 @@ static const struct key keys[] = {
     {"k", "another background of 3-D: light, white, black, transparent in figures", .act = next_backdrop,
      .sets = PROPERTY_BACKGROUND},
     {"9", "streamlines by their bundle, by direction, or by the next number of their file", .act = next_streamlines},
-    {"ctrl+s", "save the session where it was opened or saved last", .move = press_save, .by = {SAVE_SAME_SESSION}},
+    {"ctrl+s", "save the session where it was opened or saved last", .move = press_save, .by = {SAVE_SAME_SESSION},
+     .group = "Files"},
     {"ctrl+shift+s", "save the session under another name", .move = show_dialog, .by = {DIALOG_SAVE}},
     {"o", "save a copy of the session, under a name by the time", .move = press_save, .by = {SAVE_SESSION}},
     {"p", "save what the window shows, as a picture", .move = press_save, .by = {SAVE_PICTURE}},
@@ -453,7 +460,7 @@ static const struct key keys[] = {
     {"ctrl+n", "the start page, for another atlas; Escape comes back", .act = window_go_to_start},
     {"ctrl+q", "close the window", .act = quit, .is_anywhere = true},
     {"f6", "keys go to the areas, the hits, back: arrows and Tab move, Space presses or enters, Escape leaves",
-     .act = go_to_panel},
+     .act = go_to_panel, .group = "Keyboard and panes"},
     {"tab", "one pane after the other fills the window", .act = enlarge},
     {"z", "the pane under the mouse alone, or all again; also a double click in a cut", .act = window_maximise},
     {")", "a larger 3-D pane; borders can be dragged, too", .move = widen_first, .by = {1}},
@@ -470,7 +477,7 @@ static const struct key keys[] = {
     {"left", NULL, .move = steer, .by = {4, 1}, .is_of_wand = true},
     {"right", NULL, .move = steer, .by = {4, -1}, .is_of_wand = true},
     {"left", "turn the 3-D view by 5\u00b0; the wand, where that points", .move = turn, .by = {-1, 0},
-     .shown = "Arrows"},
+     .shown = "Arrows", .group = "Arrows and the wand"},
     {"right", NULL, .move = turn, .by = {1, 0}},
     {"up", NULL, .move = turn, .by = {0, 1}},
     {"down", NULL, .move = turn, .by = {0, -1}},
@@ -625,21 +632,43 @@ bool keys_press(struct window *window, const char *key)
     return false;
 }
 
+/* Whether a row has the text that is searched, in its key or in what it does. */
+static bool is_found(const struct key *key, const char *shown, const char *search)
+{
+    return key->help && (!search[0] || strcasestr(key->help, search) || strcasestr(shown, search));
+}
+
 void keys_draw_help(struct window *window)
 {
+    char *search = window->forms.help_search;
     bool is_wide = (float)window->screen.width >= 1240 * window->screen.scale;
-    window_panel(window, "Keys and mouse (?, F1 or Escape closes this)", is_wide ? 1240 : 640, is_wide ? 680 : 780);
+    size_t found = 0;
+    window_panel(window, "Keys and mouse (?, F1 or Escape closes this)", is_wide ? 1240 : 640, is_wide ? 780 : 780);
+    if (window->forms.searches_help) {
+        window->forms.searches_help = false;
+        ui_take_keys();
+    }
+    ui_type("Search", search, sizeof window->forms.help_search, "a key, or what it does");
+    ui_tip("lists the keys that have this in their name or in what they do; / comes here");
     ui_columns(is_wide ? 2 : 1);
     for (size_t i = 0; i < KEYS; i++) {
         char text[KEY_LIMIT];
-        if (keys[i].help) {
-            ui_text_coloured(theme_texts[THEME_AMBER], "%s", keys_shown(text, &keys[i]));
+        const char *shown = keys_shown(text, &keys[i]);
+        if (keys[i].group && !search[0]) {
+            ui_text_coloured(theme_texts[THEME_HINT], "%s", keys[i].group);
+        }
+        if (is_found(&keys[i], shown, search)) {
+            found++;
+            ui_text_coloured(theme_texts[THEME_AMBER], "%s", shown);
             ui_same_line_at(120 * window->screen.scale);
             ui_text_wrapped(keys[i].help);
         }
-        if (keys[i].ends_column) {
+        if (keys[i].ends_column && !search[0]) {
             ui_next_column();
         }
+    }
+    if (!found) {
+        ui_text("no key does that");
     }
     ui_columns(1);
     ui_separator();

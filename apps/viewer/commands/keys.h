@@ -16,6 +16,7 @@ struct key {
     bool is_anywhere;      /**< It needs no atlas. */
     bool is_of_wand;       /**< It is one only where a tool is moved as a wand. */
     bool ends_column;      /**< The last key in its column of the list. */
+    const char *group;     /**< A heading before it; NULL = it goes on with the group before. */
 };
 
 /** The rows of the table of keys; NULL = no more. */

@@ -251,6 +251,11 @@ static void draw_notices(const struct window *window)
         ui_draw_text(at, notice.is_trouble ? theme_texts[THEME_ORANGE] : light, notice.text);
         at[1] -= 1.4F * ui_line();
     }
+    if (notice.is_old) {
+        at[1] -= ui_line();
+        ui_draw_heading(at, theme_texts[THEME_ORANGE], "OLD ANSWER");
+        at[1] -= 1.4F * ui_line();
+    }
     if (plans_is_on(viewer) && !notice.is_old) {
         char line[PLAN_LINE];
         char shown[PLAN_LINE];

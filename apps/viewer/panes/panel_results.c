@@ -130,6 +130,11 @@ void panel_results(struct window *window)
     }
     inputs_notice(&notice, &window->inputs, viewer, FIRST_TOOL);
     ui_panel("Hits of the cone", window->screen.right, 0);
+    if (notice.is_old) {
+        ui_tint(theme_texts[THEME_ORANGE]);
+        ui_heading("OLD ANSWER");
+        ui_tint_end();
+    }
     if (notice.is_trouble || notice.is_old) { /* then what follows is pale */
         ui_text_coloured(theme_texts[THEME_ORANGE], "%s", notice.text);
     }
@@ -144,8 +149,9 @@ void panel_results(struct window *window)
     if (viewer->atlas_count > 1) {
         draw_all_results(window);
     } else {
+        float lines = fmaxf(14, ui_room_below() / ui_line() - 30); /* the rest is for what is asked, and the card */
         bool shares_room = viewer->tools[SECOND_TOOL].on || viewer->study.settings.kind || plans_is_on(viewer);
-        panel_list(window, viewer->drawn, view_atlas_selection(viewer->drawn, FIRST_TOOL), shares_room ? 8 : 14);
+        panel_list(window, viewer->drawn, view_atlas_selection(viewer->drawn, FIRST_TOOL), shares_room ? 8 : lines);
     }
     ui_dim_end();
     draw_buttons(window);

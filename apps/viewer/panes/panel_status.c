@@ -12,6 +12,10 @@ enum { STATUS_TEXT = HOVER_TEXT + 256 };
 
 static const float gap = 16; /* pixels at scale 1, between the parts of the line */
 
+/* Of a tracker, by its state. */
+static const char *const lamp_words[] = {"no data", "no data", "lost", "lost", "tracking"};
+static const enum theme_text lamp_colours[] = {THEME_HINT, THEME_HINT, THEME_RED, THEME_RED, THEME_GREEN};
+
 static void write_place(char out[STATUS_TEXT], const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
@@ -60,14 +64,25 @@ void panel_status(struct window *window)
     const char *message = window->viewer->message;
     float wide = window->screen.status.width - 2 * gap * window->screen.scale;
     float said = fminf(message[0] ? ui_text_width(message) + gap * window->screen.scale : 0, 0.7F * wide);
+    enum station_state state = window->inputs.update.state;
+    bool tracked = window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_TRACKER;
+    const char *lamp = !tracked ? NULL : window->inputs.station ? lamp_words[state] : "no tracker";
+    float lit = lamp ? ui_text_width(lamp) + 3.5F * gap * window->screen.scale : 0;
+    wide -= lit;
     write_place(place, window);
     float placed = fminf(ui_text_width(place), wide - said);
     ui_panel("status", window->screen.status, UI_PLAIN);
     ui_gap(0);
     ui_same_line_at(gap * window->screen.scale);
+    if (lamp) {
+        ui_chip("lamp", theme_texts[lamp_colours[state]]);
+        ui_same_line_at(2.5F * gap * window->screen.scale);
+        ui_text("%s", lamp);
+        ui_same_line_at(lit);
+    }
     ui_text_cut(place, placed);
     if (message[0]) {
-        ui_same_line_at(gap * window->screen.scale + placed + gap * window->screen.scale);
+        ui_same_line_at(gap * window->screen.scale + lit + placed + gap * window->screen.scale);
         ui_tint(theme_texts[THEME_AMBER]);
         ui_text_cut(message, said - gap * window->screen.scale);
         ui_tint_end();

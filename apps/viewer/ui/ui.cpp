@@ -560,6 +560,13 @@ void ui_draw_text(const float at[2], ui_colour colour, const char *text)
     list->AddText(ImVec2(at[0], at[1]), packed(colour), text);
 }
 
+void ui_draw_heading(const float at[2], ui_colour colour, const char *text)
+{
+    ImGui::PushFont(ImGui::GetIO().Fonts->Fonts[1]);
+    ui_draw_text(at, colour, text);
+    ImGui::PopFont();
+}
+
 struct ui_mouse ui_mouse_now(void)
 {
     const ImGuiIO &io = ImGui::GetIO();

@@ -125,6 +125,8 @@ void ui_draw_box(struct ui_box box, ui_colour colour, float width);
 void ui_shorten(char *out, size_t size, const char *text, float width);
 /** Text with its top left corner there, in front of a dark shade. */
 void ui_draw_text(const float at[2], ui_colour colour, const char *text);
+/** Likewise, twice as large, of ASCII. */
+void ui_draw_heading(const float at[2], ui_colour colour, const char *text);
 
 struct ui_mouse {
     float x, y, moved_x, moved_y, wheel;

@@ -183,7 +183,8 @@ struct history {
 struct forms {
     struct figure_form figure;
     struct added_form added;
-    bool show_help;
+    bool show_help, searches_help; /**< Its line takes the keyboard in the next frame. */
+    char help_search[64];
 };
 
 struct window {
