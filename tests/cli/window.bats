@@ -240,3 +240,17 @@ def amber(name):
 assert 0 < amber("found.png") < 20 and amber("all.png") > 150, (amber("found.png"), amber("all.png"))
 END
 }
+
+@test "a display that does not answer is given up with a message" {
+    need_window
+    conus phantom sphere -o . --size 16
+    local screen
+    screen=$(cat "$BATS_FILE_TMPDIR/screen")
+    kill -STOP "$screen"
+    background timeout $HANG "$CONUS" view sphere.nii.gz --quiet 2>said
+    local code=0
+    wait "$child" || code=$?
+    kill -CONT "$screen"
+    [ $code -eq 4 ]
+    grep -q 'the display or its window manager has not answered for 30 s' said
+}

@@ -13,6 +13,7 @@
 #include <GLFW/glfw3.h>
 #include <jansson.h>
 #include <math.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -397,10 +398,26 @@ void window_place(const struct window *window, struct place *out)
     out->zoom = window->screen.zoom;
 }
 
+/* GLFW and Xlib wait without an end for answers of a display: a user shall not wait for a window that never comes. */
+static const unsigned patience_s = 30;
+
+static void give_up(int number)
+{
+    static const char text[] =
+        "conus: window: the display or its window manager has not answered for 30 s; start again\n";
+    (void)number;
+    (void)!write(STDERR_FILENO, text, sizeof text - 1);
+    _exit(EXIT_NO_GL);
+}
+
 bool window_find_display(void)
 {
+    signal(SIGALRM, give_up);
+    alarm(patience_s);
     glfwSetErrorCallback(print_glfw_error);
-    return glfwInit();
+    bool found = glfwInit();
+    alarm(0);
+    return found;
 }
 
 bool window_open(struct window *out, const struct window_options *options)
@@ -408,10 +425,12 @@ bool window_open(struct window *out, const struct window_options *options)
     struct window window = {.screen = {.enlarged = -1, .layout = options->place.layout}, .start.on = true};
     devices_init(&window.inputs.devices);
     sheet_init(&window.sheet);
+    alarm(patience_s);
     window.handle = make_window(options, GLFW_EGL_CONTEXT_API);
     if (!window.handle) {
         window.handle = make_window(options, GLFW_NATIVE_CONTEXT_API);
     }
+    alarm(0);
     if (!window.handle) {
         glfwTerminate();
         return false;
