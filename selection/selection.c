@@ -254,7 +254,11 @@ conus_status selection_begin(conus_selection **out, conus_selector *selector, co
     if (status) {
         return status;
     }
-    cone.slope = tangent(angle / 2);
+    if (angle != selector->angle) {
+        selector->angle = angle;
+        selector->slope = tangent(angle / 2);
+    }
+    cone.slope = selector->slope;
     conus_selection *selection = memory_zeroed(1, sizeof *selection);
     if (!selection) {
         return CONUS_ERROR_MEMORY;

@@ -3,7 +3,6 @@
 #include "selection/picture/picture_cutter.h"
 
 #include "base/geometry/math3.h"
-#include "base/geometry/tangent.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "render/flat/cut.h"
@@ -83,7 +82,7 @@ void cutter_cone(struct cut_cone *out, const conus_selection *selection)
     const struct cone *cone = &selection->cone;
     bool has_range = cone_has_range(cone);
     *out = (struct cut_cone){.world_from_cone = cone->pose.world_from_device,
-                             .slope = tangent(cone->angle / 2),
+                             .slope = cone_slope(cone),
                              .radius = cone->radius,
                              .near = has_range ? cone->range[0] : 0,
                              .far = has_range ? cone->range[1] : INFINITY};

@@ -3,7 +3,6 @@
 #include "selection/region/region.h"
 
 #include "base/geometry/math3.h"
-#include "base/geometry/tangent.h"
 
 /* How far, in voxels, bounds reach beyond what is exact. */
 static const double SLACK = 0.01;
@@ -24,7 +23,7 @@ void region_from_cone(struct region *out, const struct cone *cone)
         out->axis[a] = -m[8 + a];
         out->origin[a] = m[12 + a];
     }
-    out->slope = tangent(cone->angle / 2); /* a cylinder's angle is 0 */
+    out->slope = cone_slope(cone); /* a cylinder's angle is 0 */
     out->sine = sin(cone->angle / 2);
     out->cosine = cos(cone->angle / 2);
 }
