@@ -5,6 +5,7 @@
 The three show blocks.nii.gz, of which write() makes a box of 40 x 60 x 20 mm with an odd name, in an axial cut through
 its middle with the cone that hits it, 120 x 80 mm at 200 dpi.
 """
+import base64
 import re
 import subprocess
 import sys
@@ -48,10 +49,16 @@ def check_svg():
     assert WORDS <= set(texts), texts.keys()
     assert float(texts["L"].get("x")) < float(texts["R"].get("x"))
     assert float(texts["A"].get("y")) < float(texts["P"].get("y"))
-    assert len(list(root.iter(SVG + "image"))) == 1
+    image, = root.iter(SVG + "image")
     # The outline of 40 x 60 mm says how long a mm is, and the bar is as long as its text says.
     box, = [numbers(path.get("d")) for path in root.iter(SVG + "path") if path.get("stroke") == "#1e5ac8"]
     assert len(box) == 4, box
+    # The outline is not in the pixels: a row near the box's edge, where no cone is, has one colour.
+    with open("inside.png", "wb") as inside:
+        inside.write(base64.b64decode(image.get("{http://www.w3.org/1999/xlink}href").partition(",")[2]))
+    row = oiio.ImageBuf("inside.png").get_pixels(oiio.UINT8)[int(box[:, 1].max()) - 4]
+    row = row[int(box[:, 0].min()) : int(box[:, 0].max()) + 1, :3]
+    assert len(row) > 100 and (row == row[0]).all(), row
     pixels_per_mm = (numpy.ptp(box, axis=0) + 1) / (40, 60)
     assert abs(pixels_per_mm[0] / pixels_per_mm[1] - 1) < 0.01, pixels_per_mm
     length, = [float(text[:-3]) for text in texts if re.fullmatch(r"\d+ mm", text)]
