@@ -14,7 +14,7 @@ static void append(struct buffer *out, uint64_t value, size_t size)
 
 static void pad(struct buffer *out)
 {
-    while (out->size % 8) {
+    while (out->size % 8 && !out->failed) {
         append(out, 0, 1);
     }
 }

@@ -17,7 +17,7 @@ static void put(struct matlab_builder *builder, uint64_t bits, size_t size)
 
 static void pad(struct matlab_builder *builder)
 {
-    while (builder->bytes.size % 8) {
+    while (builder->bytes.size % 8 && !builder->bytes.failed) {
         put(builder, 0, 1);
     }
 }
