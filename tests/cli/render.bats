@@ -230,7 +230,7 @@ session() {
 
 @test "mistakes are named before anything is loaded" {
     fails 2 '--output FILE is missing' render a.nii
-    fails 2 '--output: "a.jpg" does not end in .png or .exr' render a.nii -o a.jpg
+    fails 2 '--output: "a.jpg" does not end in .png, .svg, .pdf or .exr' render a.nii -o a.jpg
     fails 2 '--size: "100" is not a size WxH' render a.nii -o a.png --size 100
     fails 2 '--size: 0x10 is out of range, allowed is 1 to 16384' render a.nii -o a.png --size 0x10
     fails 2 '--transfer has no effect without --context' render a.nii -o a.png --transfer brain
