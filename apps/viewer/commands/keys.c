@@ -643,7 +643,7 @@ void keys_draw_help(struct window *window)
     char *search = window->forms.help_search;
     bool is_wide = (float)window->screen.width >= 1240 * window->screen.scale;
     size_t found = 0;
-    window_panel(window, "Keys and mouse (?, F1 or Escape closes this)", is_wide ? 1240 : 640, is_wide ? 780 : 780);
+    window_panel(window, "Keys and mouse (?, F1 or Escape closes this)", is_wide ? 1240 : 640, 780);
     if (window->forms.searches_help) {
         window->forms.searches_help = false;
         ui_take_keys();
