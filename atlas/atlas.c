@@ -2,7 +2,6 @@
 /* Builds an atlas step by step, and implements the public accessors. */
 #include "atlas/atlas.h"
 
-#include "atlas/labels/labels.h"
 #include "atlas/space.h"
 #include "atlas/volume_sample.h"
 #include "base/geometry/math3.h"
@@ -177,23 +176,6 @@ conus_status atlas_add_group(conus_atlas *atlas, const conus_object *area)
     status = status ? status : atlas_append_object(atlas, area, (struct object_place){.index = SIZE_MAX});
     atlas->area_count = status ? atlas->area_count : atlas->object_count;
     return status;
-}
-
-void conus_atlas_use_safe_colours(conus_atlas *atlas)
-{
-    for (size_t i = 0; i < atlas->object_count && !atlas->has_safe_colours; i++) {
-        memcpy(atlas->places[i].own_rgb, atlas->objects[i].rgb, sizeof atlas->objects[i].rgb);
-        palette_safe_colour(atlas->objects[i].rgb, i);
-    }
-    atlas->has_safe_colours = true;
-}
-
-void conus_atlas_use_own_colours(conus_atlas *atlas)
-{
-    for (size_t i = 0; i < atlas->object_count && atlas->has_safe_colours; i++) {
-        memcpy(atlas->objects[i].rgb, atlas->places[i].own_rgb, sizeof atlas->objects[i].rgb);
-    }
-    atlas->has_safe_colours = false;
 }
 
 static const struct volume *grey_volume(const conus_atlas *atlas, size_t index)

@@ -349,7 +349,9 @@ CONUS_API bool conus_atlas_is_hidden(const conus_atlas *atlas, size_t number);
 /** @} */
 
 /**
- * Gives all areas, pathways and bundles colours that people with any colour vision can tell apart as well as possible.
+ * Gives all areas, pathways and bundles colours that people with any colour vision can tell apart as well as possible:
+ * different ones to areas that touch, the same to the left and the right one of a pair. Of more than 8191 areas, or
+ * without memory, colours follow the atlas's order.
  * Renderers that were made before keep the old ones.
  * @param atlas The atlas.
  * @threads One at a time, while no other thread uses the atlas.
