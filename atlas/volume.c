@@ -171,3 +171,26 @@ bool volume_find_voxel(size_t *voxel, const struct volume *volume, const double 
     *voxel = (size_t)cell[0] + dim[0] * ((size_t)cell[1] + dim[1] * (size_t)cell[2]);
     return true;
 }
+
+struct value_scale value_scale_of(const conus_volume_info *info)
+{
+    static const struct {
+        const char *datatype;
+        double value;
+        const char *words;
+    } full[] = {{"uint8", UINT8_MAX, "values over the range of uint8"},
+                {"uint16", UINT16_MAX, "values over the range of uint16"}};
+    if (info->maximum <= 1) {
+        return (struct value_scale){1, true, "values up to 1, taken as probabilities"};
+    }
+    if (info->maximum <= 100) {
+        return (struct value_scale){100, true, "values up to 100, taken as percent"};
+    }
+    for (size_t i = 0; i < 2; i++) {
+        bool stored = strcmp(info->datatype, full[i].datatype) == 0 && info->slope == 1 && info->intercept == 0;
+        if (stored && info->maximum > full[i].value / 2) {
+            return (struct value_scale){full[i].value, true, full[i].words};
+        }
+    }
+    return (struct value_scale){info->maximum, false, "values of no usual scale, measured by the largest"};
+}

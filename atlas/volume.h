@@ -91,6 +91,17 @@ static inline bool volume_has_objects(const struct volume *volume)
     return volume->objects16 || volume->objects32 || volume->step_count;
 }
 
+/** The value of a map that means "certainly". */
+struct value_scale {
+    double value;
+    bool is_probability; /**< Not only the map's own largest value. */
+    const char *words;   /**< How it was found. */
+};
+
+/** Probabilities are stored as 0..1, as percent, or over the whole range of an unsigned integer; what fits none of
+ * these is measured by its own largest value. */
+struct value_scale value_scale_of(const conus_volume_info *info);
+
 /** Whether rays can hit anything in it. */
 static inline bool volume_can_be_hit(const struct volume *volume)
 {

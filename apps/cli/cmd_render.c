@@ -202,13 +202,15 @@ static int render_rows_choose(struct drawn_rows *out, const conus_pose_list *lis
 }
 
 struct translucent_settings {
-    struct option_list opacity, pathways;
+    struct option_list opacity, pathways, listed;
 };
 
 /* The opacities and colours for one atlas. */
 struct translucent {
     double *opacity; /* For conus_view; NULL = none. */
     double pale;
+    bool no_pale;
+    bool *listed;                     /* For conus_view; NULL = none. */
     conus_pathway_transfer *pathways; /* For the renderer; [pathway_count]. */
     size_t pathway_count;
 };
@@ -230,6 +232,13 @@ static const struct option translucent_options[] = {
      .help =
          "draw pathways, or this one, as haze, by colours and opacities of their values: own (their colour), a preset "
          "of --transfer or a file; may be repeated"},
+    {.name = "legend-area",
+     .type = OPTION_LIST,
+     .offset = FIELD(listed),
+     .value = "NAME",
+     .help = "an area, by name, abbreviation or label, with all below it in the area tree, or a pathway or bundle: it "
+             "stands out, and has a row in the legend beside what the cone hits; may be repeated",
+     .excludes = "no-legend"},
     {0},
 };
 
@@ -260,14 +269,17 @@ static bool translucent_check(const struct translucent_settings *settings)
             print_error_line("--opacity: \"%s\"; wanted is AREA=A or A, A from 0 to 1", text);
             return false;
         }
-        if (!equals && opacity == 0) {
-            print_error_line(
-                "--opacity: 0 of all that the cone does not hit, allowed is more than 0; --only names what "
-                "is drawn");
-            return false;
-        }
     }
     return true;
+}
+
+/* Whether it is `ancestor`, or below it in the area tree. */
+static bool is_below(const conus_atlas *atlas, uint32_t number, uint32_t ancestor)
+{
+    while (number && number != ancestor) {
+        number = conus_atlas_object(atlas, number)->parent;
+    }
+    return number == ancestor;
 }
 
 static int set_opacity(struct translucent *out, const conus_atlas *atlas, const char *name, double opacity)
@@ -277,11 +289,26 @@ static int set_opacity(struct translucent *out, const conus_atlas *atlas, const 
         return print_usage_error("--opacity: %s", conus_message());
     }
     for (uint32_t number = 1; number <= conus_atlas_object_count(atlas); number++) {
-        uint32_t above = number; /* itself, or what it is below in the area tree */
-        while (above && above != found) {
-            above = conus_atlas_object(atlas, above)->parent;
+        out->opacity[number] = is_below(atlas, number, found) ? opacity : out->opacity[number];
+    }
+    return EXIT_DONE;
+}
+
+static int find_listed(struct translucent *out, const conus_atlas *atlas, const struct option_list *texts)
+{
+    size_t count = conus_atlas_object_count(atlas);
+    out->listed = texts->count ? calloc(count + 1, sizeof *out->listed) : NULL;
+    if (texts->count && !out->listed) {
+        return print_no_memory();
+    }
+    for (size_t i = 0; i < texts->count; i++) {
+        uint32_t found = 0;
+        if (conus_atlas_find(&found, atlas, texts->items[i])) {
+            return print_usage_error("--legend-area: %s", conus_message());
         }
-        out->opacity[number] = above == found ? opacity : out->opacity[number];
+        for (uint32_t number = 1; number <= count; number++) {
+            out->listed[number] = out->listed[number] || is_below(atlas, number, found);
+        }
     }
     return EXIT_DONE;
 }
@@ -301,6 +328,7 @@ static int find_opacities(struct translucent *out, const conus_atlas *atlas, con
         bool done = out->opacity && split_value(&name, &value, texts->items[i]) && parse_opacity(&opacity, value);
         code = !done ? print_no_memory() : name ? set_opacity(out, atlas, name, opacity) : EXIT_DONE;
         out->pale = name ? out->pale : opacity;
+        out->no_pale = name ? out->no_pale : opacity == 0;
         free(name);
     }
     return code;
@@ -332,6 +360,7 @@ static int translucent_find(struct translucent *out, const conus_atlas *atlas,
     const struct option_list *texts = &settings->pathways;
     *out = (struct translucent){0};
     int code = find_opacities(out, atlas, &settings->opacity);
+    code = code ? code : find_listed(out, atlas, &settings->listed);
     out->pathways = code ? NULL : calloc(texts->count + 1, sizeof *out->pathways);
     if (!code && !out->pathways) {
         return print_no_memory();
@@ -520,6 +549,7 @@ static void picture_finish(struct picture *picture)
     conus_selector_destroy(picture->selector);
     conus_atlas_destroy(picture->atlas);
     free(picture->translucent.opacity);
+    free(picture->translucent.listed);
     free(picture->translucent.pathways);
     for (size_t i = 0; i < picture->rows.count; i++) {
         free(picture->rows.items[i].path);
@@ -793,10 +823,16 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
                        .selection = selection,
                        .opacity = picture->translucent.opacity,
                        .pale = picture->translucent.pale,
+                       .no_pale = picture->translucent.no_pale,
+                       .listed = picture->translucent.listed,
                        .frame = &picture->frame,
                        .no_skipping = settings->no_skipping};
     figure_view(&view, &settings->figure);
-    if (settings->turn.frames && !option_given(picture->arguments, "legend")) {
+    if (!view.legend_rows &&
+        option_given(picture->arguments, "legend")) { /* who asks for one gets one without a cone, too */
+        view.legend_rows = UINT32_MAX;
+    }
+    if (settings->turn.frames && selection && !option_given(picture->arguments, "legend")) {
         view.legend = CONUS_LEGEND_BELOW; /* inside, it would change its corner */
     }
     view.shapes = path_ends(path, ".svg") || path_ends(path, ".pdf");

@@ -66,8 +66,16 @@ const struct option figure_options[] = {
      .type = OPTION_CHOICE,
      .offset = FIELD(legend),
      .value = "WHERE",
-     .help = "where the legend is; right and below make the picture higher where it needs that:",
+     .help = "where the legend is; without a cone it names what is drawn:",
      .choices = figure_legends,
+     .excludes = "no-legend"},
+    {.name = "legend-rows",
+     .type = OPTION_COUNT,
+     .offset = FIELD(legend_rows),
+     .value = "N",
+     .help = "of the objects in the legend only the first N, and a row that counts the others",
+     .low = 1,
+     .high = UINT32_MAX,
      .excludes = "no-legend"},
     {.name = "no-legend",
      .type = OPTION_FLAG,
@@ -133,6 +141,7 @@ void figure_view(conus_view *view, const struct figure_settings *settings)
     view->height = width > 0 ? pixels_of(height, view->dpi) : settings->size[1];
     view->side = (conus_side)settings->side;
     view->legend = (conus_legend)settings->legend;
+    view->legend_rows = settings->legend_rows;
     view->no_legend = settings->no_legend;
     parse_background(&view->background, view->background_rgb, settings->background);
 }

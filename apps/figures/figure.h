@@ -14,6 +14,7 @@ struct figure_settings {
     size_t side, legend;             /* conus_side, conus_legend */
     const char *background;
     bool safe_colours, no_legend;
+    uint32_t legend_rows;          /**< 0 = not given. */
     const char *streamline_colour; /**< As in conus_renderer_options. */
 };
 

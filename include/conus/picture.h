@@ -141,10 +141,10 @@ typedef enum conus_side {
 typedef enum conus_legend {
     CONUS_LEGEND_INSIDE = 0, /**< In a corner of the drawing, which leaves a margin for it: of its width or height at
                                 most 0.6. Where rows do not fit, the last ones behind others are counted in one. */
-    CONUS_LEGEND_RIGHT,      /**< Beside the drawing, of which it takes at most half the width; the picture becomes
-                                higher than asked for where the legend is. */
-    CONUS_LEGEND_BELOW,      /**< Below the drawing: the picture becomes higher by it. */
-    CONUS_LEGEND_NONE        /**< Nowhere; letters of directions and the scale stay. */
+    CONUS_LEGEND_RIGHT, /**< Beside the drawing, of which it takes at most half the width; the picture is as large as
+                           asked for. */
+    CONUS_LEGEND_BELOW, /**< Below the drawing: the picture becomes higher by it, at most by as much again. */
+    CONUS_LEGEND_NONE   /**< Nowhere; letters of directions and the scale stay. */
 } conus_legend;
 
 /** The background of a drawing. */
@@ -184,11 +184,19 @@ typedef struct conus_view {
     double pale;              /**< Opacity of what the selection does not hit, of all without a selection; 0 = 1, as of
                                  what it hits. */
     const conus_frame *frame; /**< In which the legend says where the cone begins; NULL = RAS mm. */
-    conus_progress progress;  /**< Hears of each piece that is drawn; false ends the picture. NULL = no callback, and
-                                 quicker by what waiting for each piece costs. */
-    void *progress_user;      /**< Passed to @p progress. */
-    bool shapes; /**< Keep text, legend, scale bar and the outlines of cuts out of the pixels, as shapes for
-                    conus_image_write() of .svg and .pdf, which need it. */
+    const bool *listed;   /**< [object count + 1] What stands out and has a row in the legend beside what the selection
+                             hits, as far as it is drawn, by number. NULL = with a selection what @p opacity names,
+                             without one everything that is drawn, in a legend that is outside or that has
+                             @p legend_rows. */
+    uint32_t legend_rows; /**< The legend has at most so many rows of objects, and one that counts the others; 0 = as
+                             many as there is room for. */
+    bool no_pale;         /**< What the selection does not hit, and without one everything, is not drawn unless
+                             @p opacity says otherwise. */
+    bool shapes;          /**< Keep text, legend, scale bar and the outlines of cuts out of the pixels, as shapes for
+                              conus_image_write() of .svg and .pdf, which need it. */
+    conus_progress progress; /**< Hears of each piece that is drawn; false ends the picture. NULL = no callback, and
+                                quicker by what waiting for each piece costs. */
+    void *progress_user;     /**< Passed to @p progress. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

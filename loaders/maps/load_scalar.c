@@ -156,36 +156,6 @@ static conus_status bands_note(struct notes *notes, const conus_atlas *atlas, si
     return status;
 }
 
-/* The value that means "certainly". Probabilities are stored as 0..1, as percent, or over the whole range of an
- * unsigned integer; what fits none of these is measured by its own largest value. */
-struct scale {
-    double value;
-    const char *words;
-};
-
-static struct scale scale_of(const conus_volume_info *info)
-{
-    static const struct {
-        const char *datatype;
-        double value;
-        const char *words;
-    } full[] = {{"uint8", UINT8_MAX, "values over the range of uint8"},
-                {"uint16", UINT16_MAX, "values over the range of uint16"}};
-    if (info->maximum <= 1) {
-        return (struct scale){1, "values up to 1, taken as probabilities"};
-    }
-    if (info->maximum <= 100) {
-        return (struct scale){100, "values up to 100, taken as percent"};
-    }
-    for (size_t i = 0; i < 2; i++) {
-        bool stored = strcmp(info->datatype, full[i].datatype) == 0 && info->slope == 1 && info->intercept == 0;
-        if (stored && info->maximum > full[i].value / 2) {
-            return (struct scale){full[i].value, full[i].words};
-        }
-    }
-    return (struct scale){info->maximum, "values of no usual scale, measured by the largest"};
-}
-
 /* Eq. 6's threshold: the one asked for, or a quarter of the scale; of a mask that never comes to it, of its value. */
 static conus_status choose_threshold(struct volume_file *file, const struct value_map *map, double wanted,
                                      const char *name, struct notes *notes)
@@ -202,9 +172,9 @@ static conus_status choose_threshold(struct volume_file *file, const struct valu
         return fail(CONUS_ERROR_ARGUMENT, "%s: threshold %s, allowed is above 0 to %s, the largest value (0 = default)",
                     info->path, text_number(threshold, wanted), maximum);
     }
-    struct scale scale = scale_of(info);
+    struct value_scale scale = value_scale_of(info);
     if (info->maximum < scale.value / 4 && value_map_is_mask(map)) {
-        scale = (struct scale){info->maximum, "0 and one other value, taken as a mask"};
+        scale = (struct value_scale){info->maximum, false, "0 and one other value, taken as a mask"};
     }
     info->threshold = wanted > 0 ? wanted : scale.value / 4;
     text_number(threshold, info->threshold);

@@ -640,7 +640,8 @@ void colour_pass_prepare(const struct colour_pass *pass, const struct colour_vie
         bool is_object = number <= pass->object_count;
         size_t from = view->group && is_object ? view->group[number] : number;
         memcpy(pass->shown + 4 * number, pass->colours + 4 * from, 3 * sizeof *pass->shown);
-        pass->shown[4 * number + 3] = (float)(view->emphasis && is_object ? view->emphasis[number] : EMPHASIS_FULL);
+        enum emphasis own = is_object ? EMPHASIS_FULL : EMPHASIS_GLASS;
+        pass->shown[4 * number + 3] = (float)(view->emphasis && is_object ? view->emphasis[number] : own);
     }
     glNamedBufferSubData(pass->view, 0, sizeof block, &block);
     glNamedBufferSubData(pass->palette, 0, (GLsizeiptr)(count * 4 * sizeof *pass->shown), pass->shown);

@@ -7,6 +7,7 @@ enum emphasis {
     EMPHASIS_PALE = 0, /**< Not in the cone.                               */
     EMPHASIS_FULL,     /**< A pixel hits it first.                         */
     EMPHASIS_HATCHED,  /**< In the cone, but occluded: stripes of its colour. */
+    EMPHASIS_GLASS,    /**< A surface around the areas: with a dark outline. */
 };
 
 #endif

@@ -21,7 +21,7 @@ static const double BELOW_BASELINE = 0.45; /* the part of a line below its basel
 
 static const double WIDEST = 0.42;
 
-static const float PANEL[4] = {0.004F, 0.005F, 0.008F, 0.88F};
+static const float PANEL[4] = {0.004F, 0.005F, 0.008F, 0.96F};
 static const float RIM[4] = {0.6F, 0.65F, 0.75F, 0.25F};
 static const float BRIGHT[4] = {0.95F, 0.95F, 0.95F, 1};
 static const float DIM[4] = {0.42F, 0.45F, 0.5F, 1};
@@ -154,7 +154,8 @@ static bool measure_layout(struct layout *layout)
     const struct legend *legend = layout->legend;
     double em = layout->em;
     find_header(layout);
-    size_t fitting = legend_capacity(layout->legend, layout->em, layout->image->height);
+    double above = legend->at ? legend->at[1] : 0;
+    size_t fitting = legend_capacity(layout->legend, layout->em, layout->image->height - above);
     size_t count = layout->legend->count;
     size_t tail = layout->legend->tail;
     layout->shown = count <= fitting ? count : fitting > 0 ? fitting - 1 : 0;
@@ -242,6 +243,23 @@ static void draw_bar(const struct layout *layout, double left, double baseline, 
     draw_box(layout->image, &mark, 0, layout->dim);
 }
 
+/* Between stripes of the chip's colour that of an area that does not stand out, as pictures have it. */
+static void draw_stripes(const struct layout *layout, const struct draw_box *box, const float chip[4])
+{
+    const int period = (int)fmax(4, rint(0.45 * layout->em));
+    const float pale[4] = {0.16F * chip[0] + 0.30F, 0.16F * chip[1] + 0.30F, 0.16F * chip[2] + 0.30F, 1};
+    const int width = (int)(box->right - box->left);
+    const int height = (int)(box->bottom - box->top);
+    for (int y = 0; y < height; y++) {
+        for (int x = 0; x < width; x++) {
+            const struct draw_box pixel = {box->left + x, box->top + y, box->left + x + 1, box->top + y + 1};
+            if ((x + height - y) % period < period / 2) {
+                draw_box(layout->image, &pixel, 0, pale);
+            }
+        }
+    }
+}
+
 static conus_status write_row(const struct layout *layout, double left, double baseline, const struct legend_row *row)
 {
     double indent = row->heading ? 0 : (CHIP + CHIP_GAP) * layout->em;
@@ -258,6 +276,9 @@ static conus_status write_row(const struct layout *layout, double left, double b
             memcpy(chip, layout->dim, sizeof chip);
         }
         draw_frame(layout->image, &box, 0.18 * layout->em, row->hollow ? fmax(1, 0.08 * layout->em) : 0, chip);
+        if (row->striped) {
+            draw_stripes(layout, &box, chip);
+        }
     }
     conus_status status = write_text(layout, (double[]){left + indent, baseline}, layout->em, layout->name_width + 0.01,
                                      colour, row->name);
@@ -275,7 +296,7 @@ conus_status legend_draw(conus_image *image, struct font *font, const struct leg
     const float *ink = layout.legend->ink;
     memcpy(layout.bright, ink ? ink : BRIGHT, sizeof layout.bright);
     memcpy(layout.dim, ink ? ink : DIM, sizeof layout.dim);
-    layout.dim[3] *= ink ? 0.87F : 1;
+    layout.dim[3] *= !ink ? 1 : legend->faint > 0 ? (float)legend->faint : 0.87F;
     if (!measure_layout(&layout)) {
         return CONUS_OK;
     }

@@ -11,6 +11,7 @@ struct legend_row {
     uint8_t rgb[3]; /**< sRGB of the chip.                                                            */
     bool hollow;    /**< Only the chip's outline: for what is no object.                              */
     bool heading;   /**< A heading: only its name, in grey. */
+    bool striped;   /**< Stripes of its colour on the chip. */
     bool mark;      /**< A mark of a bar in place of the chip. */
     const uint8_t (
         *bar)[3]; /**< [LEGEND_BAR] sRGB of the bar from the row above, which has a mark, too; NULL = none. */
@@ -30,6 +31,7 @@ struct legend {
     enum legend_corner corner;
     const double *at; /**< Left and top, pixels, in place of a corner; NULL = the corner.                           */
     const float *ink; /**< Linear colour and opacity of its letters where it has no panel; NULL = a dark panel.     */
+    double faint;     /**< With ink: how opaque letters are that say less; 0 = 0.87.                        */
     double widest;    /**< The part of the image's width that it may take, with its margin; 0 = 0.42.              */
     double size;      /**< Letters: pixels per em; 0 = a 54th of the image's shorter side, at least 11.           */
 };

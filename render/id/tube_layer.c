@@ -19,7 +19,7 @@ static const double ramp[TUBE_RAMP_STEPS + 1][3] = {
 void tube_scalar_colour(uint8_t rgb[3], double part)
 {
     if (isnan(part)) {
-        rgb[0] = rgb[1] = rgb[2] = 128;
+        memset(rgb, TUBE_UNKNOWN, 3);
         return;
     }
     double at = fmin(fmax(part, 0), 1) * TUBE_RAMP_STEPS;
@@ -31,8 +31,11 @@ void tube_scalar_colour(uint8_t rgb[3], double part)
 
 void tube_direction_colour(uint8_t rgb[3], const double direction[3])
 {
-    double unit[3] = {0, 0, 0};
-    (void)vec3_normalise(unit, direction);
+    double unit[3];
+    if (!vec3_normalise(unit, direction)) {
+        memset(rgb, TUBE_UNKNOWN, 3);
+        return;
+    }
     for (int c = 0; c < 3; c++) {
         rgb[c] = (uint8_t)(255 * fabs(unit[c]) + 0.5);
     }
@@ -148,10 +151,12 @@ uint32_t tube_colour(const struct tube_colouring *colouring, const struct tracto
         return own_colour(rgb);
     }
     double from[3], along[3];
-    uint64_t next = index + 1 < tractogram->first[number + 1] ? index + 1 : index;
     tractogram_point(from, tractogram, index);
-    tractogram_point(along, tractogram, next);
-    vec3_sub(along, along, from);
+    memset(along, 0, sizeof along);
+    for (uint64_t next = index + 1; vec3_dot(along, along) == 0 && next < tractogram->first[number + 1]; next++) {
+        tractogram_point(along, tractogram, next); /* a point may be there twice */
+        vec3_sub(along, along, from);
+    }
     tube_direction_colour(rgb, along);
     return own_colour(rgb);
 }

@@ -32,12 +32,15 @@ struct tube_colouring {
 conus_status tube_colouring_choose(struct tube_colouring *out, const conus_atlas *atlas, const char *name);
 void tube_colouring_finish(struct tube_colouring *colouring);
 
-enum { TUBE_RAMP_STEPS = 4 }; /**< Between the colours of a number; between two of them they are mixed in sRGB. */
+enum {
+    TUBE_RAMP_STEPS = 4, /**< Between the colours of a number; between two of them they are mixed in sRGB. */
+    TUBE_UNKNOWN = 128   /**< The grey of what has no number or direction: red, green and blue. */
+};
 
 /** sRGB of @p part, 0 to 1, of the range of a number; grey where it is NaN. */
 void tube_scalar_colour(uint8_t rgb[3], double part);
 
-/** The same of a direction, of any length; its sign does not count. */
+/** The same of a direction, of any length; its sign does not count. Grey where its length is 0. */
 void tube_direction_colour(uint8_t rgb[3], const double direction[3]);
 
 /** The colour of the segment from point @p index of streamline @p number to the next, of @p object. */

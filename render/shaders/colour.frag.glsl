@@ -36,7 +36,7 @@ layout(binding = 6) uniform sampler2D mesh_surface; // normal in world axes, dep
 layout(binding = 7) uniform usampler2D mesh_object;
 layout(std430, binding = 0) readonly buffer Palette
 {
-    vec4 palette[]; // per object: linear R, G, B; its emphasis: 0 pale, 1 full, 2 hatched
+    vec4 palette[]; // per object: linear R, G, B; its emphasis: 0 pale, 1 full, 2 hatched, 3 glass
 };
 
 #if SLICES
@@ -205,7 +205,8 @@ vec3 object_colour(uint object, vec3 normal, vec3 direction, vec3 view, float t)
 {
     vec4 entry = entry_of(object);
     bool stripe = mod(gl_FragCoord.x + gl_FragCoord.y, HATCH) < 0.5 * HATCH;
-    vec3 albedo = mix(0.16 * entry.rgb + 0.30, entry.rgb, entry.a > 1.5 ? float(stripe) : entry.a);
+    float part = entry.a > 2.5 ? 1.0 : entry.a > 1.5 ? float(stripe) : entry.a;
+    vec3 albedo = mix(0.16 * entry.rgb + 0.30, entry.rgb, part);
     float wall = distance_to_cone(t * direction);
     bool faces = dot(normal, mat3(world_from_camera) * (t * direction - apex.xyz)) < 0.0;
     albedo = abs(wall) < line.y && faces ? cone_colour.rgb : albedo;

@@ -11,6 +11,9 @@ layout(std430, binding = 2) readonly buffer Opacities
 };
 
 const int SEEN = 16; // translucent areas along one ray
+const vec3 OUTLINE = vec3(0.09, 0.09, 0.1); // of surfaces around the areas: it shows on white and on black
+const float OUTLINE_OPACITY = 0.8;
+const float EDGE = 0.3; // cosine between normal and view
 
 bool lies_in(vec3 place)
 {
@@ -116,6 +119,12 @@ float event_depth(Events events)
     return min(events.near.depth, events.layer_depth);
 }
 
+// 1 where glass is seen edge on, 0 where it faces the eye more than EDGE says.
+float outline_of(vec3 normal, vec3 view)
+{
+    return 1.0 - smoothstep(0.5 * EDGE, EDGE, abs(dot(normal, view)));
+}
+
 void blend_surface(inout vec4 sum, vec3 colour_, float opacity)
 {
     blend(sum, vec4(colour_ * opacity, opacity));
@@ -132,7 +141,9 @@ void take_event(inout vec4 sum, inout Events events, vec3 direction, vec3 view)
         uint object = texelFetch(layer_object, texel, 0).x;
         vec3 normal = texelFetch(layer_surface, texel, 0).xyz;
         float opacity = opacities[(object & TUBE_OWN_COLOUR) != 0u ? 0u : object];
-        blend_surface(sum, object_colour(object, normal, direction, view, events.layer_depth), opacity);
+        vec3 shade = object_colour(object, normal, direction, view, events.layer_depth);
+        float outline = entry_of(object).a > 2.5 ? outline_of(normal, view) : 0.0;
+        blend_surface(sum, mix(shade, OUTLINE, outline), mix(opacity, max(opacity, OUTLINE_OPACITY), outline));
         next_layer(events, events.layer + 1);
     }
 }

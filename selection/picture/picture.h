@@ -10,6 +10,10 @@
 /** Tangents of a frustum's edges are at most so large. */
 enum { PICTURE_FRUSTUM_LIMIT = 1000 };
 
+/** Of text to what it stands on: at least so much (WCAG 2.2, 1.4.3). */
+#define PICTURE_CONTRAST 4.5
+#define PICTURE_DIM 0.87F
+
 struct picture_legend;
 
 struct picture {
@@ -23,6 +27,7 @@ struct picture {
     struct picture_legend *legend; /**< NULL = none.                                                   */
     double em, line;               /**< Size of letters, and of the thinnest line, pixels.             */
     float ink[4];                  /**< Colour of letters, as draw.h has it.                           */
+    float dim;                     /**< Opacity of letters that say less.                              */
     struct camera camera;
     struct camera_frame frame;
     double centre[3], radius; /**< A ball around what shows, world mm. */
@@ -63,7 +68,16 @@ void picture_background(float out[4], const conus_view *options, float part);
  * text, and a word about it in @p log (NULL = none). */
 conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory, conus_log log, void *log_user);
 
-/** Whether its options have a legend, and there is something to put in: hits of a cone, or colours of streamlines. */
+/** Whether an object keeps its colour, and has a row in the legend, though the cone does not hit it: one that is
+ * listed, or else that is given an opacity. */
+bool picture_stands_out(const struct picture *picture, size_t number);
+
+/** The number by which the picture and its legend name a pathway that is haze by values, so that it looks like another
+ * one; 0 where it has none. */
+size_t picture_tag(const struct picture *picture, uint32_t number);
+
+/** Whether its options have a legend, and there is something to put in: hits of a cone, objects that are listed, or
+ * colours that stand for something. */
 bool picture_has_legend(const struct picture *picture);
 
 /** Makes the legend of a picture that has one, and place for it beside or below the drawing. */

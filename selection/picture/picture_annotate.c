@@ -67,14 +67,15 @@ static conus_status draw_direction(conus_image *image, const struct picture *pic
     double x = vec3_dot(m, direction);
     double y = -vec3_dot(m + 4, direction);
     bool behind = vec3_dot(m + 8, direction) < 0;
-    float rgba[4] = {picture->ink[0], picture->ink[1], picture->ink[2], behind ? 0.45F : 1};
+    float rgba[4] = {picture->ink[0], picture->ink[1], picture->ink[2], behind ? 0.45F : 1}; /* no text */
+    float letters_rgba[4] = {picture->ink[0], picture->ink[1], picture->ink[2], behind ? picture->dim : 1};
     const double end[2] = {centre[0] + length * x, centre[1] + length * y};
     double flat = sqrt(x * x + y * y);
     draw_line(image, centre, end, (behind ? 1.2 : 2.2) * picture->line, rgba);
     double out = flat > 0.15 ? 0.75 * size / flat : 0;
     const double corner[2] = {end[0] + out * x - font_width(picture->font, size, letter) / 2,
                               end[1] + out * y + 0.36 * size};
-    return flat > 0.15 ? font_draw(picture->font, image, corner, size, rgba, letter) : CONUS_OK;
+    return flat > 0.15 ? font_draw(picture->font, image, corner, size, letters_rgba, letter) : CONUS_OK;
 }
 
 static conus_status draw_directions(conus_image *image, const struct picture *picture)
@@ -121,9 +122,74 @@ static conus_status draw_scale(conus_image *image, const struct picture *picture
     return picture_draw_bar(image, picture, pixels_per_mm, is_across(picture) ? 1.5 : 10.5);
 }
 
+/* Where the pathway's value is largest, world mm. */
+static void find_peak(double out[3], const conus_atlas *atlas, uint32_t number)
+{
+    const struct volume *volume = atlas_object_volume(atlas, number);
+    const size_t *dim = volume->info.dim;
+    double most = -INFINITY;
+    size_t best = 0;
+    for (size_t v = volume_next(volume, 0); v < volume->voxel_count; v = volume_next(volume, v + 1)) {
+        double value = volume_object(volume, v) == number ? (double)volume_value(volume, v) : -INFINITY;
+        best = value > most ? v : best;
+        most = fmax(most, value);
+    }
+    const size_t index[3] = {best % dim[0], best / dim[0] % dim[1], best / dim[0] / dim[1]};
+    const double voxel[3] = {(double)index[0], (double)index[1], (double)index[2]};
+    mat4_point(out, volume->info.world_from_voxel, voxel);
+}
+
+/* Black or white, whichever has the higher contrast to it. */
+static float ink_on(const float rgba[4])
+{
+    return 0.2126F * rgba[0] + 0.7152F * rgba[1] + 0.0722F * rgba[2] > 0.179F ? 0 : 1;
+}
+
+/* The number of each pathway that the legend names by one, on a disc of its colour; beside one that is there. */
+static conus_status draw_tags(conus_image *image, const struct picture *picture)
+{
+    enum { TAGS = 64 };
+    double places[TAGS][2];
+    size_t count = 0;
+    const double radius = 0.75 * picture->em;
+    conus_status status = CONUS_OK;
+    for (uint32_t number = 1; number <= picture->atlas->object_count && count < TAGS && !status; number++) {
+        size_t tag = picture_tag(picture, number);
+        double peak[3];
+        double *at = places[count];
+        double depth;
+        if (!tag) {
+            continue;
+        }
+        find_peak(peak, picture->atlas, number);
+        if (!camera_project(&at[0], &at[1], &depth, &picture->camera, &picture->frame, peak)) {
+            continue;
+        }
+        for (size_t i = 0; i < count; i++) {
+            bool is_free = hypot(at[0] - places[i][0], at[1] - places[i][1]) > 2.2 * radius;
+            at[0] += is_free ? 0 : 2.4 * radius;
+            i = is_free ? i : (size_t)-1; /* and again from the first one */
+        }
+        count++;
+        float colour[4];
+        draw_colour(colour, picture->atlas->objects[number - 1].rgb, 1);
+        const float grey = ink_on(colour);
+        const float ink[4] = {grey, grey, grey, 1};
+        const struct draw_box disc = {at[0] - radius, at[1] - radius, at[0] + radius, at[1] + radius};
+        char text[CELL_SIZE];
+        snprintf(text, sizeof text, "%zu", tag);
+        const double corner[2] = {at[0] - font_width(picture->font, picture->em, text) / 2, at[1] + 0.36 * picture->em};
+        draw_box(image, &disc, radius, colour);
+        draw_frame(image, &disc, radius, fmax(1, 0.1 * picture->em), ink);
+        status = font_draw(picture->font, image, corner, picture->em, ink, text);
+    }
+    return status;
+}
+
 conus_status picture_annotate(conus_image *image, const struct picture *picture)
 {
-    conus_status status = picture->legend ? picture_legend_draw(image, picture) : CONUS_OK;
+    conus_status status = picture->legend ? draw_tags(image, picture) : CONUS_OK;
+    status = status || !picture->legend ? status : picture_legend_draw(image, picture);
     if (!status) {
         status = is_across(picture) ? draw_edges(image, picture) : draw_directions(image, picture);
     }

@@ -11,7 +11,15 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { TEXT_SIZE = PICTURE_TEXT, CELL_SIZE = 24, PATHWAY_ROWS = 5, COLOURS = 3, MARKS = 5, COLOUR_ROWS = MARKS + 2 };
+enum {
+    TEXT_SIZE = PICTURE_TEXT,
+    CELL_SIZE = 24,
+    PATHWAY_ROWS = 5,
+    COLOURS = 3,
+    MARKS = 5,
+    COLOUR_ROWS = MARKS + 2,
+    KEYS = 3
+};
 
 /* The legend's part of the picture's width: inside, while letters of SMALLEST of their size are enough, and beside. */
 static const double INSIDE = 0.42;
@@ -34,9 +42,9 @@ struct picture_legend {
     struct cells *cells;
     struct buffer *names; /* [name_count] of what shares its name */
     size_t name_count;
-    char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[2 * COLOUR_ROWS][TEXT_SIZE];
-    uint8_t bars[MARKS - 1][LEGEND_BAR][3];
-    double at[2], size[2]; /* pixels of the image */
+    char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[KEYS * COLOUR_ROWS][TEXT_SIZE];
+    uint8_t bars[2][MARKS - 1][LEGEND_BAR][3]; /* of the ramp of numbers, and of haze */
+    double at[2], size[2];                     /* pixels of the image */
 };
 
 /* A cut has no colouring. */
@@ -45,39 +53,106 @@ static bool colours_streamlines(const struct picture *picture)
     return picture->streamlines && picture->streamlines->by != TUBE_BY_BUNDLE;
 }
 
+/* Whether the pathway is haze whose colours are of its values, not its own. */
+static bool is_by_value(const struct picture *picture, size_t number)
+{
+    bool is_hazy = haze_is(picture->hazy, number) && !conus_atlas_is_hidden(picture->atlas, number);
+    const struct transfer *transfer = is_hazy ? &picture->hazy->transfers[number] : NULL;
+    bool found = false;
+    for (size_t i = 0; transfer && i < transfer->count && !found; i++) {
+        for (int c = 0; c < 3; c++) {
+            double own = picture->atlas->objects[number - 1].rgb[c] / 255.0;
+            found = found || fabs(transfer->points[i].rgba[c] - own) > 1e-6;
+        }
+    }
+    return found;
+}
+
+static size_t count_by_value(const struct picture *picture)
+{
+    size_t count = 0;
+    for (size_t number = 1; number <= picture->atlas->object_count; number++) {
+        count += is_by_value(picture, number);
+    }
+    return count;
+}
+
+/* Without a cone a legend outside, or one of so many rows, names all that is in the picture. A cut has no haze. */
+static bool lists_all(const struct picture *picture)
+{
+    const conus_view *options = &picture->options;
+    bool outside = options->legend == CONUS_LEGEND_RIGHT || options->legend == CONUS_LEGEND_BELOW;
+    return picture->hazy && (outside || options->legend_rows) && !options->selection && !options->listed;
+}
+
+bool picture_stands_out(const struct picture *picture, size_t number)
+{
+    const conus_view *options = &picture->options;
+    bool is_given = options->opacity && options->opacity[number] > 0;
+    return options->listed ? options->listed[number] : options->selection && is_given;
+}
+
+/* Whether there is something of the object in the picture. */
+static bool is_drawn(const struct picture *picture, uint32_t number)
+{
+    const conus_atlas *atlas = picture->atlas;
+    const struct object_place *place = &atlas->places[number - 1];
+    bool has_voxels = atlas_object_volume(atlas, number) && atlas->objects[number - 1].voxels;
+    bool is_left_out = has_voxels && number <= atlas->area_count && pathways_shown(atlas) &&
+                       picture->areas[number] == PATHWAYS_AREA_LEFT_OUT;
+    bool is_seen = !picture->opacity || picture->opacity[number] > 0 || haze_is(picture->hazy, number);
+    return is_seen && !is_left_out && !conus_atlas_is_hidden(atlas, number) &&
+           (place->is_mesh || place->is_bundle || has_voxels);
+}
+
+/* Whether the legend has a row for it even if the cone does not hit it. */
+static bool is_listed(const struct picture *picture, uint32_t number)
+{
+    return is_drawn(picture, number) &&
+           (picture_stands_out(picture, number) || lists_all(picture) || is_by_value(picture, number));
+}
+
 bool picture_has_legend(const struct picture *picture)
 {
     return picture->font && picture->options.legend != CONUS_LEGEND_NONE &&
-           (picture->options.selection || colours_streamlines(picture) || atlas_mapped_surface(picture->atlas));
+           (picture->options.selection || picture->options.listed || lists_all(picture) ||
+            colours_streamlines(picture) || count_by_value(picture) || atlas_mapped_surface(picture->atlas));
 }
 
-/* With its kind where another kind has that name; without memory, too, the name alone. */
-static const char *name_of(struct picture_legend *legend, const conus_atlas *atlas, uint32_t number)
+size_t picture_tag(const struct picture *picture, uint32_t number)
 {
-    const char *name = atlas->objects[number - 1].name;
-    const char *word = conus_atlas_kind_word(atlas, number);
+    size_t tag = 1;
+    for (size_t before = 1; before < number; before++) {
+        tag += is_by_value(picture, before);
+    }
+    return is_by_value(picture, number) && count_by_value(picture) > 1 ? tag : 0;
+}
+
+/* With its kind where another kind has that name, and behind its number in the picture; without memory, too, the name
+ * alone. */
+static const char *name_of(struct picture_legend *legend, const struct picture *picture, uint32_t number)
+{
+    const char *name = picture->atlas->objects[number - 1].name;
+    const char *word = conus_atlas_kind_word(picture->atlas, number);
     struct buffer *whole = &legend->names[legend->name_count];
-    if (!word[0]) {
+    size_t tag = picture_tag(picture, number);
+    if (!word[0] && !tag) {
         return name;
     }
-    buffer_format(whole, "%s %s", word, name);
+    if (tag) {
+        buffer_format(whole, "%zu  ", tag);
+    }
+    buffer_format(whole, "%s%s%s", word, word[0] ? " " : "", name);
     legend->name_count++;
     return whole->failed ? name : whole->data;
 }
 
-/* Its colour in the picture: of haze that of values in its upper part, which show most. */
+/* Its colour in the picture, and stripes where it has some. Haze by values has no one colour: then that of its contact.
+ */
 static void set_chip(struct legend_row *row, const struct picture *picture, uint32_t number)
 {
     memcpy(row->rgb, picture->atlas->objects[number - 1].rgb, sizeof row->rgb);
-    if (haze_is(picture->hazy, number)) {
-        const struct transfer *transfer = &picture->hazy->transfers[number];
-        double low = transfer->points[0].value;
-        double rgba[4];
-        transfer_at(rgba, transfer, low + 0.7 * (transfer->points[transfer->count - 1].value - low));
-        for (int c = 0; c < 3; c++) {
-            row->rgb[c] = (uint8_t)lrint(255 * rgba[c]);
-        }
-    }
+    row->striped = picture->emphasis && picture->emphasis[number] == EMPHASIS_HATCHED;
 }
 
 static void fill_row(struct picture_legend *out, size_t index, const struct picture *picture,
@@ -92,7 +167,7 @@ static void fill_row(struct picture_legend *out, size_t index, const struct pict
     row->hollow = !result->object;
     row->name = "unassigned";
     if (result->object) {
-        row->name = name_of(out, picture->atlas, result->object);
+        row->name = name_of(out, picture, result->object);
         set_chip(row, picture, result->object);
         row->detail[1] = cells->distance;
     }
@@ -119,11 +194,12 @@ static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PA
     size_t others = 0;
     size_t bundles = 0;
     for (size_t number = atlas->area_count + 1; number <= atlas->object_count; number++) {
-        if (!conus_atlas_is_hidden(atlas, number) && picture->emphasis[number] == EMPHASIS_PALE) {
+        if (is_drawn(picture, (uint32_t)number) && !is_listed(picture, (uint32_t)number) &&
+            picture->emphasis[number] == EMPHASIS_PALE) {
             bundles += atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE;
             if (others++ < PATHWAY_ROWS - 1) {
                 rows[count++] =
-                    (struct legend_row){.name = name_of(out, atlas, (uint32_t)number), .detail = {"not hit"}};
+                    (struct legend_row){.name = name_of(out, picture, (uint32_t)number), .detail = {"not hit"}};
                 set_chip(&rows[count - 1], picture, (uint32_t)number);
             }
         }
@@ -142,22 +218,40 @@ static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PA
     return count;
 }
 
-/* Adds a bar of numbers, the largest above. */
-static size_t add_bar(struct legend_row rows[MARKS], char words[MARKS][TEXT_SIZE], struct picture_legend *out,
-                      double low, double high)
+/* sRGB of a function between its first point, part 0, and its last, 1. */
+static void transfer_part_colour(uint8_t rgb[3], const struct transfer *transfer, double part)
 {
+    double rgba[4];
+    double low = transfer->points[0].value;
+    transfer_at(rgba, transfer, low + part * (transfer->points[transfer->count - 1].value - low));
+    for (int c = 0; c < 3; c++) {
+        rgb[c] = (uint8_t)lrint(255 * rgba[c]);
+    }
+}
+
+/* Adds a bar of numbers, the largest above, with the colours of `transfer` from its first point to its last, or without
+ * one those of tube_scalar_colour(). */
+static size_t add_bar(struct legend_row rows[MARKS], char words[MARKS][TEXT_SIZE], struct picture_legend *out,
+                      double low, double high, const struct transfer *transfer)
+{
+    uint8_t(*bars)[LEGEND_BAR][3] = out->bars[transfer ? 1 : 0];
     double step = (high - low) / (MARKS - 1);
     double largest = fmax(fabs(low), fabs(high));
-    int decimals = step > 0 ? (int)fmax(2 - floor(log10(step)), 0) : 0;
+    int decimals = step > 0 ? (int)fmax((transfer ? 1 : 2) - floor(log10(step)), 0) : 0;
     bool is_plain = step > 0 && largest < 1e6 && decimals < 6; /* as many decimals at each mark */
     for (int i = 0; i < MARKS; i++) {
         double part = 1 - i / (MARKS - 1.0);
         snprintf(words[i], TEXT_SIZE, is_plain ? "%.*f" : "%.*g", is_plain ? decimals : 4, low + part * (high - low));
         rows[i] = (struct legend_row){.name = words[i], .mark = true};
         for (int k = 0; k < LEGEND_BAR && i; k++) {
-            tube_scalar_colour(out->bars[i - 1][k], part + (1 - (k + 0.5) / LEGEND_BAR) / (MARKS - 1));
+            double at = part + (1 - (k + 0.5) / LEGEND_BAR) / (MARKS - 1);
+            if (transfer) {
+                transfer_part_colour(bars[i - 1][k], transfer, at);
+            } else {
+                tube_scalar_colour(bars[i - 1][k], at);
+            }
         }
-        rows[i].bar = i ? (const uint8_t(*)[3])out->bars[i - 1] : NULL;
+        rows[i].bar = i ? (const uint8_t(*)[3])bars[i - 1] : NULL;
     }
     return MARKS;
 }
@@ -179,14 +273,25 @@ static size_t add_streamlines(struct legend_row rows[COLOUR_ROWS], char words[CO
         return 2;
     }
     if (colouring->by == TUBE_BY_SCALAR) {
-        return 1 + add_bar(rows + 1, words + 1, out, colouring->low, colouring->high);
+        return 1 + add_bar(rows + 1, words + 1, out, colouring->low, colouring->high, NULL);
+    }
+    bool has_points = false;
+    for (size_t i = 0; i < picture->atlas->tractogram_count; i++) {
+        const struct tractogram *tractogram = &picture->atlas->tractograms[i];
+        for (size_t k = 0; k < tractogram->streamline_count && !has_points; k++) {
+            has_points = tractogram->first[k + 1] - tractogram->first[k] == 1;
+        }
+    }
+    if (has_points) {
+        rows[1 + COLOURS] = (struct legend_row){.name = "none: one point"};
+        tube_direction_colour(rows[1 + COLOURS].rgb, (const double[3]){0, 0, 0});
     }
     for (int i = 0; i < COLOURS; i++) {
         static const char *const directions[COLOURS] = {"left to right", "back to front", "down to up"};
         rows[1 + i] = (struct legend_row){.name = directions[i]};
         rows[1 + i].rgb[i] = 255;
     }
-    return 1 + COLOURS;
+    return 1 + COLOURS + has_points;
 }
 
 /* "leeway_mm" becomes "leeway, mm". */
@@ -219,14 +324,50 @@ static size_t add_map(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_ROW
     }
     describe_map(words[0], surface->map_name);
     rows[0] = (struct legend_row){.name = words[0], .heading = true};
-    return 1 + add_bar(rows + 1, words + 1, out, surface->low, surface->high);
+    return 1 + add_bar(rows + 1, words + 1, out, surface->low, surface->high, NULL);
+}
+
+/* Explains the colours of haze by values: as values where they stand for the same ones in all such pathways, else as
+ * parts of the way from where each pathway begins to its largest value. */
+static size_t add_haze(struct legend_row rows[COLOUR_ROWS], char words[COLOUR_ROWS][TEXT_SIZE],
+                       struct picture_legend *out, const struct picture *picture)
+{
+    const struct transfer *first = NULL;
+    const char *unit = NULL;
+    double span[2] = {0, 1};
+    bool is_same = true;
+    for (uint32_t number = 1; number <= picture->atlas->object_count; number++) {
+        if (!is_by_value(picture, number)) {
+            continue;
+        }
+        const struct transfer *transfer = &picture->hazy->transfers[number];
+        const struct value_scale scale = value_scale_of(&atlas_object_volume(picture->atlas, number)->info);
+        double factor = scale.is_probability ? 100 / scale.value : 1;
+        const double ends[2] = {factor * transfer->points[0].value,
+                                factor * transfer->points[transfer->count - 1].value};
+        const char *own_unit = scale.is_probability ? "probability, %" : "value";
+        if (first) {
+            is_same = is_same && unit == own_unit && fabs(ends[0] - span[0]) + fabs(ends[1] - span[1]) < 1e-6;
+        } else {
+            first = transfer;
+            unit = own_unit;
+            memcpy(span, ends, sizeof span);
+        }
+    }
+    if (!first) {
+        return 0;
+    }
+    snprintf(words[0], TEXT_SIZE, "Pathways by %s", is_same ? unit : "value, % of range");
+    rows[0] = (struct legend_row){.name = words[0], .heading = true};
+    return 1 + add_bar(rows + 1, words + 1, out, is_same ? span[0] : 0, is_same ? span[1] : 100, first);
 }
 
 /* The bars of streamlines and of a map are of the same colours: each has its own numbers beside it. */
-static size_t add_colours(struct legend_row rows[2 * COLOUR_ROWS], struct picture_legend *out,
+static size_t add_colours(struct legend_row rows[KEYS * COLOUR_ROWS], struct picture_legend *out,
                           const struct picture *picture)
 {
     size_t count = add_map(rows, out->colours, out, picture);
+    count += add_haze(rows + count, out->colours + 2 * COLOUR_ROWS, out, picture);
     return count + add_streamlines(rows + count, out->colours + COLOUR_ROWS, out, picture);
 }
 
@@ -250,61 +391,127 @@ void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, cons
     snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s", places[space]);
 }
 
-/* Fills the rows: what the cone hits, and what else is in the picture. */
-static void fill_rows(struct picture_legend *out, const struct picture *picture)
+/* Adds what is listed though the cone does not hit it: areas of one level once. Those that are hit are marked in
+ * `done` [object_count + 1]. */
+static size_t add_listed(struct picture_legend *out, struct legend_row *rows, const struct picture *picture, bool *done)
 {
     const conus_selection *selection = picture->options.selection;
     size_t count = 0;
+    for (uint32_t number = 1; number <= picture->atlas->object_count; number++) {
+        uint32_t shown = selection && selection->group ? selection->group[number] : number;
+        if (!done[shown] && is_listed(picture, number)) {
+            done[shown] = true;
+            rows[count] = (struct legend_row){.name = name_of(out, picture, shown)};
+            rows[count].detail[0] = selection ? "not hit" : NULL;
+            set_chip(&rows[count++], picture, shown);
+        }
+    }
+    return count;
+}
+
+static const char *title_of(const struct picture *picture)
+{
+    bool areas = false;
+    bool others = false;
+    for (uint32_t number = 1; number <= picture->atlas->object_count; number++) {
+        bool listed = is_listed(picture, number);
+        areas = areas || (listed && number <= picture->atlas->area_count);
+        others = others || (listed && number > picture->atlas->area_count);
+    }
+    return areas && others ? "Areas and pathways" : areas ? "Areas" : others ? "Pathways" : NULL;
+}
+
+/* Leaves out rows of objects from number `kept` on, or only those behind others; one row says how many they are. */
+static void leave_out(struct picture_legend *out, size_t kept, bool only_behind)
+{
+    struct legend_row *rows = out->rows;
+    size_t seen = 0;
+    size_t count = 0;
+    size_t left_out = 0;
+    struct legend_row *more = NULL;
+    bool all_behind = true;
+    for (size_t i = 0; i < out->legend.count; i++) {
+        bool is_last = i >= out->legend.count - out->legend.tail;
+        bool can_leave = !is_last && (only_behind ? rows[i].detail[0] == BEHIND : !rows[i].hollow);
+        if (!can_leave || seen++ < kept) {
+            rows[count++] = rows[i];
+            continue;
+        }
+        left_out++;
+        all_behind = all_behind && rows[i].detail[0] == BEHIND;
+        if (!more) {
+            more = &rows[count++];
+            *more = (struct legend_row){.name = out->more, .hollow = true};
+        }
+    }
+    if (more) {
+        more->detail[0] = all_behind ? BEHIND : NULL;
+    }
+    snprintf(out->more, sizeof out->more, "\u2026 and %zu more", left_out);
+    out->legend.count = count;
+}
+
+/* Fills the rows: what the cone hits, and what else is in the picture. CONUS_ERROR_MEMORY. */
+static conus_status fill_rows(struct picture_legend *out, const struct picture *picture)
+{
+    const conus_selection *selection = picture->options.selection;
+    size_t count = 0;
+    bool *done = memory_zeroed(picture->atlas->object_count + 1, sizeof *done);
+    if (!done) {
+        return CONUS_ERROR_MEMORY;
+    }
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (picture_lists(result) || result->pierced) {
             fill_row(out, count, picture, result);
+            done[result->object] = true;
             count++;
         }
     }
-    count += add_pathways(out, out->rows + count, picture);
+    count += add_listed(out, out->rows + count, picture, done);
+    memory_free(done);
+    count += selection ? add_pathways(out, out->rows + count, picture) : 0;
     size_t tail = add_colours(out->rows + count, out, picture);
-    picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
-    out->legend = (struct legend){.title = selection->has_layers ? "Hits of the cone" : "First hits of the cone",
-                                  .subtitle = out->subtitle,
-                                  .header = {"share", "distance"},
-                                  .rows = out->rows,
-                                  .count = count + tail,
-                                  .tail = tail};
+    out->legend = (struct legend){.rows = out->rows, .count = count + tail, .tail = tail};
+    if (selection) {
+        picture_describe_cone(out->subtitle, &selection->cone, picture->options.frame);
+        out->legend.title = selection->has_layers ? "Hits of the cone" : "First hits of the cone";
+        out->legend.subtitle = out->subtitle;
+        out->legend.header[0] = "share";
+        out->legend.header[1] = "distance";
+    } else if (count) {
+        out->legend.title = title_of(picture);
+    } else if (tail) { /* without a cone, the heading of the colours is the title */
+        out->legend.title = out->rows[0].name;
+        out->legend.rows++;
+        out->legend.count--;
+        out->legend.tail = 0;
+    }
+    if (picture->options.legend_rows && count) {
+        leave_out(out, picture->options.legend_rows, false);
+    }
+    return CONUS_OK;
 }
 
 /* Makes `capacity` rows of more: the last of what is only behind others leave, and one row says how many they are.
  * Where those are too few, all stay, and legend_draw() counts what it leaves out. */
 static void leave_out_behind(struct picture_legend *out, size_t capacity)
 {
-    struct legend_row *rows = out->rows;
     size_t behind = 0;
     for (size_t i = 0; i < out->legend.count; i++) {
-        behind += rows[i].detail[0] == BEHIND;
+        behind += out->legend.rows[i].detail[0] == BEHIND && !out->legend.rows[i].hollow;
     }
     size_t surplus = out->legend.count + 1 - capacity; /* the row that says so takes a line, too */
-    if (behind < surplus) {
-        return;
+    if (behind >= surplus) {
+        leave_out(out, behind - surplus, true);
     }
-    size_t kept = behind - surplus;
-    size_t seen = 0;
-    size_t count = 0;
-    for (size_t i = 0; i < out->legend.count; i++) {
-        seen += rows[i].detail[0] == BEHIND;
-        if (rows[i].detail[0] != BEHIND || seen <= kept) {
-            rows[count++] = rows[i];
-        } else if (seen == kept + 1) {
-            rows[count++] = (struct legend_row){.name = out->more, .hollow = true, .detail = {BEHIND}};
-        }
-    }
-    snprintf(out->more, sizeof out->more, "\u2026 and %zu more", surplus);
-    out->legend.count = count;
 }
 
-static void place_inside(struct picture_legend *legend, const struct picture *picture, double em)
+/* Chooses the letters' size and the rows for so many pixels, and measures the legend. */
+static void fit(struct picture_legend *legend, const struct picture *picture, const double limit[2])
 {
     struct legend *drawn = &legend->legend;
-    const double limit[2] = {INSIDE * picture->options.width, picture->options.height};
+    const double em = picture->em;
     drawn->widest = 1;
     drawn->size = legend_fit(legend->size, picture->font, drawn, limit, em, SMALLEST * em);
     size_t capacity = legend_capacity(drawn, drawn->size, limit[1]);
@@ -314,28 +521,35 @@ static void place_inside(struct picture_legend *legend, const struct picture *pi
     }
 }
 
-/* Makes place beside or below the drawing. */
-static void place_outside(struct picture_legend *legend, struct picture *picture, double em)
+static void place_inside(struct picture_legend *legend, const struct picture *picture)
+{
+    fit(legend, picture, (const double[]){INSIDE * picture->options.width, picture->options.height});
+}
+
+/* Takes place for it from the drawing on the right, or adds at most as much below. */
+static void place_outside(struct picture_legend *legend, struct picture *picture)
 {
     const bool right = picture->options.legend == CONUS_LEGEND_RIGHT;
-    const double limit[2] = {(right ? BESIDE : 1) * picture->options.width, INFINITY};
+    const double sheet[2] = {picture->options.width, picture->options.height};
+    const double limit[2] = {(right ? BESIDE : 1) * sheet[0], sheet[1]};
     struct legend *drawn = &legend->legend;
-    drawn->widest = 1;
-    drawn->size = legend_fit(legend->size, picture->font, drawn, limit, em, SMALLEST * em);
-    drawn->size = legend->size[0] > limit[0] ? legend_fit(legend->size, picture->font, drawn, limit, SMALLEST * em, 1)
-                                             : drawn->size;
-    double width = fmin(ceil(legend->size[0]), right ? picture->options.width - 1 : picture->options.width);
-    double height = ceil(legend->size[1]);
+    fit(legend, picture, limit);
+    if (legend->size[0] > limit[0]) { /* a long name has smaller letters yet */
+        const double width[2] = {limit[0], INFINITY};
+        drawn->size = legend_fit(legend->size, picture->font, drawn, width, drawn->size, 1);
+    }
+    double width = fmin(ceil(legend->size[0]), right ? sheet[0] - 1 : sheet[0]);
+    double height = fmin(ceil(legend->size[1]), floor(limit[1]));
     if (right) {
         picture->drawing[0] -= (uint32_t)width;
         legend->at[0] = picture->drawing[0];
-        picture->sheet_height = (uint32_t)fmax(picture->sheet_height, height);
     } else {
         legend->at[1] = picture->drawing[1];
         picture->sheet_height += (uint32_t)height;
     }
     drawn->at = legend->at;
     drawn->ink = picture->ink;
+    drawn->faint = (double)picture->dim;
 }
 
 static void legend_destroy(struct picture_legend *legend)
@@ -360,27 +574,26 @@ void picture_legend_finish(struct picture *picture)
 conus_status picture_legend_init(struct picture *picture)
 {
     size_t results = conus_selection_count(picture->options.selection);
+    size_t most = results + picture->atlas->object_count + PATHWAY_ROWS;
     struct picture_legend *legend = memory_zeroed(1, sizeof *legend);
     if (legend) {
-        legend->rows = memory_zeroed(results + PATHWAY_ROWS + 2 * COLOUR_ROWS, sizeof *legend->rows);
+        legend->rows = memory_zeroed(most + KEYS * COLOUR_ROWS, sizeof *legend->rows);
         legend->cells = memory_zeroed(results + 1, sizeof *legend->cells);
-        legend->names = memory_zeroed(results + PATHWAY_ROWS, sizeof *legend->names);
+        legend->names = memory_zeroed(most, sizeof *legend->names);
     }
     if (!legend || !legend->rows || !legend->cells || !legend->names) {
         legend_destroy(legend);
         return CONUS_ERROR_MEMORY;
     }
-    if (picture->options.selection) {
-        fill_rows(legend, picture);
-    } else {
-        /* Without a cone, the heading of the colours is the title. */
-        size_t count = add_colours(legend->rows, legend, picture);
-        legend->legend = (struct legend){.title = legend->rows[0].name, .rows = legend->rows + 1, .count = count - 1};
+    conus_status status = fill_rows(legend, picture);
+    if (status) {
+        legend_destroy(legend);
+        return status;
     }
     if (picture->options.legend == CONUS_LEGEND_INSIDE) {
-        place_inside(legend, picture, picture->em);
+        place_inside(legend, picture);
     } else {
-        place_outside(legend, picture, picture->em);
+        place_outside(legend, picture);
     }
     picture->legend = legend;
     return CONUS_OK;

@@ -306,6 +306,37 @@ static conus_status find_font(struct picture *picture, conus_log log, void *log_
     return status;
 }
 
+/* Luminance of linear light. */
+static double light_of(const float rgb[3])
+{
+    return 0.2126 * (double)rgb[0] + 0.7152 * (double)rgb[1] + 0.0722 * (double)rgb[2];
+}
+
+/* Dark letters, or light ones on what is dark; black or white where these would have less than CONTRAST. What is
+ * transparent is taken for white. */
+static void choose_ink(struct picture *picture)
+{
+    static const double even =
+        0.1791; /* black and white have the same contrast to it: 1.05 / (L + 0.05) = (L + 0.05) / 0.05 */
+    float top[4];
+    float bottom[4];
+    picture_background(top, &picture->options, 0);
+    picture_background(bottom, &picture->options, 1);
+    double light = top[3] > 0 ? fmin(light_of(top), light_of(bottom)) : 1;
+    bool is_dark = light < even;
+    float soft = is_dark ? 0.9F : 0.02F;
+    double dark[2] = {is_dark ? light : (double)soft, is_dark ? (double)soft : light};
+    bool fits = (dark[1] + 0.05) / (dark[0] + 0.05) >= PICTURE_CONTRAST;
+    for (int c = 0; c < 3; c++) {
+        picture->ink[c] = fits ? soft : is_dark ? 1 : 0;
+    }
+    picture->ink[3] = 1;
+    float dim = PICTURE_DIM;
+    double mixed = (double)picture->ink[0] * (double)dim + light * (1 - (double)dim);
+    double contrast = (fmax(mixed, light) + 0.05) / (fmin(mixed, light) + 0.05);
+    picture->dim = contrast >= PICTURE_CONTRAST ? dim : 1;
+}
+
 conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory, conus_log log, void *log_user)
 {
     const conus_view *options = &picture->options;
@@ -319,14 +350,7 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     picture->em =
         options->dpi > 0 ? POINTS / 72 * options->dpi : fmax(11, fmin(options->width, options->height) / 54.0);
     picture->line = options->dpi > 0 ? picture->em / 19 : 1;
-    float under[4]; /* the ink is dark, or white on what is dark */
-    picture_background(under, &picture->options, 0);
-    float light = 0.2126F * under[0] + 0.7152F * under[1] + 0.0722F * under[2];
-    bool dark = under[3] > 0 && light < 0.18F;
-    for (int c = 0; c < 3; c++) {
-        picture->ink[c] = dark ? 0.9F : c < 2 ? 0.02F : 0.025F;
-    }
-    picture->ink[3] = 1;
+    choose_ink(picture);
     conus_status status = find_font(picture, log, log_user);
     return status || !picture_has_legend(picture) ? status : picture_legend_init(picture);
 }
@@ -405,9 +429,9 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
 static double opacity_of(const struct picture *picture, size_t number)
 {
     const conus_view *options = &picture->options;
-    bool pale = !picture->emphasis || picture->emphasis[number] == EMPHASIS_PALE;
+    bool pale = picture->emphasis ? picture->emphasis[number] == EMPHASIS_PALE : !picture_stands_out(picture, number);
     double given = options->opacity ? options->opacity[number] : NAN;
-    return !isnan(given) ? given : pale && options->pale > 0 ? options->pale : 1;
+    return !isnan(given) ? given : pale && options->no_pale ? 0 : pale && options->pale > 0 ? options->pale : 1;
 }
 
 /* Beside pathways are drawn: areas that stand out, those that are given an opacity, and all that do not hide them. */
@@ -416,7 +440,7 @@ static uint8_t area_of(const struct picture *picture, size_t number)
     const conus_view *options = &picture->options;
     double opacity = opacity_of(picture, number);
     bool stands_out = picture->emphasis && picture->emphasis[number] != EMPHASIS_PALE;
-    bool is_given = options->opacity && !isnan(options->opacity[number]);
+    bool is_given = picture_stands_out(picture, number) || (options->opacity && !isnan(options->opacity[number]));
     return opacity < 1 ? PATHWAYS_AREA_UNDER : stands_out || is_given ? PATHWAYS_AREA_OVER : PATHWAYS_AREA_LEFT_OUT;
 }
 
@@ -500,6 +524,10 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     if (picture.options.selection) {
         picture.emphasis = picture_emphasis(picture.options.selection, picture.options.chosen);
         status = picture.emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    for (size_t n = 1; picture.emphasis && n <= picture.atlas->object_count; n++) {
+        bool keeps = picture.emphasis[n] == EMPHASIS_PALE && picture_stands_out(&picture, n);
+        picture.emphasis[n] = keeps ? EMPHASIS_FULL : picture.emphasis[n];
     }
     status = status ? status : find_opacities(&picture);
     if (!status && !picture.options.draft) {

@@ -138,7 +138,12 @@ session() {
     done
     fails 2 '--opacity: "2"; wanted is AREA=A or A, A from 0 to 1' "${scene[@]}" -o a.png --opacity 2
     fails 2 '--opacity: "1=x"; wanted is' "${scene[@]}" -o a.png --opacity 1=x
-    fails 2 '--opacity: 0 of all that the cone does not hit' "${scene[@]}" -o a.png --opacity 0
+    gl "${scene[@]}" -o zero.exr --opacity 0 --opacity 1=1
+    gl "${scene[@]}" -o all.exr --opacity 1=1 --opacity 300=0 --opacity tract=0
+    answers diff zero.exr all.exr
+    run -1 conus diff plain.exr zero.exr
+    fails 2 '--legend-area: ' "${scene[@]}" -o a.png --legend-area nowhere
+    fails 2 '--legend-rows: 0 is out of range' "${scene[@]}" -o a.png --legend-rows 0
     fails 2 '--opacity: ' "${scene[@]}" -o a.png --opacity nowhere=0.5
     fails 2 '--pathway-transfer: 1 is no pathway' "${scene[@]}" -o a.png --pathway-transfer 1=heat
     fails 2 'transfer function "warm" is neither' "${scene[@]}" -o a.png --pathway-transfer warm
@@ -161,6 +166,28 @@ session() {
     fails 2 '--transfer has no effect: sheet.obj is a surface' render sphere.nii.gz --context sheet.obj \
         --transfer brain -o a.png
     [ ! -e a.png ]
+}
+
+# A ball of glass, whose outline has a contrast of at least 3 to white (WCAG 2.2, 1.4.11, for what is no text): the
+# darkest of the first pixels in the middle row. Before it, all is white.
+@test "glass on white has an outline" {
+    sphere --size 24
+    awk 'BEGIN { for (j = 0; j <= 24; j++) for (i = 0; i < 48; i++) { t = j * 3.14159265 / 24; p = i * 3.14159265 / 24
+        print "v", 80 * sin(t) * cos(p), 80 * sin(t) * sin(p), 80 * cos(t) }
+        for (j = 0; j < 24; j++) for (i = 0; i < 48; i++) { a = 48 * j + i + 1; b = 48 * j + (i + 1) % 48 + 1
+        print "f", a, a + 48, b + 48; print "f", a, b + 48, b } }' >ball.obj
+    gl render sphere.nii.gz -q --view front --background white --no-legend --size 240x180 --context ball.obj -o glass.png
+    /usr/bin/python3 - <<'END'
+import OpenImageIO as oiio
+row = oiio.ImageBuf("glass.png").get_pixels(oiio.UINT8)[90, :, :3] / 255.0
+linear = ((row + 0.055) / 1.055) ** 2.4
+light = linear @ [0.2126, 0.7152, 0.0722]
+first = next(x for x in range(240) if light[x] < 0.99)
+assert 5 < first < 80, first
+contrast = 1.05 / (light[first:first + 6].min() + 0.05)
+assert contrast >= 3, contrast
+assert 1.05 / (light[first + 25] + 0.05) < 2 # and the rest is clear
+END
 }
 
 @test "figures that cannot be are refused before anything is loaded" {

@@ -225,7 +225,7 @@ static void a_direction_has_the_colour_of_its_opposite(void **state)
         uint8_t rgb[3];
     } of[] = {{{-1, 0, 0}, {255, 0, 0}},     {{0, -2, 0}, {0, 255, 0}},   {{0, 0, -3}, {0, 0, 255}},
               {{-3, -4, 0}, {153, 204, 0}},  {{3, 0, -4}, {153, 0, 204}}, {{2, -2, 1}, {170, 170, 85}},
-              {{-2, 2, -1}, {170, 170, 85}}, {{0, 0, 0}, {0, 0, 0}}};
+              {{-2, 2, -1}, {170, 170, 85}}, {{0, 0, 0}, {128, 128, 128}}};
     for (size_t i = 0; i < sizeof of / sizeof of[0]; i++) {
         uint8_t rgb[3];
         tube_direction_colour(rgb, of[i].along);

@@ -389,6 +389,35 @@ static void a_legend_that_fits_is_whole(void **state)
     font_destroy(font);
 }
 
+/* The dim letters of a heading on the panel, over white, have a contrast of 4.5 (WCAG 2.2, 1.4.3). The darkest pixel is
+ * the panel's, the lightest inside it a letter's. */
+static void dim_letters_have_contrast_on_the_panel(void **state)
+{
+    (void)state;
+    struct font *font = need_font();
+    const struct legend_row row = {.name = "MMMM", .heading = true};
+    const struct legend legend = {.rows = &row, .count = 1, .size = 40, .widest = 1};
+    conus_image *image = make_image(300, 220);
+    draw_box(image, &(struct draw_box){-1, -1, 301, 221}, 0, WHITE);
+    assert_ok(legend_draw(image, font, &legend));
+    const struct image_rgba planes = image_rgba(image);
+    double darkest = 1;
+    double lightest = 0;
+    for (uint32_t y = 75; y < 105; y++) { /* through the letters: margin 36, padding 32, a line of 58 pixels */
+        for (uint32_t x = 70; x < 150; x++) {
+            size_t at = (size_t)300 * y + x;
+            double light = 0.2126 * (double)planes.plane[0][at] + 0.7152 * (double)planes.plane[1][at] +
+                           0.0722 * (double)planes.plane[2][at];
+            darkest = fmin(darkest, light);
+            lightest = fmax(lightest, light);
+        }
+    }
+    assert_true(lightest < 0.9 && lightest > darkest + 0.1);
+    assert_true((lightest + 0.05) / (darkest + 0.05) >= 4.5);
+    conus_image_destroy(image);
+    font_destroy(font);
+}
+
 TEST_GROUP(legend)
 {
     const struct CMUnitTest tests[] = {
@@ -401,6 +430,7 @@ TEST_GROUP(legend)
         cmocka_unit_test(legend_shows_every_colour_in_its_corner),
         cmocka_unit_test(ink_is_for_letters_and_hollow_chips),
         cmocka_unit_test(hollow_rows_and_headings_are_dim),
+        cmocka_unit_test(dim_letters_have_contrast_on_the_panel),
         cmocka_unit_test(legend_fits_into_any_image),
         cmocka_unit_test(a_key_is_shown_below_too_many_rows),
         cmocka_unit_test(legend_needs_colours),

@@ -3,6 +3,7 @@
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "builders/area_rows.h"
 #include "picture_scene.h"
 #include "render/flat/legend.h"
 #include "render/image/image.h"
@@ -24,6 +25,7 @@ struct scene {
     conus_selector *selector;
     conus_selection *selection;
     conus_renderer *renderer;
+    conus_view view; /* what it is drawn with beside the size and the selection */
 };
 
 /* 1 to 60 from left to right. */
@@ -98,10 +100,22 @@ static struct legend_row describe(char text[2][TEXT], const struct scene *scene,
     bool behind = object && result->pixels == 0;
     snprintf(text[0], TEXT, "%.1f %%", 100 * result->share);
     snprintf(text[1], TEXT, "%.1f mm", behind ? result->entry : result->distance);
+    row.striped = behind;
     row.detail[0] = behind ? "behind" : text[0];
     row.detail[1] = object ? text[1] : NULL;
     memcpy(row.rgb, object ? object->rgb : row.rgb, sizeof row.rgb);
     return row;
+}
+
+static conus_status draw(conus_image **out, const struct scene *scene)
+{
+    conus_view view = scene->view;
+    view.width = WIDTH;
+    view.height = HEIGHT;
+    view.dpi = DPI;
+    view.selection = scene->selection;
+    view.background = CONUS_BACKGROUND_TRANSPARENT;
+    return conus_render(out, scene->renderer, &view);
 }
 
 /* Where the expected legend is, the picture has that and nothing under it, and elsewhere there is a drawing. @p width
@@ -115,12 +129,7 @@ static void check_legend(const struct scene *scene, const struct legend *legend,
     assert_ok(font_create(&font));
     assert_ok(image_create_rgba(&expected, WIDTH, HEIGHT));
     assert_ok(legend_draw(expected, font, legend));
-    assert_ok(conus_render(&image, scene->renderer,
-                           &(conus_view){.width = WIDTH,
-                                         .height = HEIGHT,
-                                         .dpi = DPI,
-                                         .selection = scene->selection,
-                                         .background = CONUS_BACKGROUND_TRANSPARENT}));
+    assert_ok(draw(&image, scene));
     const struct image_rgba a = image_rgba(image);
     const struct image_rgba b = image_rgba(expected);
     double reach[2] = {0, 0};
@@ -303,6 +312,266 @@ static void many_bundles_that_are_not_hit_are_counted(void **state)
     finish_scene(&scene);
 }
 
+/* An area beside bundles that is given an opacity is drawn, so it has a row, and no other area is left out. */
+static void an_area_that_is_given_an_opacity_has_a_row(void **state)
+{
+    (void)state;
+    need_font();
+    const double opacity[] = {NAN, NAN, 1, NAN, NAN};
+    char texts[3][2][TEXT];
+    struct legend_row rows[4];
+    conus_atlas *atlas = make_atlas(front_and_rest, "Area");
+    add_bundle(atlas, "The bundle that is hit, which has a long name", -45, 0);
+    struct scene scene = see(atlas, left, 8);
+    scene.view.opacity = opacity;
+    assert_int_equal(conus_selection_count(scene.selection), 3);
+    for (size_t i = 0; i < 3; i++) {
+        rows[i] = describe(texts[i], &scene, i);
+    }
+    assert_string_equal(rows[1].name, "Area"); /* the other one, 1 */
+    assert_memory_equal(rows[1].rgb, atlas->objects[0].rgb, 3);
+    rows[3] = (struct legend_row){.name = "area Area", .detail = {"not hit"}};
+    rows[3].name = conus_atlas_kind_word(atlas, 2)[0] ? "area Area" : "Area";
+    memcpy(rows[3].rgb, atlas->objects[1].rgb, 3);
+    check_rows(&scene, rows, 4, (double[]){5, 7}, (double[]){2, 5});
+    finish_scene(&scene);
+}
+
+/* Mean of the largest less the least channel, by the largest, of what is drawn in the right part of the picture. */
+static double chroma(const struct scene *scene)
+{
+    conus_image *image = NULL;
+    double sum = 0;
+    double count = 0;
+    assert_ok(draw(&image, scene));
+    const struct image_rgba planes = image_rgba(image);
+    for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
+        double high = fmax(fmax((double)planes.plane[0][i], (double)planes.plane[1][i]), (double)planes.plane[2][i]);
+        double low = fmin(fmin((double)planes.plane[0][i], (double)planes.plane[1][i]), (double)planes.plane[2][i]);
+        bool counts = planes.plane[3][i] >= 1 && i % WIDTH > WIDTH / 2 && high > 0;
+        sum += counts ? (high - low) / high : 0;
+        count += counts;
+    }
+    conus_image_destroy(image);
+    assert_true(count > 1000);
+    return sum / count;
+}
+
+/* Eq. 8: pale is 0.16 of the colour and 0.3 of white. Seen from the front, only what is not hit is there. */
+static void what_is_given_an_opacity_or_listed_is_not_pale(void **state)
+{
+    (void)state;
+    const double opacity[] = {NAN, NAN, 1};
+    const bool listed[] = {false, false, true};
+    struct scene scene = make_scene(front_and_rest, "Part", left, 8);
+    scene.view = (conus_view){.side = CONUS_SIDE_FRONT, .no_legend = true};
+    double pale = chroma(&scene);
+    scene.view.opacity = opacity;
+    double given = chroma(&scene);
+    assert_true(given > 1.8 * pale);
+    scene.view.opacity = NULL;
+    scene.view.listed = listed;
+    assert_near(chroma(&scene), given, 1e-9);
+    finish_scene(&scene);
+}
+
+/* What the cone does not hit is not there: as if each such area were given 0. */
+static void what_is_not_hit_can_be_left_out(void **state)
+{
+    (void)state;
+    const double opacity[] = {NAN, NAN, 0};
+    conus_image *images[3];
+    double drawn[3] = {0};
+    struct scene scene = make_scene(front_and_rest, "Part", left, 8);
+    for (int n = 0; n < 3; n++) {
+        scene.view = (conus_view){.no_legend = true, .no_pale = n == 1, .opacity = n == 2 ? opacity : NULL};
+        assert_ok(draw(&images[n], &scene));
+        for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
+            drawn[n] += (double)image_rgba(images[n]).plane[3][i];
+        }
+    }
+    assert_true(drawn[1] < 0.9 * drawn[0]);
+    for (int c = 0; c < 4; c++) {
+        assert_memory_equal(image_rgba(images[1]).plane[c], image_rgba(images[2]).plane[c],
+                            (size_t)WIDTH * HEIGHT * sizeof(float));
+    }
+    for (int n = 0; n < 3; n++) {
+        conus_image_destroy(images[n]);
+    }
+    finish_scene(&scene);
+}
+
+/* Without a cone, too, a legend of so many rows has these, and one about the other areas. */
+static void a_legend_without_a_cone_has_the_first_rows(void **state)
+{
+    (void)state;
+    need_font();
+    struct font *font = NULL;
+    double size[2];
+    conus_atlas *atlas = make_atlas(slabs, "One of sixty slabs, which are a millimetre");
+    struct legend_row rows[] = {{.name = atlas->objects[0].name},
+                                {.name = atlas->objects[1].name},
+                                {.name = "\u2026 and 58 more", .hollow = true}};
+    struct legend legend = {.title = "Areas", .rows = rows, .count = 3, .widest = 1};
+    memcpy(rows[0].rgb, atlas->objects[0].rgb, 3);
+    memcpy(rows[1].rgb, atlas->objects[1].rgb, 3);
+    struct scene scene = see(atlas, left, 8);
+    conus_selection_destroy(scene.selection);
+    scene.selection = NULL;
+    scene.view.legend_rows = 2;
+    assert_ok(font_create(&font));
+    legend.size = legend_fit(size, font, &legend, (double[]){0.42 * WIDTH, HEIGHT}, SMALLEST / 0.6, SMALLEST);
+    check_legend(&scene, &legend, (double[]){3, 5}, (double[]){1, 4});
+    font_destroy(font);
+    finish_scene(&scene);
+}
+
+/* 60 rows do not fit: the picture stays as large as asked for, and below it becomes at most twice as high. */
+static void a_legend_outside_does_not_make_the_picture_endless(void **state)
+{
+    (void)state;
+    need_font();
+    struct scene scene = make_scene(slabs, "Slab", left, 20);
+    for (int n = 0; n < 4; n++) {
+        conus_image *image = NULL;
+        bool right = n % 2 == 0;
+        scene.view.legend = right ? CONUS_LEGEND_RIGHT : CONUS_LEGEND_BELOW;
+        assert_ok(draw(&image, &scene));
+        assert_int_equal(conus_image_width(image), WIDTH);
+        assert_in_range(conus_image_height(image), right ? HEIGHT : HEIGHT + HEIGHT / 2, right ? HEIGHT : 2 * HEIGHT);
+        conus_image_destroy(image);
+        if (n == 1) { /* and without a cone */
+            conus_selection_destroy(scene.selection);
+            scene.selection = NULL;
+        }
+    }
+    finish_scene(&scene);
+}
+
+/* Relative luminance of sRGB bytes and contrast, as WCAG 2.2 defines them. */
+static double luminance(const double srgb[3])
+{
+    static const double weights[3] = {0.2126, 0.7152, 0.0722};
+    double sum = 0;
+    for (int c = 0; c < 3; c++) {
+        double level = srgb[c];
+        sum += weights[c] * (level <= 0.04045 ? level / 12.92 : pow((level + 0.055) / 1.055, 2.4));
+    }
+    return sum;
+}
+
+static double contrast(double a, double b)
+{
+    return (fmax(a, b) + 0.05) / (fmin(a, b) + 0.05);
+}
+
+/* Letters, those that say less, too, have a contrast of 4.5 on every grey, on other colours, and on both ends of the
+ * default. */
+static void letters_have_contrast_on_any_background(void **state)
+{
+    (void)state;
+    need_font();
+    conus_atlas *atlas = make_atlas(halves, "Half");
+    for (int n = -1; n < 256 + 64; n++) {
+        struct picture picture = {.atlas = atlas};
+        picture.options = (conus_view){.width = WIDTH, .height = HEIGHT};
+        double light[2] = {0.9, 0.68};
+        if (n >= 0) {
+            picture.options.background = CONUS_BACKGROUND_COLOUR;
+            double rgb[3];
+            for (int c = 0; c < 3; c++) {
+                int level = n < 256 ? n : 85 * ((n - 256) >> (2 * c) & 3);
+                picture.options.background_rgb[c] = (uint8_t)level;
+                rgb[c] = level / 255.0;
+            }
+            light[0] = light[1] = luminance(rgb);
+        }
+        assert_ok(picture_prepare_sheet(&picture, UINT64_MAX, NULL, NULL));
+        double ink =
+            0.2126 * (double)picture.ink[0] + 0.7152 * (double)picture.ink[1] + 0.0722 * (double)picture.ink[2];
+        for (int end = 0; end < 2; end++) {
+            double part = (double)picture.dim;
+            assert_true(contrast(ink, light[end]) >= 4.5);
+            assert_true(contrast(part * ink + (1 - part) * light[end], light[end]) >= 4.5);
+        }
+        font_destroy(picture.font);
+    }
+    conus_atlas_destroy(atlas);
+}
+
+/* sRGB of the preset heat: its colours at 0, 0.35, 0.7 and 1 of the way. */
+static void heat(uint8_t rgb[3], double part)
+{
+    static const double at[] = {0, 0.35, 0.7, 1};
+    static const double colours[][3] = {{0.45, 0.02, 0.03}, {0.85, 0.12, 0.03}, {1, 0.62, 0.05}, {1, 0.97, 0.75}};
+    int step = part < at[1] ? 0 : part < at[2] ? 1 : 2;
+    double between = (part - at[step]) / (at[step + 1] - at[step]);
+    for (int c = 0; c < 3; c++) {
+        double level = colours[step][c] + between * (colours[step + 1][c] - colours[step][c]);
+        rgb[c] = (uint8_t)lrint(255 * level);
+    }
+}
+
+/* Pathways of the probability 1 from a half on, both as heat: a bar from 50 to 100 %, and a number for each, which is
+ * on the picture, too, on its colour: a disc of one and a half times the letters' height, 86 pixels large, less the
+ * number and the rim. */
+static void haze_by_values_has_a_bar_and_numbers(void **state)
+{
+    (void)state;
+    need_font();
+    static const char *const words[] = {"100", "88", "75", "62", "50"};
+    static const char *const names[] = {"1  First", "2  Second"};
+    const conus_pathway_transfer transfer = {.transfer = "heat"};
+    uint8_t bars[5][LEGEND_BAR][3];
+    struct legend_row rows[8];
+    struct legend legend = {.title = "Pathways", .rows = rows, .count = 8, .tail = 6, .widest = 1};
+    struct font *font = NULL;
+    conus_image *image = NULL;
+    double size[2];
+    conus_atlas *atlas = make_atlas(halves, "Half");
+    assert_ok(area_rows_add_pathway(atlas, "First"));
+    assert_ok(area_rows_add_pathway(atlas, "Second"));
+    struct scene scene = see(atlas, left, 8);
+    conus_selection_destroy(scene.selection);
+    scene.selection = NULL;
+    conus_renderer_destroy(scene.renderer);
+    assert_ok(conus_renderer_create(&scene.renderer, atlas,
+                                    &(conus_renderer_options){.pathways = &transfer, .pathway_count = 1}));
+    for (size_t i = 0; i < 2; i++) {
+        rows[i] = (struct legend_row){.name = names[i]};
+        memcpy(rows[i].rgb, atlas->objects[2 + i].rgb, 3);
+    }
+    rows[2] = (struct legend_row){.name = "Pathways by probability, %", .heading = true};
+    for (size_t i = 0; i < 5; i++) {
+        for (size_t k = 0; k < LEGEND_BAR && i; k++) {
+            heat(bars[i][k], 1 - ((double)i - 1 + ((double)k + 0.5) / LEGEND_BAR) / 4);
+        }
+        rows[3 + i] =
+            (struct legend_row){.name = words[i], .mark = true, .bar = i ? (const uint8_t(*)[3])bars[i] : NULL};
+    }
+    assert_ok(font_create(&font));
+    legend.size = legend_fit(size, font, &legend, (double[]){0.42 * WIDTH, HEIGHT}, SMALLEST / 0.6, SMALLEST);
+    check_legend(&scene, &legend, (double[]){3, 5}, (double[]){3, 6});
+    assert_ok(draw(&image, &scene));
+    for (size_t n = 2; n < 4; n++) {
+        size_t found = 0;
+        for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
+            const size_t row = i / WIDTH;
+            double worst = i % WIDTH < size[0] && row < size[1]; /* not in the legend */
+            for (int c = 0; c < 3; c++) {
+                double level = atlas->objects[n].rgb[c] / 255.0;
+                double linear = level <= 0.04045 ? level / 12.92 : pow((level + 0.055) / 1.055, 2.4);
+                worst = fmax(worst, fabs((double)image_rgba(image).plane[c][i] - linear));
+            }
+            found += worst < 1e-4;
+        }
+        assert_in_range(found, 40, 200);
+    }
+    conus_image_destroy(image);
+    font_destroy(font);
+    finish_scene(&scene);
+}
+
 static void colour_streamlines(struct scene *scene, const char *by)
 {
     conus_renderer_destroy(scene->renderer);
@@ -391,6 +660,13 @@ TEST_GROUP(picture_legend)
         cmocka_unit_test(the_drawing_is_right_of_a_high_legend),
         cmocka_unit_test(the_drawing_is_below_a_wide_legend),
         cmocka_unit_test(bundles_that_are_not_hit_have_rows),
+        cmocka_unit_test(an_area_that_is_given_an_opacity_has_a_row),
+        cmocka_unit_test(what_is_given_an_opacity_or_listed_is_not_pale),
+        cmocka_unit_test(what_is_not_hit_can_be_left_out),
+        cmocka_unit_test(a_legend_without_a_cone_has_the_first_rows),
+        cmocka_unit_test(a_legend_outside_does_not_make_the_picture_endless),
+        cmocka_unit_test(letters_have_contrast_on_any_background),
+        cmocka_unit_test(haze_by_values_has_a_bar_and_numbers),
         cmocka_unit_test(many_bundles_that_are_not_hit_are_counted),
         cmocka_unit_test(colours_of_directions_have_a_key),
         cmocka_unit_test(colours_of_a_number_have_a_bar),
