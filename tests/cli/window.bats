@@ -117,11 +117,9 @@ click_at() {
     pass
 }
 
-# key_at NAME: it is down while a frame is drawn.
+# key_at NAME: pressed and let go; a key that is held moves on in a list after a while.
 key_at() {
-    xdotool keydown --window "$window" "$1"
-    pass
-    xdotool keyup --window "$window" "$1"
+    xdotool key --window "$window" "$1"
     pass
 }
 
@@ -253,4 +251,29 @@ END
     kill -CONT "$screen"
     [ $code -eq 4 ]
     grep -q 'the display or its window manager has not answered for 30 s' said
+}
+
+@test "two clicks measure a distance, and sessions keep it" {
+    conus phantom slabs -o .
+    live slabs.nii.gz
+    local at places=()
+    for at in '305 30' '335 70'; do # in the axial cut: where the crosshair goes
+        # shellcheck disable=SC2086
+        click_at $at
+        look true
+        places+=("$(jq -c .crosshair "look$looks.json")")
+    done
+    tell 'crosshair 0 0 0' # the same cut
+    xdotool key --window "$window" ctrl+m
+    look '.measure.on'
+    click_at 305 30
+    look '.measure.count == 1 and .crosshair == [0, 0, 0]'
+    click_at 335 70
+    look ".measure.count == 2 and .measure.points == ${places[0]} + ${places[1]}"
+    cp "look$looks.json" measured.json
+    click_at 305 30 # anew
+    look '.measure.count == 1'
+    tell 'open measured.json'
+    look ".measure.count == 2 and .measure.points == ${places[0]} + ${places[1]}"
+    leave
 }

@@ -427,6 +427,7 @@ static const struct key keys[] = {
     {"ctrl+4", NULL, .move = look_from, .by = {180, 0}},
     {"ctrl+5", NULL, .move = look_from, .by = {180, 90}},
     {"ctrl+6", NULL, .move = look_from, .by = {0, -90}},
+    {"ctrl+m", "measure: two clicks, in 3-D or in a cut, give a distance; or no more", .sets = PROPERTY_MEASURES},
     {"/", "search an area", .act = go_to_search},
     {"ctrl+r", "neurological or radiological", .sets = PROPERTY_RADIOLOGICAL, .ends_column = true},
     {"t", "what a tracked head sees, or what the mouse turns", .act = toggle_head},

@@ -268,6 +268,25 @@ conus_status viewer_write_results(struct viewer *viewer, enum tool_number tool, 
     return status;
 }
 
+void viewer_measure(struct viewer *viewer, const double at[3])
+{
+    struct measure *measure = &viewer->measure;
+    measure->count = measure->count < 2 ? measure->count : 0;
+    memcpy(measure->points + (size_t)3 * measure->count++, at, 3 * sizeof *at);
+    viewer->version++;
+    if (measure->count == 2) {
+        viewer_say(viewer, "distance: %.2f mm", viewer_distance(viewer));
+    } else {
+        viewer_say(viewer, "click the second place");
+    }
+}
+
+double viewer_distance(const struct viewer *viewer)
+{
+    const double *p = viewer->measure.points;
+    return viewer->measure.count == 2 ? hypot(hypot(p[3] - p[0], p[4] - p[1]), p[5] - p[2]) : NAN;
+}
+
 void viewer_cross(struct viewer *viewer, const double at[3])
 {
     static const double farthest = 1.5; /* radii from the middle, along each axis */

@@ -74,6 +74,11 @@ struct viewer {
     /* where the panes look */
     struct orbit orbit;
     struct head head;
+    struct measure {
+        double points[6]; /**< Two places, mm. */
+        uint32_t count;   /**< How many of them there are. */
+        bool on;          /**< Clicks set them. */
+    } measure;
     double crosshair[3];
     double magnification; /**< In the flat panes: 1 shows all. */
 
@@ -132,6 +137,10 @@ conus_status viewer_report(conus_report **reports, struct viewer *viewer, enum t
 /** Writes what a tool selected in all atlases as conus query -o FILE.tsv does. */
 conus_status viewer_write_results(struct viewer *viewer, enum tool_number tool, const char *path);
 
+/** Sets the next of the two places whose distance is measured; after both the first one, anew. */
+void viewer_measure(struct viewer *viewer, const double at[3]);
+/** Their distance, mm; NaN without two. */
+double viewer_distance(const struct viewer *viewer);
 /** Puts the crosshair there, but not far from the atlas. */
 void viewer_cross(struct viewer *viewer, const double at[3]);
 /** The voxel that a place is in, of the first parcellation or else of the first volume; false outside of it, or

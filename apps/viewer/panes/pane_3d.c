@@ -218,6 +218,19 @@ static void draw_crosshair(const struct window *window)
     }
 }
 
+static void draw_measured(struct window *window)
+{
+    const struct viewer *viewer = window->viewer;
+    float ends[2][2] = {{0}};
+    bool seen = viewer->measure.count > 0;
+    for (uint32_t i = 0; i < viewer->measure.count; i++) {
+        seen = window_point(ends[i], window, viewer->measure.points + (size_t)3 * i) && seen;
+    }
+    if (seen) {
+        pane_measured(viewer, &window->frame.labels, &window->screen.panes[PANE_3D], ends);
+    }
+}
+
 static void draw_waiting(const struct window *window)
 {
     const struct ui_box *box = &window->screen.panes[PANE_3D];
@@ -304,10 +317,12 @@ static void use_click(struct window *window, const struct ui_mouse *mouse)
         return;
     }
     enum tool_number tool = tool_moved_by(viewer, POINT_BY_MOUSE);
-    if (tool < TOOL_COUNT && viewer->tools[tool].has_pose) {
+    if (tool < TOOL_COUNT && viewer->tools[tool].has_pose && !viewer->measure.on) {
         tool_hold(viewer, tool);
     }
-    if (hover->has_place) {
+    if (hover->has_place && viewer->measure.on) {
+        viewer_measure(viewer, hover->at);
+    } else if (hover->has_place) {
         viewer_cross(viewer, hover->at);
         viewer->drawn->shown.chosen = hover->object ? hover->object : viewer->drawn->shown.chosen;
     }
@@ -397,6 +412,7 @@ void pane_3d(struct window *window)
     pane_chosen_name(window);
     pane_second_3d(window);
     draw_crosshair(window);
+    draw_measured(window);
     draw_names(window);
     draw_waiting(window);
     draw_notices(window);

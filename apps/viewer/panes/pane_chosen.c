@@ -5,6 +5,7 @@
 #include "viewer/pictures/cells.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -99,5 +100,20 @@ void pane_chosen(struct window *window)
     }
     if (shadow->top.is_there) {
         ui_draw_overlay(shadow->texture.name, *box);
+    }
+}
+
+void pane_measured(const struct viewer *viewer, struct labels *labels, const struct ui_box *box, float ends[2][2])
+{
+    const ui_colour colour = theme_texts[THEME_GREEN];
+    const float middle[2] = {(ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2};
+    char text[48];
+    for (uint32_t i = 0; i < viewer->measure.count; i++) {
+        ui_draw_circle(ends[i], 4, colour, 2);
+    }
+    if (viewer->measure.count == 2) {
+        snprintf(text, sizeof text, "%.2f mm", viewer_distance(viewer));
+        ui_draw_line(ends[0], ends[1], colour, 2);
+        pane_name(labels, box, middle, true, colour, 0, text);
     }
 }

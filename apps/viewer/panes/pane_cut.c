@@ -145,15 +145,32 @@ static void draw_letters(struct frame *frame)
     }
 }
 
-static void draw_crosshair(const struct window *window, const struct frame *frame)
+/* The pixel of the window that a place is seen at, wherever it lies before or behind the cut. */
+static void pixel_at(float out[2], const struct frame *frame, const double world[3])
 {
     const struct ui_box *box = &frame->pane->box;
     double offset[3];
     for (int a = 0; a < 3; a++) {
-        offset[a] = window->viewer->crosshair[a] - frame->plane.centre[a];
+        offset[a] = world[a] - frame->plane.centre[a];
     }
-    const float at[2] = {box->x + box->width / 2 + (float)(dot(offset, frame->plane.right) / frame->plane.mm_per_pixel),
-                         box->y + box->height / 2 - (float)(dot(offset, frame->plane.up) / frame->plane.mm_per_pixel)};
+    out[0] = box->x + box->width / 2 + (float)(dot(offset, frame->plane.right) / frame->plane.mm_per_pixel);
+    out[1] = box->y + box->height / 2 - (float)(dot(offset, frame->plane.up) / frame->plane.mm_per_pixel);
+}
+
+static void draw_measured(const struct window *window, struct frame *frame)
+{
+    float ends[2][2] = {{0}};
+    for (uint32_t i = 0; i < window->viewer->measure.count; i++) {
+        pixel_at(ends[i], frame, window->viewer->measure.points + (size_t)3 * i);
+    }
+    pane_measured(window->viewer, &frame->labels, &frame->pane->box, ends);
+}
+
+static void draw_crosshair(const struct window *window, const struct frame *frame)
+{
+    const struct ui_box *box = &frame->pane->box;
+    float at[2];
+    pixel_at(at, frame, window->viewer->crosshair);
     ui_draw_line((float[]){box->x, at[1]}, (float[]){at[0] - 6, at[1]}, cross, 1);
     ui_draw_line((float[]){at[0] + 6, at[1]}, (float[]){box->x + box->width, at[1]}, cross, 1);
     ui_draw_line((float[]){at[0], box->y}, (float[]){at[0], at[1] - 6}, cross, 1);
@@ -250,6 +267,10 @@ static void use_mouse(struct window *window, const struct frame *frame, enum pla
     }
     if (ui_surface_held() && mouse.doubled) {
         window_maximise(window);
+    } else if (viewer->measure.on && ui_surface_held() && mouse.down[0]) {
+        if (mouse.pressed[0]) {
+            viewer_measure(viewer, at);
+        }
     } else if (ui_surface_held() && mouse.down[0]) {
         viewer_cross(viewer, at);
         viewer->drawn->shown.chosen =
@@ -287,6 +308,7 @@ void pane_cut(struct window *window, enum plane plane)
     draw_crosshair(window, &frame);
     draw_title(window, &frame, plane);
     draw_letters(&frame);
+    draw_measured(window, &frame);
     show_grey(window, &pane->box);
     const struct view_atlas *drawn = window->viewer->drawn;
     char title[VIEW_ATLAS_TITLE];

@@ -14,7 +14,8 @@ void panel_views(struct window *window)
                    {"Front", "ctrl+3", "looks at the front (Ctrl+3)"},
                    {"Back", "ctrl+4", "looks at the back (Ctrl+4)"},
                    {"Top", "ctrl+5", "looks from above (Ctrl+5)"},
-                   {"Bottom", "ctrl+6", "looks from below (Ctrl+6)"}};
+                   {"Bottom", "ctrl+6", "looks from below (Ctrl+6)"},
+                   {"Measure", "ctrl+m", "two clicks give a distance, in 3-D or in a cut (Ctrl+M)"}};
     enum { BUTTONS = sizeof buttons / sizeof buttons[0] };
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     float margin = inset * window->screen.scale;

@@ -16,6 +16,8 @@ enum { PANE_NAME = 512 /**< Bytes of a name in a pane, in which it ends with "..
 /** A name in a pane where it lies on no other, with a line from there to it: beside the place, or above it. */
 void pane_name(struct labels *labels, const struct ui_box *box, const float at[2], bool above, ui_colour colour,
                uint32_t object, const char *name);
+/** The line between the two places that are measured, at these pixels, with its length. */
+void pane_measured(const struct viewer *viewer, struct labels *labels, const struct ui_box *box, float ends[2][2]);
 /** Where a flat pane looks: world mm, unit vectors. */
 struct pane_plane {
     struct ui_box box;

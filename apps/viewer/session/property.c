@@ -31,6 +31,8 @@ static const char *const follow_says[] = {"the cuts stay where they are", "the c
                                           "the cuts follow the contact of the best hit"};
 static const char *const order_says[] = {"the best first", "the nearest first"};
 static const char *const bare_says[] = {"panels and cuts are back", "the brain alone; F brings all back"};
+static const char *const measure_says[] = {"clicks set the crosshair again",
+                                           "click two places: their distance is shown"};
 static const char *const study_says[] = {"no study", "sweep: the shares over the angle",
                                          "jitter: the chances under errors of the pose"};
 
@@ -184,6 +186,13 @@ const struct property properties[PROPERTY_COUNT] = {
                              .presence = PROPERTY_KEPT},
     [PROPERTY_BARE] = {"layout", "brain_alone", "whether the 3-D pane has the whole window", OF_WINDOW(screen.bare),
                        TRUTH, .presence = PROPERTY_KEPT, .undo = UNDO_LEAVES, .says = bare_says},
+    [PROPERTY_MEASURES] = {"measure", "on", "whether clicks measure", OF_VIEWER(measure.on), TRUTH,
+                           .presence = PROPERTY_KEPT, .undo = UNDO_LEAVES, .says = measure_says,
+                           .tip = "two clicks, in 3-D or in a cut, give the distance between two places"},
+    [PROPERTY_MEASURED] = {"measure", "count", "how many places were set", OF_VIEWER(measure.count),
+                           .type = PROPERTY_INTEGER, .high = 2, .presence = PROPERTY_KEPT},
+    [PROPERTY_PLACES] = {"measure", "points", "the two places, mm", OF_VIEWER(measure.points), REALS(6, -FAR, FAR),
+                         .presence = PROPERTY_KEPT},
     [PROPERTY_RESULT_ORDER] =
         {"results", "order",
          "the column by which the list of hits is ordered, by its name in the tables of conus query",
