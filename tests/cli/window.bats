@@ -138,7 +138,7 @@ key_at() {
     key_at Return
     look ".layers == \"all\" and .confirmed == [] and .hidden == [] and .orbit == $orbit"
     xdotool key --window "$window" l # the list is closed: keys are the brain's again
-    until look '.layers == "visible"'; do :; done
+    look '.layers == "visible"'
     click_at 1085 357 # What is asked
     click_at 1085 407 # View, below Expert
     click_at 914 482  # Outlines
@@ -210,8 +210,9 @@ END
     pass
     xdotool type --window "$window" posterior
     pass
-    key_at Return
-    until look '.hidden == []' && [[ $(xdotool getwindowname "$window") == *'Slab posterior (chosen)' ]]; do :; done
+    enter
+    look '.hidden == []'
+    [[ $(xdotool getwindowname "$window") == *'Slab posterior (chosen)' ]]
     leave
 }
 
