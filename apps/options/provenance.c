@@ -55,133 +55,21 @@ int provenance_hash_file(char out[SHA256_TEXT], const char *path)
     return EXIT_DONE;
 }
 
-/* The list "Queries" in the text of a report in JSON, from its '[' to its ']'. */
-struct queries {
-    const char *text; /* NULL = it is not taken as text */
-    size_t size;
-};
-
-static const char *find_text(const char *text, const char *end, const char *what)
+bool provenance_checksum(char out[SHA256_TEXT], const json_t *root)
 {
-    return memmem(text, (size_t)(end - text), what, strlen(what));
-}
-
-/* Of a report in JSON of points, as of the thousands of contacts of a probe, whose rows begin at `rows`: json_dumps()
- * would write it again as it is. Other queries may have files, whose bytes are added, or more digits, and so do
- * sidecars of other kinds. */
-static struct queries find_queries(const char *text, const char *rows)
-{
-    static const char key[] = "\n \"Queries\": ";
-    const char *list = rows ? find_text(text, rows, key) : NULL;
-    const char *stop = list ? find_text(list, rows, "\n ]") : NULL;
-    const char *first = stop ? find_text(list, stop, "\n  }") : NULL;
-    if (!first || !find_text(list, first, "\n   \"point_ras\": [")) {
-        return (struct queries){0};
-    }
-    list += sizeof key - 1;
-    return (struct queries){list, (size_t)(stop + strlen("\n ]") - list)};
-}
-
-/* A member of an object in the list. */
-struct member {
-    const char *text, *end;
-};
-
-static int compare_members(const void *a, const void *b)
-{
-    return strcmp(((const struct member *)a)->text, ((const struct member *)b)->text); /* the keys differ */
-}
-
-/* Writes it without white space; the value is no object. */
-static char *write_member(char *out, const struct member *member)
-{
-    const char *at = find_text(member->text, member->end, "\": ") + strlen("\":");
-    out = mempcpy(out, member->text, (size_t)(at++ - member->text));
-    while (at < member->end) {
-        const char *line = memchr(at, '\n', (size_t)(member->end - at));
-        const char *stop = line ? line : member->end;
-        out = mempcpy(out, at, (size_t)(stop - at));
-        at = line ? line + 1 + strspn(line + 1, " ") : stop;
-    }
-    return out;
-}
-
-/* Writes an object in the list, from its first member on, with its members sorted. */
-static char *write_sorted(char *out, const char *text, const char *end)
-{
-    enum { MEMBERS = 8 };
-    static const char between[] = ",\n   ";
-    struct member members[MEMBERS];
-    size_t count = 0;
-    for (const char *next = text; next; text = next + strlen(between)) {
-        next = find_text(text, end, ",\n   \"");
-        assert(count < MEMBERS);
-        members[count++] = (struct member){text, next ? next : end};
-        if (!next) {
-            break;
-        }
-    }
-    qsort(members, count, sizeof *members, compare_members);
-    for (size_t i = 0; i < count; i++) {
-        *out++ = i ? ',' : '{';
-        out = write_member(out, &members[i]);
-    }
-    *out++ = '}';
-    return out;
-}
-
-/* The list as json_dumps() writes it for the checksum. The caller frees it; NULL without memory. */
-static char *compact_queries(size_t *size, const struct queries *queries)
-{
-    static const char begin[] = "\n  {\n   ";
-    const char *end = queries->text + queries->size;
-    char *text = malloc(queries->size);
-    char *out = text;
-    for (const char *at = queries->text; text && (at = find_text(at, end, begin)); at++) {
-        const char *stop = find_text(at, end, "\n  }");
-        *out = out == text ? '[' : ',';
-        out = write_sorted(out + 1, at + strlen(begin), stop);
-        at = stop;
-    }
-    if (text) {
-        *out++ = ']';
-        *size = (size_t)(out - text);
-    }
-    return text;
-}
-
-/* The checksum of `root`, in which "Queries" is an empty list that stands for `queries`, if there is such text. */
-static bool find_checksum(char out[SHA256_TEXT], const json_t *root, const struct queries *queries)
-{
-    static const char empty[] = "\"Queries\":[]";
     json_t *part = json_object();
     bool whole = part;
-    size_t size = 0;
     for (size_t i = 0; i < sizeof sealed / sizeof sealed[0]; i++) {
         json_t *value = json_object_get(root, sealed[i]);
         whole = whole && (!value || json_object_set(part, sealed[i], value) == 0);
     }
     char *text = whole ? json_dumps(part, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(DIGITS)) : NULL;
-    char *list = text && queries->text ? compact_queries(&size, queries) : NULL;
-    whole = text && (list || !queries->text);
-    if (whole) {
-        struct sha256_ctx context;
-        const char *rest = list ? strstr(text, empty) + strlen(empty) : text;
-        sha256_init(&context);
-        sha256_update(&context, list ? (size_t)(rest - text) - strlen("[]") : 0, (const uint8_t *)text);
-        sha256_update(&context, size, (const uint8_t *)list);
-        sha256_update(&context, strlen(rest), (const uint8_t *)rest);
-        provenance_hash_finish(out, &context);
+    if (text) {
+        provenance_hash(out, text, strlen(text));
     }
     json_decref(part);
     free(text);
-    free(list);
-    return whole;
-}
-
-bool provenance_checksum(char out[SHA256_TEXT], const json_t *root)
-{
-    return find_checksum(out, root, &(struct queries){0});
+    return text;
 }
 
 char *provenance_path(const char *output)
@@ -262,16 +150,11 @@ static bool add_sizes(json_t *value)
     return whole;
 }
 
-static bool seal(json_t *root, const struct queries *queries)
-{
-    char checksum[SHA256_TEXT];
-    return root && add_sizes(root) && find_checksum(checksum, root, queries) &&
-           json_object_set_new(root, "Checksum", json_string(checksum)) == 0;
-}
-
 bool provenance_seal(json_t *root)
 {
-    return seal(root, &(struct queries){0});
+    char checksum[SHA256_TEXT];
+    return root && add_sizes(root) && provenance_checksum(checksum, root) &&
+           json_object_set_new(root, "Checksum", json_string(checksum)) == 0;
 }
 
 /* A text of other bytes than UTF-8 is null: it cannot be found again. */
@@ -368,19 +251,14 @@ const char *provenance_json_rows(const char *text, size_t size)
     return is_object ? memmem(text, size, mark, sizeof mark - 1) : NULL;
 }
 
-/* As provenance_parse(); what stands for `queries` is an empty list. */
-static json_t *parse_without(const char *text, size_t size, const struct queries *queries, json_error_t *error)
+json_t *provenance_parse(const char *text, size_t size, json_error_t *error)
 {
     const char *rows = provenance_json_rows(text, size);
     size_t length = rows ? (size_t)(rows - text) : size;
     char *head = malloc(length + 1);
     json_t *root = NULL;
     if (head) {
-        size_t first = queries->text ? (size_t)(queries->text + 1 - text) : 0;
-        size_t skipped = queries->text ? queries->size - strlen("[]") : 0;
-        memcpy(head, text, first);
-        memcpy(head + first, text + first + skipped, length - skipped - first);
-        length -= skipped;
+        memcpy(head, text, length);
         if (rows) {
             head[length - 1] = '}'; /* in place of the comma before the rows */
         }
@@ -390,23 +268,13 @@ static json_t *parse_without(const char *text, size_t size, const struct queries
     return root;
 }
 
-json_t *provenance_parse(const char *text, size_t size, json_error_t *error)
-{
-    return parse_without(text, size, &(struct queries){0}, error);
-}
-
 /* An object and what follows it; rows stand in it, in place of its last line. */
-static char *join(const char *object, const char *rest, size_t size, bool are_rows, const struct queries *queries)
+static char *join(const char *object, const char *rest, size_t size, bool are_rows)
 {
-    static const char empty[] = "\n \"Queries\": []";
     size_t length = strlen(object) - (are_rows ? 2 : 0);
-    size_t first = queries->text ? (size_t)(strstr(object, empty) - object) + strlen(empty) - 2 : 0;
-    size_t skipped = queries->text ? strlen("[]") : 0;
-    char *joined = malloc(length + queries->size + size + 2);
+    char *joined = malloc(length + size + 2);
     if (joined) {
-        char *end = mempcpy(joined, object, first);
-        end = mempcpy(end, queries->text ? queries->text : "", queries->size);
-        end = mempcpy(end, object + first + skipped, length - first - skipped);
+        char *end = mempcpy(joined, object, length);
         *end = ',';
         end += are_rows;
         *(char *)mempcpy(end, rest, size) = '\0';
@@ -417,14 +285,12 @@ static char *join(const char *object, const char *rest, size_t size, bool are_ro
 int provenance_complete(char **out, const char *text, size_t size, const struct provenance *provenance)
 {
     const char *rows = provenance_json_rows(text, size);
-    const struct queries queries = find_queries(text, rows);
     json_error_t error;
-    json_t *root = parse_without(text, size, &queries, &error);
-    bool whole = root && add_files(root, provenance) && seal(root, &queries);
+    json_t *root = provenance_parse(text, size, &error);
+    bool whole = root && add_files(root, provenance) && provenance_seal(root);
     char *dumped = whole ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(DIGITS)) : NULL;
     json_decref(root);
-    *out = dumped ? join(dumped, rows ? rows : "\n", rows ? size - (size_t)(rows - text) : 1, rows != NULL, &queries)
-                  : NULL;
+    *out = dumped ? join(dumped, rows ? rows : "\n", rows ? size - (size_t)(rows - text) : 1, rows != NULL) : NULL;
     free(dumped);
     if (!*out) {
         return print_no_memory();

@@ -130,23 +130,6 @@ static json_t *json_from_shape(const struct report_query *query)
     return whole_or_null(cone, !cone_is_wide(&query->cone) || put_value(cone, "spread", json_string("even")));
 }
 
-static bool has_own_range(const conus_report *report, const struct report_query *query)
-{
-    const double *range = query->cone.range;
-    return !query->error && (range[0] != report->selector.range[0] || range[1] != report->selector.range[1]);
-}
-
-/* Whether queries are points and nothing else, of which write_points() writes the list: a probe has thousands. */
-static bool are_points(const conus_report *report)
-{
-    bool are = !report->is_begun && report->query_count && report->options.rows != CONUS_ROWS_CONNECTIONS;
-    for (size_t i = 0; are && i < report->query_count; i++) {
-        const struct report_query *query = &report->queries[i];
-        are = query->ball > 0 && !query->error && !query->roi.path && !has_own_range(report, query);
-    }
-    return are;
-}
-
 static json_t *json_from_queries(const conus_report *report)
 {
     json_t *queries = json_array();
@@ -155,7 +138,8 @@ static json_t *json_from_queries(const conus_report *report)
         const struct report_query *query = &report->queries[i];
         json_t *entry = json_from_shape(query);
         const double *range = query->cone.range;
-        bool has_range = has_own_range(report, query);
+        bool has_range =
+            !query->error && (range[0] != report->selector.range[0] || range[1] != report->selector.range[1]);
         whole = (!has_range || put_value(entry, "range_mm", json_pack("[f, f]", range[0], range[1]))) && whole;
         bool has_radius = !query->error && report->options.rows == CONUS_ROWS_CONNECTIONS;
         whole = (!has_radius || put_value(entry, "endpoint_radius_mm", json_real(query->end_radius))) && whole;
@@ -445,7 +429,7 @@ static bool add_plan(json_t *root, const struct report_plan *plan)
     return put_value(root, "Plan", whole_or_null(object, whole && add_errors(object, plan->jitter)));
 }
 
-/* The sources. */
+/* The sources; queries are always in RAS. */
 static bool add_sources(json_t *root, const conus_report *report)
 {
     json_t *program = json_pack("{s: s, s: s}", "Name", "conus", "Version", CONUS_VERSION);
@@ -455,13 +439,8 @@ static bool add_sources(json_t *root, const conus_report *report)
            (report->name ? put_value(root, "Atlases", json_from_atlases(report))
                          : put_value(root, "Atlas", json_from_atlas(report->atlas))) &&
            put_value(root, "Settings", json_from_settings(report)) &&
-           (!report->plan.count || add_plan(root, &report->plan));
-}
-
-/* Queries are always in RAS. */
-static bool add_queries(json_t *root, const conus_report *report)
-{
-    return report->is_begun || put_value(root, "Queries", json_from_queries(report)); /* else they are forgotten */
+           (!report->plan.count || add_plan(root, &report->plan)) &&
+           (report->is_begun || put_value(root, "Queries", json_from_queries(report))); /* else they are forgotten */
 }
 
 /* The space of positions in rows: x, y and z are the axes in their order. */
@@ -478,11 +457,10 @@ static json_t *json_from_space(const conus_frame *frame)
     return whole_or_null(space, whole);
 }
 
-/* The provenance of the rows, for the report and the sidecar; without points, which write_points() adds. */
+/* The provenance of the rows, for the report and the sidecar. */
 static bool add_provenance(json_t *root, const conus_report *report)
 {
-    return put_value(root, "Space", json_from_space(&report->frame)) && add_sources(root, report) &&
-           (are_points(report) || add_queries(root, report));
+    return put_value(root, "Space", json_from_space(&report->frame)) && add_sources(root, report);
 }
 
 struct writing {
@@ -540,61 +518,22 @@ static void write_row(void *user, const conus_report *of, const struct report_ro
     buffer_text(writing->out, "\n  }");
 }
 
-/* The end of an object, which goes where members follow. */
-static const char object_end[] = "\n}\n";
-
-/* Adds the queries to the object that was written, if they are points, as jansson would. */
-static bool write_points(struct buffer *out, const conus_report *report)
-{
-    const size_t flags = digits(report);
-    bool whole = true;
-    if (!are_points(report)) {
-        return true;
-    }
-    out->size -= strlen(object_end);
-    for (size_t i = 0; i < report->query_count; i++) {
-        const struct report_query *query = &report->queries[i];
-        const struct cell id = {.type = CELL_TEXT, .text = query->id};
-        const struct cell radius = {.type = CELL_NUMBER, .number = query->ball};
-        buffer_text(out, i ? ",\n  {\n   \"query\": " : ",\n \"Queries\": [\n  {\n   \"query\": ");
-        whole = write_cell(out, id, flags) && whole;
-        for (int a = 0; a < 3; a++) {
-            const struct cell at = {.type = CELL_NUMBER, .number = query->cone.pose.world_from_device[12 + a]};
-            buffer_text(out, a ? ",\n    " : ",\n   \"point_ras\": [\n    ");
-            whole = write_cell(out, at, flags) && whole;
-        }
-        buffer_text(out, "\n   ],\n   \"radius_mm\": ");
-        whole = write_cell(out, radius, flags) && whole;
-        buffer_text(out, "\n  }");
-    }
-    buffer_text(out, "\n ]");
-    buffer_text(out, object_end);
-    return whole;
-}
-
-/* Writes the object, which is taken over, with the queries behind its members. */
-static conus_status write_object(struct buffer *out, json_t *root, const conus_report *report)
-{
-    conus_status status = dump(out, root, JSON_INDENT(1) | digits(report));
-    status = status ? status : buffer_status(out);
-    return status || write_points(out, report) ? status : fail(CONUS_ERROR_MEMORY, "no memory for the queries in JSON");
-}
-
 conus_status report_write_json(struct buffer *out, const conus_report *report)
 {
+    static const char empty_end[] = "]\n}\n"; /* of the list of rows, the last in the object */
     json_t *root = json_object();
-    conus_status status = write_object(out, whole_or_null(root, add_provenance(root, report)), report);
+    bool whole = add_provenance(root, report) && put_value(root, "Rows", json_array());
+    conus_status status = dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
     status = status ? status : buffer_status(out);
     if (status) {
         return status;
     }
     struct writing writing = {.out = out, .flags = digits(report), .whole = true};
-    out->size -= strlen(object_end);
-    buffer_text(out, ",\n \"Rows\": [");
+    out->size -= sizeof empty_end - 1;
     report_list_columns(&writing.columns, report);
     report_each_row(report, write_row, &writing);
-    buffer_text(out, writing.rows ? "\n ]" : "]");
-    buffer_text(out, object_end);
+    buffer_text(out, writing.rows ? "\n " : "");
+    buffer_text(out, empty_end);
     return writing.whole ? buffer_status(out) : fail(CONUS_ERROR_MEMORY, "no memory for the JSON report");
 }
 
@@ -645,7 +584,7 @@ conus_status report_write_sidecar(struct buffer *out, const conus_report *report
     }
     whole = (!is_draft || put_value(root, "BIDSExtension", json_string(BEP032_DRAFT))) && whole;
     whole = add_provenance(root, report) && whole;
-    return write_object(out, whole_or_null(root, whole), report);
+    return dump(out, whole_or_null(root, whole), JSON_INDENT(1) | digits(report));
 }
 
 /* Names of the labels in a map of them. */
@@ -686,11 +625,10 @@ conus_status report_write_grid_sidecar(struct buffer *out, const conus_report *r
         voxels += memcmp((const uint8_t *)grid->data + i * grid->size, zero, grid->size) != 0;
     }
     bool mask = !grid->labels && grid->view.number != CONUS_NUMBER_FLOAT32;
-    bool whole = put_value(root, "Description", json_string(grid->view.description)) &&
-                 (!mask || put_value(root, "Type", json_string("ROI"))) && put_value(root, "Manual", json_false()) &&
-                 put_value(root, "Sources", json_from_paths(report->atlas)) &&
-                 put_value(root, "Voxels", json_integer(voxels)) &&
-                 (!grid->labels || put_value(root, "Labels", json_from_labels(report->atlas))) &&
-                 add_sources(root, report) && add_queries(root, report);
+    bool whole =
+        put_value(root, "Description", json_string(grid->view.description)) &&
+        (!mask || put_value(root, "Type", json_string("ROI"))) && put_value(root, "Manual", json_false()) &&
+        put_value(root, "Sources", json_from_paths(report->atlas)) && put_value(root, "Voxels", json_integer(voxels)) &&
+        (!grid->labels || put_value(root, "Labels", json_from_labels(report->atlas))) && add_sources(root, report);
     return dump(out, whole_or_null(root, whole), JSON_INDENT(1));
 }
