@@ -53,7 +53,8 @@ static bool render_pattern_check(const char *pattern)
         if (!begins(at, QUERY) && !begins(at, ROW) && !begins(at, TURN_FRAME)) {
             const char *end = strchr(at, '}');
             int length = end ? (int)(end - at + 1) : (int)strlen(at);
-            print_error_line("--output: \"%.*s\" stands for nothing, allowed are %s and %s", length, at, QUERY, ROW);
+            print_error_line("--output: \"%.*s\" stands for nothing, allowed are %s, %s and " TURN_FRAME, length, at,
+                             QUERY, ROW);
             return false;
         }
     }
@@ -596,7 +597,7 @@ static bool check_cone(const struct render_settings *settings, const struct argu
 
 static bool check_settings(const struct render_settings *settings, const struct arguments *arguments)
 {
-    if (!render_cuts_check(&settings->cuts, arguments) || !turn_check(&settings->turn, settings->output) ||
+    if (!render_cuts_check(&settings->cuts, arguments) || !turn_check(&settings->turn, settings->output, arguments) ||
         !check_cone(settings, arguments)) {
         return false;
     }

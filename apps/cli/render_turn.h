@@ -18,7 +18,7 @@ struct turn_settings {
 extern const struct option turn_options[];
 
 /** Whether the options and the name of the output go together; prints an error if not. */
-bool turn_check(const struct turn_settings *settings, const char *output);
+bool turn_check(const struct turn_settings *settings, const char *output, const struct arguments *arguments);
 
 /** The camera of frame @p frame, from 0: that of the first, @p start (NULL = from the front and above, with the ball
  * around the atlas in view), turned about the upright axis through the middle of the atlas. */

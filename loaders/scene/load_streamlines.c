@@ -80,19 +80,30 @@ conus_status streamlines_add(conus_atlas *atlas, struct tractogram *tractogram, 
     return status;
 }
 
-conus_status streamlines_load(conus_atlas **out, const char *path, const conus_load_options *options)
+/* An atlas of one tractogram, which is empty; NULL without memory. */
+static conus_atlas *make_alone(void)
 {
-    const struct note_sink sink = {options->log, options->log_user, path};
-    struct notes notes = {.sink = &sink};
     conus_atlas *atlas = memory_zeroed(1, sizeof *atlas);
     struct tractogram *tractogram = memory_zeroed(1, sizeof *tractogram);
     if (!atlas || !tractogram) {
         memory_free(atlas);
         memory_free(tractogram);
-        return CONUS_ERROR_MEMORY;
+        return NULL;
     }
     atlas->tractograms = tractogram;
     atlas->tractogram_count = 1;
+    return atlas;
+}
+
+conus_status streamlines_load(conus_atlas **out, const char *path, const conus_load_options *options)
+{
+    const struct note_sink sink = {options->log, options->log_user, path};
+    struct notes notes = {.sink = &sink};
+    conus_atlas *atlas = make_alone();
+    if (!atlas) {
+        return CONUS_ERROR_MEMORY;
+    }
+    struct tractogram *tractogram = atlas->tractograms;
     conus_status status = tract_file_read(tractogram, path, options->max_memory, &notes);
     status = status ? status : notes_move(&atlas->notes, &notes);
     status = status ? status : file_sums_move(&atlas->files, &tractogram->files);
@@ -134,16 +145,11 @@ static conus_status borrow_tractogram(struct tractogram *out, const struct tract
 
 conus_status streamlines_borrow(conus_atlas **out, const conus_atlas *alone)
 {
-    conus_atlas *atlas = memory_zeroed(1, sizeof *atlas);
-    struct tractogram *tractogram = memory_zeroed(1, sizeof *tractogram);
-    if (!atlas || !tractogram) {
-        memory_free(atlas);
-        memory_free(tractogram);
+    conus_atlas *atlas = make_alone();
+    if (!atlas) {
         return CONUS_ERROR_MEMORY;
     }
-    atlas->tractograms = tractogram;
-    atlas->tractogram_count = 1;
-    conus_status status = borrow_tractogram(tractogram, &alone->tractograms[0]);
+    conus_status status = borrow_tractogram(atlas->tractograms, &alone->tractograms[0]);
     for (size_t i = 0; i < alone->notes.count && !status; i++) {
         status = notes_put(&atlas->notes, alone->notes.marks ? alone->notes.marks[i].severity : CONUS_SEVERITY_NOTE,
                            "%s", alone->notes.lines[i]);

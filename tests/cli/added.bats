@@ -106,16 +106,6 @@ enter_line() {
     pass
 }
 
-# click_at X Y: pixels of the window.
-click_at() {
-    xdotool mousemove --window "$window" "$1" "$2"
-    pass
-    xdotool mousedown 1
-    pass
-    xdotool mouseup 1
-    pass
-}
-
 @test "the list of what was added adds, changes and takes out" {
     scene
     live slabs.nii.gz --size 1000x640

@@ -87,7 +87,7 @@ session() {
     fails 2 'session.csv has 6 poses, a picture takes one: --output needs {query} or {row}' "${render[@]}" -o a.png
     fails 2 'session.csv has 2 poses, a picture takes one' "${render[@]}" -o a.png --query-id left
     fails 2 'the poses in lines 2 and 6 would both be drawn into left.png' "${render[@]}" -o '{query}.png'
-    fails 2 '--output: "{name}" stands for nothing, allowed are {query} and {row}' "${render[@]}" -o '{row}{name}.png'
+    fails 2 '--output: "{name}" stands for nothing, allowed are {query}, {row} and {frame}' "${render[@]}" -o '{row}{name}.png'
     fails 2 '--output: "{row.png" stands for nothing' "${render[@]}" -o '{row.png'
     fails 2 '--output: {query} and {row} stand for poses of a file' render sphere.nii.gz -o '{query}.png'
     fails 2 '--row 7: session.csv has 6 poses' "${render[@]}" -o a.png --row 7

@@ -40,6 +40,7 @@ SMALL='--size 120x100 --slices 60 --legend none -q'
     fails 2 '--output: {frame} is missing' render sphere.nii.gz -o x.png --frames 3
     fails 2 '--output: {frame} stands for the pictures of a turntable' render sphere.nii.gz -o 'x{frame}.png'
     fails 2 '--turn has no effect without --frames' render sphere.nii.gz -o x.png --turn 90
+    fails 2 '--turn: 0 turns nothing' render sphere.nii.gz -o 'x{frame}.png' --frames 2 --turn 0
     fails 2 '--frames and --view exclude' render sphere.nii.gz -o 'x{frame}.png' --frames 2 --view left
     fails 2 '--frames: 0 is out of range' render sphere.nii.gz -o 'x{frame}.png' --frames 0
     fails 2 '--frames has no effect on cuts' render sphere.nii.gz -o 'x{frame}.png' --frames 2 --cuts axial

@@ -66,6 +66,16 @@ close_window() {
     /usr/bin/python3 -B "$BATS_TEST_DIRNAME/x11_client.py" close "$1"
 }
 
+# click_at X Y: pixels of the window.
+click_at() {
+    xdotool mousemove --window "$window" "$1" "$2"
+    pass
+    xdotool mousedown 1
+    pass
+    xdotool mouseup 1
+    pass
+}
+
 # drop PATH...: as a file manager does, on $window, which is told to look at events meanwhile.
 drop() {
     local view=$child

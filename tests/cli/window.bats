@@ -107,16 +107,6 @@ END
     jq -e '.crosshair == [5, 1, 2]' started.json
 }
 
-# click_at X Y: pixels of the window.
-click_at() {
-    xdotool mousemove --window "$window" "$1" "$2"
-    pass
-    xdotool mousedown 1
-    pass
-    xdotool mouseup 1
-    pass
-}
-
 # key_at NAME: pressed and let go; a key that is held moves on in a list after a while.
 key_at() {
     xdotool key --window "$window" "$1"
