@@ -60,6 +60,22 @@ void buffer_text(struct buffer *buffer, const char *text)
     buffer_append(buffer, text, strlen(text));
 }
 
+void buffer_xml(struct buffer *buffer, const char *text)
+{
+    for (const char *c = text; *c; c++) {
+        bool is_none = strncmp(c, "\xef\xbf\xbe", 3) == 0 || strncmp(c, "\xef\xbf\xbf", 3) == 0; /* U+FFFE, U+FFFF */
+        bool is_control = (unsigned char)*c < ' ' && !strchr("\t\n\r", *c);
+        const char *stands = *c == '&'               ? "&amp;"
+                             : *c == '<'             ? "&lt;"
+                             : *c == '>'             ? "&gt;"
+                             : *c == '"'             ? "&quot;"
+                             : is_none || is_control ? "\xef\xbf\xbd"
+                                                     : NULL;
+        buffer_append(buffer, stands ? stands : c, stands ? strlen(stands) : 1);
+        c += is_none ? 2 : 0;
+    }
+}
+
 void buffer_format(struct buffer *buffer, const char *format, ...)
 {
     va_list args;

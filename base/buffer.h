@@ -36,6 +36,8 @@ static inline void buffer_append(struct buffer *buffer, const void *bytes, size_
 }
 
 void buffer_text(struct buffer *buffer, const char *text);
+/** UTF-8 as text of XML, also in quotes; a character that XML does not have is U+FFFD. */
+void buffer_xml(struct buffer *buffer, const char *text);
 void buffer_format(struct buffer *buffer, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /** Appends @p value as text_number() writes it. */

@@ -70,32 +70,10 @@ static void put_triangles(struct word_writer *writer, const struct mesh *mesh)
     }
 }
 
-static void append_escaped(struct buffer *out, const char *text)
-{
-    for (const char *c = text; *c; c++) {
-        switch (*c) {
-        case '&':
-            buffer_text(out, "&amp;");
-            break;
-        case '<':
-            buffer_text(out, "&lt;");
-            break;
-        case '>':
-            buffer_text(out, "&gt;");
-            break;
-        case '"':
-            buffer_text(out, "&quot;");
-            break;
-        default:
-            buffer_append(out, c, 1);
-        }
-    }
-}
-
 void gifti_append_pair(struct buffer *out, const char *name, const char *value)
 {
     buffer_format(out, "    <MD><Name>%s</Name><Value>", name);
-    append_escaped(out, value);
+    buffer_xml(out, value);
     buffer_text(out, "</Value></MD>\n");
 }
 
@@ -118,7 +96,7 @@ static void append_gifti_title(struct buffer *out, const struct mesh_title *titl
         buffer_text(out, "\"");
     }
     buffer_text(out, " Alpha=\"1\">");
-    append_escaped(out, title->name);
+    buffer_xml(out, title->name);
     buffer_text(out, "</Label>\n  </LabelTable>\n");
 }
 

@@ -50,13 +50,7 @@ static void put_text(struct buffer *out, const struct image_shape *shape)
     put_attribute(out, "textLength", shape->length);
     put_colour(out, "fill", shape);
     buffer_text(out, ">");
-    for (const char *c = shape->text; *c; c++) {
-        if (*c == '&' || *c == '<' || *c == '>') {
-            buffer_text(out, *c == '&' ? "&amp;" : *c == '<' ? "&lt;" : "&gt;");
-        } else {
-            buffer_append(out, c, 1);
-        }
-    }
+    buffer_xml(out, shape->text);
     buffer_text(out, "</text>\n");
 }
 
@@ -130,7 +124,9 @@ conus_status image_format_svg(struct bytes *out, const conus_image *image)
     buffer_number(&text, mm > 0 ? image->height * mm : image->height);
     buffer_format(&text, "%s\" viewBox=\"0 0 %u %u\">\n", mm > 0 ? "mm" : "", image->width, image->height);
     conus_status status = put_picture(&text, image);
-    buffer_format(&text, "<g font-family=\"%s, sans-serif\" xml:space=\"preserve\">\n", shapes->family);
+    buffer_text(&text, "<g font-family=\"");
+    buffer_xml(&text, shapes->family);
+    buffer_text(&text, ", sans-serif\" xml:space=\"preserve\">\n");
     for (size_t i = 0; i < shapes->count && !status; i++) {
         const struct image_shape *shape = &shapes->items[i];
         if (shape->kind == SHAPE_TEXT) {

@@ -255,6 +255,17 @@ static void any_bytes_become_clean_utf8(void **state)
     }
 }
 
+/* XML 1.0 has no characters below a space but tab and ends of lines, and neither U+FFFE nor U+FFFF. */
+static void text_of_xml_has_what_xml_has(void **state)
+{
+    (void)state;
+    struct buffer out = {0};
+    buffer_xml(&out, "a<b>&\"\xc3\xbc\"\t\x01\x1b|\xef\xbf\xbe|\xef\xbf\xbf|\xef\xbf\xbd");
+    assert_string_equal(out.data, "a&lt;b&gt;&amp;&quot;\xc3\xbc&quot;\t\xef\xbf\xbd\xef\xbf\xbd|\xef\xbf\xbd|"
+                                  "\xef\xbf\xbd|\xef\xbf\xbd");
+    buffer_finish(&out);
+}
+
 static void plain_text_steers_no_terminal(void **state)
 {
     (void)state;
@@ -575,6 +586,7 @@ TEST_GROUP(base)
         cmocka_unit_test(arrays_double),
         cmocka_unit_test(utf8_is_told_from_latin1),
         cmocka_unit_test(any_bytes_become_clean_utf8),
+        cmocka_unit_test(text_of_xml_has_what_xml_has),
         cmocka_unit_test(plain_text_steers_no_terminal),
         cmocka_unit_test(inverse_undoes_an_affine),
         cmocka_unit_test(files_appear_whole),
