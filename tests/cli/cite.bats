@@ -272,7 +272,9 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     conus query nested.nii.gz --point 0,0,0 --radius 9 -o ball.tsv
     conus sweep nested.nii.gz $aim -o admissions.tsv
     conus batch nested.nii.gz --poses poses.tsv --range 10,90 --format spikeglx -o probe.txt
-    for result in cone.tsv segments.tsv ball.tsv admissions.tsv probe.txt; do
+    printf '0 0 0 A1\n0 0 2 A2\n' >points.txt
+    conus batch nested.nii.gz --poses points.txt --radius 2 --format spikeglx -q -o contacts
+    for result in cone.tsv segments.tsv ball.tsv admissions.tsv probe.txt contacts; do
         sidecar=${result%.tsv}.json
         rows=$(jq -r '.Question.rows + " " + .Question.region' $sidecar)
         cites $result
@@ -286,6 +288,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
         cone.tsv) [ "$rows" = 'answers cone' ] ;;
         ball.tsv) [ "$rows" = 'answers ball' ] ;;
         admissions.tsv) [ "$rows" = 'admissions cone' ] ;;
+        contacts) [ "$rows" = 'answers cylinder' ] ;;
         *) [ "$rows" = 'segments axis' ] ;;
         esac
     done
