@@ -80,7 +80,8 @@ static conus_status find_first(conus_selection *selection, struct engine *engine
     return status;
 }
 
-/* All layers, and with a range, or where nothing was traced, what is first of them. */
+/* Lists all intervals. Then takes the first hits from them: always where there is a range, else only where nothing was
+ * traced. */
 static conus_status list_layers(conus_selection *selection, struct engine *engine, bool is_traced)
 {
     struct layers *layers = &selection->layers;

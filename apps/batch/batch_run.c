@@ -219,12 +219,6 @@ int batch_run_build(struct batch_run *run)
     return EXIT_DONE;
 }
 
-static const char *file_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* Hashes the poses, and all that the rows depend on. */
 static int identify(struct batch_run *run)
 {
@@ -249,8 +243,8 @@ static int identify(struct batch_run *run)
                                    conus_pose_stream_space(run->poses),
                                    conus_pose_stream_coordsystem_sha256(run->poses),
                                    format,
-                                   info ? file_name(info->path) : "",
-                                   first && strcmp(first, asked) == 0 ? file_name(asked) : NULL,
+                                   info ? path_name(info->path) : "",
+                                   first && strcmp(first, asked) == 0 ? path_name(asked) : NULL,
                                    NULL};
     int code = status       ? print_status(status)
                : run->piped ? EXIT_DONE

@@ -11,7 +11,8 @@
 
 static const char program[] = "conus-view";
 
-int view_run(char **words)
+/* Turns this program into conus-view, with `words` as its command line; gives an exit code where that fails. */
+static int become_view(char **words)
 {
     char path[PATH_MAX]; /* beside this program, if its own path is known */
     ssize_t length = readlink("/proc/self/exe", path, PATH_MAX - 1);
@@ -36,5 +37,5 @@ int view_run(char **words)
 const struct command cmd_view = {
     .name = "view",
     .summary = "browse an atlas in a window and point at it (the program conus-view)",
-    .hand_over = view_run,
+    .hand_over = become_view,
 };

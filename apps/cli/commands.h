@@ -26,7 +26,4 @@ extern const struct command cmd_cite;
 extern const struct command cmd_page;
 extern const struct command cmd_view; /**< Another program's. */
 
-/** Turns this program into conus-view, with @p words as its command line; gives an exit code where that fails. */
-int view_run(char **words);
-
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The scaffold of query, sweep, track, overlap and connect: the settings that they share, and the steps from the
+ * The scaffold of query, sweep, track, plan, overlap and connect: the settings that they share, and the steps from the
  * command line to a report and its files. The question that a command asks, and its own options, are in its cmd_*.c.
  * The last two ask about no pose, and use no settings of aims, files of poses and contexts. */
 #ifndef CONUS_CLI_REQUEST_H

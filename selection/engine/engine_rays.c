@@ -70,7 +70,7 @@ static void destroy(struct engine *engine)
 /* Nearest first; of equally near ones the object with the lower number. */
 static void keep_nearer(struct evidence *out, size_t pixel, double t, uint64_t voxel, uint32_t object)
 {
-    if (voxel == UINT64_MAX || t > out->distance[pixel]) {
+    if (voxel == EVIDENCE_NO_VOXEL || t > out->distance[pixel]) {
         return;
     }
     if (t < out->distance[pixel] || object < out->object[pixel]) {
@@ -163,7 +163,7 @@ static struct traverse_contact sample_slices(const struct volume *volume, const 
             return (struct traverse_contact){.t = t, .voxel = voxel, .object = volume_object(volume, voxel)};
         }
     }
-    return (struct traverse_contact){.t = INFINITY, .voxel = UINT64_MAX};
+    return (struct traverse_contact){.t = INFINITY, .voxel = EVIDENCE_NO_VOXEL};
 }
 
 static void walk_slices(const struct target *target, struct traverse_bundle *bundle, const struct cone *cone)

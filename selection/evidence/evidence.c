@@ -2,6 +2,7 @@
 /* Makes, clears and ends the evidence. */
 #include "selection/evidence/evidence.h"
 
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -58,4 +59,17 @@ void evidence_drop_blocked(struct evidence *evidence)
             evidence_clear_pixel(evidence, i);
         }
     }
+}
+
+void evidence_position(double out[3], const struct evidence *evidence, const struct cone *cone, uint32_t i, uint32_t j)
+{
+    double ray[3];
+    size_t pixel = (size_t)j * evidence->resolution + i;
+    if (!evidence->object[pixel]) {
+        out[0] = out[1] = out[2] = NAN;
+        return;
+    }
+    cone_ray(ray, cone, i, j);
+    cone_origin(out, cone, i, j);
+    vec3_add_scaled(out, out, evidence->distance[pixel], ray);
 }

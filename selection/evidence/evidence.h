@@ -6,6 +6,7 @@
 #define CONUS_SELECTION_EVIDENCE_EVIDENCE_H
 
 #include "atlas/atlas.h"
+#include "selection/cone/cone.h"
 
 #define EVIDENCE_NO_VOXEL UINT64_MAX
 
@@ -15,8 +16,8 @@ struct evidence {
     uint32_t resolution;
     uint32_t *object; /**< Object hit first; 0 = none.                                                          */
     double *distance; /**< mm from the apex along the ray to the entry into that object; INFINITY = none.       */
-    uint64_t *voxel;  /**< Linear index of the voxel hit, in the object's volume, or the triangle of its mesh;
-                         EVIDENCE_NO_VOXEL = none. */
+    uint64_t *voxel;  /**< What was hit of the object: linear index of the voxel in its volume, the triangle of its
+                         mesh, or the first point of the segment of its streamline; EVIDENCE_NO_VOXEL = none. */
 };
 
 conus_status evidence_init(struct evidence *out, uint32_t resolution);
@@ -30,5 +31,9 @@ void evidence_clear_pixel(struct evidence *evidence, size_t pixel);
 
 /** Sets pixels that hold VOLUME_BLOCKER to "nothing". */
 void evidence_drop_blocked(struct evidence *evidence);
+
+/** World position of the contact of pixel column @p i, row @p j: the ray's origin + distance x ray; NAN where nothing
+ * is hit. */
+void evidence_position(double out[3], const struct evidence *evidence, const struct cone *cone, uint32_t i, uint32_t j);
 
 #endif

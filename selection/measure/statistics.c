@@ -96,19 +96,6 @@ static uint32_t group_of(const struct gathering *gathering, uint32_t object)
     return gathering->group ? gathering->group[object] : object;
 }
 
-void evidence_position(double out[3], const struct evidence *evidence, const struct cone *cone, uint32_t i, uint32_t j)
-{
-    double ray[3];
-    size_t pixel = (size_t)j * evidence->resolution + i;
-    if (!evidence->object[pixel]) {
-        out[0] = out[1] = out[2] = NAN;
-        return;
-    }
-    cone_ray(ray, cone, i, j);
-    cone_origin(out, cone, i, j);
-    vec3_add_scaled(out, out, evidence->distance[pixel], ray);
-}
-
 /* Adds the pixels in the cone from number `first` on, as far as they hit the same; gives the number behind them. The
  * contact is at the smallest r, of equal ones at the nearest (Eq. 11). */
 static size_t add_run(struct tallied *object, const struct aperture *aperture, const struct evidence *evidence,

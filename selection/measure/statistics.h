@@ -58,7 +58,4 @@ conus_status statistics_gather(struct statistics *out, const struct gathering *g
 /** The result of an object of which nothing is known. */
 conus_result statistics_empty_result(uint32_t number);
 
-/** World position of the contact of pixel column @p i, row @p j: the ray's origin + distance x ray. */
-void evidence_position(double out[3], const struct evidence *evidence, const struct cone *cone, uint32_t i, uint32_t j);
-
 #endif

@@ -273,7 +273,7 @@ conus_status conus_report_add(conus_report *report, const char *query_id, const 
         }
         report->row_count -= statistics->count - kept; /* rows of results that were not wanted */
         if (report->options.order == CONUS_ORDER_DEPTH) {
-            sort_by_depth(rows, statistics->count, report);
+            sort_by_depth(rows, kept, report);
         }
     }
     return status || report->options.no_voxels ? status : report_add_voxels(report, selection);

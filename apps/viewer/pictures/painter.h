@@ -38,8 +38,8 @@ struct painted {
 };
 
 /** Starts the thread; @p transfer and @p log (called on that thread) as in conus_renderer_options, opacities and haze
- * as @p look says, which is copied. @p wake (NULL = none) is called there when there is something new: a picture, an
- * error, the device's name. False without memory or threads. */
+ * as @p appearance says, which is copied. @p wake (NULL = none) is called there when there is something new: a picture,
+ * an error, the device's name. False without memory or threads. */
 bool painter_create(struct painter **out, const conus_atlas *atlas, const char *transfer,
                     const struct appearance *appearance, conus_log log, void (*wake)(void));
 void painter_destroy(struct painter *painter);
@@ -54,7 +54,7 @@ bool painter_take(struct painter *painter, struct painted *out);
 void painter_hold(struct painter *painter);
 /** The atlas may hide other objects now. */
 void painter_resume(struct painter *painter);
-/** Draws with the opacities of @p look from now on; false without memory. */
+/** Draws with the opacities of @p appearance from now on; false without memory. */
 bool painter_set_opacity(struct painter *painter, const struct appearance *appearance);
 /** Draws with another transfer function; false without memory. */
 bool painter_set_transfer(struct painter *painter, const conus_transfer_point *points, size_t count);

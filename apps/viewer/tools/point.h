@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The cone of the mouse: where its apex is, when it follows and when it is held. World RAS+, mm. */
+/** @file The pose of a ray through the mouse: where the cone's apex is. World RAS+, mm. */
 #ifndef CONUS_VIEWER_TOOLS_POINT_H
 #define CONUS_VIEWER_TOOLS_POINT_H
 

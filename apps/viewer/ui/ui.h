@@ -76,7 +76,6 @@ void ui_id_end(void);
 
 void ui_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void ui_text_coloured(ui_colour colour, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/** One number, by a printf format for a double. */
 void ui_text_wrapped(const char *text);
 void ui_heading(const char *text); /**< In large letters, of ASCII. */
 /** A text over the widget before, where the mouse is on it. */

@@ -158,7 +158,7 @@ void window_eye(const struct window *window, struct eye *out)
 
 enum { STATUS_HEIGHT = 24 };
 
-static void touch(GLFWwindow *handle)
+static void want_frames(GLFWwindow *handle)
 {
     struct window *window = glfwGetWindowUserPointer(handle);
     if (window) {
@@ -166,32 +166,32 @@ static void touch(GLFWwindow *handle)
     }
 }
 
-static void touch_by_mouse(GLFWwindow *handle, double x, double y)
+static void want_frames_by_mouse(GLFWwindow *handle, double x, double y)
 {
     (void)x;
     (void)y;
-    touch(handle);
+    want_frames(handle);
 }
 
-static void touch_by_button(GLFWwindow *handle, int button, int action, int mods)
+static void want_frames_by_button(GLFWwindow *handle, int button, int action, int mods)
 {
     (void)button;
     (void)action;
     (void)mods;
-    touch(handle);
+    want_frames(handle);
 }
 
-static void touch_by_number(GLFWwindow *handle, int number)
+static void want_frames_by_number(GLFWwindow *handle, int number)
 {
     (void)number;
-    touch(handle);
+    want_frames(handle);
 }
 
-static void touch_by_numbers(GLFWwindow *handle, int x, int y)
+static void want_frames_by_numbers(GLFWwindow *handle, int x, int y)
 {
     (void)x;
     (void)y;
-    touch(handle);
+    want_frames(handle);
 }
 
 bool window_press(struct window *window, const char *key)
@@ -247,7 +247,7 @@ static void press_named(GLFWwindow *handle, int key, int scancode, int action, i
 {
     struct window *window = glfwGetWindowUserPointer(handle);
     char name[KEY_LIMIT] = "";
-    touch(handle);
+    want_frames(handle);
     const char *with = !is_move(key) ? "" : mods & GLFW_MOD_SHIFT ? "shift+" : mods & GLFW_MOD_CONTROL ? "ctrl+" : "";
     snprintf(name, sizeof name, "%s%s", with, name_of_key(key));
     if (!name[0] && (mods & GLFW_MOD_CONTROL) && !(mods & (GLFW_MOD_ALT | GLFW_MOD_SUPER))) {
@@ -270,7 +270,7 @@ static void press_character(GLFWwindow *handle, unsigned character)
 {
     struct window *window = glfwGetWindowUserPointer(handle);
     const char key[2] = {(char)character, '\0'};
-    touch(handle);
+    want_frames(handle);
     if (character > ' ' && character < 127 && !ui_wants_keys()) {
         window_press(window, key);
     }
@@ -301,32 +301,33 @@ static void note_scale(GLFWwindow *handle, float x, float y)
         window->screen.screen_scale = window_screen_scale(window, x);
         use_zoom(window, window->screen.zoom);
     }
-    touch(handle);
+    want_frames(handle);
 }
 
 static void take_drop(GLFWwindow *handle, int count, const char **paths)
 {
     struct window *window = glfwGetWindowUserPointer(handle);
-    touch(handle);
+    want_frames(handle);
     if (window) {
         window_drop(window, (size_t)count, paths);
     }
 }
 
-/* Sets the callbacks. To be called before ui_create(), whose callbacks call these. */
+/* Each event asks for frames. Called before ui_create(): Dear ImGui sets callbacks of its own then, and calls these
+ * from them. The panes ask it for the mouse (ui_mouse_now()). */
 static void hear_events(GLFWwindow *handle)
 {
     glfwSetKeyCallback(handle, press_named);
     glfwSetCharCallback(handle, press_character);
-    glfwSetCursorPosCallback(handle, touch_by_mouse);
-    glfwSetScrollCallback(handle, touch_by_mouse);
-    glfwSetMouseButtonCallback(handle, touch_by_button);
-    glfwSetCursorEnterCallback(handle, touch_by_number);
-    glfwSetWindowFocusCallback(handle, touch_by_number);
-    glfwSetWindowIconifyCallback(handle, touch_by_number);
-    glfwSetFramebufferSizeCallback(handle, touch_by_numbers);
-    glfwSetWindowPosCallback(handle, touch_by_numbers); /* a tracked head sees another part */
-    glfwSetWindowRefreshCallback(handle, touch);
+    glfwSetCursorPosCallback(handle, want_frames_by_mouse);
+    glfwSetScrollCallback(handle, want_frames_by_mouse);
+    glfwSetMouseButtonCallback(handle, want_frames_by_button);
+    glfwSetCursorEnterCallback(handle, want_frames_by_number);
+    glfwSetWindowFocusCallback(handle, want_frames_by_number);
+    glfwSetWindowIconifyCallback(handle, want_frames_by_number);
+    glfwSetFramebufferSizeCallback(handle, want_frames_by_numbers);
+    glfwSetWindowPosCallback(handle, want_frames_by_numbers); /* a tracked head sees another part */
+    glfwSetWindowRefreshCallback(handle, want_frames);
     glfwSetWindowContentScaleCallback(handle, note_scale);
     glfwSetDropCallback(handle, take_drop);
 }

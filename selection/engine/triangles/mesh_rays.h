@@ -4,7 +4,7 @@
  * precision.
  *
  * Embree works in single precision, so it only proposes: every triangle that it finds nearer than what a ray has, or
- * as near within its precision, is weighed by mesh_distance(), and the nearest wins; of equally near ones that of the
+ * as near within its precision, is weighed by mesh_crossing(), and the nearest wins; of equally near ones that of the
  * lower object, then the lower triangle. What stays to Embree is whether a ray passes an edge on this side or that. The
  * tree of our own takes mesh_is_passed()'s word for that. */
 #ifndef CONUS_SELECTION_ENGINE_TRIANGLES_MESH_RAYS_H

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * The walk of traverse_one() for LANES rays at a time: the body of one instruction set's kernel. Its source defines
- * LANES and KERNEL (the function's name), includes this once, and is compiled with that set's flags.
+ * The walk of traverse_one() for LANES rays at a time: the body of one instruction set's kernel. pierce_lanes.h
+ * includes it. The source of the instruction set defines LANES, KERNEL and PIERCE (the functions' names), includes
+ * pierce_lanes.h once, and is compiled with that set's flags.
  *
  * Positions are single precision, which holds twice as many rays, and only have to tell cells: where a ray is nearer to
  * a face than its error (model.md, Eq. 5), it is said to be unclear and goes to traverse_one() as a whole. They are
