@@ -30,11 +30,11 @@ import numpy as np
 RADII = (2, 4)  # mm; 4 is tck2connectome's default
 
 
-def nearest_centre(labels, matrix, point, radius):
-    """The label of the voxel that is not 0 and whose centre is nearest, within a radius."""
-    index = np.argwhere(labels)
-    away = np.linalg.norm(index @ matrix[:3, :3].T + matrix[:3, 3] - point, axis=1)
-    return labels[tuple(index[away.argmin()])] if away.min() <= radius else 0
+def nearest_centre(labels, centres, point, radius):
+    """The label, of those that are not 0, whose voxel's centre is nearest, within a radius."""
+    away = ((centres - point[:, None])**2).sum(0)
+    nearest = away.argmin()
+    return labels[nearest] if away[nearest] <= radius**2 else 0
 
 
 def edges_of(lines, assign):
@@ -85,8 +85,11 @@ def compare(conus, path, random, folder):
     same(connect(0), voxels, f"{path}, end voxels")
     asked = ask_mrtrix(voxels, file, volume, ["-assignment_end_voxels"], folder)
     others = []
+    index = np.nonzero(labels)
+    named = labels[index]
+    places = matrix[:3, :3] @ index + matrix[:3, 3:]
     for radius in RADII:
-        edges, centres = edges_of(lines, lambda point: nearest_centre(labels, matrix, point, radius))
+        edges, centres = edges_of(lines, lambda point: nearest_centre(named, places, point, radius))
         ask_mrtrix(edges, file, volume, ["-assignment_radial_search", str(radius)], folder)
         cells, pairs = edges_of(lines, lambda point: label_at(labels, matrix, point, radius))
         same(connect(radius), cells, f"{path}, {radius} mm")
