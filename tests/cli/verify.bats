@@ -410,6 +410,55 @@ hostile() {
     says 3 '/a/../../y: has ".." in it, and moved' out/q.tsv --search .
 }
 
+# store FOLDER: an image of Zarr 2 with two levels of 2 x 2 x 2 voxels; label 49 in front, 50 behind.
+store() {
+    mkdir -p "$1"/{0,1}
+    local axis='{"type": "space", "unit": "millimeter"}' level
+    printf '{"multiscales": [{"axes": [%s, %s, %s], "datasets": [
+        {"path": "0", "coordinateTransformations": [{"type": "scale", "scale": [1, 1, 1]}]},
+        {"path": "1", "coordinateTransformations": [{"type": "scale", "scale": [2, 2, 2]}]}]}]}' "$axis" "$axis" "$axis" >"$1/.zattrs"
+    for level in 0 1; do
+        echo '{"zarr_format": 2, "shape": [2, 2, 2], "chunks": [1, 2, 2], "dtype": "|u1", "order": "C", "compressor": null,
+            "fill_value": '"$level}" >"$1/$level/.zarray"
+        printf 1111 >"$1/$level/0.0.0"
+        printf 2222 >"$1/$level/1.0.0"
+    done
+}
+
+@test "a store of Zarr, with the keys that choose a level: in place, moved, changed, gone" {
+    mkdir tmp
+    export TMPDIR=$PWD/tmp
+    store a/two.zarr
+    conus query a/two.zarr,level=1,orientation=asr --point 0,0,0 --radius 0.5 -q -o rows.tsv
+    says 0 'answered again from 3 files, 3 with the SHA-256' rows.tsv
+    conus query "$PWD/a/two.zarr,level=1,orientation=asr" --point 0,0,0 --radius 0.5 -q -o full.tsv
+    says 0 identical full.tsv
+    mkdir b
+    mv a/two.zarr b/
+    says 3 'a/two.zarr is missing; --search' rows.tsv
+    says 0 'note: a/two.zarr is now ' rows.tsv --search b
+    says 0 'note: '"$PWD/a/two.zarr is now $PWD/b/two.zarr" full.tsv --search b
+    cp -r b/two.zarr a/
+    mv b c
+    mkdir d
+    mv c/two.zarr/.zattrs d # nothing is put into the store
+    rm -r a/two.zarr
+    says 3 'zarr: ' rows.tsv --search .
+    [ "$(find . -type l | wc -l)" -eq 0 ]
+    mv d/.zattrs c/two.zarr/
+    cp -r c/two.zarr a/
+    printf 3333 >a/two.zarr/1/1.0.0 # behind, where nothing is asked
+    says 1 'it is answered the same again, but not all else is as it was' rows.tsv
+    has 'answered again from 3 files, 2 with the SHA-256'
+    has 'Atlas.volumes[0].sha256 is '
+    run -1 "$CONUS" verify rows.tsv --format json
+    [ "$(jq -c '[.files[] | [.path, .state]]' <<<"$output")" = \
+        '[["a/two.zarr","not compared"],["a/two.zarr/.zattrs","same"],["a/two.zarr/1/.zarray","same"]]' ]
+    printf 3333 >a/two.zarr/0/0.0.0 # another level
+    printf 2222 >a/two.zarr/1/1.0.0
+    says 0 identical rows.tsv
+}
+
 @test "the verdict as JSON" {
     study
     run -0 "$CONUS" verify out/q.tsv --format json
@@ -442,7 +491,7 @@ hostile() {
 # Every option with a text must be one that verify knows, or a sidecar with it is refused.
 @test "every option of the commands that are answered again is known, or refused on purpose" {
     study
-    local text='--angles --atlas --atlas-transform --clearance --connect --connectivity --contacts --context --deep --endpoints --hide --image --jitter --jobs
+    local text='--angles --atlas --atlas-transform --clearance --connect --connectivity --contacts --context --coordsystem --deep --endpoints --hide --image --jitter --jobs
         --labels --level --listen --mask --mask-object --only --output --pathway --pose --poses --probe --probes --reference --score
         --segments --shard --sidecar --streamlines --streamlines-out --tool --voxels --world-from-tracker'
     for command in query batch sweep track overlap connect; do

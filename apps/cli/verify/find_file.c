@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-const char *const file_state_names[] = {"same", "moved", "not recorded", "changed", "missing"};
+const char *const file_state_names[] = {"same", "moved", "not recorded", "not compared", "changed", "missing"};
 
 static bool add_candidate(struct places *places, const char *path, int64_t bytes)
 {
@@ -106,17 +106,21 @@ static bool has_sum(const struct recorded_file *file, const char *path, int64_t 
            strcmp(sum, file->sha256) == 0;
 }
 
-/* Takes `path`, which it frees, if it is the file; else, where it was, keeps in mind that there is another one. */
+/* Takes `path`, which it frees, if it is the file; else, where it was, keeps in mind that there is another one. The sum
+ * of a folder is that of the chunks in it, which answering again finds. */
 static bool try_path(struct found_file *out, const struct recorded_file *file, char *path, enum file_state state)
 {
     struct stat info;
-    bool is = path && stat(path, &info) == 0 && S_ISREG(info.st_mode);
+    bool is_there = path && stat(path, &info) == 0;
     bool known = file->sha256;
-    bool same = is && known && has_sum(file, path, info.st_size);
+    bool is_folder = is_there && S_ISDIR(info.st_mode) && known && file->bytes < 0;
+    bool is = is_folder || (is_there && S_ISREG(info.st_mode));
+    bool same = is_folder || (is && known && has_sum(file, path, info.st_size));
     if (same || (is && state == FILE_SAME && !out->path)) {
         free(out->path);
         out->path = realpath(path, NULL);
         out->state = same ? state : known ? FILE_CHANGED : FILE_UNKNOWN;
+        out->is_folder = is_folder;
     }
     free(path);
     return same || (is && state == FILE_SAME && !known);
@@ -165,4 +169,30 @@ bool file_find(struct found_file *out, const struct recorded_file *file, const s
         print_error_line("%s: %s", file->path, strerror(errno));
     }
     return out->state == FILE_MISSING || out->path;
+}
+
+/* The path without `rest` at its end; NULL where it does not end so. */
+static char *folder_of(const char *path, const char *rest)
+{
+    size_t size = path ? strlen(path) : 0;
+    size_t length = strlen(rest);
+    bool fits = *rest == '/' && size > length && strcmp(path + size - length, rest) == 0;
+    return fits ? strndup(path, size - length) : NULL;
+}
+
+void files_find_folders(struct found_file *found, const struct recorded_file *files, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        size_t length = strlen(files[i].path);
+        size_t best = length; /* the file that is deepest in it says most */
+        bool is_missing = found[i].state == FILE_MISSING;
+        for (size_t k = i + 1; is_missing && k < count && strncmp(files[k].path, files[i].path, length) == 0; k++) {
+            char *folder = strlen(files[k].path) > best ? folder_of(found[k].path, files[k].path + length) : NULL;
+            if (folder) {
+                best = strlen(files[k].path);
+                free(found[i].path);
+                found[i] = (struct found_file){.path = folder, .state = FILE_MOVED, .is_folder = true};
+            }
+        }
+    }
 }

@@ -8,10 +8,11 @@
 enum { SEARCH_ENTRIES = 100000, SEARCH_DEPTH = 16 };
 
 enum file_state {
-    FILE_SAME,    /**< Where it was, with its checksum. */
-    FILE_MOVED,   /**< Elsewhere, with its checksum. */
-    FILE_UNKNOWN, /**< Where it was; its checksum is not recorded. */
-    FILE_CHANGED, /**< A file of its name is there, with another checksum. */
+    FILE_SAME,     /**< Where it was, with its checksum. */
+    FILE_MOVED,    /**< Elsewhere, with its checksum. */
+    FILE_UNKNOWN,  /**< Where it was; its checksum is not recorded. */
+    FILE_UNSUMMED, /**< A folder, of which an answer that is not identical may have had other chunks. */
+    FILE_CHANGED,  /**< A file of its name is there, with another checksum. */
     FILE_MISSING,
 };
 
@@ -20,6 +21,7 @@ extern const char *const file_state_names[]; /**< By file_state. */
 struct found_file {
     char *path; /**< Absolute; NULL where it is missing. */
     enum file_state state;
+    bool is_folder; /**< A store of Zarr, whose checksum is that of its chunks: only the new answer tells it. */
 };
 
 /** Where to look. Zeroed, only where the files were. */
@@ -47,5 +49,9 @@ char *base_folder(const char *recorded, const char *actual);
 
 /** Finds @p file. False, after an error message, without memory. @p out->path is the caller's to free(). */
 bool file_find(struct found_file *out, const struct recorded_file *file, const struct places *places);
+
+/** Finds the folders among all @p count @p files, sorted by path, that are missing: they are where a file of theirs
+ * was found. */
+void files_find_folders(struct found_file *found, const struct recorded_file *files, size_t count);
 
 #endif

@@ -53,6 +53,19 @@ static bool make_folders(char *path, size_t from)
     return true;
 }
 
+/* Whether a folder of the path, from `from` on, is a link: to a store, whose files are there with it. */
+static bool is_in_link(char *path, size_t from)
+{
+    struct stat info;
+    bool is = false;
+    for (char *slash = path + from; !is && (slash = strchr(slash, '/')); slash++) {
+        *slash = '\0';
+        is = lstat(path, &info) == 0 && S_ISLNK(info.st_mode);
+        *slash = '/';
+    }
+    return is;
+}
+
 /* A ".." of an absolute path could lead out of the folder, and none of ours has one behind its first folder. */
 static bool link_file(const struct stage *stage, const char *path, const char *target)
 {
@@ -67,7 +80,8 @@ static bool link_file(const struct stage *stage, const char *path, const char *t
         print_error_line("not enough memory");
         return false;
     }
-    bool made = make_folders(link, strlen(stage->folder) + 1) && (symlink(target, link) == 0 || errno == EEXIST);
+    size_t from = strlen(stage->folder) + 1;
+    bool made = is_in_link(link, from) || (make_folders(link, from) && (symlink(target, link) == 0 || errno == EEXIST));
     if (!made) {
         print_error_line("%s: cannot link: %s", path, strerror(errno));
     }

@@ -190,6 +190,7 @@ static void say_file(struct verdict *verdict, const struct recorded_file *file, 
 {
     switch (found->state) {
     case FILE_SAME:
+    case FILE_UNSUMMED:
         break;
     case FILE_MOVED:
         say(&verdict->notes, "%s is now %s", file->path, found->path);
@@ -250,10 +251,13 @@ static int find_files(struct checking *checking, const char *written, bool *ther
     for (size_t i = 0; i < record->input_count && !code; i++) {
         bool done = verdict->found && file_find(&verdict->found[i], &record->inputs[i], &places);
         code = done ? EXIT_DONE : EXIT_DATA;
-        if (done) {
-            say_file(verdict, &record->inputs[i], &verdict->found[i]);
-            *there = *there && verdict->found[i].state != FILE_MISSING;
-        }
+    }
+    if (!code) {
+        files_find_folders(verdict->found, record->inputs, record->input_count);
+    }
+    for (size_t i = 0; i < record->input_count && !code; i++) {
+        say_file(verdict, &record->inputs[i], &verdict->found[i]);
+        *there = *there && verdict->found[i].state != FILE_MISSING;
     }
     code = code || say_other_outputs(checking, &places) ? code : EXIT_DATA;
     places_finish(&places);
@@ -482,6 +486,10 @@ int verdict_find(struct verdict *out, const char *result, const struct verdict_s
     code = code ? code : check_result(&checking, commands);
     free(checking.text);
     out->kind = !out->compared ? VERDICT_NONE : out->same && !out->why.count ? VERDICT_IDENTICAL : VERDICT_DIFFERENT;
+    for (size_t i = 0; out->found && i < out->record.input_count && out->kind != VERDICT_IDENTICAL; i++) {
+        struct found_file *found = &out->found[i];
+        found->state = found->is_folder && found->state != FILE_MISSING ? FILE_UNSUMMED : found->state;
+    }
     return code;
 }
 
