@@ -27,6 +27,7 @@ struct query_settings {
     const char *probe;
     double tip, roll; /* of the probe: mm, degrees */
     const char *probes;
+    const char *coordsystem;
 };
 
 static const char *const voxel_kinds[] = {"pathways", "all", NULL};
@@ -79,6 +80,15 @@ static const struct option probe_options[] = {
      .role = OPTION_WRITES,
      .needs = "probe",
      .endings = ".tsv"},
+    {.name = "coordsystem",
+     .type = OPTION_TEXT,
+     .offset = offsetof(struct query_settings, coordsystem),
+     .value = "FILE.json",
+     .help = "with --format bep032: positions are those in --space, in place of those on the probe, and FILE.json "
+             "describes the space",
+     .role = OPTION_WRITES,
+     .needs = "probe",
+     .endings = ".json"},
     {0},
 };
 
@@ -158,6 +168,8 @@ static bool check_format(const struct request *request, const struct query_setti
     const char *why = format == CONUS_FORMAT_BEP032 && !settings->probe
                           ? "--format: bep032 lists the contacts of probes; --probe FILE.json describes them"
                       : format != CONUS_FORMAT_BEP032 && settings->probes ? "--probes is written beside --format bep032"
+                      : format != CONUS_FORMAT_BEP032 && settings->coordsystem
+                          ? "--coordsystem is written beside --format bep032"
                       : format == CONUS_FORMAT_BIDS && settings->probe
                           ? "--format: bids adds to a table of electrodes, --probe has none; bep032 writes one"
                           : NULL;
@@ -421,6 +433,7 @@ static conus_status start_query(struct query *query)
     }
     report.contacts = query->contacts;
     report.probe = query->probe;
+    report.placed = settings->coordsystem;
     report.electrodes = request->format == CONUS_FORMAT_BIDS ? conus_pose_list_electrodes(request->poses) : NULL;
     status = request_reports(request, &report);
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
@@ -459,6 +472,9 @@ static int write_all(struct query *query)
     text = NULL;
     status = status || code || !settings->probes ? status : conus_report_probes(&text, &size, report);
     code = code || status || !text ? code : output_write(settings->probes, text, size);
+    text = NULL;
+    status = status || code || !settings->coordsystem ? status : conus_report_coordsystem(&text, &size, report);
+    code = code || status || !text ? code : output_write(settings->coordsystem, text, size);
     if (code || status) {
         return code ? code : print_status(status);
     }

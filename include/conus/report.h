@@ -95,6 +95,8 @@ typedef struct conus_report_options {
     const conus_probe *probe; /**< Of #CONUS_ROWS_ANSWERS: each query is a contact of these, in their order, with the
                                  columns probe, shank_id and channel; #CONUS_FORMAT_BEP032 needs it. It must outlive the
                                  report. NULL = none. */
+    bool placed;              /**< For #CONUS_FORMAT_BEP032: x, y and z are positions in @p space or @p frame, which
+                                 conus_report_coordsystem() describes, not those on the probe. */
 } conus_report_options;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -296,6 +298,17 @@ CONUS_CHECKED conus_status conus_report_join(conus_report *report, conus_report 
  * @since 0.1
  */
 CONUS_CHECKED conus_status conus_report_probes(const char **text, size_t *size, conus_report *report);
+
+/**
+ * Writes the coordsystem.json of the draft BEP032 of BIDS: the space of x, y and z, and their unit.
+ * @param[out] text UTF-8 with a final NUL. Borrowed until the next call on the report.
+ * @param[out] size Bytes, without the NUL.
+ * @param report With the option @p placed.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another report.
+ * @threads One at a time for each @p report.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_report_coordsystem(const char **text, size_t *size, conus_report *report);
 
 /**
  * Writes the whole text in the report's format.

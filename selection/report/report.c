@@ -46,6 +46,9 @@ static conus_status check_options(const conus_report_options *options)
     if (options->format == CONUS_FORMAT_BEP032 && !options->probe) {
         return fail(CONUS_ERROR_ARGUMENT, "probe: BEP032 lists the contacts of probes, and there is none");
     }
+    if (options->placed && options->format != CONUS_FORMAT_BEP032) {
+        return fail(CONUS_ERROR_ARGUMENT, "placed: only BEP032 has positions on the probe otherwise");
+    }
     if (options->probe && (options->rows != CONUS_ROWS_ANSWERS || options->tracker)) {
         return fail(CONUS_ERROR_ARGUMENT, "probe: only answers have its columns, not tracks");
     }

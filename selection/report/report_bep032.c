@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The electrodes.tsv and probes.tsv of the draft BEP032 of BIDS (docs/formats.md): where each contact of a probe is,
- * and the smallest area that contains all of them. */
+/* The electrodes.tsv, probes.tsv and coordsystem.json of the draft BEP032 of BIDS (docs/formats.md): where each contact
+ * of a probe is, and the smallest area that contains all of them. */
 #include "selection/report/report_bep032.h"
 
 #include "atlas/frame.h"
@@ -180,5 +180,32 @@ conus_status report_write_probes(struct buffer *out, const conus_report *report)
     for (size_t query = 0; query < report->query_count;) {
         write_probe(out, report, &query);
     }
+    return CONUS_OK;
+}
+
+/* The draft's own example of AllenCCFv3 has an origin and axes that are not the CCF's: the words here are those of
+ * docs/spaces.md. */
+conus_status report_write_coordsystem(struct buffer *out, const conus_report *report)
+{
+    static const char *const words[] = {
+        [CONUS_SPACE_RAS] = "x grows to the right, y to anterior, z to superior, in the space of the poses",
+        [CONUS_SPACE_LPS] = "x grows to the left, y to posterior, z to superior, in the space of the poses",
+        [CONUS_SPACE_CCF] = "from the corner of the grid, x (AP) grows to posterior, y (DV) to inferior, z (ML) to the "
+                            "right",
+        [CONUS_SPACE_BREGMA] =
+            "from bregma in AllenCCFv3, not turned or stretched, x (AP) grows to anterior, y (ML) to "
+            "the right, z (DV) to superior"};
+    const conus_frame *frame = &report->frame;
+    if (!report->options.placed) {
+        return fail(CONUS_ERROR_ARGUMENT, "report: positions on a probe have no coordinate system of a brain");
+    }
+    buffer_format(out, "{\n \"MicroephysCoordinateSystem\": \"%s\",\n",
+                  frame->space == CONUS_SPACE_CCF ? "AllenCCFv3" : "Other");
+    buffer_format(out, " \"MicroephysCoordinateSystemDescription\": \"%s", words[frame->space]);
+    if (frame->space == CONUS_SPACE_BREGMA) {
+        buffer_format(out, "; bregma is at AP %.9g, DV %.9g, ML %.9g um", frame->bregma[0], frame->bregma[1],
+                      frame->bregma[2]);
+    }
+    buffer_format(out, "\",\n \"MicroephysCoordinateUnits\": \"%s\"\n}\n", conus_space_unit(frame->space));
     return CONUS_OK;
 }

@@ -25,5 +25,7 @@ const char *report_localization(const conus_report *report);
 
 /** Appends probes.tsv. */
 conus_status report_write_probes(struct buffer *out, const conus_report *report);
+/** Appends coordsystem.json. */
+conus_status report_write_coordsystem(struct buffer *out, const conus_report *report);
 
 #endif

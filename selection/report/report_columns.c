@@ -808,6 +808,14 @@ static const struct report_column bep032_columns[] = {
     {"localization_method", NULL, "how it was found", NAMED(get_localization)},
 };
 
+/* Its positions where they are those in a brain. */
+static const struct report_column placed_columns[] = {
+    {"x", "mm", "position in the space that coordsystem.json describes, x",
+     OF_QUERY(X, cone.pose.world_from_device[12])},
+    {"y", "mm", "the same, y", OF_QUERY(Y, cone.pose.world_from_device[12])},
+    {"z", "mm", "the same, z", OF_QUERY(Z, cone.pose.world_from_device[12])},
+};
+
 /* The numbers in the list of voxels (report_voxels.c). */
 static const struct report_column voxel_columns[] = {{.name = "x"}, {.name = "y"}, {.name = "z"}, {.name = "value"}};
 
@@ -866,6 +874,15 @@ static void list_answers(struct report_columns *out, const conus_report *report)
     }
 }
 
+static void list_bep032(struct report_columns *out, const conus_report *report)
+{
+    enum { X = 2 }; /* its place in the table */
+    list_table(out, report, bep032_columns, COUNT_OF(bep032_columns));
+    for (size_t i = 0; report->options.placed && i < COUNT_OF(placed_columns); i++) {
+        out->at[X + i] = &placed_columns[i];
+    }
+}
+
 void report_list_columns(struct report_columns *out, const conus_report *report)
 {
     out->count = 0;
@@ -874,7 +891,7 @@ void report_list_columns(struct report_columns *out, const conus_report *report)
         if (report->options.format == CONUS_FORMAT_BIDS) {
             list_table(out, report, electrode_columns, COUNT_OF(electrode_columns));
         } else if (report->options.format == CONUS_FORMAT_BEP032) {
-            list_table(out, report, bep032_columns, COUNT_OF(bep032_columns));
+            list_bep032(out, report);
         } else {
             list_answers(out, report);
         }

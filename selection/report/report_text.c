@@ -172,6 +172,12 @@ conus_status conus_report_probes(const char **text, size_t *size, conus_report *
     return hand_out(report, report_write_probes(&report->text, report), text, size);
 }
 
+conus_status conus_report_coordsystem(const char **text, size_t *size, conus_report *report)
+{
+    buffer_finish(&report->text);
+    return hand_out(report, report_write_coordsystem(&report->text, report), text, size);
+}
+
 conus_status conus_report_sidecar(const char **text, size_t *size, conus_report *report)
 {
     buffer_finish(&report->text);

@@ -74,6 +74,22 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     run -1 conus verify sub-1_electrodes.tsv
 }
 
+@test "BEP032: positions in a space, with the file that describes it" {
+    probe
+    conus query slabs.nii.gz --probe np.json --origin 0,-14.6,0 --direction 0,-1,0 --space lps --format bep032 -q \
+        -o sub-1_space-scan_electrodes.tsv --coordsystem sub-1_space-scan_coordsystem.json
+    [ "$(sed -n 4p sub-1_space-scan_electrodes.tsv | cut -f 1-5)" = $'e2\tprobe1\t0\t-10.6\t0' ]
+    python3 -m json.tool sub-1_space-scan_coordsystem.json >parsed.json
+    grep -q '"MicroephysCoordinateUnits": "mm"' parsed.json
+    answers verify sub-1_space-scan_electrodes.tsv
+    has 'identical'
+    fails 2 '--coordsystem is written beside --format bep032' query slabs.nii.gz --probe np.json "${AIM[@]}" -o out.tsv \
+        --coordsystem sub-1_coordsystem.json
+    fails 3 'not known to be the Allen CCF' query slabs.nii.gz --probe np.json "${AIM[@]}" --format bep032 --space ccf -o out.tsv \
+        --coordsystem sub-1_coordsystem.json
+    [ ! -e out.tsv ] && [ ! -e sub-1_coordsystem.json ]
+}
+
 @test "without a radius contacts are points, in the table and in what is cited" {
     probe
     conus query slabs.nii.gz "${AIM[@]}" --probe np.json -q >table.txt

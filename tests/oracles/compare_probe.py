@@ -158,10 +158,12 @@ def check_random(program, labels, random):
     rotations = [random_rotation(random) for _ in range(count)]
     tips = [random.uniform(-15, 15, 3) for _ in range(count)]
     degrees = float(random.choice([0, 0, 90, random.uniform(-180, 180)]))
-    with open("poses.tsv", "w", encoding="utf-8") as out:
-        out.write("x\ty\tz\tdx\tdy\tdz\tux\tuy\tuz\n")
-        for tip, rotation in zip(tips, rotations):
-            out.write("\t".join(map(repr, map(float, [*tip, *-rotation[:, 2], *rotation[:, 1]]))) + "\n")
+    for path, flip in (("poses.tsv", [1, 1, 1]), ("lps.tsv", [-1, -1, 1])):
+        with open(path, "w", encoding="utf-8") as out:
+            out.write("x\ty\tz\tdx\tdy\tdz\tux\tuy\tuz\n")
+            for tip, rotation in zip(tips, rotations):
+                row = np.array([tip, -rotation[:, 2], rotation[:, 1]]) * flip
+                out.write("\t".join(map(repr, map(float, row.ravel()))) + "\n")
     points = np.concatenate([place(known, tip, rotation, np.radians(degrees))
                              for known, tip, rotation in zip(knowns, tips, rotations)])
     words = ["atlas.nii", "--probe", "probe.json", "--pose", "poses.tsv", f"--probe-roll={degrees!r}", "--quiet"]
@@ -177,6 +179,14 @@ def check_random(program, labels, random):
     assert [first[name]["shank_id"] for name in names] == [s for known in knowns for s in known["shanks"]]
     assert [first[name]["channel"] for name in names] == [c for known in knowns for c in known["channels"]]
     conus(program, *words, "--format", "bep032", "--probes", "sub-1_probes.tsv", "-o", "sub-1_electrodes.tsv", "--force")
+    words[4] = "lps.tsv"
+    conus(program, *words, "--format", "bep032", "--space", "lps", "--coordsystem", "sub-1_space-x_coordsystem.json",
+          "-o", "sub-1_space-x_electrodes.tsv", "--force")
+    with open("sub-1_space-x_electrodes.tsv", encoding="utf-8") as text:
+        placed = np.array([[float(row[axis]) for axis in "xyz"] for row in table(text.read())])
+    assert np.abs(placed * [-1, -1, 1] - points).max() < 1e-6
+    with open("sub-1_space-x_coordsystem.json", encoding="utf-8") as text:
+        assert json.load(text)["MicroephysCoordinateUnits"] == "mm"
     with open("sub-1_electrodes.tsv", encoding="utf-8") as text, open("sub-1_probes.tsv", encoding="utf-8") as probes, \
             open("sub-1_electrodes.json", encoding="utf-8") as sidecar:
         check_draft(text.read(), probes.read(), json.load(sidecar), names, knowns, points, found)

@@ -94,6 +94,22 @@ static void assert_text(const struct asked *asked, conus_format format, const ch
     conus_report_destroy(report);
 }
 
+/* The world is RAS; AP of the CCF grows along z and ML against x, in micrometres. Bregma lies 2 mm behind the corner.
+ */
+static void make_frame(conus_frame *frame)
+{
+    static const double ccf[16] = {0, 0, 1e-3, 0, 0, -1e-3, 0, 0, -1e-3, 0, 0, 0, 0, 0, -2, 1};
+    static const double bregma[16] = {0, 0, -1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -2, 1};
+    static const double bregma_in_ccf[3] = {5400, 332.5, 5739};
+    for (size_t i = 0; i < 16; i += 5) {
+        frame->world_from_space[i] = frame->space == CONUS_SPACE_LPS && i < 10 ? -1 : 1;
+    }
+    if (frame->space >= CONUS_SPACE_CCF) {
+        memcpy(frame->world_from_space, frame->space == CONUS_SPACE_CCF ? ccf : bregma, sizeof ccf);
+        memcpy(frame->bregma, bregma_in_ccf, sizeof bregma_in_ccf);
+    }
+}
+
 /* The position at the start of a row, and the area with its side at the end. */
 static void electrodes_of_the_draft(void **state)
 {
@@ -120,6 +136,64 @@ static void electrodes_of_the_draft(void **state)
     assert_non_null(strstr(found, "draft BEP032"));
     assert_non_null(strstr(found, "\"anatomical_location\": {"));
     conus_report_destroy(report);
+    finish(&asked);
+}
+
+/* Positions in LPS, in place of those on the probe, and the units and words of each space. */
+static void electrodes_in_a_space(void **state)
+{
+    (void)state;
+    static const struct {
+        conus_frame frame;
+        const char *row, *system, *words, *units;
+    } spaces[] = {
+        {{.space = CONUS_SPACE_RAS}, "probe1:0\tprobe1\t-15\t0\t0\tL\t", "Other", "x grows to the right", "mm"},
+        {{.space = CONUS_SPACE_LPS}, "probe1:0\tprobe1\t15\t0\t0\tL\t", "Other", "x grows to the left", "mm"},
+        {{.space = CONUS_SPACE_CCF},
+         "probe1:0\tprobe1\t2000\t0\t15000\tL\t",
+         "AllenCCFv3",
+         "(AP) grows to posterior",
+         "um"},
+        {{.space = CONUS_SPACE_BREGMA},
+         "probe1:0\tprobe1\t-2\t-15\t0\tL\t",
+         "Other",
+         "at AP 5400, DV 332.5, ML 5739 um",
+         "mm"}};
+    struct asked asked = ask();
+    for (size_t i = 0; i < sizeof spaces / sizeof spaces[0]; i++) {
+        conus_frame frame = spaces[i].frame;
+        conus_report_options options = {.format = CONUS_FORMAT_BEP032, .probe = asked.probe, .placed = true};
+        conus_report *report = NULL;
+        const char *found = NULL;
+        char wanted[64];
+        size_t size = 0;
+        make_frame(&frame);
+        options.frame = &frame;
+        assert_ok(conus_report_create(&report, asked.selector, &options));
+        assert_ok(conus_report_add(report, "probe1:0", asked.at[0]));
+        assert_ok(conus_report_add_error(report, "probe1:1", 0, "nowhere"));
+        assert_ok(conus_report_text(&found, &size, report));
+        assert_non_null(strstr(found, spaces[i].row));
+        assert_non_null(strstr(found, "\nprobe1:1\tn/a\tn/a\tn/a\tn/a\t"));
+        assert_ok(conus_report_sidecar(&found, &size, report));
+        snprintf(wanted, sizeof wanted, "\"Units\": \"%s\"\n },\n \"y\": {", spaces[i].units);
+        assert_non_null(strstr(found, wanted));
+        assert_ok(conus_report_coordsystem(&found, &size, report));
+        assert_int_equal(strlen(found), size);
+        snprintf(wanted, sizeof wanted, "{\n \"MicroephysCoordinateSystem\": \"%s\",\n", spaces[i].system);
+        assert_ptr_equal(strstr(found, wanted), found);
+        assert_non_null(strstr(found, spaces[i].words));
+        snprintf(wanted, sizeof wanted, "\n \"MicroephysCoordinateUnits\": \"%s\"\n}\n", spaces[i].units);
+        assert_string_equal(strstr(found, "\n \"MicroephysCoordinateUnits"), wanted);
+        conus_report_destroy(report);
+    }
+    conus_report *report = report_of(&asked, CONUS_FORMAT_BEP032, 6);
+    const char *found = NULL;
+    size_t size = 0;
+    assert_fails(conus_report_coordsystem(&found, &size, report), CONUS_ERROR_ARGUMENT);
+    conus_report_destroy(report);
+    const conus_report_options elsewhere = {.format = CONUS_FORMAT_TSV, .probe = asked.probe, .placed = true};
+    assert_fails(conus_report_create(&report, asked.selector, &elsewhere), CONUS_ERROR_ARGUMENT);
     finish(&asked);
 }
 
@@ -261,6 +335,7 @@ TEST_GROUP(report_probe)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(electrodes_of_the_draft),
+        cmocka_unit_test(electrodes_in_a_space),
         cmocka_unit_test(the_smallest_area_has_all_contacts),
         cmocka_unit_test(strings_follow_shanks_and_channels),
         cmocka_unit_test(the_allen_atlas_has_ids_and_sides),
