@@ -124,10 +124,11 @@ const char *pose_format_refused(struct text text)
     return NULL;
 }
 
-conus_status pose_format_of_matlab(conus_pose_format *format, struct text text, const conus_pose_options *options)
+conus_status pose_format_of_matlab(conus_pose_format *format, conus_pose_list *list, struct text text,
+                                   const conus_pose_options *options)
 {
     bool is_lead = false;
-    conus_status status = matlab_is(text) ? pose_lead_dbs_find(&is_lead, text, options) : CONUS_OK;
+    conus_status status = matlab_is(text) ? pose_lead_dbs_find(&is_lead, list, text, options) : CONUS_OK;
     *format = is_lead ? CONUS_POSE_FORMAT_LEAD_DBS : *format;
     return status;
 }

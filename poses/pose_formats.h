@@ -17,8 +17,10 @@ pose_parser pose_format_parser(conus_pose_format format);
  * it. */
 conus_pose_format pose_format_guess(struct text text, bool all, size_t *used);
 
-/** Sets *format for the MAT-file @p text of another program than SimNIBS. Errors are those of the file. */
-conus_status pose_format_of_matlab(conus_pose_format *format, struct text text, const conus_pose_options *options);
+/** Where @p text is a MAT-file of another program than SimNIBS, sets *format and reads it into @p list, as its parser
+ * does: of level 7.3 another process reads the file, which takes longer than the rest. */
+conus_status pose_format_of_matlab(conus_pose_format *format, conus_pose_list *list, struct text text,
+                                   const conus_pose_options *options);
 
 /** Why a text with these first bytes holds no poses, for the user; NULL if they do not show that. */
 const char *pose_format_refused(struct text text);

@@ -186,8 +186,9 @@ static conus_status read_whole(conus_pose_stream *stream)
     status = status ? status : pose_lines_rest(&bytes, &stream->lines, pose_memory(&stream->options));
     const struct text text = {(const char *)bytes.data, bytes.size};
     if (!status && stream->options.format == CONUS_POSE_FORMAT_AUTO) {
-        status = pose_format_of_matlab(&stream->format, text, &stream->options);
+        status = pose_format_of_matlab(&stream->format, &stream->whole, text, &stream->options);
     }
+    bool is_read = !stream->options.format && stream->format == CONUS_POSE_FORMAT_LEAD_DBS;
     if (!status && !stream->options.format && stream->format == CONUS_POSE_FORMAT_MARKUPS) { /* or another's JSON */
         bool is_ibl = false;
         status = pose_ibl_is(&is_ibl, text);
@@ -199,7 +200,7 @@ static conus_status read_whole(conus_pose_stream *stream)
                       "positions of format %s are not in space %s, which tables, points, ibl and nwb may be",
                       conus_pose_format_name(stream->format), conus_space_name((size_t)stream->options.space));
     }
-    status = status ? status : pose_format_parser(stream->format)(&stream->whole, text, &stream->options);
+    status = status || is_read ? status : pose_format_parser(stream->format)(&stream->whole, text, &stream->options);
     if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {
         /* The table as it is, for an answer that adds columns to it. */
         bool is_text = !text.size || !memchr(text.data, '\0', text.size);

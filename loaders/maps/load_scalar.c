@@ -412,7 +412,8 @@ static conus_status roi_of_mesh(conus_roi **out, const struct hdf5 *hdf5, const 
     return status;
 }
 
-/* The same of a file; nothing where it is none of them. */
+/* The same of a file; nothing where it is none of them. MINC is told by the name of its group, which stands in front:
+ * the program that reads HDF5 is then started only once. */
 static conus_status load_mesh_region(conus_roi **out, const struct volume_selector *selector,
                                      const conus_roi_options *options, struct notes *notes)
 {
@@ -421,9 +422,10 @@ static conus_status load_mesh_region(conus_roi **out, const struct volume_select
     struct file_sums sums = {0};
     struct hdf5 *hdf5 = NULL;
     conus_status status = file_read_head(&head, selector->path, HDF5_HEAD);
-    bool is_hdf5 = !status && hdf5_is(head.data, head.size);
+    bool may_be = !status && hdf5_is(head.data, head.size) &&
+                  !text_mentions((struct text){(const char *)head.data, head.size}, "minc-2.0");
     bytes_finish(&head);
-    if (!is_hdf5) {
+    if (!may_be) {
         return CONUS_OK; /* another reader says what is wrong */
     }
     status = file_open(&file, selector->path);

@@ -91,22 +91,28 @@ static conus_status find_space(const struct matlab_array **found, size_t *space,
                          names[native ? SPACES - 1 : 0]);
 }
 
-static conus_status parse_from(conus_pose_list *list, struct text text, const conus_pose_options *options, size_t space)
+static conus_status add_contacts(conus_pose_list *list, const struct matlab *matlab, const conus_pose_options *options,
+                                 size_t space)
 {
+    const struct matlab_array *found = NULL;
     if (options->axis != CONUS_AXIS_OF_FORMAT) {
         return fail(CONUS_ERROR_DATA, "contacts have no axes, so that no axis (%s) is to be chosen",
                     pose_axis_name(options->axis));
     }
+    conus_status status = find_space(&found, &space, matlab);
+    status = status ? status : note_space(list, space);
+    status = status ? status : pose_note_space(&list->notes, options, false);
+    return status ? status : add_leads(list, matlab, found);
+}
+
+static conus_status parse_from(conus_pose_list *list, struct text text, const conus_pose_options *options, size_t space)
+{
     struct matlab matlab = {0};
     if (!matlab_is(text)) {
         return fail(CONUS_ERROR_DATA, "not a file of MATLAB: no reconstruction of Lead-DBS");
     }
-    const struct matlab_array *found = NULL;
     conus_status status = matlab_parse(&matlab, text, pose_memory(options) - text.size);
-    status = status ? status : find_space(&found, &space, &matlab);
-    status = status ? status : note_space(list, space);
-    status = status ? status : pose_note_space(&list->notes, options, false);
-    status = status ? status : add_leads(list, &matlab, found);
+    status = status ? status : add_contacts(list, &matlab, options, space);
     matlab_finish(&matlab);
     return status;
 }
@@ -121,11 +127,12 @@ conus_status pose_lead_dbs_parse_native(conus_pose_list *list, struct text text,
     return parse_from(list, text, options, 1);
 }
 
-conus_status pose_lead_dbs_find(bool *found, struct text text, const conus_pose_options *options)
+conus_status pose_lead_dbs_find(bool *found, conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
     struct matlab matlab = {0};
     conus_status status = matlab_parse(&matlab, text, pose_memory(options) - text.size);
     *found = !status && (matlab_variable(&matlab, "reco") || matlab_variable(&matlab, "coords_mm"));
+    status = *found ? add_contacts(list, &matlab, options, 0) : status;
     matlab_finish(&matlab);
     return status;
 }

@@ -49,8 +49,10 @@ bool pose_invesalius_line(struct text line);
 conus_status pose_lead_dbs_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);
 /** The same in the patient's own space. */
 conus_status pose_lead_dbs_parse_native(conus_pose_list *list, struct text text, const conus_pose_options *options);
-/** Sets *found where the MAT-file @p text is a reconstruction. Errors are those of the file. */
-conus_status pose_lead_dbs_find(bool *found, struct text text, const conus_pose_options *options);
+/** pose_lead_dbs_parse() of a MAT-file that may be another program's: *found is false then, and @p list as it was. It
+ * is set on failure, too. */
+conus_status pose_lead_dbs_find(bool *found, conus_pose_list *list, struct text text,
+                                const conus_pose_options *options);
 
 /** Localite's markers, InstrumentMarker*.xml and TriggerMarkers*.xml. */
 conus_status pose_localite_parse(conus_pose_list *list, struct text text, const conus_pose_options *options);

@@ -252,3 +252,14 @@ EOF
       printf '\tm0n0\tm0n1\tm0n2\tm1n0\tm1n1\tm1n2\tm2n0\tm2n1\tm2n2\n'
       printf 'T\t0\t0\t5\t1\t0\t0\t0\t1\t0\t0\t0\t1\n'; } >scan.txt
 }
+
+# starts_once COMMAND ARGUMENT...: conus answers, and starts conus-hdf5 one time. That may write no file: each start makes
+# a folder.
+starts_once() {
+    rm -rf starts
+    mkdir starts
+    printf '#!/bin/sh\nmkdir "%s/$$"\nexec "%s" "$@"\n' "$PWD/starts" "${CONUS_HDF5:-${CONUS%/*}/conus-hdf5}" >counting
+    chmod +x counting
+    CONUS_HDF5=$PWD/counting "$CONUS" "$@" -q >/dev/null || return 1
+    [ "$(ls starts | wc -l)" -eq 1 ] || { echo "started $(ls starts | wc -l) times"; return 1; }
+}

@@ -150,6 +150,7 @@ nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.
     "${make[@]}" minc mask.mnc # HDF5, too, and a volume
     answers overlap nested.nii.gz mask.mnc --threshold 2 -q --format json
     jq -e '.Queries[0] | [.tetrahedra, .volume_mm3] == [null, 1000]' <<<"$output"
+    starts_once overlap nested.nii.gz mask.mnc --threshold 2
     head -c 5000 field.hdf5 >cut.hdf5
     fails 3 'cut.hdf5: HDF5: cannot open it: ' overlap nested.nii.gz cut.hdf5 --threshold 1
     CONUS_HDF5=$PWD/none fails 3 'field.hdf5: CONUS_HDF5: ' overlap nested.nii.gz field.hdf5 --threshold 1

@@ -529,6 +529,7 @@ matsimnibs() { printf '%s %s 0 -40\n%s %s 0 -20\n0 0 -1 90\n0 0 0 1\n' "-$2" "$1
     sphere --size 16
     answers batch sphere.nii.gz --poses lead.mat --radius 1 --format tsv -q
     [ "$(cut -f 1 <<<"$output" | uniq)" = $'query\nR1\nR2\nR3\nR4' ]
+    starts_once query sphere.nii.gz --pose lead.mat --radius 1
     answers batch sphere.nii.gz --poses - --radius 1 --format tsv -q --poses-format lead-dbs-native <lead.mat
     [ "$(cut -f 1 <<<"$output" | uniq)" = $'query\nR1\nR2\nR3\nR4' ]
     answers batch sphere.nii.gz --poses coil.mat --angle 20 --format tsv -q
