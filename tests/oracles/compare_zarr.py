@@ -4,8 +4,8 @@
 zlib, /usr/bin/zstd and libblosc, and read by conus: voxel by voxel the array, and where the axes lie, by the rule of
 OME (scale and translation count from the centre of the first voxel); of the stores every fifth, so that each layout
 has one or two types of numbers, and all in scripts/test --long. Random levels of Zarr 2 that zarr-python writes, if it
-is there. Then the samples of other writers, against the counts of labels in their expected.json; and what must be
-refused, with its words.
+is there, and random arrays of Zarr 3 that npm's zarrita writes, if $NODE_PATH has it. Then the samples of other
+writers, against the counts of labels in their expected.json; and what must be refused, with its words.
 
 Exit 77 = skipped."""
 
@@ -288,6 +288,28 @@ def compare_another_writer(dump, folder):
     print(f"zarr-python {writer.__version__}: {count} levels of 40 stores")
 
 
+def compare_zarrita(dump, folder):
+    modules = os.environ.get("NODE_PATH", "")
+    if not os.path.isdir(os.path.join(modules, "zarrita")):
+        print("skipped: stores of zarrita: $NODE_PATH has none (npm install zarrita)")
+        return
+    here = os.path.dirname(os.path.abspath(__file__))
+    stores = os.path.join(folder, "zarrita")
+    with open(os.path.join(here, "zarrita_stores.mjs"), encoding="utf-8") as script:
+        lines = subprocess.run(["node", "--input-type=module", "-", stores, "200"], stdin=script, check=True,
+                               capture_output=True, text=True, cwd=os.path.dirname(modules)).stdout.splitlines()
+    for i, line in enumerate(lines):
+        case = json.loads(line)
+        array = np.full(case["shape"], case["fill"], "u4")
+        array[tuple(slice(n) for n in case["written"])] = np.reshape(case.pop("values"), case["written"])
+        for volume, voxels in enumerate(array.reshape(-1, *array.shape[-3:])):
+            got, said = read(dump, f"{stores}/{i}{PLACE},volume={volume}", folder)
+            if got is None or not np.array_equal(got, voxels):
+                fail("zarrita", i, volume, case, said)
+    with open(os.path.join(modules, "zarrita/package.json"), encoding="utf-8") as stream:
+        print(f"zarrita {json.load(stream)['version']}: {len(lines)} arrays")
+
+
 def compare_samples(dump, folder, shared):
     samples = os.path.join(shared, "files-2026")
     if not os.path.isdir(samples):
@@ -318,6 +340,7 @@ def main():
         count = compare_written(dump, folder)
         compare_places(dump, folder)
         compare_another_writer(dump, folder)
+        compare_zarrita(dump, folder)
         compare_samples(dump, folder, shared)
     print(f"{count} stores, levels and samples: the same voxels")
 
