@@ -143,7 +143,7 @@ typedef enum conus_legend {
                                 most 0.6. Where rows do not fit, the last ones behind others are counted in one. */
     CONUS_LEGEND_RIGHT, /**< Beside the drawing, of which it takes at most half the width; the picture is as large as
                            asked for. */
-    CONUS_LEGEND_BELOW, /**< Below the drawing: the picture becomes higher by it, at most by as much again. */
+    CONUS_LEGEND_BELOW, /**< Below the drawing: the picture becomes higher by it, at most by half. */
     CONUS_LEGEND_NONE   /**< Nowhere; letters of directions and the scale stay. */
 } conus_legend;
 
@@ -207,7 +207,8 @@ typedef struct conus_view {
  * then of the areas those that the selection hits, or with #CONUS_LAYERS_ALL passes. A draft has those of the picture
  * before.
  * Where left and right, or the like, are across the picture to within 15 degrees, letters at its edges say so; else a
- * cross of all directions does. The legend lists what conus_selection_result() lists, with whole names where there is
+ * cross of all directions does. These and the scale bar lie beside what is drawn; with a camera in the corner where they
+ * hide least, on a patch where they hide something. The legend lists what conus_selection_result() lists, with whole names where there is
  * room for letters of at least three fifths of their size.
  * @param[out] out Channels R, G, B, A: float, linear light, premultiplied; A is 1 unless the background is transparent.
  * End it with conus_image_destroy().

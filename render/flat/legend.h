@@ -19,6 +19,7 @@ struct legend_row {
     const char *detail[LEGEND_DETAILS]; /**< Right-aligned columns after the name; NULL = empty.      */
 };
 
+/** Bit 0: on the right, bit 1: below. */
 enum legend_corner { LEGEND_TOP_LEFT = 0, LEGEND_TOP_RIGHT, LEGEND_BOTTOM_LEFT, LEGEND_BOTTOM_RIGHT };
 
 struct legend {

@@ -4,6 +4,7 @@
 #define CONUS_SELECTION_PICTURE_PICTURE_H
 
 #include "render/colour/renderer.h"
+#include "render/flat/draw.h"
 #include "render/flat/font.h"
 #include "selection/picture/picture_emphasis.h"
 
@@ -50,8 +51,18 @@ conus_status picture_annotate_cut(conus_image *image, struct picture *picture, d
  */
 const char *picture_letter_of(const double axis[3]);
 
-/** A bar, as long as so many mm are, at the lower edge of the drawing, @p beside letters from the right. */
-conus_status picture_draw_bar(conus_image *image, const struct picture *picture, double pixels_per_mm, double beside);
+/** A bar, as long as so many mm are, in the lower right corner of the drawing. */
+conus_status picture_draw_bar(conus_image *image, const struct picture *picture, double pixels_per_mm);
+
+/** Whether letters at the edges of the drawing say where it is seen from; else a cross of directions does. */
+bool picture_is_across(const struct picture *picture);
+
+/** Whether none of @p points, [count][3] in the world, lies under the scale and the directions in the lower right
+ * corner. In @p size what these take of its width and height, pixels. */
+bool picture_key_is_free(double size[2], const struct picture *picture, const double *points, size_t count);
+
+/** The opacity that was drawn in a box of the drawing, summed over its pixels. */
+double picture_covered(const struct picture *picture, const struct draw_box *box);
 
 /** Whether the sheet's side, legend, background and dpi are some. */
 conus_status picture_check_sheet(const conus_view *view);
@@ -97,6 +108,9 @@ void picture_legend_room(double out[2], const struct picture *picture);
 void picture_lower(struct picture *picture, uint32_t height);
 
 conus_status picture_legend_draw(conus_image *image, const struct picture *picture);
+
+/** What a legend inside the drawing takes of it; empty without one. */
+struct draw_box picture_legend_box(const struct picture *picture);
 
 /** Whether a legend of what is hit first lists @p result. */
 static inline bool picture_lists(const conus_result *result)

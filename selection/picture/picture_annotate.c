@@ -4,6 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "render/flat/draw.h"
+#include "render/flat/legend.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -12,6 +13,16 @@ enum { CELL_SIZE = 24 };
 
 /* The sine of 15 degrees: what an axis may lie off the picture's, and its letter is still at the edge. */
 static const double ACROSS = 0.2588;
+
+/* Lengths in em: half an axis of the cross, its letters around it, between it and what is beside it, and from a bar to
+ * the drawing's side. */
+static const double CROSS = 1.4;
+static const double AROUND = 1.15;
+static const double GAP = 0.6;
+static const double EDGE = 1.5;
+
+/* A cross that would take a larger part of the drawing's shorter side is left out. */
+static const double CROSS_LIMIT = 0.4;
 
 static const char letters[6][2] = {"L", "R", "P", "A", "I", "S"};
 
@@ -25,11 +36,19 @@ const char *picture_letter_of(const double axis[3])
     return NULL;
 }
 
-/* Whether letters at the edges of the drawing say where it is seen from. */
-static bool is_across(const struct picture *picture)
+bool picture_is_across(const struct picture *picture)
 {
     const double *m = picture->camera.world_from_camera;
     return picture_letter_of(m) && picture_letter_of(m + 4);
+}
+
+/* Under text that has no free place, so that it can be read: what is under it shows through a little. */
+static void lay_patch(conus_image *image, const struct picture *picture, const struct draw_box *box)
+{
+    const float grey = picture->ink[1] > 0.5F ? 0 : 1;
+    if (picture_covered(picture, box) > 0) {
+        draw_box(image, box, 0.3 * picture->em, (const float[4]){grey, grey, grey, 0.7F});
+    }
 }
 
 static conus_status draw_edges(conus_image *image, const struct picture *picture)
@@ -46,24 +65,26 @@ static conus_status draw_edges(conus_image *image, const struct picture *picture
         double at[2] = {centre[0], centre[1]};
         at[n / 2] = n == 0   ? fmax(frame->left - near, near)
                     : n == 1 ? fmin(frame->width - frame->right + near, frame->width - near)
-                    : n == 2 ? frame->height - near
-                             : near + frame->top - frame->bottom;
+                    : n == 2 ? fmin(frame->height - frame->bottom + near, frame->height - near)
+                             : fmax(frame->top - near, near);
         vec3_scale(axis, m + (n < 2 ? 0 : 4), n % 2 ? 1 : -1);
         const char *letter = picture_letter_of(axis);
-        const double corner[2] = {at[0] - font_width(picture->font, size, letter) / 2, at[1] + 0.36 * size};
+        const double half = font_width(picture->font, size, letter) / 2;
+        const double corner[2] = {at[0] - half, at[1] + 0.36 * size};
+        lay_patch(image, picture,
+                  &(struct draw_box){at[0] - half, at[1] - 0.4 * size, at[0] + half, at[1] + 0.4 * size});
         status = font_draw(picture->font, image, corner, size, picture->ink, letter);
     }
     return status;
 }
 
 /* Half an axis, from the middle of the cross towards `direction` (world). */
-static conus_status draw_direction(conus_image *image, const struct picture *picture, const double direction[3],
-                                   const char *letter)
+static conus_status draw_direction(conus_image *image, const struct picture *picture, const double centre[2],
+                                   const double direction[3], const char *letter)
 {
     const double *m = picture->camera.world_from_camera;
     double size = picture->em;
-    double length = 2.6 * size;
-    const double centre[2] = {picture->drawing[0] - 1.9 * length, picture->drawing[1] - 1.8 * length};
+    double length = CROSS * size;
     double x = vec3_dot(m, direction);
     double y = -vec3_dot(m + 4, direction);
     bool behind = vec3_dot(m + 8, direction) < 0;
@@ -78,18 +99,27 @@ static conus_status draw_direction(conus_image *image, const struct picture *pic
     return flat > 0.15 ? font_draw(picture->font, image, corner, size, letters_rgba, letter) : CONUS_OK;
 }
 
-static conus_status draw_directions(conus_image *image, const struct picture *picture)
+static conus_status draw_directions(conus_image *image, const struct picture *picture, const struct draw_box *box)
 {
+    const double centre[2] = {(box->left + box->right) / 2, (box->top + box->bottom) / 2};
     conus_status status = CONUS_OK;
     for (int n = 0; n < 6 && !status; n++) {
         double direction[3] = {0, 0, 0};
         direction[n / 2] = n % 2 ? 1 : -1;
-        status = draw_direction(image, picture, direction, letters[n]);
+        status = draw_direction(image, picture, centre, direction, letters[n]);
     }
     return status;
 }
 
-conus_status picture_draw_bar(conus_image *image, const struct picture *picture, double pixels_per_mm, double beside)
+/* A scale bar: as long as so many mm, its words above its middle. */
+struct bar {
+    struct draw_box box; /* with the words */
+    double left, right, base;
+    char text[CELL_SIZE];
+};
+
+static void measure_bar(struct bar *out, const struct picture *picture, double pixels_per_mm, double beside,
+                        enum legend_corner corner)
 {
     double size = picture->em;
     double limit = 0.14 * picture->drawing[0] / pixels_per_mm;
@@ -98,28 +128,121 @@ conus_status picture_draw_bar(conus_image *image, const struct picture *picture,
         limit >= 5 * power   ? 5 * power
         : limit >= 2 * power ? 2 * power
                              : power;
-    char text[CELL_SIZE];
-    snprintf(text, sizeof text, "%g mm", length);
-    double right = picture->drawing[0] - beside * size;
-    double left = right - length * pixels_per_mm;
-    double base = picture->drawing[1] - 1.4 * size;
-    double line = 2 * picture->line;
-    draw_line(image, (double[]){left, base}, (double[]){right, base}, line, picture->ink);
-    draw_line(image, (double[]){left, base - 0.3 * size}, (double[]){left, base + 0.3 * size}, line, picture->ink);
-    draw_line(image, (double[]){right, base - 0.3 * size}, (double[]){right, base + 0.3 * size}, line, picture->ink);
-    const double at[2] = {(left + right - font_width(picture->font, size, text)) / 2, base - 0.55 * size};
-    return font_draw(picture->font, image, at, size, picture->ink, text);
+    snprintf(out->text, sizeof out->text, "%g mm", length);
+    double half = fmax(length * pixels_per_mm, font_width(picture->font, size, out->text)) / 2;
+    double edge = beside * size + half;
+    double middle = corner & LEGEND_TOP_RIGHT ? picture->drawing[0] - edge : edge;
+    out->base = corner & LEGEND_BOTTOM_LEFT ? picture->drawing[1] - 1.4 * size : 2.4 * size;
+    out->left = middle - length * pixels_per_mm / 2;
+    out->right = middle + length * pixels_per_mm / 2;
+    out->box = (struct draw_box){middle - half, out->base - 1.4 * size, middle + half, out->base + 0.4 * size};
 }
 
-/* For the depth of the middle of what shows. */
-static conus_status draw_scale(conus_image *image, const struct picture *picture)
+static conus_status draw_measured(conus_image *image, const struct picture *picture, const struct bar *bar)
 {
-    double x, y, depth;
-    if (!camera_project(&x, &y, &depth, &picture->camera, &picture->frame, picture->centre)) {
-        return CONUS_OK;
+    double size = picture->em;
+    double line = 2 * picture->line;
+    const double base = bar->base;
+    for (int end = 0; end < 2; end++) {
+        double x = end ? bar->right : bar->left;
+        draw_line(image, (double[]){x, base - 0.3 * size}, (double[]){x, base + 0.3 * size}, line, picture->ink);
     }
-    double pixels_per_mm = picture->drawing[0] / (2 * depth * picture->camera.slope[0]);
-    return picture_draw_bar(image, picture, pixels_per_mm, is_across(picture) ? 1.5 : 10.5);
+    draw_line(image, (double[]){bar->left, base}, (double[]){bar->right, base}, line, picture->ink);
+    const double at[2] = {(bar->left + bar->right - font_width(picture->font, size, bar->text)) / 2,
+                          base - 0.55 * size};
+    return font_draw(picture->font, image, at, size, picture->ink, bar->text);
+}
+
+conus_status picture_draw_bar(conus_image *image, const struct picture *picture, double pixels_per_mm)
+{
+    struct bar bar;
+    measure_bar(&bar, picture, pixels_per_mm, EDGE, LEGEND_BOTTOM_RIGHT);
+    if (picture->rgba) {
+        lay_patch(image, picture, &bar.box);
+    }
+    return draw_measured(image, picture, &bar);
+}
+
+/* The scale, for the depth of the middle of what shows, and the cross of directions, in a corner of the drawing. */
+struct key {
+    bool has_bar, has_cross;
+    struct bar bar;
+    struct draw_box cross;
+};
+
+static void measure_key(struct key *out, const struct picture *picture, enum legend_corner corner)
+{
+    const double size = picture->em;
+    const double side = 2 * (CROSS + AROUND) * size;
+    const double left = corner & LEGEND_TOP_RIGHT ? picture->drawing[0] - GAP * size - side : GAP * size;
+    const double top = corner & LEGEND_BOTTOM_LEFT ? picture->drawing[1] - GAP * size - side : GAP * size;
+    double x, y, depth;
+    out->has_bar = camera_project(&x, &y, &depth, &picture->camera, &picture->frame, picture->centre);
+    const double least = fmin(picture->drawing[0], picture->drawing[1]);
+    out->has_cross = !picture_is_across(picture) && side + 2 * GAP * size <= CROSS_LIMIT * least;
+    out->cross = (struct draw_box){left, top, left + side, top + side};
+    if (out->has_bar) {
+        double beside = out->has_cross ? side / size + 2 * GAP : EDGE;
+        measure_bar(&out->bar, picture, picture->drawing[0] / (2 * depth * picture->camera.slope[0]), beside, corner);
+    }
+}
+
+static bool overlaps(const struct draw_box *a, const struct draw_box *b)
+{
+    return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
+}
+
+bool picture_key_is_free(double size[2], const struct picture *picture, const double *points, size_t count)
+{
+    struct key key;
+    measure_key(&key, picture, LEGEND_BOTTOM_RIGHT);
+    const double side = key.cross.right - key.cross.left + 2 * GAP * picture->em;
+    size[0] = key.has_cross ? side : key.has_bar ? picture->drawing[0] - key.bar.box.left : 0;
+    size[1] = key.has_cross ? side : key.has_bar ? picture->drawing[1] - key.bar.box.top : 0;
+    for (size_t i = 0; i < count; i++) {
+        double x, y, depth;
+        if (!camera_project(&x, &y, &depth, &picture->camera, &picture->frame, points + 3 * i)) {
+            continue;
+        }
+        const struct draw_box pixel = {x - 1, y - 1, x + 1, y + 1};
+        if ((key.has_cross && overlaps(&pixel, &key.cross)) || (key.has_bar && overlaps(&pixel, &key.bar.box))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* In the lower right corner; where something is there, as a given camera may have it, in the one where it hides least.
+ */
+static conus_status draw_key(conus_image *image, const struct picture *picture)
+{
+    static const enum legend_corner corners[] = {LEGEND_BOTTOM_RIGHT, LEGEND_BOTTOM_LEFT, LEGEND_TOP_RIGHT,
+                                                 LEGEND_TOP_LEFT};
+    const struct draw_box legend = picture_legend_box(picture);
+    struct key key;
+    double least = INFINITY;
+    for (size_t i = 0; i < sizeof corners / sizeof *corners && least > 0; i++) {
+        struct key other;
+        measure_key(&other, picture, corners[i]);
+        double hidden = other.has_cross ? picture_covered(picture, &other.cross) : 0;
+        hidden += other.has_bar ? picture_covered(picture, &other.bar.box) : 0;
+        bool is_taken = (other.has_cross && overlaps(&other.cross, &legend)) ||
+                        (other.has_bar && overlaps(&other.bar.box, &legend));
+        if (i == 0 || (hidden < least && !is_taken)) {
+            least = hidden;
+            key = other;
+        }
+    }
+    conus_status status = CONUS_OK;
+    if (key.has_cross) {
+        lay_patch(image, picture, &key.cross);
+        status = draw_directions(image, picture, &key.cross);
+    }
+    if (key.has_bar && !status) {
+        lay_patch(image, picture, &key.bar.box);
+        status = draw_measured(image, picture, &key.bar);
+    }
+    return status;
 }
 
 /* Where the pathway's value is largest, world mm. */
@@ -190,18 +313,18 @@ conus_status picture_annotate(conus_image *image, const struct picture *picture)
 {
     conus_status status = picture->legend ? draw_tags(image, picture) : CONUS_OK;
     status = status || !picture->legend ? status : picture_legend_draw(image, picture);
-    if (!status) {
-        status = is_across(picture) ? draw_edges(image, picture) : draw_directions(image, picture);
+    if (!status && picture_is_across(picture)) {
+        status = draw_edges(image, picture);
     }
-    return status ? status : draw_scale(image, picture);
+    return status ? status : draw_key(image, picture);
 }
 
 conus_status picture_annotate_cut(conus_image *image, struct picture *picture, double mm_per_pixel)
 {
     conus_status status = picture->legend ? picture_legend_draw(image, picture) : CONUS_OK;
     memcpy(picture->ink, (const float[]){0.83F, 0.83F, 0.86F, 1}, sizeof picture->ink); /* on black, mostly */
-    if (!status && is_across(picture)) {
+    if (!status && picture_is_across(picture)) {
         status = draw_edges(image, picture);
     }
-    return status ? status : picture_draw_bar(image, picture, 1 / mm_per_pixel, 1.5);
+    return status ? status : picture_draw_bar(image, picture, 1 / mm_per_pixel);
 }

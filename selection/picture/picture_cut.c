@@ -116,8 +116,8 @@ conus_status conus_cut_image(conus_image **out, const conus_atlas *atlas, const 
         what.width = picture.drawing[0];
     }
     status = status ? status : conus_cutter_draw(cutter, &what);
-    if (!status && picture.legend) {
-        /* Pixels that are not black count as covered, for the place of a legend. */
+    if (!status && picture.font) {
+        /* Pixels that are not black count as covered, for the place of a legend and for patches under text. */
         const uint8_t *rgba = conus_cutter_rgba(cutter);
         size_t width = picture.drawing[0];
         size_t height = picture.drawing[1];

@@ -42,6 +42,9 @@ struct panel {
     long at[2], size[2];
 };
 
+/* Of a panel: "z = -12 mm", "z -12", "-12" or nothing. */
+enum title { TITLE_WHOLE = 0, TITLE_SHORT, TITLE_NUMBER, TITLE_NONE };
+
 struct sheet {
     struct picture picture;
     conus_view view;
@@ -52,6 +55,7 @@ struct sheet {
     struct panel *panels;
     size_t count, columns;
     bool trims; /* no height was asked for */
+    enum title title;
     double pixels_per_mm;
     double room[2];                     /* for a legend inside, on the left or above */
     double beside, above, below, strip; /* pixels around each panel, and below all */
@@ -213,6 +217,56 @@ static void place_panels(struct sheet *sheet)
     }
 }
 
+/* The coordinate of the sheet's space that does not change in the plane; "" of an oblique one. */
+static void put_title(char out[TITLE_SIZE], const struct sheet *sheet, const struct panel *panel, enum title title)
+{
+    static const conus_frame world = {.space = CONUS_SPACE_RAS,
+                                      .world_from_space = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
+    const conus_frame *frame = sheet->view.frame ? sheet->view.frame : &world;
+    double at[3], beyond[3], normal[3];
+    vec3_cross(normal, panel->plane->right, panel->plane->up);
+    vec3_add_scaled(beyond, panel->centre, 1, normal);
+    conus_frame_from_world(at, frame, panel->centre);
+    conus_frame_from_world(beyond, frame, beyond);
+    vec3_sub(beyond, beyond, at);
+    out[0] = '\0';
+    for (size_t a = 0; a < 3 && title != TITLE_NONE; a++) {
+        if (fabs(beyond[a]) > (1 - 1e-9) * vec3_length(beyond)) {
+            double value = fabs(at[a]) < 1e-9 ? 0 : at[a];
+            bool is_fine = frame->space == CONUS_SPACE_CCF;
+            const char *axis = conus_space_axis(frame->space, a);
+            char number[TITLE_SIZE / 2];
+            snprintf(number, sizeof number, "%s%.*g", value < 0 ? "\u2212" : "", is_fine ? 5 : 4, fabs(value));
+            if (title == TITLE_WHOLE) {
+                snprintf(out, TITLE_SIZE, "%s = %s %s", axis, number, is_fine ? "\u00b5m" : "mm");
+            } else if (title == TITLE_SHORT) {
+                snprintf(out, TITLE_SIZE, "%s %s", axis, number);
+            } else {
+                snprintf(out, TITLE_SIZE, "%s", number);
+            }
+        }
+    }
+}
+
+/* The longest form in which each title fits below its panel. */
+static enum title choose_title(const struct sheet *sheet)
+{
+    const struct picture *picture = &sheet->picture;
+    enum title title = TITLE_WHOLE;
+    for (size_t i = 0; i < sheet->count && title < TITLE_NONE; i++) {
+        char text[TITLE_SIZE];
+        const struct panel *panel = &sheet->panels[i];
+        if (panel->plane && picture->font) {
+            put_title(text, sheet, panel, title);
+            double room = (double)panel->size[0] + 2 * sheet->beside - GAP * picture->em;
+            bool fits = font_width(picture->font, picture->em, text) <= room;
+            title += !fits;
+            i -= !fits; /* the same one again */
+        }
+    }
+    return title;
+}
+
 /* Panels that are low have no letters above and below. */
 static conus_status lay_out(struct sheet *sheet)
 {
@@ -235,6 +289,7 @@ static conus_status lay_out(struct sheet *sheet)
                     sheet->view.height, sheet->count);
     }
     place_panels(sheet);
+    sheet->title = choose_title(sheet);
     return CONUS_OK;
 }
 
@@ -410,29 +465,6 @@ static conus_status draw_space(struct sheet *sheet, const struct panel *panel)
     return CONUS_OK;
 }
 
-/* "z = -12 mm": the coordinate of the sheet's space that does not change in the plane; "" of an oblique one. */
-static void put_title(char out[TITLE_SIZE], const struct sheet *sheet, const struct panel *panel)
-{
-    static const conus_frame world = {.space = CONUS_SPACE_RAS,
-                                      .world_from_space = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}};
-    const conus_frame *frame = sheet->view.frame ? sheet->view.frame : &world;
-    double at[3], beyond[3], normal[3];
-    vec3_cross(normal, panel->plane->right, panel->plane->up);
-    vec3_add_scaled(beyond, panel->centre, 1, normal);
-    conus_frame_from_world(at, frame, panel->centre);
-    conus_frame_from_world(beyond, frame, beyond);
-    vec3_sub(beyond, beyond, at);
-    out[0] = '\0';
-    for (size_t a = 0; a < 3; a++) {
-        if (fabs(beyond[a]) > (1 - 1e-9) * vec3_length(beyond)) {
-            double value = fabs(at[a]) < 1e-9 ? 0 : at[a];
-            bool is_fine = frame->space == CONUS_SPACE_CCF;
-            snprintf(out, TITLE_SIZE, "%s = %s%.*g %s", conus_space_axis(frame->space, a), value < 0 ? "\u2212" : "",
-                     is_fine ? 5 : 4, fabs(value), is_fine ? "\u00b5m" : "mm");
-        }
-    }
-}
-
 static conus_status write_centred(const struct sheet *sheet, double x, double baseline, double size, const char *text)
 {
     const struct picture *picture = &sheet->picture;
@@ -464,7 +496,7 @@ static conus_status annotate(const struct sheet *sheet, const struct panel *pane
     for (int n = 0; n < (has_letters ? 4 : 2) && !status && words[0] && words[2]; n++) {
         status = write_centred(sheet, places[n][0], places[n][1], size, words[n]);
     }
-    put_title(title, sheet, panel);
+    put_title(title, sheet, panel, sheet->title);
     return status ? status : write_centred(sheet, middle[0], bottom + sheet->above + (TITLE - 0.5) * em, em, title);
 }
 
@@ -504,7 +536,7 @@ static conus_status draw_sheet(struct sheet *sheet)
     }
     bool has_cuts = sheet->panels[sheet->count - 1].plane;
     if (!status && picture->font && has_cuts) {
-        status = picture_draw_bar(sheet->image, picture, sheet->pixels_per_mm, 1.5);
+        status = picture_draw_bar(sheet->image, picture, sheet->pixels_per_mm);
     }
     status = status ? status : draw_legend(sheet);
     return status ? status : picture_add_volumes(sheet->image, picture->atlas, true);

@@ -24,6 +24,9 @@ enum {
 /* The legend's part of the picture's width: inside, while letters of SMALLEST of their size are enough, and beside. */
 static const double INSIDE = 0.42;
 static const double BESIDE = 0.5;
+
+/* What one below adds to the height, as a part of it. */
+static const double BELOW = 0.5;
 static const double SMALLEST = 0.6;
 
 /* The part of the drawing's width or height that it leaves free for a legend inside. */
@@ -526,12 +529,12 @@ static void place_inside(struct picture_legend *legend, const struct picture *pi
     fit(legend, picture, (const double[]){INSIDE * picture->options.width, picture->options.height});
 }
 
-/* Takes place for it from the drawing on the right, or adds at most as much below. */
+/* Takes place for it from the drawing on the right, or adds some below. */
 static void place_outside(struct picture_legend *legend, struct picture *picture)
 {
     const bool right = picture->options.legend == CONUS_LEGEND_RIGHT;
     const double sheet[2] = {picture->options.width, picture->options.height};
-    const double limit[2] = {(right ? BESIDE : 1) * sheet[0], sheet[1]};
+    const double limit[2] = {(right ? BESIDE : 1) * sheet[0], (right ? 1 : BELOW) * sheet[1]};
     struct legend *drawn = &legend->legend;
     fit(legend, picture, limit);
     if (legend->size[0] > limit[0]) { /* a long name has smaller letters yet */
@@ -628,38 +631,59 @@ void picture_lower(struct picture *picture, uint32_t height)
     picture->drawing[1] = lowered;
 }
 
-/* Opacity that was drawn under a legend in a corner of the drawing. */
-static double covered(const struct picture *picture, enum legend_corner corner)
+double picture_covered(const struct picture *picture, const struct draw_box *box)
 {
     const uint32_t *drawing = picture->drawing;
-    uint32_t width = (uint32_t)fmin(drawing[0], picture->legend->size[0]);
-    uint32_t height = (uint32_t)fmin(drawing[1], picture->legend->size[1]);
-    uint32_t left = corner == LEGEND_TOP_RIGHT ? drawing[0] - width : 0;
-    uint32_t bottom = corner == LEGEND_BOTTOM_LEFT ? 0 : drawing[1] - height;
+    const long left = lrint(fmax(floor(box->left), 0));
+    const long right = lrint(fmin(ceil(box->right), drawing[0]));
+    const long top = lrint(fmax(floor(box->top), 0));
+    const long bottom = lrint(fmin(ceil(box->bottom), drawing[1]));
     double sum = 0;
-    for (uint32_t y = bottom; y < bottom + height; y++) {
-        for (uint32_t x = left; x < left + width; x++) {
-            sum += (double)picture->rgba[4 * ((size_t)y * drawing[0] + x) + 3];
+    for (long y = top; y < bottom; y++) {
+        for (long x = left; x < right; x++) {
+            sum += (double)picture->rgba[4 * ((size_t)(drawing[1] - 1 - y) * drawing[0] + (size_t)x) + 3];
         }
     }
     return sum;
+}
+
+static struct draw_box box_in(const struct picture *picture, enum legend_corner corner)
+{
+    const double width = fmin(picture->drawing[0], picture->legend->size[0]);
+    const double height = fmin(picture->drawing[1], picture->legend->size[1]);
+    const double left = corner & LEGEND_TOP_RIGHT ? picture->drawing[0] - width : 0;
+    const double top = corner & LEGEND_BOTTOM_LEFT ? picture->drawing[1] - height : 0;
+    return (struct draw_box){left, top, left + width, top + height};
+}
+
+/* The corner in which the legend hides least; the fourth one is taken by the directions. */
+static enum legend_corner corner_of(const struct picture *picture)
+{
+    static const enum legend_corner corners[] = {LEGEND_TOP_LEFT, LEGEND_TOP_RIGHT, LEGEND_BOTTOM_LEFT};
+    enum legend_corner best = LEGEND_TOP_LEFT;
+    double least = INFINITY;
+    for (size_t i = 0; i < sizeof corners / sizeof *corners; i++) {
+        const struct draw_box box = box_in(picture, corners[i]);
+        double hidden = picture_covered(picture, &box);
+        if (hidden < 0.8 * least) {
+            least = hidden;
+            best = corners[i];
+        }
+    }
+    return best;
+}
+
+struct draw_box picture_legend_box(const struct picture *picture)
+{
+    bool is_inside = picture->legend && picture->options.legend == CONUS_LEGEND_INSIDE;
+    return is_inside ? box_in(picture, corner_of(picture)) : (struct draw_box){0};
 }
 
 conus_status picture_legend_draw(conus_image *image, const struct picture *picture)
 {
     struct legend legend = picture->legend->legend;
     if (picture->options.legend == CONUS_LEGEND_INSIDE) {
-        /* The corner in which the legend hides least; the fourth one is taken by the directions. */
-        static const enum legend_corner corners[] = {LEGEND_TOP_LEFT, LEGEND_TOP_RIGHT, LEGEND_BOTTOM_LEFT};
-        legend.corner = LEGEND_TOP_LEFT;
-        double least = INFINITY;
-        for (size_t i = 0; i < sizeof corners / sizeof *corners; i++) {
-            double hidden = covered(picture, corners[i]);
-            if (hidden < 0.8 * least) {
-                least = hidden;
-                legend.corner = corners[i];
-            }
-        }
+        legend.corner = corner_of(picture);
     }
     return legend_draw(image, picture->font, &legend);
 }

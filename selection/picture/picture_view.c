@@ -14,7 +14,17 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { DEFAULT_WIDTH = 1400, DEFAULT_HEIGHT = 1050, SIDE_LIMIT = 16384, SLICE_LIMIT = 65536, DPI_LIMIT = 100000 };
+enum {
+    DEFAULT_WIDTH = 1400,
+    DEFAULT_HEIGHT = 1050,
+    SIDE_LIMIT = 16384,
+    SLICE_LIMIT = 65536,
+    DPI_LIMIT = 100000,
+    BALL_POINTS = 6
+};
+
+/* Radius of the ball at the apex, as a part of the atlas's. */
+static const double DEVICE = 0.022;
 
 /* Letters, points of a 72nd inch. */
 static const double POINTS = 7.5;
@@ -180,7 +190,7 @@ static void add_cone(struct picture *picture)
     view->cone_radius = selection->cone.radius;
     view->cone_start = selection->cone.range[0];
     view->cone_length = cone_length(picture, selection);
-    add_marker(picture, view->world_from_cone + 12, 0.022 * picture->radius, device);
+    add_marker(picture, view->world_from_cone + 12, DEVICE * picture->radius, device);
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         if (result->object && result->pixels) {
@@ -190,12 +200,12 @@ static void add_cone(struct picture *picture)
     }
 }
 
-static void set_frame(struct picture *picture)
+/* `letters`: there are some at the edges. */
+static void set_frame(struct picture *picture, bool letters)
 {
     uint32_t width = picture->drawing[0];
     uint32_t height = picture->drawing[1];
-    bool letters = picture->font && picture->options.side;
-    uint32_t least = letters ? (uint32_t)lrint(2 * picture->em) : 0; /* at the edges */
+    uint32_t least = letters ? (uint32_t)lrint(2 * picture->em) : 0;
     uint32_t across = width / 28 > least ? width / 28 : least;
     uint32_t upward = height / 24 > least ? height / 24 : least;
     double legend[2];
@@ -212,10 +222,58 @@ static const double forwards[][3] = {
     [CONUS_SIDE_LEFT] = {1, 0, 0}, [CONUS_SIDE_RIGHT] = {-1, 0, 0}, [CONUS_SIDE_FRONT] = {0, -1, 0},
     [CONUS_SIDE_BACK] = {0, 1, 0}, [CONUS_SIDE_TOP] = {0, 0, -1},   [CONUS_SIDE_BOTTOM] = {0, 0, 1}};
 
+/* From where all points are in the frame and none under the scale and the directions: these get room below, on the
+ * right or both, whatever leaves the points largest. */
+static void frame_points(struct picture *picture, const double *points, size_t count, const double forward[3])
+{
+    enum { BELOW = 1, RIGHT = 2, STEPS = 12 };
+    const double angle = picture->options.field_of_view;
+    double key[2];
+    set_frame(picture, false);
+    camera_frame_points(&picture->camera, points, count, forward, angle, &picture->frame);
+    if (!picture->font) {
+        return;
+    }
+    if (picture_is_across(picture)) {
+        set_frame(picture, true);
+        camera_frame_points(&picture->camera, points, count, forward, angle, &picture->frame);
+    }
+    const struct camera_frame whole = picture->frame;
+    const struct camera plain = picture->camera;
+    struct camera_frame best = whole;
+    double nearest = INFINITY;
+    if (picture_key_is_free(key, picture, points, count)) {
+        return;
+    }
+    for (int way = BELOW; way <= (BELOW | RIGHT); way++) {
+        bool is_free = false;
+        for (int step = 1; step <= STEPS && !is_free; step++) {
+            struct camera_frame *frame = &picture->frame;
+            *frame = whole;
+            frame->bottom += way & BELOW ? (uint32_t)(key[1] * step / STEPS) : 0;
+            frame->right += way & RIGHT ? (uint32_t)(key[0] * step / STEPS) : 0;
+            if (frame->left + frame->right >= frame->width || frame->top + frame->bottom >= frame->height) {
+                break;
+            }
+            camera_frame_points(&picture->camera, points, count, forward, angle, frame);
+            is_free = picture_key_is_free(key, picture, points, count);
+            double away = vec3_dot(picture->camera.world_from_camera + 8, picture->camera.world_from_camera + 12);
+            if (is_free && away < nearest) {
+                nearest = away;
+                best = *frame;
+            }
+        }
+    }
+    picture->frame = best;
+    picture->camera = plain;
+    if (nearest < INFINITY) {
+        camera_frame_points(&picture->camera, points, count, forward, angle, &best);
+    }
+}
+
 static conus_status place_camera(struct picture *picture, const struct colour_pass *pass)
 {
     const conus_view *options = &picture->options;
-    set_frame(picture);
     if (options->camera) {
         conus_pose pose;
         conus_status status = conus_pose_from_matrix(&pose, options->camera->world_from_device);
@@ -224,6 +282,7 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         } else if (!status) {
             camera_from_pose(&picture->camera, &pose, options->field_of_view, picture->drawing[0], picture->drawing[1]);
         }
+        set_frame(picture, false);
         return status ? fail_in(status, "camera") : CONUS_OK;
     }
     double forward[3];
@@ -235,7 +294,7 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         cone_axis(axis, &options->selection->cone);
         camera_cone_forward(forward, axis);
     }
-    double(*points)[3] = memory_raw(pass->content_count + 1, sizeof *points);
+    double(*points)[3] = memory_raw(pass->content_count + BALL_POINTS, sizeof *points);
     if (!points) {
         return CONUS_ERROR_MEMORY;
     }
@@ -243,7 +302,7 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
     size_t count = pass->content_count;
     if (options->selection) {
         /* The apex, or where the cone comes near, so that a far device does not make the brain a dot. */
-        double *near = points[count++];
+        double *near = points[count];
         const struct cone *cone = &picture->options.selection->cone;
         double axis[3], offset[3];
         cone_axis(axis, cone);
@@ -253,8 +312,13 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         if (skip > 0 && skip < picture->view.cone_length) {
             vec3_add_scaled(near, near, skip, axis);
         }
+        const double middle[3] = {near[0], near[1], near[2]};
+        for (int n = 0; n < BALL_POINTS; n++) { /* with the ball that is drawn there */
+            memcpy(points[count], middle, sizeof middle);
+            points[count++][n / 2] += (n % 2 ? 1 : -1) * DEVICE * picture->radius;
+        }
     }
-    camera_frame_points(&picture->camera, points[0], count, forward, options->field_of_view, &picture->frame);
+    frame_points(picture, points[0], count, forward);
     memory_free(points);
     return CONUS_OK;
 }

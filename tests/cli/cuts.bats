@@ -72,6 +72,38 @@ height() {
     run -1 conus diff at.exr a.exr
 }
 
+@test "all text of a sheet is in it, and no text lies on another, however small the cuts are" {
+    sphere --size 32
+    local cuts size
+    while read -r cuts size; do
+        answers render sphere.nii.gz -o cuts.svg --cuts "$cuts" --size "$size" --background white -q
+        /usr/bin/python3 - "$cuts" <<'END'
+import itertools
+import sys
+import xml.etree.ElementTree as tree
+svg = tree.parse("cuts.svg").getroot()
+width, height = (float(n) for n in svg.get("viewBox").split()[2:])
+boxes = []
+for text in svg.iter("{http://www.w3.org/2000/svg}text"):
+    x, y, size, length = (float(text.get(name)) for name in ("x", "y", "font-size", "textLength"))
+    boxes.append((x, y - 0.7 * size, x + length, y, text.text))
+for left, top, right, bottom, text in boxes:
+    assert left >= 0 and top >= 0 and right <= width and bottom <= height, (sys.argv, text)
+for a, b in itertools.combinations(boxes, 2):
+    assert a[0] >= b[2] or b[0] >= a[2] or a[1] >= b[3] or b[1] >= a[3], (sys.argv, a, b)
+if sys.argv[1] != "mosaic:100":
+    assert len([1 for box in boxes if box[4].lstrip("xyz =\u2212").rstrip(" m").replace(".", "").isdigit()]) > 3
+END
+    done <<'END'
+axial,coronal,sagittal 600x400
+axial:0,coronal:0.125,sagittal:-7.25 300x120
+mosaic:12 600x400
+mosaic:30 600x400
+mosaic:60 600x400
+mosaic:100 800x600
+END
+}
+
 # colours FILE: how many pixels have the five most frequent colours that are no grey.
 colours() {
     /usr/bin/python3 - "$1" <<'END'

@@ -4,6 +4,7 @@
 #include "picture_scene.h"
 #include "render/flat/font.h"
 #include "render/image/image.h"
+#include "render/image/shapes.h"
 #include "selection/picture/picture.h"
 #include "test.h"
 #include "test_gl.h"
@@ -323,7 +324,7 @@ static void a_legend_outside_leaves_the_drawing_alone(void **state)
     conus_image *below = render(&scene, view);
     assert_int_equal(conus_image_height(none), 2 * HEIGHT);
     assert_int_equal(conus_image_width(below), 2 * WIDTH);
-    assert_true(conus_image_height(below) > 2 * HEIGHT + 50);
+    assert_true(conus_image_height(below) > 2 * HEIGHT + 50 && conus_image_height(below) <= 3 * HEIGHT);
     assert_same_top(none, below, 2 * WIDTH);
     view.legend = CONUS_LEGEND_RIGHT;
     conus_image *right = render(&scene, view);
@@ -346,7 +347,7 @@ static uint32_t height_with_legend(const struct scene *scene, conus_layers layer
     assert_ok(conus_select(&selection, selector, &pose, radians_from_degrees(60)));
     conus_image *image = render(
         scene,
-        (conus_view){.width = 2 * WIDTH, .height = 2 * HEIGHT, .selection = selection, .legend = CONUS_LEGEND_BELOW});
+        (conus_view){.width = 4 * WIDTH, .height = 4 * HEIGHT, .selection = selection, .legend = CONUS_LEGEND_BELOW});
     uint32_t height = conus_image_height(image);
     conus_image_destroy(image);
     conus_selection_destroy(selection);
@@ -363,6 +364,130 @@ static void what_is_behind_others_has_a_row_with_all_layers(void **state)
     uint32_t six = height_with_legend(&scene, CONUS_LAYERS_VISIBLE);
     uint32_t seven = height_with_legend(&scene, CONUS_LAYERS_ALL);
     assert_in_range(seven, six + 3, six + 30);
+}
+
+/* The box around a shape; of text to its capitals' height. */
+static struct draw_box box_of(const struct image_shape *shape)
+{
+    double half = shape->kind == SHAPE_LINE ? shape->width / 2 : 0;
+    if (shape->kind == SHAPE_TEXT) {
+        return (struct draw_box){shape->from[0], shape->from[1] - 0.7 * shape->width, shape->from[0] + shape->length,
+                                 shape->from[1]};
+    }
+    return (struct draw_box){fmin(shape->from[0], shape->to[0]) - half, fmin(shape->from[1], shape->to[1]) - half,
+                             fmax(shape->from[0], shape->to[0]) + half, fmax(shape->from[1], shape->to[1]) + half};
+}
+
+/* How many pixels of the drawing, on a transparent background, lie in the box. */
+static size_t drawn_in(const conus_image *image, const struct draw_box *box)
+{
+    const float *opacity = conus_image_floats(image, "A");
+    size_t count = 0;
+    for (uint32_t y = 0; y < conus_image_height(image); y++) {
+        for (uint32_t x = 0; x < conus_image_width(image); x++) {
+            bool is_in = x + 1 > box->left && x < box->right && y + 1 > box->top && y < box->bottom;
+            count += is_in && opacity[(size_t)conus_image_width(image) * y + x] > 0;
+        }
+    }
+    return count;
+}
+
+/* Width and height of what is drawn, pixels. */
+static void find_extent(double out[2], const conus_image *image)
+{
+    const float *opacity = conus_image_floats(image, "A");
+    uint32_t low[2] = {UINT32_MAX, UINT32_MAX};
+    uint32_t high[2] = {0, 0};
+    for (size_t i = 0; i < (size_t)image->width * image->height; i++) {
+        const uint32_t at[2] = {(uint32_t)(i % image->width), (uint32_t)(i / image->width)};
+        for (int a = 0; a < 2 && opacity[i] > 0; a++) {
+            low[a] = at[a] < low[a] ? at[a] : low[a];
+            high[a] = at[a] > high[a] ? at[a] : high[a];
+        }
+    }
+    for (int a = 0; a < 2; a++) {
+        out[a] = (double)high[a] - low[a] + 1;
+    }
+}
+
+/* A picture whose text is kept as shapes, so that its pixels are of the drawing alone. */
+static conus_image *render_shapes(const struct scene *scene, conus_view view)
+{
+    view.shapes = true;
+    view.background = CONUS_BACKGROUND_TRANSPARENT;
+    return render(scene, view);
+}
+
+static void assert_nothing_is_under_shapes(const conus_image *image)
+{
+    assert_true(image->shapes->count >= 4);
+    for (size_t i = 0; i < image->shapes->count; i++) {
+        const struct draw_box box = box_of(&image->shapes->items[i]);
+        assert_true(box.left >= 0 && box.top >= 0 && box.right <= image->width && box.bottom <= image->height);
+        assert_int_equal(drawn_in(image, &box), 0);
+    }
+}
+
+/* 60 mm at 300 dpi are 709 pixels, with letters of 31. The drawing keeps two fifths of the width or height. */
+static void scale_and_directions_lie_on_nothing(void **state)
+{
+    static const struct {
+        uint32_t width, height;
+        double dpi;
+    } sizes[] = {{709, 531, 300}, {400, 300, 0}, {300, 400, 0}, {900, 300, 0}};
+    need_font();
+    struct scene scene = need_scene(state);
+    conus_selection *selection = NULL;
+    conus_pose pose;
+    assert_ok(conus_pose_toward(&pose, (double[]){-40, 0, 0}, (double[]){0, 0, 0}, NULL));
+    assert_ok(conus_select(&selection, scene.selector, &pose, radians_from_degrees(10)));
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        for (int side = CONUS_SIDE_OF_CONE; side <= CONUS_SIDE_BOTTOM; side++) {
+            const conus_view view = {.width = sizes[i].width,
+                                     .height = sizes[i].height,
+                                     .dpi = sizes[i].dpi,
+                                     .side = (conus_side)side,
+                                     .legend = CONUS_LEGEND_NONE,
+                                     .selection = i % 2 ? selection : NULL};
+            conus_image *image = render_shapes(&scene, view);
+            assert_nothing_is_under_shapes(image);
+            double extent[2];
+            find_extent(extent, image);
+            assert_true(fmax(extent[0] / view.width, extent[1] / view.height) > 0.4);
+            conus_image_destroy(image);
+        }
+    }
+    conus_selection_destroy(selection);
+}
+
+/* From the left, past the balls in front of it and above: they are in the lower right corner of the picture. */
+static void a_given_camera_has_them_where_nothing_is(void **state)
+{
+    need_font();
+    struct scene scene = need_scene(state);
+    conus_pose camera;
+    assert_ok(conus_pose_toward(&camera, (double[]){-150, 38, 18}, (double[]){0, 38, 18}, NULL));
+    conus_image *image = render_shapes(&scene, (conus_view){.width = 400, .height = 300, .camera = &camera});
+    const struct draw_box corner = {300, 200, 400, 300};
+    assert_true(drawn_in(image, &corner) > 100);
+    assert_nothing_is_under_shapes(image);
+    conus_image_destroy(image);
+}
+
+/* 18 mm before the middle of a ball of radius 8 it spans 52 degrees: all of a square picture of 30. */
+static void where_nothing_is_free_they_have_patches(void **state)
+{
+    need_font();
+    struct scene scene = need_scene(state);
+    conus_pose camera;
+    assert_ok(conus_pose_toward(&camera, (double[]){-38, 0, 0}, (double[]){0, 0, 0}, NULL));
+    conus_image *image = render_shapes(&scene, (conus_view){.width = 300, .height = 300, .camera = &camera});
+    size_t patches = 0;
+    for (size_t i = 0; i < image->shapes->count; i++) {
+        patches += image->shapes->items[i].kind == SHAPE_BOX;
+    }
+    assert_int_equal(patches, 5); /* of four letters and the bar */
+    conus_image_destroy(image);
 }
 
 static const uint8_t *find_bytes(const uint8_t *data, size_t size, const char *word)
@@ -471,6 +596,9 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(backgrounds_lie_behind),
         cmocka_unit_test(a_legend_outside_leaves_the_drawing_alone),
         cmocka_unit_test(what_is_behind_others_has_a_row_with_all_layers),
+        cmocka_unit_test(scale_and_directions_lie_on_nothing),
+        cmocka_unit_test(a_given_camera_has_them_where_nothing_is),
+        cmocka_unit_test(where_nothing_is_free_they_have_patches),
         cmocka_unit_test(files_say_how_large_they_are),
         cmocka_unit_test(letters_grow_with_the_resolution),
         cmocka_unit_test(views_out_of_range_are_refused),
