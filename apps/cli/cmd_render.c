@@ -38,6 +38,9 @@ struct drawn_rows {
 
 enum { NAME_LIMIT = 200 }; /* bytes of a row's name in that of a file */
 
+/* Opacity of areas that no probe passes. */
+static const double FAINT = 0.12;
+
 static const char QUERY[] = "{query}";
 static const char ROW[] = "{row}";
 
@@ -176,10 +179,11 @@ static int check_count(const struct drawn_rows *rows, const conus_pose_list *lis
 }
 
 /* Chooses rows of `list`, which must outlive `out`, and names their pictures by `pattern`: {query} is the row's
- * name without what a file's name must not have, {row} its number. No two pictures have one name. Returns the exit code
+ * name without what a file's name must not have, {row} its number. No two pictures have one name, but where all are
+ * drawn `together`. Returns the exit code
  * and prints an error unless it is 0; what `out` holds is the caller's to free in any case. */
 static int render_rows_choose(struct drawn_rows *out, const conus_pose_list *list, const struct row_choice *choice,
-                              const char *pattern)
+                              const char *pattern, bool together)
 {
     size_t count = conus_pose_list_count(list);
     out->count = 0;
@@ -198,8 +202,8 @@ static int render_rows_choose(struct drawn_rows *out, const conus_pose_list *lis
             }
         }
     }
-    int code = check_count(out, list, choice, pattern);
-    return code ? code : check_clashes(out);
+    int code = together && out->count ? EXIT_DONE : check_count(out, list, choice, pattern);
+    return code || together ? code : check_clashes(out);
 }
 
 struct translucent_settings {
@@ -400,6 +404,7 @@ struct render_settings {
     bool no_skipping;
     struct cut_settings cuts;
     struct turn_settings turn;
+    bool strips;
 };
 
 static const struct option picture_options[] = {
@@ -501,6 +506,14 @@ static const struct option row_options[] = {
      .value = "NAME",
      .help = "only the pose of that name (column query_id; of Brainsight target/M1, say)",
      .needs = "poses|pose"},
+    {.name = "strips",
+     .type = OPTION_FLAG,
+     .offset = offsetof(struct render_settings, strips),
+     .help = "all poses in one picture, as probes: a line for each, to the far end of --range, and beside the drawing "
+             "its segments by depth, mm, with the names of areas; other areas are faint unless --opacity is given",
+     .words = "probe, electrode, needle, segments, trajectory, neuropixels",
+     .needs = "poses|pose|origin",
+     .excludes = "angle,radius,cuts,legend,legend-rows,legend-area,no-legend"},
     {0},
 };
 
@@ -538,6 +551,8 @@ struct picture {
     conus_pose_list *poses;
     struct drawn_rows rows; /* of them */
     struct translucent translucent;
+    const conus_drawn_probe *probes; /* [probe_count] */
+    size_t probe_count;
     conus_pose camera;
     bool has_camera;
     bool failed; /* Some poses have no picture. */
@@ -578,6 +593,11 @@ static bool check_cone(const struct render_settings *settings, const struct argu
         return false;
     }
     bool cone = option_given(arguments, "origin") || has_file(arguments);
+    if (settings->strips && option_with(arguments, OPTION_OF_RAYS)) {
+        print_error_line("--%s has no effect with --strips, which follow the axis",
+                         option_with(arguments, OPTION_OF_RAYS)->name);
+        return false;
+    }
     if (!cone && settings->atlas.hemispheres == CONUS_HEMISPHERES_MERGED) {
         print_error_line("--hemispheres merged has no effect without a cone: --origin or --pose");
         return false;
@@ -611,8 +631,9 @@ static bool check_settings(const struct render_settings *settings, const struct 
         return false;
     }
     bool file = has_file(arguments);
-    if (!file && render_pattern_varies(settings->output)) {
-        print_error_line("--output: {query} and {row} stand for poses of a file, --poses FILE");
+    if ((!file || settings->strips) && render_pattern_varies(settings->output)) {
+        print_error_line("--output: {query} and {row} stand for poses of a file%s",
+                         file ? ", --strips draws all in one picture" : ", --poses FILE");
         return false;
     }
     if ((file && !render_pattern_check(settings->output)) || !figure_check(&settings->figure) ||
@@ -688,8 +709,10 @@ static int find_rows(struct picture *picture)
     }
     picture->rows.file = settings_poses_name(path);
     int code = load_poses(&picture->poses, picture, path);
-    code = code ? code : render_rows_choose(&picture->rows, picture->poses, &settings->choice, settings->output);
-    if (code) {
+    code = code ? code
+                : render_rows_choose(&picture->rows, picture->poses, &settings->choice, settings->output,
+                                     settings->strips);
+    if (code || settings->strips) {
         return code;
     }
     const struct drawn_rows *rows = &picture->rows;
@@ -826,9 +849,14 @@ static int draw_picture(const struct picture *picture, const conus_selection *se
                        .pale = picture->translucent.pale,
                        .no_pale = picture->translucent.no_pale,
                        .listed = picture->translucent.listed,
+                       .probes = picture->probes,
+                       .probe_count = picture->probe_count,
                        .frame = &picture->frame,
                        .no_skipping = settings->no_skipping};
     figure_view(&view, &settings->figure);
+    if (picture->probe_count && !settings->translucent.opacity.count) {
+        view.pale = FAINT;
+    }
     if (!view.legend_rows &&
         option_given(picture->arguments, "legend")) { /* who asks for one gets one without a cone, too */
         view.legend_rows = UINT32_MAX;
@@ -885,12 +913,46 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
     return code;
 }
 
+/* In one picture; those that cannot be drawn are named. */
+static int draw_probes(struct picture *picture, const struct drawn_row *rows, size_t row_count)
+{
+    conus_drawn_probe *probes = calloc(row_count + 1, sizeof *probes);
+    conus_segments **segments = calloc(row_count + 1, sizeof *segments);
+    size_t count = 0;
+    int code = probes && segments ? EXIT_DONE : print_no_memory();
+    for (size_t i = 0; i < row_count && !code; i++) {
+        const conus_pose_row *row = rows[i].row;
+        const char *error = settings_row_error(row);
+        conus_status status = error ? CONUS_ERROR_DATA : conus_selector_set_range(picture->selector, row->range);
+        status = status ? status : conus_segments_create(&segments[count], picture->selector, &row->pose);
+        if (status) {
+            code = refuse_row(picture, row, error ? error : conus_message(), error ? EXIT_DATA : EXIT_USAGE);
+        } else {
+            probes[count] = (conus_drawn_probe){row->id, segments[count]};
+            count++;
+        }
+    }
+    picture->probes = probes;
+    picture->probe_count = count;
+    code = code || !count ? code : draw_picture(picture, NULL, NULL, picture->settings->output);
+    picture->probes = NULL;
+    for (size_t i = 0; i < count; i++) {
+        conus_segments_destroy(segments[i]);
+    }
+    free(segments);
+    free(probes);
+    return code;
+}
+
 static int draw_rows(struct picture *picture)
 {
     const struct drawn_rows *rows = &picture->rows;
     int code = EXIT_DONE;
     if (!rows->count) {
         settings_say_no_poses(picture->settings->aim.pose, &picture->settings->common);
+    }
+    if (picture->settings->strips) {
+        return draw_probes(picture, rows->items, rows->count);
     }
     struct progress progress;
     progress_start(&progress, PROGRESS_AUTO, picture->settings->common.quiet, "pictures", rows->count);
@@ -909,6 +971,10 @@ static int draw_origin(struct picture *picture)
     int code = settings_pose(&pose, &settings->aim, &picture->frame, picture->arguments);
     if (code) {
         return code;
+    }
+    if (settings->strips) {
+        const conus_pose_row row = {.id = "", .pose = pose, .range = {NAN, NAN}};
+        return draw_probes(picture, &(struct drawn_row){.row = &row}, 1);
     }
     bool fault = false;
     double angle = settings_angle(&settings->aim, &settings->engine);
@@ -947,7 +1013,7 @@ static int run_render(const void *given, const struct arguments *arguments)
     if (!code && picture.selector) {
         code = picture.poses ? draw_rows(&picture) : draw_origin(&picture);
     }
-    if (!code && picture.selector) {
+    if (!code && picture.selector && !settings->strips) {
         const struct aimed aimed = {*conus_aims_found(picture.aims), picture.selector, picture.atlas, NULL,
                                     &picture.frame};
         aim_notes_say(&aimed, 1, picture.rows.count > 1 ? picture.rows.file : NULL, &settings->common);
@@ -981,6 +1047,7 @@ const struct command cmd_render = {
     .examples = "  conus render aal.nii.gz -o aal.png --context ch2bet.nii.gz\n"
                 "  conus render aal.nii.gz -o cone.png --origin -90,20,20 --toward 0,-10,10 --angle 20\n"
                 "  conus render aal.nii.gz --poses session.tsv -o 'fig-{query}.png'\n"
+                "  conus render aal.nii.gz --poses shanks.tsv --range 0,25 --strips -o shanks.png\n"
                 "  conus render aal.nii.gz -o top.exr --camera-origin 0,0,500 --camera-toward 0,0,0\n",
     .groups = groups,
     .settings_size = sizeof(struct render_settings),

@@ -7,6 +7,7 @@
 #define CONUS_PUBLIC_PICTURE_H
 
 #include <conus/image.h>
+#include <conus/segments.h>
 #include <conus/space.h>
 
 #include <stdbool.h>
@@ -154,6 +155,13 @@ typedef enum conus_background {
     CONUS_BACKGROUND_TRANSPARENT /**< Nothing; text is dark. */
 } conus_background;
 
+/** A probe in a picture: a line along the axis, with what it passes. */
+typedef struct conus_drawn_probe {
+    const char *name;               /**< UTF-8; NULL = none. */
+    const conus_segments *segments; /**< The line ends where they end, and begins where they begin, or not far before
+                                       the first object. */
+} conus_drawn_probe;
+
 /** Options of conus_render(). */
 typedef struct conus_view {
     size_t struct_size;   /**< Its size, as #CONUS_VIEW_INIT sets it; 0 = that of this version. */
@@ -197,6 +205,12 @@ typedef struct conus_view {
     conus_progress progress; /**< Hears of each piece that is drawn; false ends the picture. NULL = no callback, and
                                 quicker by what waiting for each piece costs. */
     void *progress_user;     /**< Passed to @p progress. */
+    const conus_drawn_probe *probes; /**< [probe_count] Without a selection: lines over the drawing, in the colours of
+                                        what they pass, which stands out as what a selection hits. On the right, in at
+                                        most half of the width and in the place of a legend, each has a strip of its
+                                        segments: by depth, mm from the pose, with names, or abbreviations where names
+                                        do not fit; the names of the longest segments where they are too many. */
+    size_t probe_count;              /**< 0 = none. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */
@@ -207,9 +221,9 @@ typedef struct conus_view {
  * then of the areas those that the selection hits, or with #CONUS_LAYERS_ALL passes. A draft has those of the picture
  * before.
  * Where left and right, or the like, are across the picture to within 15 degrees, letters at its edges say so; else a
- * cross of all directions does. These and the scale bar lie beside what is drawn; with a camera in the corner where they
- * hide least, on a patch where they hide something. The legend lists what conus_selection_result() lists, with whole names where there is
- * room for letters of at least three fifths of their size.
+ * cross of all directions does. These and the scale bar lie beside what is drawn; with a camera in the corner where
+ * they hide least, on a patch where they hide something. The legend lists what conus_selection_result() lists, with
+ * whole names where there is room for letters of at least three fifths of their size.
  * @param[out] out Channels R, G, B, A: float, linear light, premultiplied; A is 1 unless the background is transparent.
  * End it with conus_image_destroy().
  * @param renderer The renderer.

@@ -16,6 +16,7 @@ enum { PICTURE_FRUSTUM_LIMIT = 1000 };
 #define PICTURE_DIM 0.87F
 
 struct picture_legend;
+struct picture_probes;
 
 struct picture {
     conus_view options; /**< Defaults filled in. */
@@ -26,6 +27,7 @@ struct picture {
     uint32_t sheet_height;         /**< Height of the image, which is options.width wide.                             */
     struct font *font;             /**< NULL = no text.                                                        */
     struct picture_legend *legend; /**< NULL = none.                                                   */
+    struct picture_probes *probes; /**< Strips; NULL = none. */
     double em, line;               /**< Size of letters, and of the thinnest line, pixels.             */
     float ink[4];                  /**< Colour of letters, as draw.h has it.                           */
     float dim;                     /**< Opacity of letters that say less.                              */
@@ -61,6 +63,11 @@ bool picture_is_across(const struct picture *picture);
  * corner. In @p size what these take of its width and height, pixels. */
 bool picture_key_is_free(double size[2], const struct picture *picture, const double *points, size_t count);
 
+bool picture_overlaps(const struct draw_box *a, const struct draw_box *b);
+
+/** Under text that has no free place, so that it can be read. */
+void picture_lay_patch(conus_image *image, const struct picture *picture, const struct draw_box *box);
+
 /** The opacity that was drawn in a box of the drawing, summed over its pixels. */
 double picture_covered(const struct picture *picture, const struct draw_box *box);
 
@@ -94,6 +101,23 @@ bool picture_has_legend(const struct picture *picture);
 /** Makes the legend of a picture that has one, and place for it beside or below the drawing. */
 conus_status picture_legend_init(struct picture *picture);
 void picture_legend_finish(struct picture *picture);
+
+/** Whether the probes of a view can be drawn. */
+conus_status picture_probes_check(const conus_view *view);
+
+/** [objects + 1] of enum emphasis: full is what a probe passes, with all below it in the area tree. NULL without
+ * memory. */
+uint8_t *picture_probe_emphasis(const struct picture *picture);
+
+/** Where the line of a probe begins and ends, world mm. */
+void picture_probe_ends(double ends[2][3], const struct picture *picture, size_t index);
+
+/** Makes place for the strips beside the drawing. */
+conus_status picture_probes_init(struct picture *picture);
+void picture_probes_finish(struct picture *picture);
+
+/** The lines over the drawing, and their strips; with no font only the lines. */
+conus_status picture_probes_draw(conus_image *image, const struct picture *picture);
 
 enum { PICTURE_TEXT = 160 };
 

@@ -42,8 +42,8 @@ bool picture_is_across(const struct picture *picture)
     return picture_letter_of(m) && picture_letter_of(m + 4);
 }
 
-/* Under text that has no free place, so that it can be read: what is under it shows through a little. */
-static void lay_patch(conus_image *image, const struct picture *picture, const struct draw_box *box)
+/* What is under it shows through a little. */
+void picture_lay_patch(conus_image *image, const struct picture *picture, const struct draw_box *box)
 {
     const float grey = picture->ink[1] > 0.5F ? 0 : 1;
     if (picture_covered(picture, box) > 0) {
@@ -71,8 +71,8 @@ static conus_status draw_edges(conus_image *image, const struct picture *picture
         const char *letter = picture_letter_of(axis);
         const double half = font_width(picture->font, size, letter) / 2;
         const double corner[2] = {at[0] - half, at[1] + 0.36 * size};
-        lay_patch(image, picture,
-                  &(struct draw_box){at[0] - half, at[1] - 0.4 * size, at[0] + half, at[1] + 0.4 * size});
+        picture_lay_patch(image, picture,
+                          &(struct draw_box){at[0] - half, at[1] - 0.4 * size, at[0] + half, at[1] + 0.4 * size});
         status = font_draw(picture->font, image, corner, size, picture->ink, letter);
     }
     return status;
@@ -158,7 +158,7 @@ conus_status picture_draw_bar(conus_image *image, const struct picture *picture,
     struct bar bar;
     measure_bar(&bar, picture, pixels_per_mm, EDGE, LEGEND_BOTTOM_RIGHT);
     if (picture->rgba) {
-        lay_patch(image, picture, &bar.box);
+        picture_lay_patch(image, picture, &bar.box);
     }
     return draw_measured(image, picture, &bar);
 }
@@ -187,7 +187,7 @@ static void measure_key(struct key *out, const struct picture *picture, enum leg
     }
 }
 
-static bool overlaps(const struct draw_box *a, const struct draw_box *b)
+bool picture_overlaps(const struct draw_box *a, const struct draw_box *b)
 {
     return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
 }
@@ -205,7 +205,8 @@ bool picture_key_is_free(double size[2], const struct picture *picture, const do
             continue;
         }
         const struct draw_box pixel = {x - 1, y - 1, x + 1, y + 1};
-        if ((key.has_cross && overlaps(&pixel, &key.cross)) || (key.has_bar && overlaps(&pixel, &key.bar.box))) {
+        if ((key.has_cross && picture_overlaps(&pixel, &key.cross)) ||
+            (key.has_bar && picture_overlaps(&pixel, &key.bar.box))) {
             return false;
         }
     }
@@ -226,8 +227,8 @@ static conus_status draw_key(conus_image *image, const struct picture *picture)
         measure_key(&other, picture, corners[i]);
         double hidden = other.has_cross ? picture_covered(picture, &other.cross) : 0;
         hidden += other.has_bar ? picture_covered(picture, &other.bar.box) : 0;
-        bool is_taken = (other.has_cross && overlaps(&other.cross, &legend)) ||
-                        (other.has_bar && overlaps(&other.bar.box, &legend));
+        bool is_taken = (other.has_cross && picture_overlaps(&other.cross, &legend)) ||
+                        (other.has_bar && picture_overlaps(&other.bar.box, &legend));
         if (i == 0 || (hidden < least && !is_taken)) {
             least = hidden;
             key = other;
@@ -235,11 +236,11 @@ static conus_status draw_key(conus_image *image, const struct picture *picture)
     }
     conus_status status = CONUS_OK;
     if (key.has_cross) {
-        lay_patch(image, picture, &key.cross);
+        picture_lay_patch(image, picture, &key.cross);
         status = draw_directions(image, picture, &key.cross);
     }
     if (key.has_bar && !status) {
-        lay_patch(image, picture, &key.bar.box);
+        picture_lay_patch(image, picture, &key.bar.box);
         status = draw_measured(image, picture, &key.bar);
     }
     return status;

@@ -117,7 +117,7 @@ static bool is_listed(const struct picture *picture, uint32_t number)
 
 bool picture_has_legend(const struct picture *picture)
 {
-    return picture->font && picture->options.legend != CONUS_LEGEND_NONE &&
+    return picture->font && picture->options.legend != CONUS_LEGEND_NONE && !picture->options.probe_count &&
            (picture->options.selection || picture->options.listed || lists_all(picture) ||
             colours_streamlines(picture) || count_by_value(picture) || atlas_mapped_surface(picture->atlas));
 }

@@ -90,6 +90,7 @@ static conus_status fill_options(conus_view *out, const conus_view *view, const 
     conus_status status = check_frustum(&options);
     status = status ? status : picture_check_sheet(&options);
     status = status ? status : check_opacity(&options, atlas);
+    status = status ? status : picture_probes_check(&options);
     if (status) {
         return status;
     }
@@ -183,7 +184,6 @@ static void add_cone(struct picture *picture)
     static const uint8_t device[3] = {60, 60, 66};
     const conus_selection *selection = picture->options.selection;
     struct colour_view *view = &picture->view;
-    view->emphasis = picture->emphasis;
     view->group = selection->group;
     view->world_from_cone = selection->cone.pose.world_from_device;
     view->cone_slope = tan(selection->cone.angle / 2);
@@ -294,12 +294,15 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         cone_axis(axis, &options->selection->cone);
         camera_cone_forward(forward, axis);
     }
-    double(*points)[3] = memory_raw(pass->content_count + BALL_POINTS, sizeof *points);
+    double(*points)[3] = memory_raw(pass->content_count + 2 * options->probe_count + BALL_POINTS, sizeof *points);
     if (!points) {
         return CONUS_ERROR_MEMORY;
     }
     memcpy(points, pass->content, pass->content_count * sizeof *points);
     size_t count = pass->content_count;
+    for (size_t i = 0; i < options->probe_count; i++, count += 2) {
+        picture_probe_ends(points + count, picture, i);
+    }
     if (options->selection) {
         /* The apex, or where the cone comes near, so that a far device does not make the brain a dot. */
         double *near = points[count];
@@ -416,6 +419,9 @@ conus_status picture_prepare_sheet(struct picture *picture, uint64_t max_memory,
     picture->line = options->dpi > 0 ? picture->em / 19 : 1;
     choose_ink(picture);
     conus_status status = find_font(picture, log, log_user);
+    if (!status && picture->font && options->probe_count) {
+        status = picture_probes_init(picture);
+    }
     return status || !picture_has_legend(picture) ? status : picture_legend_init(picture);
 }
 
@@ -460,6 +466,9 @@ static conus_status make_image(conus_image **out, const struct picture *picture,
         lay_over_background(image, picture);
         status = picture->options.shapes ? image_keep_shapes(image) : CONUS_OK;
     }
+    if (!status && picture->options.probe_count) {
+        status = picture_probes_draw(image, picture);
+    }
     if (!status) {
         status = picture->font ? picture_annotate(image, picture) : CONUS_OK;
     }
@@ -484,6 +493,7 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->listener = (struct gl_listener){picture->options.progress, picture->options.progress_user};
     view->fade = picture->options.fade;
     view->opacity = picture->opacity;
+    view->emphasis = picture->emphasis;
     view->line_width = 0.012 * picture->radius;
     view->markers = picture->markers;
     picture->rgba = memory_raw((size_t)view->width * view->height, 4 * sizeof *picture->rgba);
@@ -585,8 +595,10 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     if (status) {
         return status;
     }
-    if (picture.options.selection) {
-        picture.emphasis = picture_emphasis(picture.options.selection, picture.options.chosen);
+    if (picture.options.selection || picture.options.probe_count) {
+        picture.emphasis = picture.options.selection
+                               ? picture_emphasis(picture.options.selection, picture.options.chosen)
+                               : picture_probe_emphasis(&picture);
         status = picture.emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     for (size_t n = 1; picture.emphasis && n <= picture.atlas->object_count; n++) {
@@ -609,6 +621,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     status = status ? status : draw(&picture, renderer);
     status = status ? status : make_image(out, &picture, renderer);
     picture_legend_finish(&picture);
+    picture_probes_finish(&picture);
     font_destroy(picture.font);
     memory_free(picture.emphasis);
     memory_free(picture.opacity);

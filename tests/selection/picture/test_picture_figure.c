@@ -490,6 +490,77 @@ static void where_nothing_is_free_they_have_patches(void **state)
     conus_image_destroy(image);
 }
 
+/* What an axis from the left passes: the left ball, then the right one. */
+static conus_segments *follow(const struct scene *scene)
+{
+    conus_segments *segments = NULL;
+    conus_pose pose;
+    assert_ok(conus_pose_toward(&pose, (double[]){-60, 0, 0}, (double[]){0, 0, 0}, NULL));
+    assert_ok(conus_segments_create(&segments, scene->selector, &pose));
+    return segments;
+}
+
+/* First and last column of a row with the object's colour. */
+static void columns_of(double out[2], const struct scene *scene, const conus_image *image, uint32_t object)
+{
+    out[0] = out[1] = -1;
+    for (uint32_t x = 0; x < image->width; x++) {
+        if (object_at(scene, image, x, image->height / 2) == object) {
+            out[0] = out[0] < 0 ? x : out[0];
+            out[1] = x + 1;
+        }
+    }
+}
+
+/* From the front the left ball is on the right. The line in a ball's colour is as long as the ball, seen through what
+ * lies before it, and what is not passed is not drawn. */
+static void a_probe_is_a_line_in_the_colours_of_what_it_passes(void **state)
+{
+    struct scene scene = need_scene(state);
+    conus_segments *segments = follow(&scene);
+    const conus_drawn_probe probe = {"P", segments};
+    conus_image *image = render_shapes(&scene, (conus_view){.width = 600,
+                                                            .height = 300,
+                                                            .side = CONUS_SIDE_FRONT,
+                                                            .no_pale = true,
+                                                            .no_legend = true,
+                                                            .probes = &probe,
+                                                            .probe_count = 1});
+    assert_int_equal(image->shapes->count, 4); /* casing, all of it, and two balls */
+    for (uint32_t n = 1; n <= 2; n++) {
+        const struct image_shape *line = &image->shapes->items[4 - n];
+        double columns[2];
+        columns_of(columns, &scene, image, n);
+        assert_int_equal(line->kind, SHAPE_LINE);
+        assert_near(line->from[0], columns[1], 2);
+        assert_near(line->to[0], columns[0], 2);
+        assert_true(line->from[0] - line->to[0] > 30);
+        assert_near(line->from[1], 150, 1);
+    }
+    assert_int_equal(object_at(&scene, image, 300, 150), 0); /* where the ball at the front would be */
+    conus_image_destroy(image);
+    conus_segments_destroy(segments);
+}
+
+static void probes_that_cannot_be_drawn_are_refused(void **state)
+{
+    struct scene scene = need_scene(state);
+    conus_segments *segments = follow(&scene);
+    const conus_drawn_probe probes[3] = {{"P", segments}, {"Q", segments}, {"R", segments}};
+    const conus_drawn_probe empty = {"P", NULL};
+    const conus_view views[] = {{.probes = probes, .probe_count = 1, .selection = scene.selection},
+                                {.probes = &empty, .probe_count = 1},
+                                {.probe_count = 1},
+                                {.probes = probes, .probe_count = 3, .width = 200, .height = 400}};
+    need_font();
+    for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
+        conus_image *image = NULL;
+        assert_fails(conus_render(&image, scene.renderer, &views[i]), CONUS_ERROR_ARGUMENT);
+        assert_null(image);
+    }
+    conus_segments_destroy(segments);
+}
+
 static const uint8_t *find_bytes(const uint8_t *data, size_t size, const char *word)
 {
     size_t length = strlen(word);
@@ -581,10 +652,30 @@ static conus_status attempt(void *data)
     return status;
 }
 
+struct probe_scene {
+    const struct scene *scene;
+    conus_drawn_probe probe;
+};
+
+static conus_status attempt_probe(void *data)
+{
+    const struct probe_scene *of = data;
+    conus_image *image = NULL;
+    const conus_view view = {.width = 300, .height = 200, .probes = &of->probe, .probe_count = 1};
+    conus_status status = conus_render(&image, of->scene->renderer, &view);
+    assert_true((status == CONUS_OK) == (image != NULL));
+    conus_image_destroy(image);
+    return status;
+}
+
 static void allocations_may_fail(void **state)
 {
     struct scene scene = need_scene(state);
     test_every_allocation(attempt, &scene);
+    conus_segments *segments = follow(&scene);
+    struct probe_scene of = {&scene, {"P", segments}};
+    test_every_allocation(attempt_probe, &of);
+    conus_segments_destroy(segments);
 }
 
 TEST_GROUP(picture_figure)
@@ -599,6 +690,8 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(scale_and_directions_lie_on_nothing),
         cmocka_unit_test(a_given_camera_has_them_where_nothing_is),
         cmocka_unit_test(where_nothing_is_free_they_have_patches),
+        cmocka_unit_test(a_probe_is_a_line_in_the_colours_of_what_it_passes),
+        cmocka_unit_test(probes_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(files_say_how_large_they_are),
         cmocka_unit_test(letters_grow_with_the_resolution),
         cmocka_unit_test(views_out_of_range_are_refused),

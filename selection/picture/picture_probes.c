@@ -1,0 +1,433 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Probes in a picture: their lines over the drawing, and beside it what each passes, as a strip by depth. */
+#include "base/geometry/math3.h"
+#include "base/memory.h"
+#include "selection/picture/picture.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { TEXT_SIZE = 256, CELL_SIZE = 24 };
+
+/* Lengths in em: around all strips, their width, from one to its names, between columns, of a line, of the heads, and
+ * the least and the largest room for names. */
+static const double MARGIN = 1;
+static const double STRIP = 1.4;
+static const double LEADER = 0.9;
+static const double COLUMN_GAP = 1.3;
+static const double LINE = 1.25;
+static const double HEAD = 2.4;
+static const double LEAST_NAMES = 3;
+static const double TICK = 2.2;
+
+/* The part of their size to which letters of names shrink before names are shortened. */
+static const double SMALLEST = 0.6;
+
+/* The part of the picture's width that strips take at most. */
+static const double WIDEST = 0.5;
+
+/* A line begins so far before the first area, as a part of the atlas's radius. */
+static const double BEFORE = 0.3;
+
+static const float CASING[4] = {0.01F, 0.01F, 0.015F, 1};
+static const float OUTSIDE[4] = {0.35F, 0.35F, 0.37F, 1};
+
+struct picture_probes {
+    double from, to;      /* depths that the strips show, mm */
+    double left, numbers; /* of all strips; the width of the numbers at their left */
+    double *names;        /* [probe_count] width of each one's names, pixels */
+    bool is_short;        /* names are abbreviations */
+    double letters;       /* of names, pixels per em */
+};
+
+/* From where a probe is in an object, or without one from where it begins, to where it ends, mm. */
+static void span_of(double out[2], const conus_segments *segments)
+{
+    out[0] = out[1] = conus_segments_segment(segments, 0)->entry;
+    bool found = false;
+    for (size_t i = 0; i < conus_segments_count(segments); i++) {
+        const conus_segment *row = conus_segments_segment(segments, i);
+        out[0] = row->object && !found ? row->entry : out[0];
+        out[1] = fmax(out[1], isfinite(row->exit) ? row->exit : row->entry);
+        found = found || row->object;
+    }
+}
+
+/* The point at a depth. */
+static void point_at(double out[3], const conus_segments *segments, double depth)
+{
+    const conus_segment *row = conus_segments_segment(segments, 0);
+    for (size_t i = 0; i < conus_segments_count(segments); i++) { /* one with a length says the direction */
+        const conus_segment *other = conus_segments_segment(segments, i);
+        row = isfinite(other->exit) && other->exit > other->entry ? other : row;
+    }
+    double part = isfinite(row->exit) && row->exit > row->entry ? (depth - row->entry) / (row->exit - row->entry) : 0;
+    for (int a = 0; a < 3; a++) {
+        out[a] = row->entry_at[a] + (part != 0 ? part * (row->exit_at[a] - row->entry_at[a]) : 0);
+    }
+}
+
+void picture_probe_ends(double ends[2][3], const struct picture *picture, size_t index)
+{
+    const conus_segments *segments = picture->options.probes[index].segments;
+    double span[2];
+    span_of(span, segments);
+    double start = conus_segments_segment(segments, 0)->entry;
+    point_at(ends[0], segments, fmax(start, span[0] - BEFORE * picture->radius));
+    point_at(ends[1], segments, span[1]);
+}
+
+conus_status picture_probes_check(const conus_view *view)
+{
+    for (size_t i = 0; i < view->probe_count; i++) {
+        if (view->selection || !view->probes || !conus_segments_count(view->probes[i].segments)) {
+            return fail(CONUS_ERROR_ARGUMENT, "probe %zu: segments are needed, and no selection", i + 1);
+        }
+    }
+    return CONUS_OK;
+}
+
+uint8_t *picture_probe_emphasis(const struct picture *picture)
+{
+    const conus_atlas *atlas = picture->atlas;
+    uint8_t *emphasis = memory_zeroed(atlas->object_count + 1, sizeof *emphasis);
+    for (size_t i = 0; emphasis && i < picture->options.probe_count; i++) {
+        const conus_segments *segments = picture->options.probes[i].segments;
+        for (size_t k = 0; k < conus_segments_count(segments); k++) {
+            uint32_t passed = conus_segments_segment(segments, k)->object;
+            for (uint32_t number = 1; passed && number <= atlas->object_count; number++) {
+                emphasis[number] = atlas_is_below(atlas, number, passed) ? EMPHASIS_FULL : emphasis[number];
+            }
+        }
+    }
+    return emphasis;
+}
+
+static const char *name_of(const struct picture *picture, uint32_t number, bool is_short)
+{
+    const conus_object *object = &picture->atlas->objects[number - 1];
+    return is_short && object->abbreviation[0] ? object->abbreviation : object->name;
+}
+
+/* Width of the names of a probe's areas, pixels. */
+static double names_width(const struct picture *picture, const conus_segments *segments, bool is_short)
+{
+    double widest = LEAST_NAMES * picture->em;
+    for (size_t i = 0; i < conus_segments_count(segments); i++) {
+        uint32_t number = conus_segments_segment(segments, i)->object;
+        const char *name = number ? name_of(picture, number, is_short) : "";
+        widest = fmax(widest, font_width(picture->font, picture->em, name));
+    }
+    return widest;
+}
+
+void picture_probes_finish(struct picture *picture)
+{
+    if (picture->probes) {
+        memory_free(picture->probes->names);
+        memory_free(picture->probes);
+        picture->probes = NULL;
+    }
+}
+
+/* Names are whole where they fit, else abbreviations; where these do not fit either, they are smaller, then shortened.
+ */
+conus_status picture_probes_init(struct picture *picture)
+{
+    const size_t count = picture->options.probe_count;
+    const double em = picture->em;
+    struct picture_probes *out = picture->probes = memory_zeroed(1, sizeof *out);
+    if (!out || !(out->names = memory_zeroed(count, sizeof *out->names))) {
+        return CONUS_ERROR_MEMORY;
+    }
+    out->letters = em;
+    out->numbers = font_width(picture->font, em, "00.0") + 0.8 * em;
+    const double limit = WIDEST * picture->options.width;
+    const double fixed = MARGIN * em + out->numbers + (STRIP + LEADER + COLUMN_GAP) * em * (double)count;
+    double total = INFINITY;
+    for (int pass = 0; pass < 2 && total > limit; pass++) {
+        out->is_short = pass;
+        total = fixed;
+        for (size_t i = 0; i < count; i++) {
+            out->names[i] = names_width(picture, picture->options.probes[i].segments, out->is_short);
+            total += out->names[i];
+        }
+    }
+    if (total > limit) {
+        double each = (limit - fixed) / (double)count;
+        if (each < LEAST_NAMES * em) {
+            return fail(CONUS_ERROR_ARGUMENT, "%u pixels are too few for the strips of %zu probes",
+                        picture->options.width, count);
+        }
+        double part = fmax(SMALLEST, fmin((limit - fixed) / (total - fixed), 1));
+        out->letters = part * em;
+        total = fixed;
+        for (size_t i = 0; i < count; i++) {
+            out->names[i] = part > SMALLEST ? part * out->names[i] : fmin(part * out->names[i], each);
+            total += out->names[i];
+        }
+    }
+    out->from = INFINITY;
+    out->to = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        double span[2];
+        span_of(span, picture->options.probes[i].segments);
+        out->from = fmin(out->from, span[0]);
+        out->to = fmax(out->to, span[1]);
+    }
+    picture->drawing[0] -= (uint32_t)ceil(total);
+    out->left = picture->drawing[0];
+    return CONUS_OK;
+}
+
+static void colour_of(float out[4], const struct picture *picture, uint32_t object)
+{
+    memcpy(out, OUTSIDE, 4 * sizeof *out);
+    if (object) {
+        draw_colour(out, picture->atlas->objects[object - 1].rgb, 1);
+    }
+}
+
+static bool project(double at[2], const struct picture *picture, const double point[3])
+{
+    double depth;
+    return camera_project(&at[0], &at[1], &depth, &picture->camera, &picture->frame, point);
+}
+
+/* A line, without what of it lies right of the drawing. */
+static void draw_in_drawing(conus_image *image, const struct picture *picture, double from[2], double to[2],
+                            double width, const float rgba[4])
+{
+    const double limit = picture->drawing[0] - width / 2;
+    double *out = from[0] > to[0] ? from : to;
+    const double *in = out == from ? to : from;
+    if (out[0] > limit && in[0] < limit) {
+        out[1] = in[1] + (out[1] - in[1]) * (limit - in[0]) / (out[0] - in[0]);
+        out[0] = limit;
+    }
+    if (in[0] < limit) {
+        draw_line(image, from, to, width, rgba);
+    }
+}
+
+/* In the colours of what it passes, over all that lies before it. */
+static void draw_line_of(conus_image *image, const struct picture *picture, size_t index)
+{
+    const conus_segments *segments = picture->options.probes[index].segments;
+    const double width = 0.3 * picture->em;
+    double ends[2][3];
+    double from[2], to[2];
+    picture_probe_ends(ends, picture, index);
+    if (!project(from, picture, ends[0]) || !project(to, picture, ends[1])) {
+        return;
+    }
+    draw_in_drawing(image, picture, from, to, width + fmax(2, 0.14 * picture->em), CASING);
+    for (int pass = 0; pass < 2; pass++) { /* first what is in no object, all along */
+        for (size_t i = 0; i < (pass ? conus_segments_count(segments) : 1); i++) {
+            const conus_segment *row = conus_segments_segment(segments, i);
+            float colour[4];
+            colour_of(colour, picture, pass ? row->object : 0);
+            bool is_seen = pass && row->object && isfinite(row->exit);
+            bool has_ends = is_seen && project(from, picture, row->entry_at) && project(to, picture, row->exit_at);
+            if (!pass || has_ends) {
+                draw_in_drawing(image, picture, from, to, width, colour);
+            }
+        }
+    }
+}
+
+/* Its name beyond its near end, farther where another name is. */
+static conus_status write_line_name(conus_image *image, const struct picture *picture, struct draw_box *boxes,
+                                    size_t index)
+{
+    const double em = picture->em;
+    const char *name = picture->options.probes[index].name;
+    double ends[2][3];
+    double from[2], to[2];
+    picture_probe_ends(ends, picture, index);
+    if (!name || !name[0] || !project(from, picture, ends[0]) || !project(to, picture, ends[1])) {
+        return CONUS_OK;
+    }
+    const double width = font_width(picture->font, em, name);
+    const double length = fmax(hypot(from[0] - to[0], from[1] - to[1]), 1e-9);
+    const double x = from[0] + em * (from[0] - to[0]) / length - width / 2;
+    const double y = from[1] + em * (from[1] - to[1]) / length;
+    const double away = from[1] > to[1] ? 1 : -1;
+    struct draw_box box = {fmin(fmax(x, 0), picture->drawing[0] - width), y - 0.5 * em, 0, 0};
+    box.right = box.left + width;
+    box.bottom = box.top + em;
+    for (size_t i = 0; i < index; i++) {
+        const struct draw_box wide = {boxes[i].left - 0.4 * em, boxes[i].top, boxes[i].right + 0.4 * em,
+                                      boxes[i].bottom};
+        if (picture_overlaps(&box, &wide)) {
+            box.top = boxes[i].top + 1.1 * away * em;
+            box.bottom = box.top + em;
+            i = (size_t)-1; /* and again from the first one */
+        }
+    }
+    boxes[index] = box;
+    picture_lay_patch(image, picture, &box);
+    return font_draw(picture->font, image, (double[]){box.left, box.top + 0.84 * em}, em, picture->ink, name);
+}
+
+/* A strip's name beside it. */
+struct beside {
+    uint32_t object;
+    double length, wanted, y; /* mm; middle of the segment and of the name, pixels */
+};
+
+/* Where the strips are. */
+struct scale {
+    double top, bottom, pixels_per_mm;
+};
+
+static double y_of(const struct scale *scale, const struct picture *picture, double depth)
+{
+    return scale->top + (depth - picture->probes->from) * scale->pixels_per_mm;
+}
+
+/* The names of the longest segments, as many as there is room for, each as near to its segment as the others let it.
+ * Returns how many. */
+static size_t place_labels(struct beside *labels, size_t count, const struct scale *scale, double line)
+{
+    const size_t capacity = (size_t)fmax(floor((scale->bottom - scale->top) / line), 0);
+    while (count > capacity) {
+        size_t shortest = 0;
+        for (size_t i = 1; i < count; i++) {
+            shortest = labels[i].length < labels[shortest].length ? i : shortest;
+        }
+        memmove(labels + shortest, labels + shortest + 1, (--count - shortest) * sizeof *labels);
+    }
+    double least = scale->top + line / 2;
+    for (size_t i = 0; i < count; i++, least += line) {
+        labels[i].y = least = fmax(labels[i].wanted, least);
+    }
+    double most = scale->bottom - line / 2;
+    for (size_t i = count; i-- > 0; most -= line) {
+        labels[i].y = most = fmin(labels[i].y, most);
+    }
+    return count;
+}
+
+static conus_status write_labels(conus_image *image, const struct picture *picture, const struct scale *scale,
+                                 double left, size_t index)
+{
+    const conus_segments *segments = picture->options.probes[index].segments;
+    const double em = picture->em;
+    const double letters = picture->probes->letters;
+    const float faint[4] = {picture->ink[0], picture->ink[1], picture->ink[2], 0.5F};
+    size_t count = 0;
+    struct beside *labels = memory_zeroed(conus_segments_count(segments), sizeof *labels);
+    if (!labels) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < conus_segments_count(segments); i++) {
+        const conus_segment *row = conus_segments_segment(segments, i);
+        if (row->object) {
+            double middle = y_of(scale, picture, (row->entry + row->exit) / 2);
+            labels[count++] =
+                (struct beside){.object = row->object, .length = row->exit - row->entry, .wanted = middle};
+        }
+    }
+    count = place_labels(labels, count, scale, LINE * letters);
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; i < count && !status; i++) {
+        char name[TEXT_SIZE];
+        double x = left + (STRIP + LEADER) * em;
+        font_shorten(name, sizeof name, picture->font, letters,
+                     name_of(picture, labels[i].object, picture->probes->is_short),
+                     picture->probes->names[index] + 0.01);
+        draw_line(image, (double[]){left + STRIP * em, labels[i].wanted}, (double[]){x - 0.25 * em, labels[i].y},
+                  picture->line, faint);
+        status =
+            font_draw(picture->font, image, (double[]){x, labels[i].y + 0.36 * letters}, letters, picture->ink, name);
+    }
+    memory_free(labels);
+    return status;
+}
+
+static conus_status draw_strip(conus_image *image, const struct picture *picture, const struct scale *scale,
+                               double left, size_t index)
+{
+    const conus_drawn_probe *probe = &picture->options.probes[index];
+    const double em = picture->em;
+    char head[TEXT_SIZE];
+    double span[2];
+    span_of(span, probe->segments);
+    for (size_t i = 0; i <= conus_segments_count(probe->segments); i++) {
+        const conus_segment *row = conus_segments_segment(probe->segments, i); /* NULL after the last: all of it */
+        double entry = row ? row->entry : span[0];
+        double exit = row ? row->exit : span[1];
+        const struct draw_box box = {rint(left), y_of(scale, picture, entry), rint(left + STRIP * em),
+                                     y_of(scale, picture, exit)};
+        if (row && row->object) {
+            float colour[4];
+            colour_of(colour, picture, row->object);
+            draw_box(image, &box, 0, colour);
+        }
+        if (!row || row->object) {
+            draw_frame(image, &box, 0, picture->line, picture->ink);
+        }
+    }
+    double room = (STRIP + LEADER + COLUMN_GAP / 2) * em + picture->probes->names[index];
+    font_shorten(head, sizeof head, picture->font, em, probe->name ? probe->name : "", room);
+    conus_status status =
+        font_draw(picture->font, image, (double[]){left, MARGIN * em + 0.8 * em}, em, picture->ink, head);
+    return status ? status : write_labels(image, picture, scale, left, index);
+}
+
+/* Depths at the left: the closest of 1, 2, 5, 10, ... mm apart that leave room for their numbers. */
+static conus_status draw_depths(conus_image *image, const struct picture *picture, const struct scale *scale)
+{
+    static const double steps[] = {1, 2, 5};
+    const struct picture_probes *probes = picture->probes;
+    const double em = picture->em;
+    const double right = probes->left + probes->numbers - 0.4 * em;
+    const double least = TICK * em / scale->pixels_per_mm;
+    const double power = pow(10, floor(log10(least)));
+    double step = 10 * power;
+    for (size_t i = sizeof steps / sizeof *steps; i-- > 0;) {
+        step = steps[i] * power >= least ? steps[i] * power : step;
+    }
+    const char *unit = "mm";
+    conus_status status =
+        font_draw(picture->font, image, (double[]){right - font_width(picture->font, em, unit), MARGIN * em + 0.8 * em},
+                  em, picture->ink, unit);
+    for (double k = ceil(probes->from / step - 1e-9); k * step <= probes->to + 1e-9 && !status; k++) {
+        char text[CELL_SIZE];
+        double y = y_of(scale, picture, k * step);
+        snprintf(text, sizeof text, "%g", k * step + 0.0);
+        draw_line(image, (double[]){right + 0.15 * em, y}, (double[]){right + 0.4 * em, y}, picture->line,
+                  picture->ink);
+        const double at[2] = {right - font_width(picture->font, em, text), y + 0.36 * em};
+        status = font_draw(picture->font, image, at, em, picture->ink, text);
+    }
+    return status;
+}
+
+conus_status picture_probes_draw(conus_image *image, const struct picture *picture)
+{
+    const size_t count = picture->options.probe_count;
+    struct scale scale = {.top = HEAD * picture->em + MARGIN * picture->em / 2,
+                          .bottom = picture->drawing[1] - MARGIN * picture->em};
+    struct draw_box *boxes = memory_zeroed(count, sizeof *boxes);
+    conus_status status = boxes ? CONUS_OK : CONUS_ERROR_MEMORY;
+    for (size_t i = 0; i < count; i++) {
+        draw_line_of(image, picture, i);
+    }
+    for (size_t i = 0; i < count && picture->font && !status; i++) {
+        status = write_line_name(image, picture, boxes, i);
+    }
+    memory_free(boxes);
+    if (status || !picture->probes || picture->probes->to <= picture->probes->from || scale.bottom <= scale.top) {
+        return status;
+    }
+    scale.pixels_per_mm = (scale.bottom - scale.top) / (picture->probes->to - picture->probes->from);
+    status = draw_depths(image, picture, &scale);
+    double left = picture->probes->left + picture->probes->numbers;
+    for (size_t i = 0; i < count && !status; i++) {
+        status = draw_strip(image, picture, &scale, left, i);
+        left += (STRIP + LEADER + COLUMN_GAP) * picture->em + picture->probes->names[i];
+    }
+    return status;
+}

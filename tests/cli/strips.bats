@@ -1,0 +1,70 @@
+#!/usr/bin/env bats
+# conus render --strips: several probes in one picture, with what each passes as a strip beside it.
+#
+# The U of u-shape has arms of 10 mm and a ball between them (segments.bats).
+load helpers
+
+probes() {
+    conus phantom u-shape -o .
+    printf 'query_id\tx\ty\tz\ttx\tty\ttz\nlevel\t40\t0\t5\t0\t0\t5\ntilted\t40\t2\t16\t0\t0\t5\n' >two.tsv
+}
+
+@test "each strip has the segments of query at their depths, with their names as text" {
+    probes
+    gl render u-shape.nii.gz --poses two.tsv --range 0,80 --strips --size 700x400 --background white -o two.svg
+    answers query u-shape.nii.gz --pose two.tsv --range 0,80 -q --segments - --format tsv
+    printf '%s\n' "$output" >rows.tsv
+    /usr/bin/python3 - <<'END'
+import csv
+import xml.etree.ElementTree as tree
+rows = [row for row in csv.DictReader(open("rows.tsv"), delimiter="\t")]
+areas = [row for row in rows if row["kind"] == "area"]
+first = min(float(row["entry_mm"]) for row in areas)  # where the strips begin; at 80 mm they end
+svg = tree.parse("two.svg").getroot()
+space = "{http://www.w3.org/2000/svg}"
+boxes = [box for box in svg.iter(space + "rect") if box.get("fill") != "none"]
+frames = [box for box in svg.iter(space + "rect") if box.get("fill") == "none"]
+assert len(boxes) == len(areas) == 6, (len(boxes), len(areas))
+longest = max(float(frame.get("height")) for frame in frames)
+for name in "level", "tilted":
+    own = [row for row in areas if row["query"] == name]
+    column = boxes[: len(own)]
+    del boxes[: len(own)]
+    assert len({box.get("x") for box in column}) == 1
+    scale = float(column[0].get("height")) / (float(own[0]["exit_mm"]) - float(own[0]["entry_mm"]))
+    top = float(column[0].get("y")) - scale * (float(own[0]["entry_mm"]) - first)
+    for row, box in zip(own, column):
+        entry, exit = float(row["entry_mm"]), float(row["exit_mm"])
+        assert abs(float(box.get("y")) - top - scale * (entry - first)) < 0.02, (row, box.attrib)
+        assert abs(float(box.get("height")) - scale * (exit - entry)) < 0.02, (row, box.attrib)
+    assert abs(longest - scale * (80 - first)) < 2, (longest, scale)
+words = [text.text for text in svg.iter(space + "text")]
+for row in areas:
+    words.remove(row["name"])
+for word in "level", "tilted", "level", "tilted", "mm", "20", "80":  # beside the line and above the strip
+    words.remove(word)
+END
+    fails 2 'are too few for the strips of 2 probes' render u-shape.nii.gz --poses two.tsv --strips -o x.png --size 200x300 -q
+    [ ! -e x.png ]
+}
+
+@test "what has no effect is refused" {
+    probes
+    fails 2 '--strips has no effect without --poses' render u-shape.nii.gz --strips -o x.png
+    fails 2 '--strips and --angle' render u-shape.nii.gz --poses two.tsv --strips --angle 9 -o x.png
+    fails 2 '--resolution has no effect with --strips' render u-shape.nii.gz --poses two.tsv --strips --resolution 9 -o x.png
+    fails 2 '--strips draws all in one picture' render u-shape.nii.gz --poses two.tsv --strips -o '{row}.png'
+    nothing_left u-shape.nii.gz u-shape.json u-shape.tsv two.tsv
+}
+
+@test "one pose is one strip, and a row that is none is named" {
+    probes
+    gl render u-shape.nii.gz --origin=40,0,5 --toward=0,0,5 --strips -o one.svg -q
+    [ "$(grep -c '<text.*>U</text>' one.svg)" -eq 2 ]
+    printf 'bad\t1\t2\t3\t1\t2\t3\n' >>two.tsv
+    run -1 --separate-stderr conus render u-shape.nii.gz --poses two.tsv --strips -o all.svg -q
+    [[ $stderr == "conus: two.tsv:4: "* ]]
+    [ "$(grep -c '>tilted</text>' all.svg)" -eq 2 ]
+    run -3 --separate-stderr conus render u-shape.nii.gz --poses two.tsv --query-id bad --strips -o bad.svg -q
+    [ ! -e bad.svg ]
+}
