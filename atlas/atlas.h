@@ -21,7 +21,7 @@ struct object_place {
     bool is_hidden; /**< Hidden by conus_atlas_set_hidden(). */
     size_t index;
     size_t group;       /**< A bundle's group of the tractogram, or BUNDLE_OF_ALL. */
-    uint8_t own_rgb[3]; /**< The object's original colour while the atlas uses the safe palette. */
+    uint8_t own_rgb[3]; /**< The object's original colour while the atlas uses a palette. */
 };
 
 /** A surface around the areas, which rays do not hit. */
@@ -52,7 +52,7 @@ struct conus_atlas {
     conus_hemispheres hemispheres; /**< As conus_atlas_set_hemispheres() left them.                   */
     uint32_t half_step; /**< Labels of left halves are the area's label plus this, those of right ones plus twice this;
                              0 = no area is cut in halves. */
-    bool has_safe_colours;
+    bool has_palette;
     bool is_moved;             /**< atlas_move() or atlas_warp() moved it.                             */
     double own_from_world[16]; /**< If so: from where the atlas is to where its files have it; with warps to their
                                     input. */

@@ -587,7 +587,7 @@ static bool has_file(const struct arguments *arguments)
 /* Refuses options about the cone where there is none. */
 static bool check_cone(const struct render_settings *settings, const struct arguments *arguments)
 {
-    static const char *const more[] = {"angle", "space", "range", "level", "radius"};
+    static const char *const more[] = {"angle", "space", "range", "level", "radius", "unselected"};
     if (!settings_check_aim(arguments, false) || !settings_check_score(&settings->engine, false) ||
         !settings_check_shape(&settings->aim, &settings->engine, arguments)) {
         return false;
@@ -737,6 +737,7 @@ static int check_outputs(const struct picture *picture)
                                    {"the file of poses", settings->aim.pose},
                                    {"the camera's pose", settings->camera},
                                    {"the transfer function", settings->transfer},
+                                   {"the palette", settings->figure.palette},
                                    {"the list of areas", settings_level_file(&settings->engine)},
                                    {0}};
     size_t count = picture->poses ? picture->rows.count : 1;
@@ -772,9 +773,6 @@ static conus_status make_selector(struct picture *picture)
 static conus_status make_renderer(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
-    if (settings->figure.safe_colours) {
-        conus_atlas_use_safe_colours(picture->atlas);
-    }
     if (!render_cuts_need_space(&settings->cuts)) {
         return CONUS_OK;
     }
@@ -1004,6 +1002,7 @@ static int run_render(const void *given, const struct arguments *arguments)
     code = code || late ? code : load_atlas(&picture);
     code = code ? code : check_outputs(&picture);
     code = code || !picture.poses ? code : match_poses(&picture, picture.poses, settings->aim.pose);
+    code = code ? code : figure_colour_atlas(picture.atlas, &settings->figure);
     if (!code) {
         bool cone = picture.poses || option_given(arguments, "origin");
         conus_status status = cone ? make_selector(&picture) : CONUS_OK;

@@ -2,6 +2,7 @@
 /* The sheet of a picture: its size in pixels or millimetres, side, background and text. */
 #include "figures/figure.h"
 
+#include "options/input_file.h"
 #include "options/messages.h"
 
 #include <math.h>
@@ -92,38 +93,102 @@ const struct option figure_options[] = {
      .type = OPTION_FLAG,
      .offset = FIELD(safe_colours),
      .help = "colours of areas, pathways and bundles that people with any colour vision can tell apart",
-     .words = "colour-blind, palette"},
+     .words = "colour-blind"},
+    {.name = "palette",
+     .type = OPTION_TEXT,
+     .offset = FIELD(palette),
+     .value = "NAME|COLOURS|FILE",
+     .help = "colours of areas, pathways and bundles, different ones where areas touch: safe, bright, muted, set2, "
+             "dark2, tab10, a list of #RRGGBB, or a file with such a list",
+     .words = "color, colormap",
+     .excludes = "safe-colours"},
+    {.name = "unselected",
+     .type = OPTION_TEXT,
+     .offset = FIELD(unselected),
+     .value = "COLOUR",
+     .help = "white, black or #RRGGBB: one tone of areas and pathways that are not hit (default: their colours, paler)",
+     .words = "color, grey, gray"},
     {0},
 };
+
+enum { PALETTE_LIMIT = 80, PALETTE_BYTES = 1 << 20 };
+
+/* Whether six hexadecimal digits begin there. */
+static bool parse_hex(uint8_t rgb[3], const char *text)
+{
+    if (strspn(text, "0123456789abcdefABCDEF") < 6) {
+        return false;
+    }
+    const char digits[7] = {text[0], text[1], text[2], text[3], text[4], text[5], '\0'};
+    unsigned long value = strtoul(digits, NULL, 16);
+    for (int c = 0; c < 3; c++) {
+        rgb[c] = (uint8_t)(value >> (16 - 8 * c) & 0xff);
+    }
+    return true;
+}
+
+static bool parse_rgb(uint8_t rgb[3], const char *text)
+{
+    bool is_black = strcmp(text, "black") == 0;
+    if (is_black || strcmp(text, "white") == 0) {
+        memset(rgb, is_black ? 0 : 255, 3);
+        return true;
+    }
+    return text[0] == '#' && strlen(text) == 7 && parse_hex(rgb, text + 1);
+}
+
+/* All #RRGGBB in the text, whatever is between them. Returns how many there are; of too many the first. */
+static size_t find_colours(uint8_t rgb[PALETTE_LIMIT][3], const char *text)
+{
+    size_t count = 0;
+    for (const char *at = text; (at = strchr(at, '#')); at++) {
+        bool is_colour = strspn(at + 1, "0123456789abcdefABCDEF") == 6 && count < PALETTE_LIMIT;
+        count += is_colour && parse_hex(rgb[count], at + 1);
+    }
+    return count;
+}
+
+/* Bright and muted are P. Tol's (2021), set2 and dark2 C. Brewer's (2003), tab10 M. Stone's (Tableau, 2016). */
+static const struct {
+    const char *name, *colours;
+} palettes[] = {{"bright", "#4477AA #EE6677 #228833 #CCBB44 #66CCEE #AA3377 #BBBBBB"},
+                {"muted", "#CC6677 #332288 #DDCC77 #117733 #88CCEE #882255 #44AA99 #999933 #AA4499"},
+                {"set2", "#66C2A5 #FC8D62 #8DA0CB #E78AC3 #A6D854 #FFD92F #E5C494 #B3B3B3"},
+                {"dark2", "#1B9E77 #D95F02 #7570B3 #E7298A #66A61E #E6AB02 #A6761D #666666"},
+                {"tab10", "#1F77B4 #FF7F0E #2CA02C #D62728 #9467BD #8C564B #E377C2 #7F7F7F #BCBD22 #17BECF"}};
+
+int figure_colour_atlas(conus_atlas *atlas, const struct figure_settings *settings)
+{
+    const char *palette = settings->palette;
+    uint8_t rgb[PALETTE_LIMIT][3];
+    char *file = NULL;
+    size_t size = 0;
+    if (settings->safe_colours || (palette && strcmp(palette, "safe") == 0)) {
+        conus_atlas_use_safe_colours(atlas);
+        return EXIT_DONE;
+    }
+    const char *text = palette && palette[0] == '#' ? palette : NULL;
+    for (size_t i = 0; palette && i < sizeof palettes / sizeof *palettes; i++) {
+        text = strcmp(palette, palettes[i].name) == 0 ? palettes[i].colours : text;
+    }
+    int code = palette && !text ? input_file_read(&file, &size, palette, INPUT_FILE, PALETTE_BYTES) : EXIT_DONE;
+    size_t count = code || !palette ? 0 : find_colours(rgb, text ? text : file);
+    free(file);
+    if (!code && palette && !count) {
+        print_error_line("--palette: %s: no #RRGGBB in it", palette);
+        return text ? EXIT_USAGE : EXIT_DATA;
+    }
+    conus_status status = count ? conus_atlas_use_palette(atlas, (const uint8_t(*)[3])rgb, count) : CONUS_OK;
+    return code || !status ? code : print_status(status);
+}
 
 /* Whether `text` is a background; *kind and *rgb are what it means, NULL = the default. */
 static bool parse_background(conus_background *kind, uint8_t rgb[3], const char *text)
 {
-    static const struct {
-        const char *name;
-        conus_background kind;
-        uint8_t grey;
-    } names[] = {{"light", CONUS_BACKGROUND_LIGHT, 0},
-                 {"white", CONUS_BACKGROUND_COLOUR, 255},
-                 {"black", CONUS_BACKGROUND_COLOUR, 0},
-                 {"transparent", CONUS_BACKGROUND_TRANSPARENT, 0}};
-    *kind = CONUS_BACKGROUND_LIGHT;
-    for (size_t i = 0; text && i < sizeof names / sizeof names[0]; i++) {
-        if (strcmp(text, names[i].name) == 0) {
-            *kind = names[i].kind;
-            memset(rgb, names[i].grey, 3);
-            return true;
-        }
-    }
-    if (text && text[0] == '#' && strlen(text) == 7 && strspn(text + 1, "0123456789abcdefABCDEF") == 6) {
-        unsigned long value = strtoul(text + 1, NULL, 16);
-        *kind = CONUS_BACKGROUND_COLOUR;
-        for (int c = 0; c < 3; c++) {
-            rgb[c] = (uint8_t)(value >> (16 - 8 * c) & 0xff);
-        }
-        return true;
-    }
-    return !text;
+    bool is_transparent = text && strcmp(text, "transparent") == 0;
+    bool is_light = !text || strcmp(text, "light") == 0;
+    *kind = is_transparent ? CONUS_BACKGROUND_TRANSPARENT : is_light ? CONUS_BACKGROUND_LIGHT : CONUS_BACKGROUND_COLOUR;
+    return is_transparent || is_light || parse_rgb(rgb, text);
 }
 
 static uint32_t pixels_of(double mm, double dpi)
@@ -144,6 +209,7 @@ void figure_view(conus_view *view, const struct figure_settings *settings)
     view->legend_rows = settings->legend_rows;
     view->no_legend = settings->no_legend;
     parse_background(&view->background, view->background_rgb, settings->background);
+    view->has_unselected = settings->unselected && parse_rgb(view->unselected_rgb, settings->unselected);
 }
 
 bool figure_check(const struct figure_settings *settings)
@@ -152,6 +218,11 @@ bool figure_check(const struct figure_settings *settings)
     if (!parse_background(&view.background, view.background_rgb, settings->background)) {
         print_error_line("--background: \"%s\"; allowed are light, white, black, transparent and #RRGGBB",
                          settings->background);
+        return false;
+    }
+    uint8_t rgb[3];
+    if (settings->unselected && !parse_rgb(rgb, settings->unselected)) {
+        print_error_line("--unselected: \"%s\"; allowed are white, black and #RRGGBB", settings->unselected);
         return false;
     }
     figure_view(&view, settings);

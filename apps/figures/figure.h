@@ -14,6 +14,7 @@ struct figure_settings {
     size_t side, legend;             /* conus_side, conus_legend */
     const char *background;
     bool safe_colours, no_legend;
+    const char *palette, *unselected;
     uint32_t legend_rows;          /**< 0 = not given. */
     const char *streamline_colour; /**< As in conus_renderer_options. */
 };
@@ -28,5 +29,8 @@ bool figure_check(const struct figure_settings *settings);
 
 /** Sets what of @p view these options are about; they have been checked. */
 void figure_view(conus_view *view, const struct figure_settings *settings);
+
+/** Gives the atlas the colours that the options say. Returns the exit code and prints an error unless it is 0. */
+int figure_colour_atlas(conus_atlas *atlas, const struct figure_settings *settings);
 
 #endif

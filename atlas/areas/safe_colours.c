@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Safe colours: areas that touch get different ones, a left area and its right one the same. */
+/* Colours of a palette: areas that touch get different ones, a left area and its right one the same. */
 #include "atlas/areas/sides.h"
 #include "atlas/atlas.h"
 #include "atlas/labels/labels.h"
@@ -16,7 +16,30 @@ enum {
     CELLS = 96,            /* of the box around all surfaces, along its longest edge */
     CELL_OBJECTS = 4,
     OBJECT_LIMIT = 1 << 13, /* above it colours follow the list, as those of pathways do */
+    HUE_LIMIT = 80,
+    SHADES = 3,
+    COLOUR_LIMIT = SHADES * HUE_LIMIT
 };
+
+/* Those of Okabe and Ito ("Color Universal Design", 2008) without black. */
+static const uint8_t safe[][3] = {{230, 159, 0}, {86, 180, 233}, {0, 158, 115},  {240, 228, 66},
+                                  {0, 114, 178}, {213, 94, 0},   {204, 121, 167}};
+
+/* So many hues, each plain, lighter and darker: colours [SHADES * count] that repeat from there on. */
+struct palette {
+    const uint8_t (*hues)[3];
+    size_t count;
+};
+
+static void colour_at(uint8_t rgb[3], const struct palette *palette, size_t index)
+{
+    static const double towards[SHADES] = {0, 0.45, -0.35}; /* white, black */
+    double part = towards[index / palette->count % SHADES];
+    for (int i = 0; i < 3; i++) {
+        double hue = palette->hues[index % palette->count][i];
+        rgb[i] = (uint8_t)lround(part > 0 ? hue + part * (255 - hue) : hue * (1 + part));
+    }
+}
 
 /* Which areas touch. A pair of a left and a right area is one node: the left one's. */
 struct map {
@@ -238,11 +261,11 @@ static int by_contacts(const void *a, const void *b)
 }
 
 /* The colour that no area has that is touched: rather a plain one, and of those the one that fewest have. */
-static size_t choose(const size_t near[PALETTE_SAFE], const size_t used[PALETTE_SAFE])
+static size_t choose(const struct palette *palette, const size_t *near, const size_t *used)
 {
     size_t best = 0;
-    for (size_t c = 1; c < PALETTE_SAFE; c++) {
-        bool same_row = c / PALETTE_HUES == best / PALETTE_HUES;
+    for (size_t c = 1; c < SHADES * palette->count; c++) {
+        bool same_row = c / palette->count == best / palette->count;
         bool better = near[c] < near[best] || (near[c] == near[best] && same_row && used[c] < used[best]);
         best = better ? c : best;
     }
@@ -250,15 +273,15 @@ static size_t choose(const size_t near[PALETTE_SAFE], const size_t used[PALETTE_
 }
 
 /* Colours one after the other, each by those before it: [count] of the palette. */
-static conus_status colour_nodes(uint8_t *colours, const struct map *map)
+static conus_status colour_nodes(uint8_t *colours, const struct map *map, const struct palette *palette)
 {
-    size_t used[PALETTE_SAFE] = {0};
+    size_t used[COLOUR_LIMIT] = {0};
     size_t count = 0;
     struct turn *turns = memory_zeroed(map->count, sizeof *turns);
     if (!turns) {
         return CONUS_ERROR_MEMORY;
     }
-    memset(colours, PALETTE_SAFE, map->count);
+    memset(colours, COLOUR_LIMIT, map->count);
     for (uint32_t number = 1; number < map->count; number++) {
         if (map->node[number] == number) {
             struct turn *turn = &turns[count++];
@@ -270,13 +293,13 @@ static conus_status colour_nodes(uint8_t *colours, const struct map *map)
     }
     qsort(turns, count, sizeof *turns, by_contacts);
     for (size_t n = 0; n < count; n++) {
-        size_t near[PALETTE_SAFE] = {0};
+        size_t near[COLOUR_LIMIT] = {0};
         for (size_t other = 1; other < map->count; other++) {
-            if (map->touches[turns[n].node * map->count + other] && colours[other] < PALETTE_SAFE) {
+            if (map->touches[turns[n].node * map->count + other] && colours[other] < COLOUR_LIMIT) {
                 near[colours[other]]++;
             }
         }
-        size_t colour = choose(near, used);
+        size_t colour = choose(palette, near, used);
         colours[turns[n].node] = (uint8_t)colour;
         used[colour]++;
     }
@@ -284,30 +307,44 @@ static conus_status colour_nodes(uint8_t *colours, const struct map *map)
     return CONUS_OK;
 }
 
-void conus_atlas_use_safe_colours(conus_atlas *atlas)
+/* Over other colours of a palette, too. */
+static void use(conus_atlas *atlas, const struct palette *palette)
 {
-    if (atlas->has_safe_colours) {
-        return;
-    }
     struct map map = {0};
     uint8_t *colours = memory_zeroed(atlas->area_count + 1, 1);
     conus_status status = colours ? make_map(&map, atlas) : CONUS_ERROR_MEMORY;
-    status = status ? status : colour_nodes(colours, &map);
+    status = status ? status : colour_nodes(colours, &map, palette);
     for (size_t i = 0; i < atlas->object_count; i++) {
         bool has_node = !status && i < atlas->area_count;
-        memcpy(atlas->places[i].own_rgb, atlas->objects[i].rgb, sizeof atlas->objects[i].rgb);
-        palette_safe_colour(atlas->objects[i].rgb, has_node ? colours[map.node[i + 1]] : i);
+        if (!atlas->has_palette) {
+            memcpy(atlas->places[i].own_rgb, atlas->objects[i].rgb, sizeof atlas->objects[i].rgb);
+        }
+        colour_at(atlas->objects[i].rgb, palette, has_node ? colours[map.node[i + 1]] : i);
     }
-    atlas->has_safe_colours = true;
+    atlas->has_palette = true;
     memory_free(map.node);
     memory_free(map.touches);
     memory_free(colours);
 }
 
+void conus_atlas_use_safe_colours(conus_atlas *atlas)
+{
+    use(atlas, &(struct palette){safe, sizeof safe / sizeof *safe});
+}
+
+conus_status conus_atlas_use_palette(conus_atlas *atlas, const uint8_t (*rgb)[3], size_t count)
+{
+    if (!count || count > HUE_LIMIT) {
+        return fail(CONUS_ERROR_ARGUMENT, "palette of %zu colours; allowed is 1 to %d", count, HUE_LIMIT);
+    }
+    use(atlas, &(struct palette){rgb, count});
+    return CONUS_OK;
+}
+
 void conus_atlas_use_own_colours(conus_atlas *atlas)
 {
-    for (size_t i = 0; i < atlas->object_count && atlas->has_safe_colours; i++) {
+    for (size_t i = 0; i < atlas->object_count && atlas->has_palette; i++) {
         memcpy(atlas->objects[i].rgb, atlas->places[i].own_rgb, sizeof atlas->objects[i].rgb);
     }
-    atlas->has_safe_colours = false;
+    atlas->has_palette = false;
 }

@@ -149,15 +149,3 @@ void palette_colour(uint8_t rgb[3], size_t index)
         rgb[i] = (uint8_t)lround(255 * values[index % 3] * (1 - saturation * slope));
     }
 }
-
-void palette_safe_colour(uint8_t rgb[3], size_t index)
-{
-    static const uint8_t colours[PALETTE_HUES][3] = {{230, 159, 0}, {86, 180, 233}, {0, 158, 115},  {240, 228, 66},
-                                                     {0, 114, 178}, {213, 94, 0},   {204, 121, 167}};
-    static const double towards[3] = {0, 0.45, -0.35}; /* white, black */
-    double part = towards[index / PALETTE_HUES % 3];
-    for (int i = 0; i < 3; i++) {
-        double colour = colours[index % PALETTE_HUES][i];
-        rgb[i] = (uint8_t)lround(part > 0 ? colour + part * (255 - colour) : colour * (1 + part));
-    }
-}

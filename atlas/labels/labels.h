@@ -61,12 +61,4 @@ struct label *label_table_find(const struct label_table *table, uint32_t number)
  * with three lightnesses in turn. */
 void palette_colour(uint8_t rgb[3], size_t index);
 
-/** Colours of the safe palette, before it begins again: so many hues, each plain, lighter and darker. */
-enum { PALETTE_HUES = 7, PALETTE_SAFE = 3 * PALETTE_HUES };
-
-/** The same for a palette that people with any colour vision can tell apart: the colours of Okabe and Ito ("Color
- * Universal Design", 2008) without black, each plain, lighter and darker: neighbours in the list differ in lightness,
- * too. */
-void palette_safe_colour(uint8_t rgb[3], size_t index);
-
 #endif

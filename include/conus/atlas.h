@@ -360,7 +360,20 @@ CONUS_API bool conus_atlas_is_hidden(const conus_atlas *atlas, size_t number);
 CONUS_API void conus_atlas_use_safe_colours(conus_atlas *atlas);
 
 /**
- * Gives all areas, pathways and bundles the colours back that they had before conus_atlas_use_safe_colours().
+ * Gives all areas, pathways and bundles colours of a palette, as conus_atlas_use_safe_colours() does: each plain, and
+ * lighter and darker where areas that touch need more.
+ * @param atlas The atlas.
+ * @param rgb [count][3] sRGB. Copied.
+ * @param count 1 to 80.
+ * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for another count.
+ * @threads One at a time, while no other thread uses the atlas.
+ * @since 0.1
+ */
+CONUS_CHECKED conus_status conus_atlas_use_palette(conus_atlas *atlas, const uint8_t (*rgb)[3], size_t count);
+
+/**
+ * Gives all areas, pathways and bundles the colours back that they had before conus_atlas_use_safe_colours() or
+ * conus_atlas_use_palette().
  * @param atlas The atlas.
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1

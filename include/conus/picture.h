@@ -211,6 +211,8 @@ typedef struct conus_view {
                                         segments: by depth, mm from the pose, with names, or abbreviations where names
                                         do not fit; the names of the longest segments where they are too many. */
     size_t probe_count;              /**< 0 = none. */
+    bool has_unselected;       /**< Areas and pathways that the selection or the probes do not hit have one colour. */
+    uint8_t unselected_rgb[3]; /**< It, sRGB; else they have their own, paler. */
 } conus_view;
 
 /** The defaults, and the size of the struct that the caller was compiled with. */

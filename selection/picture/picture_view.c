@@ -494,6 +494,7 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->fade = picture->options.fade;
     view->opacity = picture->opacity;
     view->emphasis = picture->emphasis;
+    view->pale_rgb = picture->options.has_unselected ? picture->options.unselected_rgb : NULL;
     view->line_width = 0.012 * picture->radius;
     view->markers = picture->markers;
     picture->rgba = memory_raw((size_t)view->width * view->height, 4 * sizeof *picture->rgba);

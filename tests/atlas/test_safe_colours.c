@@ -47,6 +47,44 @@ static void areas_in_a_ring_differ(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Three colours are enough for a ring of 22, and stay plain; two are, too, since their number is even. Own colours come
+ * back also after two palettes. */
+static void a_palette_has_the_colours_that_are_given(void **state)
+{
+    (void)state;
+    static const uint8_t colours[3][3] = {{10, 20, 30}, {200, 40, 60}, {0, 255, 128}};
+    static const size_t dim[3] = {RING * 2, 2, 1};
+    uint32_t labels[RING * 2 * 2] = {0};
+    uint8_t own[RING][3];
+    struct area_row rows[RING + 1] = {{0}};
+    conus_atlas *atlas = NULL;
+    for (uint32_t n = 0; n < RING; n++) {
+        rows[n] = (struct area_row){n + 1, "Area", 0, NULL, 0};
+        labels[2 * n] = n + 1;
+    }
+    assert_ok(area_rows_atlas(&atlas, dim, labels, rows));
+    for (uint32_t n = 0; n < RING; n++) {
+        memcpy(own[n], atlas->objects[n].rgb, 3);
+    }
+    for (size_t count = 3; count >= 2; count--) {
+        assert_ok(conus_atlas_use_palette(atlas, colours, count));
+        for (uint32_t n = 1; n <= RING; n++) {
+            bool found = false;
+            for (size_t c = 0; c < count; c++) {
+                found = found || memcmp(atlas->objects[n - 1].rgb, colours[c], 3) == 0;
+            }
+            assert_true(found && (n == RING || !alike(atlas, n, n + 1)));
+        }
+    }
+    assert_fails(conus_atlas_use_palette(atlas, colours, 0), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_use_palette(atlas, colours, 81), CONUS_ERROR_ARGUMENT);
+    conus_atlas_use_own_colours(atlas);
+    for (uint32_t n = 0; n < RING; n++) {
+        assert_memory_equal(atlas->objects[n].rgb, own[n], 3);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 /* A box of 4 mm about a point. */
 static void add_box(conus_atlas *atlas, uint32_t label, const double at[3])
 {
@@ -146,6 +184,7 @@ TEST_GROUP(safe_colours)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(areas_in_a_ring_differ),
+        cmocka_unit_test(a_palette_has_the_colours_that_are_given),
         cmocka_unit_test(surfaces_in_a_ring_differ),
         cmocka_unit_test(groups_differ_where_what_is_below_them_touches),
         cmocka_unit_test(no_two_areas_of_aal_that_touch_are_alike),

@@ -303,3 +303,57 @@ END
     gl render ant.gii -o ant.png $SMALL
     [ -s ant.png ]
 }
+
+# counts FILE RRGGBB...: how many pixels of a PNG have each colour.
+counts() {
+    /usr/bin/python3 - "$@" <<'END'
+import sys
+import OpenImageIO as oiio
+rgb = oiio.ImageInput.open(sys.argv[1]).read_image(oiio.UINT8)[..., :3]
+print(*((rgb == list(bytes.fromhex(colour))).all(-1).sum() for colour in sys.argv[2:]))
+END
+}
+
+@test "a palette is a name, a list or a file, and cuts have its colours" {
+    need_pixels
+    conus phantom nested -o .
+    echo 'no colour' >none.txt
+    printf 'name,colour\nfirst,#102030\nsecond,"#E0C010"\n' >two.csv
+    cut=(--cuts axial --fill 1 --size 300x300 --background white --no-legend -q)
+    for palette in '#102030,#E0C010' two.csv; do
+        answers render nested.nii.gz -o p.png "${cut[@]}" --palette "$palette"
+        read -r first second < <(counts p.png 102030 E0C010)
+        [ "$first" -gt 100 ] && [ "$second" -gt 100 ]
+    done
+    answers render nested.nii.gz -o safe.png "${cut[@]}" --palette safe
+    answers render nested.nii.gz -o old.png "${cut[@]}" --safe-colours
+    answers diff safe.png old.png
+    answers render nested.nii.gz -o tab.png "${cut[@]}" --palette tab10
+    read -r first < <(counts tab.png 1F77B4)
+    [ "$first" -gt 100 ]
+    fails 3 'cannot open' render nested.nii.gz -o x.png "${cut[@]}" --palette tab11
+    fails 3 'no #RRGGBB in it' render nested.nii.gz -o x.png "${cut[@]}" --palette none.txt
+    fails 2 '#12345: no #RRGGBB in it' render nested.nii.gz -o x.png "${cut[@]}" --palette '#12345'
+}
+
+@test "what is not hit has one tone, and only with a cone" {
+    need_pixels
+    conus phantom u-shape -o .
+    cone=(--origin=40,0,5 --toward=0,0,5 --angle 6)
+    look=(--view front --size 300x200 --background white --no-legend -q)
+    gl render u-shape.nii.gz -o grey.png "${cone[@]}" "${look[@]}" --unselected '#808080'
+    gl render u-shape.nii.gz -o own.png "${cone[@]}" "${look[@]}"
+    /usr/bin/python3 - <<'END'
+import numpy
+import OpenImageIO as oiio
+grey, own = (oiio.ImageInput.open(name).read_image(oiio.UINT8)[..., :3].astype(int) for name in ("grey.png", "own.png"))
+changed = (grey != own).any(-1)
+assert changed.sum() > 1000, changed.sum()
+inside = changed & (grey.max(-1) < 200)
+assert numpy.median(numpy.ptp(grey[inside], axis=1)) <= 2  # the ball, which the arm hides
+assert numpy.median(numpy.ptp(own[inside], axis=1)) > 10
+END
+    fails 2 '--unselected has no effect without a cone' render u-shape.nii.gz -o x.png --unselected white
+    fails 2 '--unselected: "grey"; allowed are' render u-shape.nii.gz -o x.png "${cone[@]}" --unselected grey
+    fails 2 '--unselected has no effect on cuts' render u-shape.nii.gz -o x.png "${cone[@]}" --cuts axial --unselected white
+}
