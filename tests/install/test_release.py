@@ -23,11 +23,11 @@ def yaml_of(name):
     return pytest.importorskip("yaml").safe_load((ROOT / name).read_text())
 
 
-def places():
-    loader = importlib.machinery.SourceFileLoader("metadata", str(ROOT / "scripts" / "metadata"))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("metadata", loader))
+def script(name):
+    loader = importlib.machinery.SourceFileLoader(name, str(ROOT / "scripts" / name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
     loader.exec_module(module)
-    return module.PLACES
+    return module
 
 
 def test_all_files_say_the_same():
@@ -42,7 +42,7 @@ def test_all_files_say_the_same():
 ])
 def test_a_change_is_carried_everywhere(tmp_path, source, old, new, wanted):
     """Places say something else at first, and the same as its source in the end."""
-    for name in {"include/conus/version.h", "CITATION.cff", "scripts/metadata", *(place[0] for place in places())}:
+    for name in {"include/conus/version.h", "CITATION.cff", "scripts/metadata", *(place[0] for place in script("metadata").PLACES)}:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     text = (tmp_path / source).read_text()
@@ -81,6 +81,27 @@ def test_citations_agree():
     assert citation["abstract"] == codemeta["description"] == re.sub("<.*?>", "", zenodo["description"])
     assert codemeta["license"].endswith("/" + citation["license"]) and zenodo["license"] == citation["license"]
     assert codemeta["referencePublication"][0]["identifier"].endswith(citation["references"][0]["doi"])
+
+
+def test_codemeta_has_addresses_where_its_context_wants_them():
+    """CodeMeta 2.0: what is no address there, and no term of it, a reader of JSON-LD leaves out."""
+    codemeta = json.loads((ROOT / "codemeta.json").read_text())
+    assert codemeta["developmentStatus"].startswith("https://www.repostatus.org/#")
+    assert codemeta["license"].startswith("https://") and codemeta["url"].startswith("https://")
+    for publication in codemeta["referencePublication"]:
+        assert publication["@type"].startswith("schema:") and publication["identifier"].startswith("https://")
+
+
+def test_validate_asks_the_schema(tmp_path):
+    pytest.importorskip("jsonschema")
+    pytest.importorskip("yaml")
+    validate = script("validate")
+    for name in validate.SCHEMAS:
+        schema = tmp_path / f"{pathlib.Path(name).name}.schema.json"
+        schema.write_text('{"type": "object"}')
+        assert validate.check_schema(name, tmp_path) == ""
+        schema.write_text('{"required": ["nobody"]}')
+        assert validate.check_schema(name, tmp_path) == "$: 'nobody' is a required property"
 
 
 def test_source_package_has_what_cmake_builds():
@@ -145,10 +166,12 @@ class TestBoutiques:
         assert self.tool["schema-version"] == "0.5"
         assert {"name", "description", "command-line", "inputs", "tool-version"} <= set(self.tool)
         keys = [item["value-key"] for item in self.tool["inputs"]]
+        ids = [item["id"] for item in (*self.tool["inputs"], *self.tool["output-files"])]
+        assert len(set(ids)) == len(ids)
         assert len(set(keys)) == len(keys) and set(re.findall(r"\[\w+\]", self.tool["command-line"])) == set(keys)
         for item in self.tool["inputs"]:
             assert re.fullmatch(r"\w+", item["id"]) and item["type"] in ("String", "File", "Flag", "Number")
-            assert item["type"] != "Flag" or item["command-line-flag"]
+            assert item["type"] != "Flag" or item["command-line-flag"] and item["optional"]
             assert "value-choices" not in item or item["type"] in ("String", "Number")
             assert not {"integer", "minimum", "maximum"} & set(item) or item["type"] == "Number"
             assert "list-separator" not in item or item["list"]
