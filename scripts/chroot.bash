@@ -1,6 +1,21 @@
-# To be sourced by scripts that try conus in a Debian of its own. They set `results`, a folder for logs, and `fail`,
-# and most of them `user`, the Debian that gets conus.
+# To be sourced by scripts that try conus in a Debian of its own. They set `results`, a folder for logs, `fail`,
+# `mirror`, and most of them `user`, the Debian that gets conus.
 # shellcheck shell=bash disable=SC2154
+
+# make_wheel: in a folder with the sources; what comes of it is in its folder dist. Times, owners and order of files in
+# the source package are made the same for everyone.
+make_wheel() {
+    local name
+    /usr/bin/python3 setup.py -q sdist --formats=tar
+    name=$(basename dist/*.tar .tar)
+    tar -xf "dist/$name.tar"
+    rm "dist/$name.tar"
+    tar --sort=name --mtime="@$SOURCE_DATE_EPOCH" --owner=0 --group=0 --numeric-owner --mode=u=rwX,go=rX -c "$name" |
+        gzip -9n >"dist/$name.tar.gz"
+    rm -r "$name"
+    /usr/bin/python3 -m pip wheel --no-index --no-deps --no-build-isolation -w plain "dist/$name.tar.gz"
+    /usr/bin/python3 packaging/wheel/complete.py plain/*.whl dist
+}
 
 # step NAME COMMAND...: what the command says goes to NAME.log; its last line says what came of it.
 step() {
@@ -23,15 +38,32 @@ in_root() {
         ${http_proxy+"http_proxy=$http_proxy"} "$@"
 }
 
-# inside FUNCTION: runs it in the Debian that gets conus.
+# make_bare SUITE ROOT: a Debian that debootstrap makes, from the mirror that `mirror` may have.
+make_bare() {
+    debootstrap --variant=minbase "$1" "$2" "${mirror[@]}"
+    echo force-unsafe-io >"$2/etc/dpkg/dpkg.cfg.d/unsafe" # it need not outlive a power cut
+    in_root "$2" apt-get update
+}
+
+# inside FUNCTION [FUNCTION...]: runs it in the Debian that gets conus; it may call the others.
 inside() {
-    in_root "$user" bash -euxo pipefail -c "$(declare -f "$1") && cd /tmp && PATH=/usr/local/bin:\$PATH $1"
+    in_root "$user" bash -euxo pipefail -c "$(declare -f "$@") && cd /tmp && PATH=/usr/local/bin:\$PATH $1"
 }
 
 # first_answer: README.md's question.
 first_answer() {
     conus query /usr/share/mricron/templates/aal.nii.gz --origin=-90,20,20 --toward=0,-10,10 --angle 20 --no-cache | tee rows
     [ "$(awk '$2 ~ /_[LR]$/ { print $2, $6 }' rows)" = $'Frontal_Inf_Oper_L 188\nPrecentral_L 16\nPostcentral_L 4' ]
+}
+
+# first_answer_of_python PYTHON...: the same, by a wheel.
+first_answer_of_python() {
+    "$@" -c '
+import conus
+rows = [(hit.name, hit.pixels) for hit in conus.load("aal").select((-90, 20, 20), toward=(0, -10, 10), angle=20) if hit.pixels]
+print(rows)
+assert rows == [("Frontal_Inf_Oper_L", 188), ("Precentral_L", 16), ("Postcentral_L", 4)], rows
+'
 }
 
 # refuse_picture: where there is no OpenGL, in one line that names what is missing.

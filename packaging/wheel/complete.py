@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """complete.py WHEEL FOLDER: writes the wheel into FOLDER with the libraries that it needs inside, their licences
 beside them, and the tag of the glibc that it needs. As auditwheel does, which Debian does not have; for Debian only,
-whose packages know the licences. Needs patchelf.
+whose packages know the licences. Needs patchelf. Of a wheel for another processor, $CC is the compiler for it, and
+$_PYTHON_HOST_PLATFORM says which it is, as it does to setuptools.
 
 A library in the wheel has a part of its SHA-256 in its name, so that it is not taken for another one of that name,
 which another package has loaded. Those that libconus loads by their name when it needs them keep it. Of these
@@ -11,11 +12,11 @@ Embree, which is nine tenths of all, is left out, and found where the user has i
 import hashlib
 import os
 import pathlib
-import platform
 import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 import tempfile
 
 # Every Linux that pip installs wheels of this kind on has these, of at least the versions below (PEP 600).
@@ -28,30 +29,32 @@ def run(*command):
     return subprocess.run([str(word) for word in command], check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
+def linked(file):
+    """The names of the libraries that a file is linked with."""
+    return set(re.findall(r"\(NEEDED\).*\[(.*)\]", run("readelf", "--dynamic", "--wide", file)))
+
+
+def place(file, name):
+    path = pathlib.Path(run(os.environ.get("CC", "gcc"), f"-print-file-name={name}").strip())
+    if not path.is_absolute():
+        raise SystemExit(f"complete.py: {file}: {name} is not here")
+    return path.resolve()
+
+
 def loaded(file):
     """{name: path} of the libraries that the file loads by their names, which stand in it beside those that it is linked with."""
-    linked = set(re.findall(r"\(NEEDED\).*\[(.*)\]", run("readelf", "--dynamic", "--wide", file)))
     names = {name.decode() for name in re.findall(rb"\0(lib[\w.+-]+\.so\.\d+)(?=\0)", file.read_bytes())}
-    found = {name: pathlib.Path(run("gcc", f"-print-file-name={name}").strip())
-             for name in sorted(names - linked) if not name.startswith(LEFT_OUT)}
-    for name, path in found.items():
-        if not path.is_absolute():
-            raise SystemExit(f"complete.py: {file}: {name} is not here")
-    return found
+    return {name: place(file, name) for name in sorted(names - linked(file)) if not name.startswith(LEFT_OUT)}
 
 
 def needed(file, more):
     """Where the libraries are that a file, and more of them, need: {name: path}, these included."""
-    found = dict(more)
-    for line in run("ldd", file, *more.values()).splitlines():
-        if line.endswith(":"):
-            continue
-        name, _, path = line.strip().partition(" => ")
-        name = os.path.basename(name.split()[0])
-        if "not found" in path:
-            raise SystemExit(f"complete.py: {file}: {name} is not here")
-        if path and not EVERYWHERE.fullmatch(name):
-            found[name] = pathlib.Path(path.split()[0])
+    found, files = dict(more), [file, *more.values()]
+    for file in files:  # which grows
+        for name in sorted(linked(file)):
+            if name not in found and not EVERYWHERE.fullmatch(name):
+                found[name] = place(file, name)
+                files.append(found[name])
     return found
 
 
@@ -68,14 +71,13 @@ def redirect(file, names, folders):
 
 
 def copy_licence(path, folder):
-    """That of the package which a library is of."""
-    for place in (path, path.resolve(), pathlib.Path("/usr", *path.resolve().parts[1:])):
-        found = subprocess.run(["dpkg", "-S", place], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        if not found.returncode:
-            package = found.stdout.split(":")[0]
-            shutil.copy(f"/usr/share/doc/{package}/copyright", folder / f"{package}.txt")
-            return
-    raise SystemExit(f"complete.py: {path}: of no package, so its licence is not known")
+    """That of the package which a library is of, which may have it in /lib or in /usr/lib."""
+    found = subprocess.run(["dpkg", "-S", f"*/{path.parent.name}/{path.name}"], stdout=subprocess.PIPE,
+                           stderr=subprocess.DEVNULL, text=True)
+    if found.returncode:
+        raise SystemExit(f"complete.py: {path}: of no package, so its licence is not known")
+    package = found.stdout.split(":")[0]
+    shutil.copy(f"/usr/share/doc/{package}/copyright", folder / f"{package}.txt")
 
 
 def glibc(files):
@@ -115,7 +117,7 @@ def main(wheel, results):
             os.chmod(file, 0o755)  # wheel unpack has forgotten it
             redirect(file, names, [to_package, f"{to_package}/../conus.libs"])
         version = glibc([*own, *inside.iterdir()])
-        tag = f"cp39-abi3-manylinux_{version[0]}_{version[1]}_{platform.machine()}"
+        tag = f"cp39-abi3-manylinux_{version[0]}_{version[1]}_{sysconfig.get_platform().partition('-')[2]}"
         kind = information / "WHEEL"
         kind.write_text(re.sub(r"^Tag: .*$", f"Tag: {tag}", kind.read_text(), flags=re.M))
         results.mkdir(parents=True, exist_ok=True)
