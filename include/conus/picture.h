@@ -177,7 +177,8 @@ typedef struct conus_view {
     uint32_t chosen;                  /**< Object that is never pale, with those below it in the area tree; 0 = none. */
     bool no_skipping;                 /**< Blend every sample: the same picture, slower (for comparison). */
     bool no_legend;                   /**< Leave out the text. */
-    bool draft;                       /**< Leave edges rough, and many streamlines out where there are many: quicker. */
+    bool draft;          /**< Leave edges rough, and many streamlines out where there are many: quicker. Lines
+                            are at least a pixel wide. */
     double fade;         /**< How much the context is thinned: 0 = as its transfer function, or the opacity of its
                             surfaces, says, 1 = gone. */
     conus_side side;     /**< Without a camera: from where the whole atlas is seen. */

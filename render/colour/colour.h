@@ -67,7 +67,7 @@ struct colour_view {
     uint32_t width, height;
     uint32_t slices; /**< N of Eq. 7; 0 = default.                                       */
     bool no_skipping;
-    bool draft;                     /**< Fewer streamlines: see tube_layer.h. */
+    double draft;                   /**< mm; fewer streamlines, at least so wide: see tube_layer.h. 0 = all. */
     struct gl_listener listener;    /**< Hears of pieces of streamlines, and of each time that rays are cast. */
     double shift[2];                /**< From pixel centres to rays, in pixels, right and up.                   */
     const double *world_from_cone;  /**< NULL = no cone; else its apex and frame, looking down -z.      */

@@ -29,7 +29,7 @@ struct mesh_layer_view {
     uint32_t width, height;
     double shift[2];             /**< From pixel centres to rays, in pixels, right and up. */
     const float *opacity;        /**< By mesh, from 0 on; NULL = all 1. A mesh of opacity 0 is not drawn. */
-    bool draft;                  /**< Fewer streamlines: see tube_layer.h. */
+    double draft;                /**< mm; fewer streamlines, at least so wide: see tube_layer.h. 0 = all. */
     struct gl_listener listener; /**< Hears of pieces of streamlines. */
 };
 

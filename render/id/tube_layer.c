@@ -432,9 +432,9 @@ conus_status tube_layer_draw(const struct tube_layer *layer, const struct tube_l
     glUniform2f(layer->size, (float)view->width, (float)view->height);
     glBindVertexArray(layer->vertices);
     for (size_t i = 0; i < layer->range_count && !status; i++) {
-        glUniform1f(layer->radius, layer->ranges[i].radius);
         const struct range *range = &layer->ranges[i];
-        GLsizei count = view->draft ? range->draft : range->count;
+        glUniform1f(layer->radius, fmaxf(range->radius, (float)view->draft / 2));
+        GLsizei count = view->draft > 0 ? range->draft : range->count;
         GLsizei most = view->listener.progress ? PIECE : count;
         for (GLsizei done = 0; done < count && !status; done += most) {
             GLsizei piece = count - done < most ? count - done : most;

@@ -66,7 +66,7 @@ struct tube_layer_view {
     const double *camera_from_world; /**< [9] As in mesh.vert.glsl, by rows. */
     float shift[2];                  /**< In halves of the picture. */
     uint32_t width, height;
-    bool draft;
+    double draft; /**< mm; draws a draft, in which no tube is thinner. 0 = draws all as they are. */
     struct gl_listener listener;
 };
 

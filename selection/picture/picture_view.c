@@ -481,6 +481,15 @@ static conus_status make_image(conus_image **out, const struct picture *picture,
     return CONUS_OK;
 }
 
+/* How wide a pixel is at the depth of the middle of what shows, at least 1 mm away; mm. */
+static double pixel_mm(const struct picture *picture)
+{
+    double offset[3];
+    const double *m = picture->camera.world_from_camera;
+    vec3_sub(offset, m + 12, picture->centre);
+    return 2 * picture->camera.slope[0] * fmax(vec3_dot(m + 8, offset), 1) / picture->drawing[0];
+}
+
 static conus_status draw(struct picture *picture, conus_renderer *renderer)
 {
     struct colour_view *view = &picture->view;
@@ -489,13 +498,13 @@ static conus_status draw(struct picture *picture, conus_renderer *renderer)
     view->height = picture->drawing[1];
     view->slices = picture->options.slices;
     view->no_skipping = picture->options.no_skipping;
-    view->draft = picture->options.draft;
+    view->draft = picture->options.draft ? pixel_mm(picture) : 0;
     view->listener = (struct gl_listener){picture->options.progress, picture->options.progress_user};
     view->fade = picture->options.fade;
     view->opacity = picture->opacity;
     view->emphasis = picture->emphasis;
     view->pale_rgb = picture->options.has_unselected ? picture->options.unselected_rgb : NULL;
-    view->line_width = 0.012 * picture->radius;
+    view->line_width = fmax(0.012 * picture->radius, view->draft);
     view->markers = picture->markers;
     picture->rgba = memory_raw((size_t)view->width * view->height, 4 * sizeof *picture->rgba);
     return picture->rgba ? renderer_draw(picture->rgba, renderer, view, !picture->options.draft) : CONUS_ERROR_MEMORY;

@@ -3,6 +3,7 @@
 #include "viewer/pictures/painter.h"
 
 #include "options/clock.h"
+#include "viewer/pictures/edges.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -162,6 +163,10 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
     }
     struct painted picture = {.width = view.width, .height = view.height, .what = *what, .fine = stage == STAGE_SMOOTH};
     picture.rgba = bytes_of(painter, image);
+    bool is_full = view.width == what->width && view.height == what->height;
+    if (picture.rgba && !is_full) { /* the window enlarges it */
+        edges_smooth(picture.rgba, view.width, view.height);
+    }
     picture.what.answer = NULL;
     picture.milliseconds = clock_ms() - begun;
     conus_image_destroy(image);
@@ -174,7 +179,6 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
         painter->done = picture;
         wake_window(painter);
     }
-    bool is_full = view.width == what->width && view.height == what->height;
     return stage == STAGE_COARSE && is_full ? STAGE_FULL : stage;
 }
 

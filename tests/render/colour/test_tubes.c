@@ -439,7 +439,7 @@ static size_t count_dots(size_t quarters[4], const conus_atlas *atlas, bool draf
     static struct layer_picture picture;
     size_t sum = 0;
     struct camera camera = picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(12));
-    const struct mesh_layer_view view = {&camera, WIDTH, HEIGHT, {0, 0}, NULL, draft, {NULL, NULL}};
+    const struct mesh_layer_view view = {&camera, WIDTH, HEIGHT, {0, 0}, NULL, draft ? 1e-3 : 0, {NULL, NULL}};
     draw_view(&picture, atlas, &view, &(const struct tube_colouring){0}, NULL);
     memset(quarters, 0, 4 * sizeof *quarters);
     for (int i = 0; i < WIDTH * HEIGHT; i++) {

@@ -13,12 +13,12 @@
 
 enum { SIZE = 120 };
 
-/* Two along z, of one bundle: at y = -15 and at y = 15. */
-static conus_atlas *two_streamlines(void)
+/* Two along z, of one bundle: at y = -15 and at y = 15, where the upper ends lie `aside`. */
+static conus_atlas *two_streamlines(double radius, float aside)
 {
-    static const float points[] = {0, -15, -20, 0, -15, 20, 0, 15, -20, 0, 15, 20};
+    const float points[] = {0, -15, -20, 0, -15 + aside, 20, 0, 15, -20, 0, 15 + aside, 20};
     static const uint64_t first[] = {0, 2, 4};
-    struct tractogram made = tract_of("two", points, first, 2, 3);
+    struct tractogram made = tract_of("two", points, first, 2, radius);
     conus_atlas *atlas = NULL;
     assert_ok(atlas_create_empty(&atlas, "none"));
     assert_ok(atlas_add_tractogram(atlas, &made, "two"));
@@ -60,7 +60,7 @@ static void those_in_the_cone_stand_out(void **state)
 {
     (void)state;
     gl_context_destroy(test_gl_context(NULL, NULL));
-    conus_atlas *atlas = two_streamlines();
+    conus_atlas *atlas = two_streamlines(3, 0);
     conus_renderer *renderer = NULL;
     conus_selector *selector = NULL;
     conus_selection *selection = NULL;
@@ -83,10 +83,44 @@ static void those_in_the_cone_stand_out(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* Lines of a fortieth of a pixel: of a draft each row has a pixel of each, as a line of a whole one has. */
+static void a_draft_has_lines_without_gaps(void **state)
+{
+    (void)state;
+    gl_context_destroy(test_gl_context(NULL, NULL));
+    conus_atlas *atlas = two_streamlines(0.005, 6);
+    conus_renderer *renderer = NULL;
+    conus_image *image = NULL;
+    size_t filled = 0;
+    assert_ok(conus_renderer_create(&renderer, atlas, NULL));
+    const conus_view view = {.width = SIZE,
+                             .height = SIZE,
+                             .side = CONUS_SIDE_RIGHT,
+                             .no_legend = true,
+                             .draft = true,
+                             .background = CONUS_BACKGROUND_TRANSPARENT};
+    assert_ok(conus_render(&image, renderer, &view));
+    const float *alpha = image_rgba(image).plane[3];
+    for (size_t half = 0; half < (size_t)2 * SIZE; half++) {
+        size_t count = 0;
+        for (size_t i = 0; i < SIZE / 2; i++) {
+            count += alpha[half * SIZE / 2 + i] > 0;
+        }
+        bool is_inside = half / 2 >= SIZE / 4 && half / 2 < SIZE * 3 / 4;
+        filled += is_inside && count > 0;
+        assert_true(count <= 3);
+    }
+    assert_int_equal(filled, SIZE); /* both of half of the rows */
+    conus_image_destroy(image);
+    conus_renderer_destroy(renderer);
+    conus_atlas_destroy(atlas);
+}
+
 TEST_GROUP(picture_streamlines)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(those_in_the_cone_stand_out),
+        cmocka_unit_test(a_draft_has_lines_without_gaps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
