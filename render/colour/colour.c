@@ -337,7 +337,6 @@ static conus_status colour_upload_context(struct colour_pass *pass, struct field
         glTextureParameteri(pass->transfer, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
         status = gl_check("transfer function");
     }
-    pass->has_context = true;
     return status;
 }
 
@@ -379,13 +378,18 @@ static conus_status colour_upload_palette(struct colour_pass *pass, const conus_
     return gl_check("colour pass");
 }
 
-conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind)
+conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind,
+                                   bool context, bool haze)
 {
-    const struct program_define defines[] = {
-        {"MARKER_LIMIT", COLOUR_MARKER_LIMIT}, {"TRANSFER_ENTRIES", COLOUR_TABLE_ENTRIES},
-        {"FIELD_SURFACE", FIELD_SURFACE},      {"PLAIN_AREAS", kind == COLOUR_RAYS_PLAIN || kind == COLOUR_SLICES},
-        {"SLICES", kind == COLOUR_SLICES},     {"TILE", COLOUR_TILE},
-        {"TRANSLUCENT", kind == COLOUR_LAYERS}};
+    const struct program_define defines[] = {{"MARKER_LIMIT", COLOUR_MARKER_LIMIT},
+                                             {"TRANSFER_ENTRIES", COLOUR_TABLE_ENTRIES},
+                                             {"FIELD_SURFACE", FIELD_SURFACE},
+                                             {"PLAIN_AREAS", kind == COLOUR_RAYS_PLAIN || kind == COLOUR_SLICES},
+                                             {"SLICES", kind == COLOUR_SLICES},
+                                             {"TILE", COLOUR_TILE},
+                                             {"TRANSLUCENT", kind == COLOUR_LAYERS},
+                                             {"CONTEXT", context},
+                                             {"HAZE", haze}};
     const struct program_shader more = {"colour_layers.glsl", shader_colour_layers};
     const struct program_source source = {.vertex = *vertex,
                                           .fragment = {"colour.frag.glsl", shader_colour_frag},
@@ -397,6 +401,13 @@ conus_status colour_program_create(GLuint *out, const struct program_shader *ver
 
 static const struct program_shader screen = {.file = "screen.vert.glsl", .text = shader_screen_vert};
 static const struct program_shader tile = {.file = "tile.vert.glsl", .text = shader_tile_vert};
+
+static conus_status need_program(GLuint *program, const struct program_shader *vertex, enum colour_program kind,
+                                 const struct colour_pass *pass)
+{
+    return *program ? CONUS_OK
+                    : colour_program_create(program, vertex, kind, pass->has_context, pass->hazy.transfers != NULL);
+}
 
 conus_status colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer)
 {
@@ -419,7 +430,8 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
                               struct haze_choice *hazy, struct colour_fields *fields, uint64_t max_memory)
 {
     struct colour_pass pass = {.hazy = *hazy};
-    conus_status status = colour_program_create(&pass.program, &screen, COLOUR_RAYS);
+    pass.has_context = fields->context.volume;
+    conus_status status = need_program(&pass.program, &screen, COLOUR_RAYS, &pass);
     if (!status) {
         status = colour_upload_palette(&pass, atlas);
     }
@@ -455,18 +467,13 @@ static bool has_layers(const struct colour_pass *pass, const struct colour_view 
     return view->opacity || pass->has_haze || pass->around_count;
 }
 
-static conus_status need_program(GLuint *program, const struct program_shader *vertex, enum colour_program kind)
-{
-    return *program ? CONUS_OK : colour_program_create(program, vertex, kind);
-}
-
 conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view, bool smooth)
 {
     bool layers = has_layers(pass, view);
     enum colour_program kind = layers ? COLOUR_LAYERS : COLOUR_RAYS;
-    conus_status status = need_program(layers ? &pass->layer_program : &pass->program, &screen, kind);
+    conus_status status = need_program(layers ? &pass->layer_program : &pass->program, &screen, kind, pass);
     if (!status && smooth) {
-        status = need_program(layers ? &pass->layer_tile_program : &pass->tile_program, &tile, kind);
+        status = need_program(layers ? &pass->layer_tile_program : &pass->tile_program, &tile, kind, pass);
     }
     return status;
 }

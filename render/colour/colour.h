@@ -139,6 +139,8 @@ enum colour_program {
                            on the plane's number as `layout(location = 0) flat out float`.                    */
 };
 
-conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind);
+/** @p context and @p haze: whether the atlas has them; else the program does not look for them. */
+conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind,
+                                   bool context, bool haze);
 
 #endif

@@ -118,6 +118,15 @@ float look_ahead(Track track, usampler3D empty, vec3 bricks, float plane, inout 
     return max(plane + 1.0, until);
 }
 
+float look_ahead_both(Track context, Track areas, float plane, inout bool shows)
+{
+    float known = look_ahead(areas, areas_empty, areas_bricks.xyz, plane, shows);
+#if CONTEXT
+    known = min(known, look_ahead(context, context_empty, context_bricks.xyz, plane, shows));
+#endif
+    return known;
+}
+
 vec3 decode_gradient(vec3 texel)
 {
     return texel * (255.0 / 127.0) - 128.0 / 127.0;
@@ -385,7 +394,7 @@ void sample_planes(inout vec4 sum, inout float hit, inout float plane, float unt
             hit = t;
             break;
         }
-        if (is_on(context, plane)) {
+        if (CONTEXT == 1 && is_on(context, plane)) {
             blend(sum, context_sample(place_on(context, t), mm));
         }
         plane += 1.0;
@@ -421,7 +430,7 @@ void main()
 void hit_area(inout vec4 sum, Track context, vec3 direction, float depth, float hit)
 {
     vec3 place = place_on(context, depth);
-    if (PLAIN_AREAS == 0 && context.first < NEVER && place == clamp(place, 0.0, 1.0)) {
+    if (CONTEXT == 1 && PLAIN_AREAS == 0 && context.first < NEVER && place == clamp(place, 0.0, 1.0)) {
         blend(sum, context_sample(place, (depth - hit + 0.5 * planes.y) * length(direction)));
         sum = max(sum, vec4(0.0));
     }
@@ -472,8 +481,7 @@ void main()
         float known = plane;
         while (!shows && known < until) {
             plane = known;
-            known = min(look_ahead(context, context_empty, context_bricks.xyz, plane, shows),
-                        look_ahead(areas, areas_empty, areas_bricks.xyz, plane, shows));
+            known = look_ahead_both(context, areas, plane, shows);
         }
         plane = shows ? plane : until;
         until = planes.w == 0.0 ? until : min(until, known);

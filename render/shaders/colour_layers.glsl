@@ -25,28 +25,31 @@ void blend_haze(inout vec4 sum, Track context, Track haze, float from, float to,
 {
     float mm = (to - from) * per_depth;
     vec3 place = place_on(context, 0.5 * (from + to));
-    if (context.first < NEVER && lies_in(place)) {
+    if (CONTEXT == 1 && context.first < NEVER && lies_in(place)) {
         blend(sum, context_sample(place, mm));
     }
     place = place_on(haze, 0.5 * (from + to));
-    if (haze.first < NEVER && lies_in(place)) {
+    if (HAZE == 1 && haze.first < NEVER && lies_in(place)) {
         vec4 texel = textureLod(haze_field, place, 0.0);
         float opacity = 1.0 - exp2(-texel.a * mm);
         blend(sum, vec4(texel.rgb / max(texel.a, 1e-9) * opacity, opacity));
     }
 }
 
-// The visible object of an area at a depth, 0 if none. `before` where the nearest voxel is its.
-uint area_at(Track areas, float t, uint before)
+// Whether the place is in an area. `is_clear`: it is outside all, or its nearest voxel is that of `before`, an area.
+bool find_area(out bool is_clear, Track areas, vec3 place, uint before)
 {
-    vec3 place = place_on(areas, t);
-    if (areas.first == NEVER || !lies_in(place) || !shows_area(place)) {
-        return 0u;
-    }
+    bool found = areas.first < NEVER && lies_in(place) && shows_area(place);
     ivec3 size = textureSize(area_objects, 0);
     ivec3 nearest = clamp(ivec3(place * vec3(size)), ivec3(0), size - 1);
-    bool same = before != 0u && texelFetch(area_objects, nearest, 0).x == before;
-    uint object = same ? before : object_at(place);
+    is_clear = !found || before != 0u && texelFetch(area_objects, nearest, 0).x == before;
+    return found;
+}
+
+// The object of an area at a place in one, 0 if it is not visible.
+uint visible_at(vec3 place)
+{
+    uint object = object_at(place);
     return opacities[object] > 0.0 ? object : 0u;
 }
 
@@ -55,7 +58,8 @@ float object_depth(Track areas, uint object, float outside, float inside)
 {
     for (int n = 0; n < 6; n++) {
         float middle = 0.5 * (outside + inside);
-        bool found = area_at(areas, middle, 0u) == object;
+        vec3 place = place_on(areas, middle);
+        bool found = lies_in(place) && shows_area(place) && object_at(place) == object;
         inside = found ? middle : inside;
         outside = found ? outside : middle;
     }
@@ -153,16 +157,53 @@ float end_of(Track track)
     return track.end < NEVER ? track.end : 0.0;
 }
 
-// The plane at which a step from `plane` ends, and whether anything may be visible before it.
-float next_plane(Track context, Track areas, Track haze, float plane, float end, inout bool shows)
+// How far a ray has come.
+struct Walk {
+    float plane, known; // the next plane; those before `known` are in the same bricks
+    float depth;        // up to which all is blended
+    uint before;        // the area at the plane before
+    bool shows;         // something may be visible at the next plane
+    bool enters, stops; // it comes to an area, or to an event or the ray's last depth
+    uint object;        // the area at that plane
+    float t;            // its depth
+};
+
+// Whether the walk passes an event or the ray's end on its way to depth t.
+bool stops_before(float t, float event, float last)
 {
-    if (plane >= end || shows) {
-        return plane;
+    return event < NEVER && event <= t || t >= last;
+}
+
+// Leaps to the plane before the next one at which anything may be visible.
+void leap(inout Walk walk, Track context, Track areas, Track haze, float end, float event, float last)
+{
+    while (!walk.shows && !walk.stops) {
+        float plane = walk.plane;
+        bool all = planes.w == 0.0 || is_on(haze, plane);
+        bool shows = all;
+        float known = look_ahead_both(context, areas, plane, shows);
+        walk.shows = shows && plane < end;
+        walk.known = min(!all ? known : planes.w == 0.0 ? end : haze.end, end);
+        known = plane < haze.first ? min(known, haze.first) : known;
+        float next = max(min(known, end) - 1.0, plane);
+        walk.t = plane < end ? min(depth_of(next), last) : last;
+        walk.stops = !walk.shows && stops_before(walk.t, event, last);
+        if (!walk.shows && !walk.stops) {
+            walk.depth = walk.t;
+            walk.before = 0u;
+            walk.plane = next + 1.0;
+        }
     }
-    float known = min(look_ahead(context, context_empty, context_bricks.xyz, plane, shows),
-                      look_ahead(areas, areas_empty, areas_bricks.xyz, plane, shows));
-    known = plane < haze.first ? min(known, haze.first) : known;
-    return shows ? plane : max(min(known, end) - 1.0, plane);
+}
+
+// Goes on to the next plane, from one at which no other area begins.
+void pass_plane(inout Walk walk, inout vec4 sum, uint object, Track context, Track haze, float per_depth)
+{
+    blend_haze(sum, context, haze, walk.depth, walk.t, per_depth);
+    walk.depth = walk.t;
+    walk.before = object;
+    walk.plane += 1.0;
+    walk.shows = walk.plane < walk.known;
 }
 
 bool is_seen(uint object, uint seen[SEEN], int count)
@@ -186,6 +227,8 @@ vec4 with_rest(vec4 sum, Events events, Surface solid, bool is_hit)
     return is_hit ? mix(sum, vec4(rest.rgb / max(rest.a, 1e-6), 1.0), GHOST * rest.a) : sum + (1.0 - sum.a) * rest;
 }
 
+// The loops are nested for the reason that colour.frag.glsl gives: all pixels in step leap, then pass planes with one
+// look at the field, then those that are near a border look at it, and then those that come to a surface shade it.
 void main()
 {
     vec3 direction = vec3(((gl_FragCoord.xy + line.zw) / lens.zw * 2.0 - 1.0) * lens.xy + middle.xy, -1.0);
@@ -202,42 +245,65 @@ void main()
     Track context = make_track(context_from_camera, context_bricks.w, direction);
     Track areas = make_track(areas_from_camera, areas_bricks.w, direction);
     Track haze = make_track(haze_from_camera, haze_shape.w, direction);
+    float per_depth = length(direction);
     float end = max(max(end_of(context), end_of(areas)), end_of(haze));
     float plane = min(min(context.first, areas.first), haze.first);
-    float depth = plane < end ? depth_of(plane - 1.0) : 0.0; // up to which all is blended
+    Walk walk;
+    walk.plane = plane;
+    walk.depth = plane < end ? depth_of(plane - 1.0) : 0.0;
+    walk.before = 0u;
     float hit = NEVER;
-    uint before = 0u; // the area at the plane before
     uint seen[SEEN];
     int seen_count = 0;
     vec4 sum = vec4(0.0);
-    while (hit == NEVER && sum.a < OPAQUE) {
-        bool shows = plane < end && (planes.w == 0.0 || is_on(haze, plane));
-        float next = next_plane(context, areas, haze, plane, end, shows);
-        float t = plane < end ? min(depth_of(next), last) : last;
-        uint object = shows ? area_at(areas, t, before) : 0u;
-        bool enters = object != 0u && object != before && !is_seen(object, seen, seen_count);
-        float stop = enters ? object_depth(areas, object, depth, t) : t;
+    bool ends = false;
+    while (hit == NEVER && sum.a < OPAQUE && !ends) {
         float event = event_depth(events);
+        walk.shows = walk.enters = walk.stops = false;
+        while (!walk.enters && !walk.stops && sum.a < OPAQUE) {
+            bool is_clear = true;
+            bool found = false;
+            while (is_clear && !walk.stops && sum.a < OPAQUE) {
+                leap(walk, context, areas, haze, end, event, last);
+                while (walk.shows && is_clear && !walk.stops && sum.a < OPAQUE) {
+                    walk.t = min(depth_of(walk.plane), last);
+                    found = find_area(is_clear, areas, place_on(areas, walk.t), walk.before);
+                    walk.stops = stops_before(walk.t, event, last);
+                    if (is_clear && !walk.stops) {
+                        pass_plane(walk, sum, found ? walk.before : 0u, context, haze, per_depth);
+                    }
+                }
+            }
+            walk.object = !is_clear ? visible_at(place_on(areas, walk.t)) : found ? walk.before : 0u;
+            walk.enters = !is_clear && walk.object != 0u && walk.object != walk.before &&
+                          !is_seen(walk.object, seen, seen_count);
+            if (!is_clear && !walk.enters && !walk.stops) {
+                pass_plane(walk, sum, walk.object, context, haze, per_depth);
+            }
+        }
+        if (!walk.enters && !walk.stops) {
+            break;
+        }
+        float stop = walk.enters ? object_depth(areas, walk.object, walk.depth, walk.t) : walk.t;
         bool is_event = event < NEVER && event <= stop;
         stop = is_event ? event : stop;
-        if (shows && stop > depth) {
-            blend_haze(sum, context, haze, depth, stop, length(direction));
+        if (walk.shows && stop > walk.depth) {
+            blend_haze(sum, context, haze, walk.depth, stop, per_depth);
         }
-        depth = stop;
+        walk.depth = stop;
         if (is_event) {
             take_event(sum, events, direction, view);
-        } else if (enters) {
+        } else if (walk.enters) {
+            uint object = walk.object;
             vec3 place = place_on(areas, stop);
-            vec3 normal = before == 0u ? area_normal(textureLod(areas_field, place, 0.0)) : border_normal(object, place, view);
+            vec3 normal = walk.before == 0u ? area_normal(textureLod(areas_field, place, 0.0))
+                                            : border_normal(object, place, view);
             blend_surface(sum, object_colour(object, normal, direction, view, stop), opacities[object]);
             hit = opacities[object] < 1.0 ? NEVER : stop;
             seen[seen_count++] = object;
-            before = object;
-        } else if (t >= last) {
-            break;
+            walk.before = object;
         } else {
-            before = object;
-            plane = next + 1.0;
+            ends = true;
         }
     }
     if (hit == NEVER && mesh <= solid.depth && mesh < NEVER && sum.a < OPAQUE) {
