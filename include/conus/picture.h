@@ -203,6 +203,8 @@ typedef struct conus_view {
                              @p opacity says otherwise. */
     bool shapes;          /**< Keep text, legend, scale bar and the outlines of cuts out of the pixels, as shapes for
                               conus_image_write() of .svg and .pdf, which need it. */
+    const double *measured;  /**< [6] Two places, world mm: the line between them lies over all else, with its length;
+                                not with no_legend, nor where an end is not in the drawing. NULL = none. */
     conus_progress progress; /**< Hears of each piece that is drawn; false ends the picture. NULL = no callback, and
                                 quicker by what waiting for each piece costs. */
     void *progress_user;     /**< Passed to @p progress. */
@@ -286,8 +288,8 @@ CONUS_CHECKED conus_status conus_cut(uint8_t *rgba, uint32_t *objects, const con
  * @param atlas The atlas.
  * @param view What to draw. Its width and height are the figure's. A legend on the right takes some of the width;
  * where the cut then becomes narrower than high, mm_per_pixel grows, so that its shorter side shows as much.
- * @param sheet Its legend, background, dpi, no_legend, frame and shapes count; the background is seen beside the cut
- * only. NULL = defaults.
+ * @param sheet Its legend, background, dpi, no_legend, frame, shapes and measured count; the background is seen beside
+ * the cut only. NULL = defaults.
  * @return #CONUS_OK; #CONUS_ERROR_ARGUMENT for a view or sheet out of its range; #CONUS_ERROR_MEMORY for more than 8
  * GiB, at 32 bytes per pixel.
  * @threads Any, while none changes the atlas.

@@ -49,6 +49,9 @@ conus_status picture_annotate(conus_image *image, const struct picture *picture)
  * degrees of the world's; the camera's first two columns are the cut's right and up. */
 conus_status picture_annotate_cut(conus_image *image, struct picture *picture, double mm_per_pixel);
 
+/** Draws the line that the options measure, with its length, if both of its @p ends, pixels, lie in the drawing. */
+conus_status picture_draw_measured(conus_image *image, const struct picture *picture, double ends[2][2]);
+
 /** The letter of the direction, in the world, to which a picture's axis points; NULL where none is within 15 degrees.
  */
 const char *picture_letter_of(const double axis[3]);

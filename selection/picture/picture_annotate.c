@@ -310,6 +310,51 @@ static conus_status draw_tags(conus_image *image, const struct picture *picture)
     return status;
 }
 
+conus_status picture_draw_measured(conus_image *image, const struct picture *picture, double ends[2][2])
+{
+    static const float dark[4] = {0.02F, 0.02F, 0.025F, 0.85F}; /* light on dark is seen on everything */
+    static const float light[4] = {0.83F, 0.9F, 0.83F, 1};
+    const double *places = picture->options.measured;
+    const double size = picture->em;
+    double offset[3];
+    char text[CELL_SIZE];
+    for (int n = 0; n < 4; n++) {
+        double at = ends[n / 2][n % 2];
+        if (!(at >= 0 && at <= picture->drawing[n % 2])) {
+            return CONUS_OK;
+        }
+    }
+    vec3_sub(offset, places + 3, places);
+    snprintf(text, sizeof text, "%.2f mm", vec3_length(offset));
+    for (int layer = 0; layer < 2; layer++) {
+        const float *rgba = layer ? light : dark;
+        draw_line(image, ends[0], ends[1], (layer ? 2 : 4) * picture->line, rgba);
+        for (int n = 0; n < 2; n++) {
+            draw_line(image, ends[n], ends[n], (layer ? 6 : 8) * picture->line, rgba);
+        }
+    }
+    const double middle[2] = {(ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2};
+    double half = font_width(picture->font, size, text) / 2;
+    const struct draw_box box = {middle[0] - half - 0.4 * size, middle[1] - 0.75 * size, middle[0] + half + 0.4 * size,
+                                 middle[1] + 0.75 * size};
+    draw_box(image, &box, 0.3 * size, dark);
+    return font_draw(picture->font, image, (const double[]){middle[0] - half, middle[1] + 0.36 * size}, size, light,
+                     text);
+}
+
+static conus_status draw_measured(conus_image *image, const struct picture *picture)
+{
+    double ends[2][2];
+    double depth;
+    for (int n = 0; n < 2; n++) {
+        if (!camera_project(&ends[n][0], &ends[n][1], &depth, &picture->camera, &picture->frame,
+                            picture->options.measured + 3 * n)) {
+            return CONUS_OK;
+        }
+    }
+    return picture_draw_measured(image, picture, ends);
+}
+
 conus_status picture_annotate(conus_image *image, const struct picture *picture)
 {
     conus_status status = picture->legend ? draw_tags(image, picture) : CONUS_OK;
@@ -317,7 +362,8 @@ conus_status picture_annotate(conus_image *image, const struct picture *picture)
     if (!status && picture_is_across(picture)) {
         status = draw_edges(image, picture);
     }
-    return status ? status : draw_key(image, picture);
+    status = status ? status : draw_key(image, picture);
+    return status || !picture->options.measured ? status : draw_measured(image, picture);
 }
 
 conus_status picture_annotate_cut(conus_image *image, struct picture *picture, double mm_per_pixel)

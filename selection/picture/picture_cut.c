@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* A cut as a figure: with letters, a scale and a legend. */
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "render/colour/pathways.h"
@@ -23,7 +24,8 @@ conus_status picture_cut_init(struct picture *picture, const conus_cut_view *vie
                                     .background = sheet->background,
                                     .dpi = sheet->dpi,
                                     .frame = sheet->frame,
-                                    .shapes = sheet->shapes};
+                                    .shapes = sheet->shapes,
+                                    .measured = sheet->measured};
     memcpy(picture->options.background_rgb, sheet->background_rgb, sizeof sheet->background_rgb);
     picture->areas = memory_raw(count, sizeof *picture->areas);
     picture->emphasis = view->selection ? picture_emphasis(view->selection, view->chosen) : NULL;
@@ -60,6 +62,20 @@ static void lay_out(conus_image *image, const struct picture *picture, const uin
     }
 }
 
+/* The places as they are seen from before the cut; the camera's first columns are its axes. */
+static conus_status draw_measured(conus_image *image, const struct picture *picture, const conus_cut_view *view)
+{
+    const double *axes = picture->camera.world_from_camera;
+    double ends[2][2];
+    for (int n = 0; n < 2; n++) {
+        double offset[3];
+        vec3_sub(offset, picture->options.measured + 3 * n, view->centre);
+        ends[n][0] = view->width / 2.0 + vec3_dot(axes, offset) / view->mm_per_pixel;
+        ends[n][1] = view->height / 2.0 - vec3_dot(axes + 4, offset) / view->mm_per_pixel;
+    }
+    return picture_draw_measured(image, picture, ends);
+}
+
 static conus_status make_image(conus_image **out, struct picture *picture, const conus_cut_view *view,
                                const uint8_t *rgba)
 {
@@ -78,6 +94,7 @@ static conus_status make_image(conus_image **out, struct picture *picture, const
         cut_view_axes(axes, axes + 4, view); /* the letters at the edges depend on them */
         picture->frame = (struct camera_frame){.width = picture->drawing[0], .height = picture->drawing[1]};
         status = picture_annotate_cut(image, picture, view->mm_per_pixel);
+        status = status || !picture->options.measured ? status : draw_measured(image, picture, view);
     }
     if (status) {
         conus_image_destroy(image);

@@ -244,7 +244,7 @@ END
     grep -q 'the display or its window manager has not answered for 30 s' said
 }
 
-@test "two clicks measure a distance, and sessions keep it" {
+@test "two clicks measure a distance, which sessions keep and figures show" {
     conus phantom slabs -o .
     live slabs.nii.gz
     local at places=()
@@ -262,9 +262,17 @@ END
     click_at 335 70
     look ".measure.count == 2 and .measure.points == ${places[0]} + ${places[1]}"
     cp "look$looks.json" measured.json
+    tell 'figure measured.png' 'figure measured-axial.png axial'
     click_at 305 30 # anew
     look '.measure.count == 1'
+    tell 'figure one.png' 'figure one-axial.png axial'
     tell 'open measured.json'
     look ".measure.count == 2 and .measure.points == ${places[0]} + ${places[1]}"
+    tell 'figure again.png' 'figure again-axial.png axial'
+    pass
+    for pane in '' -axial; do # figures have the line
+        cmp "measured$pane.png" "again$pane.png"
+        not cmp "measured$pane.png" "one$pane.png"
+    done
     leave
 }

@@ -51,6 +51,12 @@ static conus_status write_image(conus_image *image, conus_status status, const c
     return status;
 }
 
+/* The two places that are measured; NULL = fewer are. */
+static const double *measured(const struct viewer *viewer)
+{
+    return viewer->measure.count == 2 ? viewer->measure.points : NULL;
+}
+
 static conus_status make_renderer(conus_renderer **out, const struct viewer *viewer,
                                   const struct figure_settings *settings)
 {
@@ -101,8 +107,10 @@ static bool write_3d(const struct window *window, const struct figure_settings *
     conus_renderer *renderer = NULL;
     conus_image *image = NULL;
     struct eye eye;
-    conus_view view = {
-        .selection = viewer_selection(viewer), .chosen = viewer->drawn->shown.chosen, .fade = viewer->display.fade};
+    conus_view view = {.selection = viewer_selection(viewer),
+                       .chosen = viewer->drawn->shown.chosen,
+                       .fade = viewer->display.fade,
+                       .measured = measured(viewer)};
     window_eye(window, &eye);
     figure_view(&view, settings);
     appearance_set(&view, &viewer->drawn->appearance);
@@ -119,7 +127,7 @@ static bool write_3d(const struct window *window, const struct figure_settings *
 static bool write_cut(const struct window *window, enum plane plane, const struct figure_settings *settings,
                       const char *path, char why[FIGURE_REASON])
 {
-    conus_view sheet = {0};
+    conus_view sheet = {.measured = measured(window->viewer)};
     conus_cut_view view;
     conus_image *image = NULL;
     figure_view(&sheet, settings);

@@ -2,6 +2,7 @@
 /* Cuts as figures: the cut's own pixels, letters, the scale, the legend, the sheet. */
 #include "render/image/image.h"
 #include "render/image/image_srgb.h"
+#include "render/image/shapes.h"
 
 #include "builders/area_rows.h"
 #include "conus/phantom.h"
@@ -213,6 +214,45 @@ static void a_legend_has_its_place(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* The shape that comes first of a text, or of a line of that width; NULL = none. */
+static const struct image_shape *find_shape(const conus_image *image, enum shape_kind kind, const char *text,
+                                            double width)
+{
+    for (size_t i = 0; i < image->shapes->count; i++) {
+        const struct image_shape *shape = &image->shapes->items[i];
+        if (shape->kind == kind && (text ? strcmp(shape->text, text) == 0 : shape->width == width)) {
+            return shape;
+        }
+    }
+    return NULL;
+}
+
+/* 3, 4 and 12 mm apart are 13; half a mm is a pixel, and what is 12 mm behind the cut is where it is seen. */
+static void a_measured_distance_is_drawn(void **state)
+{
+    static const double places[2][6] = {{-10, 5, 0, -7, 9, 12}, {-10, 5, 0, -7, 90, 12}};
+    conus_atlas *atlas = load();
+    (void)state;
+    for (int outside = 0; outside < 2; outside++) {
+        conus_image *image = NULL;
+        const conus_view sheet = {.shapes = true, .measured = places[outside]};
+        assert_ok(conus_cut_image(&image, atlas, &plain, &sheet));
+        const struct image_shape *line = find_shape(image, SHAPE_LINE, NULL, 4);
+        const struct image_shape *text = find_shape(image, SHAPE_TEXT, "13.00 mm", 0);
+        assert_int_equal(line != NULL, !outside);
+        assert_int_equal(text != NULL, !outside);
+        if (line && text) {
+            assert_near(line->from[0], WIDTH / 2.0 - 20, 1e-9);
+            assert_near(line->from[1], HEIGHT / 2.0 - 10, 1e-9);
+            assert_near(line->to[0], WIDTH / 2.0 - 14, 1e-9);
+            assert_near(line->to[1], HEIGHT / 2.0 - 18, 1e-9);
+            assert_near(text->from[0] + text->length / 2, WIDTH / 2.0 - 17, 1);
+        }
+        conus_image_destroy(image);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 static void what_cannot_be_is_refused(void **state)
 {
     conus_atlas *atlas = load();
@@ -332,6 +372,7 @@ TEST_GROUP(picture_cut_image)
         cmocka_unit_test(the_bar_is_as_long_as_it_says),
         cmocka_unit_test(a_legend_has_its_place),
         cmocka_unit_test(a_legend_tells_namesakes_apart),
+        cmocka_unit_test(a_measured_distance_is_drawn),
         cmocka_unit_test(what_cannot_be_is_refused),
         cmocka_unit_test(every_allocation_may_fail),
         cmocka_unit_test(every_failing_allocation_of_a_sheet_is_reported),

@@ -615,6 +615,42 @@ static void letters_grow_with_the_resolution(void **state)
     assert_near(extra[1], 2.0 * extra[0], 6);
 }
 
+/* At 200 mm before the eye, in a picture of 300 pixels over 60 degrees: 1.299 pixels per mm. */
+static void a_measured_distance_is_drawn(void **state)
+{
+    static const double places[6] = {-30, 0, 10, 30, 0, 10};
+    const double scale = 150 / (200 * tan(radians_from_degrees(30)));
+    need_font();
+    struct scene scene = need_scene(state);
+    conus_pose camera;
+    conus_image *image = NULL;
+    size_t lines = 0;
+    size_t texts = 0;
+    assert_ok(conus_pose_toward(&camera, (double[]){0, -200, 0}, (double[]){0, 0, 0}, NULL));
+    for (int behind = 0; behind < 2; behind++) { /* the camera: no line */
+        const conus_view view = {.width = 400,
+                                 .height = 300,
+                                 .camera = &camera,
+                                 .field_of_view = radians_from_degrees(60),
+                                 .shapes = true,
+                                 .measured = behind ? (double[]){-30, 0, 10, 30, -201, 10} : places};
+        image = render(&scene, view);
+        for (size_t i = 0; i < image->shapes->count; i++) {
+            const struct image_shape *shape = &image->shapes->items[i];
+            if (shape->kind == SHAPE_LINE && fabs(shape->to[0] - shape->from[0] - 60 * scale) < 1e-6) {
+                assert_near(shape->from[0], 200 - 30 * scale, 1e-6);
+                assert_near(shape->from[1], 150 - 10 * scale, 1e-6);
+                assert_near(shape->to[1], shape->from[1], 1e-6);
+                lines++;
+            }
+            texts += shape->kind == SHAPE_TEXT && strcmp(shape->text, "60.00 mm") == 0;
+        }
+        conus_image_destroy(image);
+    }
+    assert_int_equal(lines, 2); /* light on dark */
+    assert_int_equal(texts, 1);
+}
+
 static void views_out_of_range_are_refused(void **state)
 {
     struct scene scene = need_scene(state);
@@ -694,6 +730,7 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(probes_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(files_say_how_large_they_are),
         cmocka_unit_test(letters_grow_with_the_resolution),
+        cmocka_unit_test(a_measured_distance_is_drawn),
         cmocka_unit_test(views_out_of_range_are_refused),
         cmocka_unit_test(allocations_may_fail),
     };
