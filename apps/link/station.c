@@ -51,6 +51,7 @@ struct station {
     struct igtl_counts past; /* of peers that left */
     struct igtl_counts counts;
     uint64_t dropped;
+    const char *trouble; /* as in station_update */
     unsigned clients;
     uint8_t outgoing[OUTGOING];
     size_t outgoing_size;
@@ -294,6 +295,13 @@ static void welcome(struct station *station, int socket)
     }
 }
 
+static void note_trouble(struct station *station, const char *trouble)
+{
+    pthread_mutex_lock(&station->lock);
+    station->trouble = trouble;
+    pthread_mutex_unlock(&station->lock);
+}
+
 /* A connection that we make; waits a little at most, on the station's own thread. */
 static void try_connection(struct station *station)
 {
@@ -302,7 +310,9 @@ static void try_connection(struct station *station)
     char port[8];
     snprintf(port, sizeof port, "%u", station->port);
     station->next_try_ms = clock_ms() + RETRY_MS;
-    if (getaddrinfo(station->options.host, port, &hints, &found)) {
+    int code = getaddrinfo(station->options.host, port, &hints, &found);
+    if (code) {
+        note_trouble(station, gai_strerror(code));
         return;
     }
     int socket_ = socket(found->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -310,7 +320,9 @@ static void try_connection(struct station *station)
     if (socket_ >= 0) {
         setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
     }
-    if (socket_ >= 0 && connect(socket_, found->ai_addr, found->ai_addrlen) == 0) {
+    bool fine = socket_ >= 0 && connect(socket_, found->ai_addr, found->ai_addrlen) == 0;
+    note_trouble(station, fine ? NULL : strerrordesc_np(errno));
+    if (fine) {
         welcome(station, socket_);
     } else if (socket_ >= 0) {
         close(socket_);
@@ -513,6 +525,7 @@ static void fill_update(struct station *station, struct station_update *out)
                                    .time_s = station->time_s,
                                    .counts = station->counts,
                                    .dropped = station->dropped,
+                                   .trouble = station->trouble,
                                    .clients = station->clients};
     out->age_s = station->number ? (clock_ms() - station->arrived_ms) / 1e3 : INFINITY;
     out->state = state_of(station, &station->tool, out->age_s);

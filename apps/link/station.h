@@ -63,7 +63,8 @@ struct station_update {
     struct station_head head;
     struct station_tool second;
     struct igtl_counts counts;
-    uint64_t dropped; /**< Connections that were closed for what they sent.           */
+    uint64_t dropped;    /**< Connections that were closed for what they sent.           */
+    const char *trouble; /**< Why the last try to connect failed, static; NULL = none has. */
     unsigned clients;
 };
 

@@ -163,7 +163,7 @@ static bool check_address(const struct end *end)
     char address[ADDRESS_SIZE];
     uint16_t port;
     const char *given = end->listen ? end->listen : end->connect;
-    bool fine = !given || split_address(address, &port, given, end->listen);
+    bool fine = !given || (split_address(address, &port, given, end->listen) && (end->listen || address[0]));
     if (!fine) {
         print_error_line("--%s%s: \"%s\" is no address and port", end->prefix, end->listen ? "listen" : "connect",
                          given);
@@ -289,6 +289,15 @@ int settings_start_station(struct station **out, const struct station_settings *
     return code ? code : start_at(out, &end, settings->world_from_tracker, &options);
 }
 
+int settings_connect_station(struct station **out, const struct station_settings *settings, const char *address)
+{
+    struct station_settings with = *settings;
+    with.listen = NULL;
+    with.connect = address;
+    const struct end end = first_end(&with);
+    return check_address(&end) ? settings_start_station(out, &with) : EXIT_USAGE;
+}
+
 int settings_start_second(struct station **out, const struct station_settings *settings)
 {
     const struct end end = second_end(settings);
@@ -308,7 +317,9 @@ void settings_station_text(char *out, size_t size, struct station *station, cons
 {
     static const char *const states[] = {"waiting for a connection", "connected, no pose of the tool yet",
                                          "the tool is lost", "no pose for half a second", "tracking"};
-    int used = snprintf(out, size, "%s on port %u", states[update->state], station_port(station));
+    bool failed = update->state == STATION_WAITING && update->trouble;
+    int used = snprintf(out, size, "%s on port %u%s%s", failed ? "no answer yet" : states[update->state],
+                        station_port(station), failed ? ": " : "", failed ? update->trouble : "");
     unsigned long long bad = update->counts.broken + update->counts.refused + update->dropped;
     if (bad && used > 0 && (size_t)used < size) {
         snprintf(out + used, size - (size_t)used, "; %llu messages or poses dropped", bad);

@@ -35,6 +35,9 @@ bool settings_check_stations(const struct station_settings *settings, const stru
  * error unless it is 0. */
 int settings_start_station(struct station **out, const struct station_settings *settings);
 
+/** Starts one that connects to @p address, HOST[:PORT], in place of that of --listen or --connect. Likewise. */
+int settings_connect_station(struct station **out, const struct station_settings *settings, const char *address);
+
 /** The same for --second-listen or --second-connect: the second tool's own station; without them both tools share the
  * first one. */
 int settings_start_second(struct station **out, const struct station_settings *settings);

@@ -10,6 +10,7 @@
 #include "viewer/opening/waiting.h"
 
 #include <GLFW/glfw3.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { DEFAULT_WIDTH = 1500, DEFAULT_HEIGHT = 940 };
@@ -106,7 +107,10 @@ static int run_window(struct window *window, const struct view_settings *setting
 
 static int start_sources(struct window *window, const struct view_settings *settings)
 {
-    int code = settings_start_station(&window->inputs.station, &settings->station);
+    struct inputs *inputs = &window->inputs;
+    inputs->asked = &settings->station;
+    snprintf(inputs->address, sizeof inputs->address, "%s", settings->station.connect ? settings->station.connect : "");
+    int code = settings_start_station(&inputs->station, &settings->station);
     if (window->inputs.station) {
         station_on_pose(window->inputs.station, loop_wake);
     }

@@ -91,7 +91,7 @@ void colour_view_pack(struct colour_view_block *block, const struct colour_pass 
         set4(block->apex, apex, view->cone_slope);
         set4(block->axis, axis, view->cone_length);
         set4(block->cone_shape, (double[]){view->cone_radius, view->cone_start, 0}, 1);
-        set4(block->cone_colour, (double[]){1.0, 0.42, 0.02}, 0.09);
+        set4(block->cone_colour, view->grey_cone ? (double[]){0.4, 0.4, 0.4} : (double[]){1.0, 0.42, 0.02}, 0.09);
     }
     size_t count = view->marker_count < COLOUR_MARKER_LIMIT ? view->marker_count : COLOUR_MARKER_LIMIT;
     for (size_t i = 0; i < count; i++) {

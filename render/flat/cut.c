@@ -477,7 +477,7 @@ static void blend(uint8_t *pixel, const uint8_t rgb[3], double opacity)
 
 enum { TILE = 16 };
 
-static const uint8_t cone_rgb[3] = {255, 170, 40};
+static const uint8_t cone_rgb[2][3] = {{255, 170, 40}, {180, 180, 180}}; /* grey where it is asked for */
 static const double tint = 0.12;
 static const double half_line = 1.3; /* pixels from the wall to where its line has faded */
 
@@ -527,7 +527,8 @@ static void draw_tile(const struct cone_drawing *drawing, uint32_t left, uint32_
                 opacity = fmax(line, outside < 0 ? tint : 0);
             }
             if (opacity > 0) {
-                blend(drawing->rgba + 4 * ((size_t)drawing->place->width * row + column), cone_rgb, opacity);
+                blend(drawing->rgba + 4 * ((size_t)drawing->place->width * row + column), cone_rgb[drawing->cone->grey],
+                      opacity);
             }
         }
     }

@@ -104,6 +104,7 @@ static conus_status draw(conus_cutter *cutter, const conus_cut_view *view, bool 
     conus_status status = choose_window(what.window, cutter, view->window);
     if (!status && view->selection) {
         cutter_cone(&cone, view->selection);
+        cone.grey = view->grey_cone;
         what.cone = has_cone ? &cone : NULL;
         what.emphasis = emphasis = picture_emphasis(view->selection, view->chosen);
         status = emphasis ? CONUS_OK : CONUS_ERROR_MEMORY;

@@ -256,7 +256,7 @@ static void what_is_wrong_with_the_cone_is_said(void **state)
         {POINT_BY_REPLAY, false, false, false, 0, "--poses", true, false},
         {POINT_BY_REPLAY, false, false, true, 0, "choose a row", false, false},
         {POINT_BY_REPLAY, true, false, true, 0, NULL, false, false},
-        {POINT_BY_TRACKER, false, false, false, 0, "--listen", true, false},
+        {POINT_BY_TRACKER, false, false, false, 0, "no tracker: connect one", true, false},
         {POINT_BY_TRACKER, true, false, false, 0, "OLD ANSWER: there is no tracker", true, true},
         {POINT_BY_TRACKER, false, false, true, STATION_WAITING, "no tracker", true, false},
         {POINT_BY_TRACKER, false, false, true, STATION_LOST, "does not see", true, false},

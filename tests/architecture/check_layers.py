@@ -41,7 +41,7 @@ APPS = {
     "apps/viewer/pictures": "apps/link apps/options",
     "apps/viewer/devices": "apps/link",
     "apps/viewer/model": "apps/options apps/settings apps/viewer/pictures",
-    "apps/viewer/tools": "apps/link apps/options apps/viewer/devices apps/viewer/model",
+    "apps/viewer/tools": "apps/link apps/options apps/settings apps/viewer/devices apps/viewer/model",
     "apps/viewer/ui": "",
     "apps/viewer/window": "apps/options apps/figures apps/viewer/pictures apps/viewer/model apps/viewer/tools"
     " apps/viewer/ui",

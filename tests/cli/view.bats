@@ -617,6 +617,63 @@ assert high("old.png", 704, 24, 290) >= 18 and high("old.png", 60, 535, 300) >= 
 END
 }
 
+# shown PICTURE COLOUR: a picture of the window once the cone has this colour. A tool that moves never settles.
+shown() {
+    until /usr/bin/python3 -B "$BATS_TEST_DIRNAME/cone_colour.py" "$1" "$2"; do
+        runs "$child"
+        tell 'wait 8' "screenshot $1"
+        pass
+    done
+}
+
+@test "a tracker is connected from inside the window, and a lost tool is grey" {
+    need_window
+    need_pixels
+    conus phantom sphere -o .
+    background env PYTHONPATH="$BATS_TEST_DIRNAME" /usr/bin/python3 -B - <<'END'
+import os, socket, time
+from openigtlink import transform
+server = socket.create_server(("127.0.0.1", 0))
+with open("port.new", "w") as file:
+    print(server.getsockname()[1], file=file)
+os.rename("port.new", "port")
+conus = server.accept()[0]
+try:
+    while True:
+        conus.sendall(transform(b"PointerToTracker", *((0, 0, 0) if os.path.exists("lose") else (0, 0, 90))))
+        time.sleep(0.02)
+except OSError:
+    pass
+END
+    local tracker=$child
+    wait_until "$tracker" test -e port
+    live sphere.nii.gz --size 1280x800 2>said
+    tell 'pointer tracker'
+    click_at 1150 427 # the field below Point with, in which Enter connects
+    xdotool key --window "$window" ctrl+a
+    xdotool type --window "$window" "127.0.0.1:$(<port)"
+    pass
+    xdotool keydown --window "$window" Return
+    until look '.has_pose == 1'; do
+        runs "$child"
+    done
+    xdotool keyup --window "$window" Return
+    look '.pointer == "tracker" and .world_from_device[12:15] == [0, 0, 90]'
+    shown live.png orange
+    touch lose
+    shown lost.png grey
+    rm lose
+    shown back.png orange
+    tell 'results live.tsv'
+    tell 'tracker off' 'results old.tsv' 'tracker here:there'
+    local code=0
+    leave || code=$?
+    [ $code -eq 3 ]
+    diff live.tsv old.tsv # which stays
+    has_lines 2 said
+    grep -q '"here:there" is no address and port' said
+}
+
 @test "the cuts follow the tip or the contact" {
     need_window
     conus phantom sphere -o .

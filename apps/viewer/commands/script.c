@@ -349,6 +349,18 @@ static bool do_pointer(struct call *call)
     return choose_pointer(call, FIRST_TOOL, 0);
 }
 
+/* Connects, in place of what was connected, or ends that. */
+static bool do_tracker(struct call *call)
+{
+    struct inputs *inputs = &call->window->inputs;
+    inputs_disconnect(inputs, call->viewer);
+    if (is_word(call, 0, "off")) {
+        return true;
+    }
+    snprintf(inputs->address, sizeof inputs->address, "%s", call->arguments[0]);
+    return window_connect(call->window);
+}
+
 static bool aim_second(struct call *call)
 {
     double given[6];
@@ -698,6 +710,7 @@ static const struct script_command {
     {"planned", 1, 1, "ROW of the plan, from 1", .act = do_planned},
     {"plan", 1, 1, "FILE.tsv", .act = do_plan},
     {"pointer", 1, 1, "mouse|wand|replay|tracker|spacemouse|gamepad", .act = do_pointer},
+    {"tracker", 1, 1, "HOST[:PORT], or off", .act = do_tracker},
     {"speed", 1, 1, "MM a second, 1 to 400", .sets = PROPERTY_SPEED},
     {"second", 1, 7,
      "on|off|hold|confirm, aim X Y Z TX TY TZ, angle DEGREES, pointer "

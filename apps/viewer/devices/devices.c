@@ -45,6 +45,7 @@ void tracker_hear(struct tracker *tracker, const struct station_tool *tool)
 {
     tracker->is_there = tool;
     tracker->tool = tool ? *tool : (struct station_tool){0};
+    tracker->taken = tool ? tracker->taken : 0; /* another station counts anew */
 }
 
 void devices_init(struct devices *out)

@@ -82,6 +82,7 @@ static void ask_painter(struct window *window, bool moving)
                             .backdrop = viewer->display.backdrop,
                             .chosen = viewer->drawn->shown.chosen,
                             .answer = viewer->drawn->answers[FIRST_TOOL],
+                            .is_old = inputs_is_old(&window->inputs, viewer, FIRST_TOOL),
                             .answer_number = viewer->tools[FIRST_TOOL].answer_number,
                             .scene_number = viewer->scene_number,
                             .moving = moving};

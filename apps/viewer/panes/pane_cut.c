@@ -287,6 +287,7 @@ void pane_cut(struct window *window, enum plane plane)
     conus_cut_view view;
     pane->box = window->screen.panes[plane];
     cut_view(&view, window->viewer, plane, (double[]){(double)pane->box.width, (double)pane->box.height});
+    view.grey_cone = inputs_is_old(&window->inputs, window->viewer, FIRST_TOOL);
     struct frame frame = {.pane = pane,
                           .plane = {.box = pane->box, .mm_per_pixel = view.mm_per_pixel},
                           .width = view.width,

@@ -7,7 +7,8 @@
 #include <math.h>
 
 static const ui_colour second_colour = {SECOND_RGB, 255};
-static const ui_colour shade = {10, 20, 30, 150}; /* under lines, so that they are seen on white as on black */
+static const ui_colour old_colour = {180, 180, 180, 255}; /* as the first tool's where it is not seen */
+static const ui_colour shade = {10, 20, 30, 150};         /* under lines, so that they are seen on white as on black */
 
 static double distance(const double a[3], const double b[3])
 {
@@ -45,10 +46,15 @@ static void find_shell(struct shell *out, const struct window *window, double le
     shell_find(out, &window->viewer->tools[SECOND_TOOL].pose, &options, angle, length);
 }
 
-static void draw_line(const float from[2], const float to[2])
+static ui_colour find_colour(const struct window *window)
+{
+    return inputs_is_old(&window->inputs, window->viewer, SECOND_TOOL) ? old_colour : second_colour;
+}
+
+static void draw_line(const float from[2], const float to[2], ui_colour colour)
 {
     ui_draw_line(from, to, shade, 4);
-    ui_draw_line(from, to, second_colour, 1.8F);
+    ui_draw_line(from, to, colour, 1.8F);
 }
 
 static bool shows(const struct window *window)
@@ -84,34 +90,35 @@ void pane_second_cut(struct window *window, const struct pane_plane *plane)
     }
     find_shell(&shell, window, whole_length(window->viewer));
     size_t count = shell_cut(pieces, &shell, plane->centre, normal);
+    ui_colour colour = find_colour(window);
     for (size_t i = 0; i < count; i++) {
         float from[2];
         float to[2];
         place_in(from, plane, pieces[i].ends[0]);
         place_in(to, plane, pieces[i].ends[1]);
-        draw_line(from, to);
+        draw_line(from, to, colour);
     }
 }
 
-static void draw_between(const struct window *window, const double from[3], const double to[3])
+static void draw_between(const struct window *window, const double from[3], const double to[3], ui_colour colour)
 {
     float ends[2][2];
     if (window_point(ends[0], window, from) && window_point(ends[1], window, to)) {
-        draw_line(ends[0], ends[1]);
+        draw_line(ends[0], ends[1], colour);
     }
 }
 
-static void draw_best(struct window *window)
+static void draw_best(struct window *window, ui_colour colour)
 {
     const struct viewer *viewer = window->viewer;
     const conus_selection *selection = view_atlas_selection(viewer->drawn, SECOND_TOOL);
     const conus_result *best = conus_selection_result(selection, 0);
     float at[2];
     if (best && best->object && best->pixels && window_point(at, window, best->contact)) {
-        ui_draw_circle(at, 4, second_colour, 1.5F);
+        ui_draw_circle(at, 4, colour, 1.5F);
         const struct ui_box *box = &window->screen.panes[PANE_3D];
         char title[VIEW_ATLAS_TITLE];
-        pane_name(&window->frame.labels, box, at, false, second_colour, best->object,
+        pane_name(&window->frame.labels, box, at, false, colour, best->object,
                   view_atlas_title(title, viewer->drawn, best->object));
     }
 }
@@ -125,17 +132,18 @@ void pane_second_3d(struct window *window)
         return;
     }
     tool_update_second(window->viewer); /* a panel may have changed the atlas in this frame */
+    ui_colour colour = find_colour(window);
     find_shell(&shell, window, seen_length(window));
     for (size_t i = 0; i < SHELL_POINTS; i++) {
         size_t next = (i + 1) % SHELL_POINTS;
-        draw_between(window, shell.far[i], shell.far[next]);
-        draw_between(window, shell.near[i], shell.near[next]);
+        draw_between(window, shell.far[i], shell.far[next], colour);
+        draw_between(window, shell.near[i], shell.near[next], colour);
         if (shell_turns(&shell, i, eye)) {
-            draw_between(window, shell.near[i], shell.far[i]);
+            draw_between(window, shell.near[i], shell.far[i], colour);
         }
     }
     if (window_point(apex, window, window->viewer->tools[SECOND_TOOL].pose.world_from_device + 12)) {
-        ui_draw_circle(apex, 4, second_colour, 0);
+        ui_draw_circle(apex, 4, colour, 0);
     }
-    draw_best(window);
+    draw_best(window, colour);
 }

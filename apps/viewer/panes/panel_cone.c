@@ -39,13 +39,27 @@ static void show_replay(struct window *window)
 static void show_tracker(struct window *window)
 {
     static const enum theme_text colours[] = {THEME_HINT, THEME_HINT, THEME_RED, THEME_RED, THEME_GREEN};
-    char text[160];
-    if (!window->inputs.station) {
-        ui_text("no tracker: start with --listen or --connect");
+    struct inputs *inputs = &window->inputs;
+    char text[256];
+    if (inputs->station) {
+        settings_station_text(text, sizeof text, inputs->station, &inputs->update);
+        ui_tint(theme_texts[colours[inputs->update.state]]);
+        ui_text_wrapped(text);
+        ui_tint_end();
+        if (ui_button("Disconnect")) {
+            inputs_disconnect(inputs, window->viewer);
+        }
+        ui_tip("ends the connection; the answer from before stays, and is said to be old");
         return;
     }
-    settings_station_text(text, sizeof text, window->inputs.station, &window->inputs.update);
-    ui_text_coloured(theme_texts[colours[window->inputs.update.state]], "%s", text);
+    ui_type("Tracker", inputs->address, sizeof inputs->address, "host:port");
+    bool entered = ui_entered();
+    ui_tip("the address of a tracker, or of 3D Slicer, that sends OpenIGTLink, as for --connect; Enter connects");
+    bool pressed = ui_button("Connect");
+    ui_tip("connects to it, and tries again until it answers");
+    if (entered || pressed) {
+        (void)window_connect(window);
+    }
 }
 
 void panel_speed(struct window *window, enum pointer pointer)

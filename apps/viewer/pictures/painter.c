@@ -65,8 +65,8 @@ struct painter {
 bool painting_shows_same(const struct painting *a, const struct painting *b)
 {
     return a->width == b->width && a->height == b->height && a->fade == b->fade && a->backdrop == b->backdrop &&
-           a->chosen == b->chosen && a->answer_number == b->answer_number && a->scene_number == b->scene_number &&
-           eye_is_same(&a->eye, &b->eye);
+           a->chosen == b->chosen && a->is_old == b->is_old && a->answer_number == b->answer_number &&
+           a->scene_number == b->scene_number && eye_is_same(&a->eye, &b->eye);
 }
 
 /* Tells the window that something changed. To be called with the lock held, which it releases. */
@@ -143,6 +143,7 @@ static enum stage paint(struct painter *painter, conus_renderer *renderer, const
                        .frustum = {f[0], f[1], f[2], f[3]},
                        .camera = &what->eye.camera,
                        .selection = answer_selection(what->answer),
+                       .grey_cone = what->is_old,
                        .chosen = what->chosen,
                        .no_legend = true,
                        .draft = stage != STAGE_SMOOTH,

@@ -3,6 +3,7 @@
 #include "viewer/tools/inputs.h"
 
 #include "options/clock.h"
+#include "settings/station_settings.h"
 #include "viewer/tools/point.h"
 
 #include <math.h>
@@ -208,6 +209,27 @@ void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye
     }
 }
 
+bool inputs_connect(struct inputs *inputs, void (*wake)(void))
+{
+    static const struct station_settings none = {.listen = NULL};
+    bool fine = !settings_connect_station(&inputs->station, inputs->asked ? inputs->asked : &none, inputs->address);
+    if (fine) {
+        station_on_pose(inputs->station, wake);
+    }
+    return fine;
+}
+
+void inputs_disconnect(struct inputs *inputs, struct viewer *viewer)
+{
+    station_stop(inputs->station);
+    inputs->station = NULL;
+    inputs->update = (struct station_update){0};
+    if (viewer->head.named) {
+        head_set_state(&viewer->head, STATION_WAITING);
+    }
+    viewer->version++;
+}
+
 static struct notice notice_of_tracker(bool has_pose, bool has_station, enum station_state state)
 {
     static const char *const none[] = {"no tracker is connected yet", "no pose of the tool yet",
@@ -216,8 +238,8 @@ static struct notice notice_of_tracker(bool has_pose, bool has_station, enum sta
     static const char *const old[] = {"OLD ANSWER: the tracker is gone", "OLD ANSWER: no pose of the tool",
                                       "OLD ANSWER: the tool is lost", "OLD ANSWER: the tool is silent", NULL};
     if (!has_station) {
-        return (struct notice){has_pose ? "OLD ANSWER: there is no tracker" : "no tracker: see --listen, --connect",
-                               true, has_pose};
+        return (struct notice){
+            has_pose ? "OLD ANSWER: there is no tracker" : "no tracker: connect one below Point with", true, has_pose};
     }
     if (state == STATION_SEEN && has_pose) {
         return (struct notice){0};
@@ -289,6 +311,13 @@ void inputs_notice(struct notice *out, const struct inputs *inputs, const struct
     }
 }
 
+bool inputs_is_old(const struct inputs *inputs, const struct viewer *viewer, enum tool_number number)
+{
+    struct notice notice;
+    inputs_notice(&notice, inputs, viewer, number);
+    return notice.is_old;
+}
+
 static const double default_step_s = 0.1;
 
 double replay_time(const struct replay *replay, size_t index)
@@ -354,7 +383,9 @@ bool replay_step(struct replay *replay, struct viewer *viewer, double clock)
 
 void inputs_hear(struct station *station, struct viewer *viewer, struct station_update *update)
 {
+    const char *trouble = update->trouble;
     station_ask(station, update);
+    viewer->said += update->trouble != trouble; /* a frame that says so */
     if (viewer->head.named) {
         head_set_state(&viewer->head, update->head.state);
         if (update->head.state == STATION_SEEN) {

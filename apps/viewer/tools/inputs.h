@@ -31,14 +31,27 @@ double replay_rest(const struct replay *replay, const struct viewer *viewer, dou
 /** Asks @p station what happened; the head moves along, if one is named. */
 void inputs_hear(struct station *station, struct viewer *viewer, struct station_update *update);
 
+enum { TRACKER_ADDRESS = 256 };
+
 struct inputs {
     struct replay replay;
     struct station *station; /**< NULL = none. */
     struct station_update update;
-    struct station *second_station; /**< For the second tool; NULL = the first one's. */
-    bool has_second_tool;           /**< The first one's station hears of it. */
+    const struct station_settings *asked; /**< The options of trackers that conus was started with; NULL = none. */
+    char address[TRACKER_ADDRESS];        /**< Of the station that inputs_connect() starts, as --connect has it. */
+    struct station *second_station;       /**< For the second tool; NULL = the first one's. */
+    bool has_second_tool;                 /**< The first one's station hears of it. */
     struct devices devices;
 };
+
+/** Connects to the tracker at the address, which moves the first tool then, as all options but --listen say; tries
+ * again until it answers. @p wake (NULL = none) is called at each of its poses, on another thread. False: error_line()
+ * says why not. */
+bool inputs_connect(struct inputs *inputs, void (*wake)(void));
+/** Ends the connection of the first tool's tracker, if there is one; a tracked head is not seen then. */
+void inputs_disconnect(struct inputs *inputs, struct viewer *viewer);
+/** Whether a tool's cone is one from before: its device does not say where it is. */
+bool inputs_is_old(const struct inputs *inputs, const struct viewer *viewer, enum tool_number number);
 
 /** Has the newest pose of each tracked tool, and every other device that moves a tool, heard, and the second tool's
  * answers up to date. Returns whether the first one got a pose. */

@@ -800,6 +800,19 @@ void window_want_hemispheres(struct window *window, conus_hemispheres how, int s
     }
 }
 
+bool window_connect(struct window *window)
+{
+    struct inputs *inputs = &window->inputs;
+    bool fine = inputs_connect(inputs, window->wake);
+    window->frame.sent_answer = 0; /* the new peer has none yet */
+    if (fine) {
+        viewer_say(window->viewer, "connecting to %s", inputs->address);
+    } else {
+        viewer_say(window->viewer, "%s", error_line());
+    }
+    return fine;
+}
+
 /* Finds a path in the folder of the file that was saved last, or else in one that can be written. */
 static void find_saving_path(char path[PATH_MAX], const struct window *window, const char *name)
 {

@@ -240,6 +240,8 @@ const struct json_t *window_words(struct window *window);
 /** Asks for the atlas with other hemispheres, for which undo goes @p step (0 = it does not), or says that it has them.
  */
 void window_want_hemispheres(struct window *window, conus_hemispheres how, int step);
+/** Connects to the tracker whose address was typed, and says so. False: it was said why not. */
+bool window_connect(struct window *window);
 /** Asks for what was typed on the start page, if anything was. */
 void window_want_typed(struct window *window);
 /** Asks for the sample of the start page, if that is the phantom. */
