@@ -60,6 +60,55 @@ END
     diff <(jq -c "del(.atlas, .opened.folder)" ../row.json) <(jq -c "del(.atlas, .opened.folder)" again.json)
 }
 
+@test "the card's target is what the plan's needle has to reach, kept in sessions, and taken back" {
+    need_window
+    needles
+    view u-shape.nii.gz --length 1,40 --reach 'U,length=5' --radius 1 --poses needles.tsv <<'END'
+settle
+plan first.tsv
+target Ball
+settle
+plan target.tsv
+save target.json
+key ctrl+z
+settle
+plan back.tsv
+save back.json
+key ctrl+y
+settle
+plan again.tsv
+target
+settle
+plan none.tsv
+END
+    local rest=(u-shape.nii.gz --length 1,40 --radius 1 --poses needles.tsv --format tsv -q)
+    conus plan "${rest[@]}" --reach U,length=5 >wanted.tsv
+    conus plan "${rest[@]}" --reach '"Ball"' >other.tsv
+    not diff wanted.tsv other.tsv
+    diff wanted.tsv first.tsv
+    diff other.tsv target.tsv
+    diff wanted.tsv back.tsv
+    diff other.tsv again.tsv
+    conus plan "${rest[@]}" | diff - none.tsv
+    jq -e '.opened.options | map(select(startswith("--reach"))) == ["--reach=\"Ball\""]' target.json
+    jq -e '.opened.options | map(select(startswith("--reach"))) == ["--reach=U,length=5"]' back.json
+    view target.json <<'END'
+settle
+plan opened.tsv
+END
+    diff other.tsv opened.tsv
+    # what cannot be is refused, and an atlas without a plan gets one
+    printf 'target Ball\nsave same.json\n' >script
+    run -0 --separate-stderr timeout $HANG "$CONUS" view u-shape.nii.gz --avoid Ball --script script --quiet
+    check_message 'constraint 1 avoids all that constraint 2 reaches'
+    jq -e '.opened.options == ["--avoid=Ball"]' same.json
+    view u-shape.nii.gz <<'END'
+target U
+save new.json
+END
+    jq -e '.opened.options == ["--reach=\"U\""]' new.json
+}
+
 @test "a structure that the atlas has not is refused" {
     need_window
     needles

@@ -104,7 +104,7 @@ static void go_deeper(struct window *window)
 
 static void change_hemispheres(struct window *window)
 {
-    window_want_hemispheres(window, (conus_hemispheres)((window->files.hemispheres + 1) % HEMISPHERES_COUNT), 0);
+    window_want_hemispheres(window, (conus_hemispheres)((window->files.hemispheres + 1) % HEMISPHERES_COUNT));
 }
 
 static void show_next_side(struct window *window)

@@ -334,6 +334,18 @@ static bool do_choose(struct call *call)
     return object;
 }
 
+static bool do_target(struct call *call)
+{
+    const conus_atlas *atlas = call->viewer->atlases->atlas;
+    const conus_object *object =
+        call->count ? conus_atlas_object(atlas, search_best(atlas, call->arguments[0])) : NULL;
+    bool fine = object || !call->count;
+    if (fine) {
+        window_want_target(call->window, object ? object->name : NULL);
+    }
+    return fine;
+}
+
 static bool choose_pointer(struct call *call, enum tool_number tool, size_t argument)
 {
     size_t pointer = find_name(call, argument, pointer_names, POINTER_COUNT);
@@ -486,7 +498,7 @@ static bool do_hemispheres(struct call *call)
 {
     for (size_t how = 0; settings_hemispheres[how]; how++) {
         if (is_word(call, 0, settings_hemispheres[how])) {
-            window_want_hemispheres(call->window, (conus_hemispheres)how, 0);
+            window_want_hemispheres(call->window, (conus_hemispheres)how);
             return true;
         }
     }
@@ -707,6 +719,7 @@ static const struct script_command {
     {"sweep", 1, 3, "LOW HIGH STEP, degrees, or off", .act = do_sweep},
     {"jitter", 1, 3, "DEGREES MM [SAMPLES], or off", .act = do_jitter},
     {"study", 1, 1, "FILE.tsv", .act = do_study},
+    {"target", 0, 1, "[NAME]", .act = do_target},
     {"planned", 1, 1, "ROW of the plan, from 1", .act = do_planned},
     {"plan", 1, 1, "FILE.tsv", .act = do_plan},
     {"pointer", 1, 1, "mouse|wand|replay|tracker|spacemouse|gamepad", .act = do_pointer},

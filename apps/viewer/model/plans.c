@@ -47,19 +47,17 @@ static conus_status prepare_live(struct viewer *viewer)
                   : conus_plan_create(&state->live, state->selector, asked->items, asked->count, &plan_options);
 }
 
-int plans_open(struct viewer *viewer, const struct arguments *arguments, const char *poses, double depth, double radius)
+static int read_task(struct viewer *viewer, const struct arguments *arguments, const char *poses)
 {
     struct plan_state *state = &viewer->plan;
     int code = arguments ? constraints_parse(&state->task.constraints, arguments) : EXIT_DONE;
-    viewer->cone.options.radius = radius;
-    viewer->cone.options.range[1] = state->depth = depth;
     if (code || !plans_is_on(viewer)) {
         return code;
     }
     struct named_atlas atlas = {.atlas = viewer->atlases->atlas};
     const struct pose_places places = {&viewer->frame, NULL, &(struct atlases){.items = &atlas, .count = 1},
                                        &(struct common_settings){0}};
-    code = constraints_place(&state->task.constraints, &places, depth);
+    code = constraints_place(&state->task.constraints, &places, state->depth);
     if (!code && poses) {
         state->task.poses = strdup(poses);
         state->list.settings.kind = STUDY_PLAN;
@@ -67,6 +65,108 @@ int plans_open(struct viewer *viewer, const struct arguments *arguments, const c
     }
     conus_status status = code ? CONUS_OK : prepare_live(viewer);
     return status ? print_status(status) : code;
+}
+
+int plans_change(struct viewer *viewer, const struct arguments *arguments, const char *poses)
+{
+    struct plan_state before;
+    plan_state_rest(&viewer->plan); /* its thread reads the task */
+    before = viewer->plan;
+    viewer->plan = (struct plan_state){.depth = before.depth};
+    int code = read_task(viewer, arguments, poses);
+    plan_state_finish(code ? &viewer->plan : &before);
+    if (code) {
+        viewer->plan = before;
+        plan_state_resume(&viewer->plan);
+    }
+    viewer->version++;
+    return code;
+}
+
+int plans_open(struct viewer *viewer, const struct arguments *arguments, const char *poses, double depth, double radius)
+{
+    viewer->cone.options.radius = radius;
+    viewer->cone.options.range[1] = viewer->plan.depth = depth;
+    return plans_change(viewer, arguments, poses);
+}
+
+static const char reach[] = "--reach=";
+
+static bool is_target(const json_t *word)
+{
+    const char *text = json_string_value(word);
+    return text && strncmp(text, reach, strlen(reach)) == 0;
+}
+
+/* The option that asks for this name, in quotes, since it may have commas. */
+static json_t *word_of(const char *name)
+{
+    char *word = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&word, &size);
+    if (!out) {
+        return NULL;
+    }
+    fprintf(out, "%s\"", reach);
+    for (; *name; name++) {
+        fprintf(out, *name == '"' ? "\"\"" : "%c", *name);
+    }
+    fputc('"', out);
+    json_t *made = fclose(out) ? NULL : json_string(word);
+    free(word);
+    return made;
+}
+
+json_t *plans_target(const char *name)
+{
+    json_t *words = json_array();
+    if (words && name && json_array_append_new(words, word_of(name))) {
+        json_decref(words);
+        words = NULL;
+    }
+    return words;
+}
+
+json_t *plans_put_targets(const json_t *words, const json_t *targets)
+{
+    const json_t *const lists[] = {words, targets};
+    json_t *all = json_array();
+    bool fine = all;
+    for (size_t l = 0; l < 2; l++) {
+        for (size_t i = 0; i < json_array_size(lists[l]) && fine; i++) {
+            json_t *word = json_array_get(lists[l], i);
+            fine = is_target(word) != (l == 1) || !json_array_append(all, word);
+        }
+    }
+    if (!fine) {
+        json_decref(all);
+    }
+    return fine ? all : NULL;
+}
+
+bool plans_targets_are_same(const json_t *a, const json_t *b)
+{
+    json_t *of_a = plans_put_targets(NULL, a);
+    json_t *of_b = plans_put_targets(NULL, b);
+    bool same = of_a && json_equal(of_a, of_b);
+    json_decref(of_a);
+    json_decref(of_b);
+    return same;
+}
+
+bool plans_is_target(const struct viewer *viewer, uint32_t object)
+{
+    const struct constraints *asked = &viewer->plan.task.constraints;
+    const conus_object *is = conus_atlas_object(viewer->atlases->atlas, object);
+    json_t *word = is ? word_of(is->name) : NULL;
+    const char *quoted = word ? json_string_value(word) + strlen(reach) : "";
+    bool found = false;
+    for (size_t i = 0; i < asked->count && word; i++) {
+        const char *names = asked->items[i].kind == CONUS_CONSTRAINT_REACH ? asked->items[i].names : NULL;
+        found = found || (names && (strcmp(names, is->name) == 0 || strcmp(names, quoted) == 0));
+    }
+    json_decref(word);
+    return found;
 }
 
 /* A number that is shown never looks better than it is: it is rounded down, or up where less is better. */

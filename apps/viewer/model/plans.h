@@ -6,11 +6,27 @@
 
 #include "viewer/model/viewer.h"
 
+#include <jansson.h>
+
 /** Takes the constraints of @p arguments, of which there may be none; then the tool begins with this radius, and ends
  * so deep, mm, 0 = not said. @p poses has the candidates; NULL = none. The viewer's frame is set. Returns the exit code
  * and prints an error unless it is 0. */
 int plans_open(struct viewer *viewer, const struct arguments *arguments, const char *poses, double depth,
                double radius);
+
+/** Takes the constraints of @p arguments and the candidates of @p poses in place of those before; the tool stays as it
+ * is. Likewise; where it fails, the plan does, too. */
+int plans_change(struct viewer *viewer, const struct arguments *arguments, const char *poses);
+
+/** The options, as words, that make the object of this name the target, which the needle is to reach; NULL = none. NULL
+ * without memory, or where the name is not UTF-8. */
+json_t *plans_target(const char *name);
+/** @p words with the targets, all --reach, of @p targets in place of their own; either NULL = none. NULL without
+ * memory. */
+json_t *plans_put_targets(const json_t *words, const json_t *targets);
+bool plans_targets_are_same(const json_t *a, const json_t *b);
+/** Whether an object of the first atlas is by itself what the needle is to reach. */
+bool plans_is_target(const struct viewer *viewer, uint32_t object);
 
 /** Whether there is a plan. */
 bool plans_is_on(const struct viewer *viewer);

@@ -5,6 +5,7 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "viewer/model/hemispheres.h"
+#include "viewer/model/plans.h"
 #include "viewer/model/question.h"
 #include "viewer/opening/replace.h"
 #include "viewer/opening/view_words.h"
@@ -172,8 +173,44 @@ static bool exchange(struct window *window, struct atlases *loaded, const json_t
     return fine;
 }
 
-static bool show_again(struct window *window, struct atlases *loaded, const json_t *words, int step,
-                       char why[LOADER_WHY])
+/* Holds the tool against the constraints of other options. */
+static bool change_plan(struct window *window, const struct worded *worded, char why[LOADER_WHY])
+{
+    bool fine = !plans_change(window->viewer, worded->settings.arguments, worded->settings.poses);
+    if (!fine) {
+        snprintf(why, LOADER_WHY, "%s", error_line());
+    }
+    return fine;
+}
+
+/* What the needle is to reach; NULL = nothing. */
+static const char *find_target(const struct plan_state *plan)
+{
+    const char *name = NULL;
+    for (size_t i = 0; i < plan->task.constraints.count && plan->live; i++) {
+        name = plan->task.constraints.items[i].kind == CONUS_CONSTRAINT_REACH ? conus_plan_name(plan->live, i) : name;
+    }
+    return name;
+}
+
+/* Nothing is read anew. */
+static bool change_target(struct window *window, const struct worded *worded, const json_t *words, int step,
+                          char why[LOADER_WHY])
+{
+    if (!change_plan(window, worded, why)) {
+        return false;
+    }
+    const char *name = find_target(&window->viewer->plan);
+    json_object_set(window->files.opened, "options", (json_t *)words);
+    viewer_say(window->viewer, "%s%s", name ? "target: " : "there is no target", name ? name : "");
+    if (step) {
+        undo_go_on(window, step);
+    }
+    return true;
+}
+
+static bool show_again(struct window *window, struct atlases *loaded, const struct worded *worded, const json_t *words,
+                       int step, char why[LOADER_WHY])
 {
     struct viewer *viewer = window->viewer;
     const conus_atlas *atlas = loaded->items[0].atlas;
@@ -181,6 +218,7 @@ static bool show_again(struct window *window, struct atlases *loaded, const json
     conus_hemispheres how = hemispheres_of_words(words);
     char update[LOADER_WHY];
     json_t *added = additions_describe(atlas, words);
+    bool has_target = plans_targets_are_same(words, json_object_get(window->files.opened, "options"));
     tell_update(update, sizeof update, window, atlas, words);
     bool fine = exchange(window, loaded, added, how, why);
     if (fine) {
@@ -194,6 +232,9 @@ static bool show_again(struct window *window, struct atlases *loaded, const json
         if (level[0] && !question_set_level(viewer, viewer->cone.level)) { /* its areas are not there any more */
             question_set_level(viewer, "");
             snprintf(why, LOADER_WHY, "level %s is not possible with these hemispheres: each area by itself", level);
+        }
+        if (!has_target && !change_plan(window, worded, why)) {
+            print_error_line("%s", why);
         }
         viewer_say(viewer, "%s", why);
         if (step) {
@@ -220,7 +261,7 @@ static bool load_and_show(struct window *window, const struct worded *worded, in
     bool fine = words && wait_load(window, &request, &loaded, why);
     if (fine) {
         fine = is_unchanged(why, window->viewer, &loaded) && !is_doubtful(window, loaded.items[0].atlas, words, why) &&
-               show_again(window, &loaded, words, step, why);
+               show_again(window, &loaded, worded, words, step, why);
     }
     if (!fine && loaded.count) {
         print_error_line("%s", why);
@@ -234,12 +275,18 @@ bool reopen(struct window *window, const json_t *words, int step, const struct v
             char why[LOADER_WHY])
 {
     struct worded worded;
+    json_t *others[2] = {plans_put_targets(words, NULL),
+                         plans_put_targets(json_object_get(window->files.opened, "options"), NULL)};
     bool fine = worded_parse(&worded, words, settings, false) == EXIT_DONE;
-    if (fine) {
+    if (fine && others[0] && json_equal(others[0], others[1])) {
+        fine = change_target(window, &worded, words, step, why);
+    } else if (fine) {
         fine = load_and_show(window, &worded, step, why);
     } else {
         snprintf(why, LOADER_WHY, "%s", error_line());
     }
     worded_finish(&worded);
+    json_decref(others[0]);
+    json_decref(others[1]);
     return fine;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The card of the chosen area: what is known of it, and what can be done with it. */
+#include "viewer/model/plans.h"
 #include "viewer/panes/panels.h"
 #include "viewer/ui/ui_list.h"
 
@@ -75,6 +76,19 @@ static void draw_facts(struct viewer *viewer, const conus_object *object, uint32
     draw_fact("Atlas", text);
 }
 
+static void draw_target(struct window *window, uint32_t number, const char *name)
+{
+    static const char label[] = "Set as target";
+    bool is_target = plans_is_target(window->viewer, number);
+    ui_flow(label);
+    if (ui_button(is_target ? "No target" : label)) {
+        window_want_target(window, is_target ? NULL : name);
+    }
+    ui_tip(is_target ? "the needle of the plan need not reach it any more"
+                     : "the needle of the plan is to reach it (--reach), in place of what it was to reach; F5 sets how "
+                       "deep the needle goes");
+}
+
 void panel_card(struct window *window)
 {
     struct viewer *viewer = window->viewer;
@@ -101,6 +115,9 @@ void panel_card(struct window *window)
         viewer->version++;
     }
     ui_tip("adds it to what was confirmed, with the place of the crosshair");
+    if (viewer->drawn == viewer->atlases) { /* which plans are about */
+        draw_target(window, number, object->name);
+    }
     panel_look_area(viewer, number);
     ui_id_end();
 }

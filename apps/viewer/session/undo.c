@@ -3,6 +3,7 @@
 #include "viewer/session/undo.h"
 
 #include "viewer/model/hemispheres.h"
+#include "viewer/model/plans.h"
 #include "viewer/session/session.h"
 
 #include <jansson.h>
@@ -110,16 +111,17 @@ void undo_step(struct window *window, int by)
     undo_note(window);
     const char *state = changes_step(&window->history.changes, by);
     json_t *root = state ? json_loads(state, 0, NULL) : NULL;
-    const json_t *opened = json_object_get(root, "opened");
-    conus_hemispheres how = hemispheres_of_words(json_object_get(opened, "options"));
-    bool needs_others = opened && how != window->files.hemispheres; /* the atlases must be loaded again */
-    json_decref(root);
+    const json_t *options = json_object_get(json_object_get(root, "opened"), "options");
+    const json_t *now = json_object_get(window->files.opened, "options");
+    bool needs_others = options && (hemispheres_of_words(options) != window->files.hemispheres ||
+                                    !plans_targets_are_same(options, now)); /* atlases, or a plan, are made anew */
     if (!state) {
         viewer_say(window->viewer, by < 0 ? "nothing to undo" : "nothing to do again");
     } else if (needs_others) {
         changes_step(&window->history.changes, -by);
-        window_want_hemispheres(window, how, by);
+        window_want_options(window, options, by);
     } else {
         restore(window, state, by);
     }
+    json_decref(root);
 }

@@ -789,15 +789,35 @@ void window_change(struct window *window, size_t index, enum addition kind, cons
     json_decref(changed);
 }
 
-void window_want_hemispheres(struct window *window, conus_hemispheres how, int step)
+void window_want_hemispheres(struct window *window, conus_hemispheres how)
 {
     const json_t *words = window_words(window);
     if (words && how != window->files.hemispheres) {
         want_words(window, hemispheres_put_in_words(words, how));
-        window->files.wanted.step = step;
     } else if (words) {
         viewer_say(window->viewer, "%s", hemispheres_meanings[how]);
     }
+}
+
+void window_want_target(struct window *window, const char *name)
+{
+    const json_t *words = window_words(window);
+    json_t *target = plans_target(name);
+    if (words) {
+        want_words(window, target ? plans_put_targets(words, target) : NULL);
+    }
+    json_decref(target);
+}
+
+void window_want_options(struct window *window, const json_t *options, int step)
+{
+    const json_t *words = window_words(window);
+    json_t *targeted = words ? plans_put_targets(words, options) : NULL;
+    if (words) {
+        want_words(window, targeted ? hemispheres_put_in_words(targeted, hemispheres_of_words(options)) : NULL);
+        window->files.wanted.step = step;
+    }
+    json_decref(targeted);
 }
 
 bool window_connect(struct window *window)

@@ -237,9 +237,12 @@ void window_take_out(struct window *window, size_t index);
 void window_change(struct window *window, size_t index, enum addition kind, const char *value);
 /** The options with which the atlas was opened, an array of texts; NULL where they are not known, and it was said. */
 const struct json_t *window_words(struct window *window);
-/** Asks for the atlas with other hemispheres, for which undo goes @p step (0 = it does not), or says that it has them.
- */
-void window_want_hemispheres(struct window *window, conus_hemispheres how, int step);
+/** Asks for the atlas with other hemispheres, or says that it has them. */
+void window_want_hemispheres(struct window *window, conus_hemispheres how);
+/** Asks for the plan's needle to reach the object of this name and nothing else; NULL = nothing. */
+void window_want_target(struct window *window, const char *name);
+/** Asks for the hemispheres and the target of other options, for which undo goes @p step. */
+void window_want_options(struct window *window, const struct json_t *options, int step);
 /** Connects to the tracker whose address was typed, and says so. False: it was said why not. */
 bool window_connect(struct window *window);
 /** Asks for what was typed on the start page, if anything was. */
