@@ -198,6 +198,9 @@ static void draw_window(struct window *window)
     if (window->forms.added.open && window->viewer && !window->start.on && !window->dialog.on) {
         panel_added(window);
     }
+    if (window->files.asked.count) {
+        panel_ask(window);
+    }
     ui_end();
     tap(window, false);
     window->frame.ms = 1e3 * (glfwGetTime() - begun);

@@ -95,6 +95,7 @@ results first.tsv
 key c
 key ctrl+r
 drop slabs.nii.gz
+key r
 $AIM
 results second.tsv
 save second.json
@@ -348,7 +349,7 @@ END
     drop "$PWD/nested.nii.gz" "$PWD/nested.tsv"
     look '.objects == 2'
     drop "$PWD/nested.nii.gz"
-    tell "$AIM" 'results dropped.tsv'
+    tell 'key r' "$AIM" 'results dropped.tsv'
     look '.objects == 3'
     leave
     queried nested.nii.gz | diff dropped.tsv -
@@ -369,7 +370,7 @@ END
     grep -q '^conus: .*/none.nii: ' said
 }
 
-@test "what is confirmed is not lost by a drop alone" {
+@test "another atlas is added or replaces, once the question was answered" {
     need_window
     own_folders
     conus phantom slabs -o .
@@ -379,17 +380,65 @@ $AIM
 key enter
 save before.json
 drop sphere.nii.gz
-save page.json
+save asked.json
 key escape
 save after.json
 drop sphere.nii.gz
-key enter
+key a
+results both.tsv
+key n
+save both.json
+drop before.json
+key escape
+take-out sphere.nii.gz
+results first.tsv
+save first.json
+drop sphere.nii.gz
+key r
 $AIM
 results opened.tsv
+save opened.json
 END
-    diff before.json page.json
+    diff before.json asked.json
     diff before.json after.json
+    queried slabs.nii.gz --atlas sphere.nii.gz | diff both.tsv -
+    queried slabs.nii.gz | diff first.tsv -
     queried sphere.nii.gz | diff opened.tsv -
+    # what was set and confirmed stays, until another atlas takes the place of this one
+    jq -e '.drawn == 2 and (.further_atlases | length) == 1 and (.opened.options | length) == 1' both.json
+    jq -e --slurpfile was before.json '(.confirmed | map(del(.atlas))) == $was[0].confirmed and .world_from_device == $was[0].world_from_device' both.json
+    jq -e 'has("drawn") or has("further_atlases") | not' first.json
+    diff <(jq -S 'del(.confirmed)' before.json) <(jq -S 'del(.confirmed)' first.json)
+    jq -e '(.confirmed | length) == 1' first.json
+    jq -e '.objects == 1 and .confirmed == []' opened.json
+    # a session of both opens both
+    printf 'results again.tsv\n' | view both.json
+    diff both.tsv again.tsv
+}
+
+@test "of several atlases each keeps what was set and confirmed in it when another one goes" {
+    need_window
+    own_folders
+    conus phantom slabs -o .
+    conus phantom nested -o .
+    sphere --size 16
+    view slabs.nii.gz --atlas nested.nii.gz <<END
+$AIM
+key n
+key enter
+choose Outer
+key h
+atlas sphere.nii.gz
+key n
+save three.json
+take-out nested.nii.gz
+save two.json
+results two.tsv
+END
+    jq -e '.drawn == 3 and .confirmed[0].atlas == 2 and .further_atlases[0].hidden == [1] and
+        .further_atlases[1].hidden == []' three.json
+    jq -e '.drawn == 2 and .confirmed == [] and .further_atlases[0].hidden == []' two.json
+    queried slabs.nii.gz --atlas sphere.nii.gz | diff two.tsv -
 }
 
 @test "what is dropped while another is being loaded is opened instead" {
@@ -438,6 +487,8 @@ END
         xdotool mousemove --window "$window" 200 $down
         pass
         xdotool click 1
+        pass
+        xdotool key --window "$window" r # no key of the page, but an answer
     done
     leave
 }
@@ -464,8 +515,10 @@ END
     xdotool type --window "$window" nii
     pass
     xdotool keydown --window "$window" Return
-    look '.objects == 2 and (.atlas | endswith("/a/b c/slabs.nii.gz"))'
+    pass
     xdotool keyup --window "$window" Return
+    xdotool key --window "$window" r
+    look '.objects == 2 and (.atlas | endswith("/a/b c/slabs.nii.gz"))'
     tell "$AIM" 'save before.json'
     xdotool key --window "$window" ctrl+o
     pass
@@ -489,6 +542,8 @@ END
         xdotool click 1
         pass
         xdotool keydown --window "$window" Return
+        pass
+        xdotool key --window "$window" r
     done
     leave
 }

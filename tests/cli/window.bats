@@ -19,6 +19,7 @@ enter() {
     xdotool type --window "$window" "$PWD/else where/slabs.nii.gz"
     pass
     enter
+    xdotool key --window "$window" r # the answer
     look '.objects == 2 and (.atlas | endswith("/else where/slabs.nii.gz"))'
     leave
 }
@@ -49,6 +50,7 @@ enter() {
     xdotool type --window "$window" "$PWD/slabs.nii.gz" # in place of the one that failed
     pass
     enter
+    xdotool key --window "$window" r
     look '.objects == 2'
     leave
 }

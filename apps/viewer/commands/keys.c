@@ -611,8 +611,26 @@ static bool press_at_start(struct window *window, const char *key)
     return true;
 }
 
+static bool press_in_question(struct window *window, const char *key)
+{
+    bool may_be_added = window->files.asked.may_be_added;
+    if (may_be_added && (strcasecmp(key, "a") == 0 || strcasecmp(key, "enter") == 0)) {
+        window_answer(window, OPEN_ADDS);
+    } else if (strcasecmp(key, "r") == 0) {
+        window_answer(window, OPEN_REPLACES);
+    } else if (strcasecmp(key, "escape") == 0) {
+        window_answer(window, OPEN_ASKS);
+    } else {
+        return strcasecmp(key, "ctrl+q") == 0 && press_anywhere(window, key);
+    }
+    return true;
+}
+
 bool keys_press(struct window *window, const char *key)
 {
+    if (window->files.asked.count) {
+        return press_in_question(window, key);
+    }
     if (window->dialog.on) {
         return press_in_dialog(window, key);
     }

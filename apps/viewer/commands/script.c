@@ -193,7 +193,7 @@ static bool do_type(struct call *call)
 
 static bool do_drop(struct call *call)
 {
-    window_drop(call->window, call->count, (const char *const *)call->arguments);
+    window_want_all(call->window, call->count, (const char *const *)call->arguments);
     return true;
 }
 
@@ -212,7 +212,7 @@ static bool do_take_out(struct call *call)
 static bool do_add(struct call *call)
 {
     int kind = 0;
-    while (kind < ADD_STREAMLINES && strcmp(addition_names[kind], call->words[0]) != 0) {
+    while (kind < ADD_ATLAS && strcmp(addition_names[kind], call->words[0]) != 0) {
         kind++;
     }
     window_add(call->window, (enum addition)kind, call->arguments[0]);
@@ -337,8 +337,7 @@ static bool do_choose(struct call *call)
 static bool do_target(struct call *call)
 {
     const conus_atlas *atlas = call->viewer->atlases->atlas;
-    const conus_object *object =
-        call->count ? conus_atlas_object(atlas, search_best(atlas, call->arguments[0])) : NULL;
+    const conus_object *object = call->count ? conus_atlas_object(atlas, search_best(atlas, call->arguments[0])) : NULL;
     bool fine = object || !call->count;
     if (fine) {
         window_want_target(call->window, object ? object->name : NULL);
@@ -709,6 +708,7 @@ static const struct script_command {
     {"context", 1, 1, "FILE", .act = do_add},
     {"pathway", 1, 1, "FILE[,threshold=T][,name=S][,volume=K] or FILE,band=LOW:HIGH:NAME", .act = do_add},
     {"streamlines", 1, 1, "FILE[,radius=R][,name=S][,moves]", .act = do_add},
+    {"atlas", 1, 1, "FILE or NAME", .act = do_add},
     {"take-out", 1, 1, "FILE that was added", .act = do_take_out},
     {"aim", 6, 6, "X Y Z TX TY TZ", .act = do_aim},
     {"point", 2, 2, "RIGHT DOWN, parts of the 3-D pane", .act = do_point},

@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-const char *const addition_names[ADDITION_COUNT] = {"context", "pathway", "streamlines"};
+const char *const addition_names[ADDITION_COUNT] = {"context", "pathway", "streamlines", "atlas"};
 
 enum addition addition_of(const char **value, const char *word)
 {
@@ -98,6 +98,21 @@ json_t *additions_without(const json_t *words, size_t index)
         }
     }
     return without;
+}
+
+json_t *additions_atlases(const json_t *words)
+{
+    json_t *atlases = json_array();
+    bool fine = atlases;
+    for (size_t i = 0; i < json_array_size(words) && fine; i++) {
+        const char *value;
+        fine = addition_of(&value, word_at(words, i)) != ADD_ATLAS ||
+               !json_array_append(atlases, json_array_get(words, i));
+    }
+    if (!fine) {
+        json_decref(atlases);
+    }
+    return fine ? atlases : NULL;
 }
 
 size_t additions_index(const json_t *words, const char *path)
@@ -203,7 +218,7 @@ json_t *additions_describe(const conus_atlas *atlas, const json_t *words)
     bool fine = list && taken.tractograms && taken.volumes;
     for (size_t i = 0; i < json_array_size(words) && fine; i++) {
         const char *value;
-        if (addition_of(&value, word_at(words, i)) < ADDITION_COUNT) {
+        if (addition_of(&value, word_at(words, i)) < ADD_ATLAS) {
             fine = !json_array_append_new(list, describe(&taken, atlas, word_at(words, i)));
         }
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Additions to an atlas: contexts, pathways and tractograms, as options of the command line, words such as
- * "--streamlines=FILE,radius=1". */
+/** @file Additions to an atlas: contexts, pathways, tractograms and further atlases, as options of the command line,
+ * words such as "--streamlines=FILE,radius=1". */
 #ifndef CONUS_VIEWER_MODEL_ADDITIONS_H
 #define CONUS_VIEWER_MODEL_ADDITIONS_H
 
@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum addition { ADD_CONTEXT = 0, ADD_PATHWAY, ADD_STREAMLINES, ADDITION_COUNT };
+enum addition { ADD_CONTEXT = 0, ADD_PATHWAY, ADD_STREAMLINES, ADD_ATLAS, ADDITION_COUNT };
 /** Their options, without dashes: "context". */
 extern const char *const addition_names[ADDITION_COUNT];
 
@@ -29,8 +29,12 @@ json_t *additions_without(const json_t *words, size_t index);
 /** Index in @p words of the newest one whose file is @p path, or has that name; the number of words = none. */
 size_t additions_index(const json_t *words, const char *path);
 
-/** The additions as a session keeps them: an array, in the order of @p words, of {"option": the word, "path": its file,
- * "sha256" and "bytes" of that where they are known, "objects": numbers in @p atlas}. NULL without memory. */
+/** Those of @p words that name further atlases, in their order. NULL without memory. */
+json_t *additions_atlases(const json_t *words);
+
+/** The additions as a session keeps them, but for further atlases: an array, in the order of @p words, of {"option":
+ * the word, "path": its file, "sha256" and "bytes" of that where they are known, "objects": numbers in @p atlas}. NULL
+ * without memory. */
 json_t *additions_describe(const conus_atlas *atlas, const json_t *words);
 /** The opened files, as "opened" of a session has them: {"folder": where conus was started, "options": words of the
  * command line, "added": what they add (additions_describe()), "sha256" and "bytes" of the atlas's file}. NULL without

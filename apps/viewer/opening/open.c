@@ -16,6 +16,7 @@
 #include "viewer/opening/reopen.h"
 #include "viewer/opening/waiting.h"
 #include "viewer/session/session.h"
+#include "viewer/session/session_atlases.h"
 #include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
@@ -29,6 +30,7 @@
 struct file_set {
     const char *atlas;   /* Or a session, or an image, which opening it tells; NULL = there is none. */
     bool is_session;     /* It is a session. */
+    bool is_known;       /* It is an atlas. */
     const char **images; /* [image_count] */
     const char **tractograms;
     size_t image_count, tractogram_count;
@@ -128,6 +130,7 @@ static bool find_atlas(struct file_set *set, struct window *window, const struct
         const char *path = set->images[i];
         if (is_atlas(window, path, settings, why)) {
             fine = use_atlas(set, path, false, why);
+            set->is_known = true;
         } else {
             fine =
                 atlas_input_is_image(why) && (!set->image_count || refuse_second(set->images[0], path, "images", why));
@@ -481,11 +484,113 @@ static bool open_session(struct window *window, const char *session, const char 
     return fine;
 }
 
-/* Adds images and tractograms to the atlas that is open. */
+/* The place of a word in a list, from 1; 0 = it is not there. */
+static size_t find_place(const json_t *list, const json_t *word)
+{
+    size_t place = 0;
+    for (size_t i = json_array_size(list); i-- > 0;) {
+        place = json_equal(json_array_get(list, i), word) ? i + 1 : place;
+    }
+    return place;
+}
+
+/* The number now of an atlas that had `number` then, both from 1; 0 = it is gone. The lists are of further atlases. */
+static size_t find_number(json_int_t number, const json_t *then, const json_t *now)
+{
+    size_t place = number > 1 ? find_place(now, json_array_get(then, (size_t)number - 2)) : 0;
+    return number > 1 ? place + (place > 0) : 1;
+}
+
+/* Has a session that was left with the further atlases `then` fit the window, which has others. */
+static void fit_session(json_t *session, const struct viewer *viewer, const json_t *then, const json_t *now)
+{
+    const json_t *before = json_object_get(session, "further_atlases");
+    json_t *further = viewer->atlas_count > 1 ? session_further(viewer) : NULL;
+    json_t *pins = json_object_get(session, "confirmed");
+    size_t drawn = find_number(json_integer_value(json_object_get(session, "drawn")), then, now);
+    for (size_t i = 0; i < json_array_size(further); i++) {
+        size_t place = find_place(then, json_array_get(now, i));
+        (void)(place && json_array_set(further, i, json_array_get(before, place - 1)));
+    }
+    for (size_t i = json_array_size(pins); i-- > 0;) {
+        json_t *pin = json_array_get(pins, i);
+        size_t number = find_number(json_integer_value(json_object_get(pin, "atlas")), then, now);
+        if (number) {
+            json_object_set_new(pin, "atlas", json_integer((json_int_t)number));
+        } else {
+            json_array_remove(pins, i);
+        }
+    }
+    json_object_del(session, "further_atlases");
+    json_object_del(session, "drawn");
+    if (further) {
+        json_object_set_new(session, "further_atlases", further);
+        json_object_set_new(session, "drawn", json_integer((json_int_t)(drawn ? drawn : 1)));
+    }
+}
+
+/* Opens the atlas with other further ones. All stays as it is set, but what could be taken back. */
+static bool open_anew(struct window *window, const json_t *words, const struct view_settings *settings,
+                      char why[LOADER_WHY])
+{
+    struct worded worded;
+    char refused[PROPERTY_REASON] = "";
+    char *path = strdup(window->viewer->atlases->path);
+    char *saved = window->history.session_path ? strdup(window->history.session_path) : NULL;
+    bool lists = window->forms.added.open;
+    json_int_t drawn = window->viewer->drawn - window->viewer->atlases + 1;
+    uint32_t chosen = window->viewer->drawn->shown.chosen;
+    json_t *session = session_json(window);
+    json_t *then = additions_atlases(json_object_get(window->files.opened, "options"));
+    bool fine = worded_parse(&worded, words, settings, false) == EXIT_DONE;
+    if (!fine) {
+        snprintf(why, LOADER_WHY, "%s", error_line());
+    } else if (!path || !session || !then) {
+        fine = false;
+        snprintf(why, LOADER_WHY, "not enough memory");
+    } else {
+        fine = open_named(window, path, &worded.settings, why);
+    }
+    if (fine) {
+        json_t *now = additions_atlases(json_object_get(window->files.opened, "options"));
+        fit_session(session, window->viewer, then, now);
+        fine = session_read(window, session, refused);
+        if (find_number(drawn, then, now)) {
+            window->viewer->drawn->shown.chosen = chosen;
+        }
+        json_decref(now);
+        window->history.session_path = saved;
+        window->forms.added = (struct added_form){.open = lists, .kind = ADD_ATLAS, .is_set = true};
+        viewer_say(window->viewer, "%s",
+                   fine ? "the same questions for other atlases; no change before this is taken back" : refused);
+    } else {
+        free(saved);
+    }
+    worded_finish(&worded);
+    json_decref(session);
+    json_decref(then);
+    free(path);
+    return fine;
+}
+
+/* Opens the atlas that is open with other options. */
+static bool open_words(struct window *window, const json_t *words, int step, const struct view_settings *settings,
+                       char why[LOADER_WHY])
+{
+    json_t *then = additions_atlases(json_object_get(window->files.opened, "options"));
+    json_t *now = additions_atlases(words);
+    bool fine =
+        json_equal(then, now) ? reopen(window, words, step, settings, why) : open_anew(window, words, settings, why);
+    json_decref(then);
+    json_decref(now);
+    return fine;
+}
+
+/* Adds images, tractograms and an atlas to the atlas that is open. */
 static bool add_all(struct window *window, const struct file_set *set, const struct view_settings *settings,
                     char why[LOADER_WHY])
 {
-    const char *first = set->image_count ? set->images[0] : set->tractograms[0];
+    const char *first = set->atlas ? set->atlas : set->image_count ? set->images[0] : set->tractograms[0];
     if (!window->viewer) {
         snprintf(why, LOADER_WHY, "%.300s: %s: open the atlas that it belongs to first, then this", first,
                  set->image_count ? "an image" : "a tractogram");
@@ -501,7 +606,12 @@ static bool add_all(struct window *window, const struct file_set *set, const str
         json_decref(all);
         all = more;
     }
-    bool fine = all && reopen(window, all, 0, settings, why);
+    if (all && set->atlas) {
+        json_t *more = additions_with(all, ADD_ATLAS, set->atlas);
+        json_decref(all);
+        all = more;
+    }
+    bool fine = all && open_words(window, all, 0, settings, why);
     if (words && !all) {
         snprintf(why, LOADER_WHY, "%.300s: not enough memory, or a name that is not UTF-8", first);
         print_error_line("%s", why);
@@ -510,44 +620,60 @@ static bool add_all(struct window *window, const struct file_set *set, const str
     return fine;
 }
 
-/* Opens an atlas in place of the open one; an image that is no atlas is added as context. */
-static bool open_sorted(struct window *window, struct file_set *set, const struct view_settings *settings,
-                        bool with_options, char why[LOADER_WHY])
+/* Opens an atlas in place of the open one, or adds it. */
+static bool open_sorted(struct window *window, struct file_set *set, enum opening how,
+                        const struct view_settings *settings, bool with_options, char why[LOADER_WHY])
 {
-    struct view_settings first = *settings;
     struct view_settings later = *settings;
     bool fine = true;
-    if (set->atlas) {
-        first.atlas.image_is_fine = window->viewer && !window->files.session_waits && !set->is_session;
+    if (set->atlas && how != OPEN_ADDS) {
         const char *waiting = set->is_session ? set->atlas : window->files.session_waits;
         char *session = waiting ? strdup(waiting) : NULL; /* what waits is freed when it opens */
-        fine = session ? open_session(window, session, set->is_session ? NULL : set->atlas, &first, with_options, why)
-                       : open_named(window, set->atlas, &first, why);
+        fine = session ? open_session(window, session, set->is_session ? NULL : set->atlas, settings, with_options, why)
+                       : open_named(window, set->atlas, settings, why);
         free(session);
-        if (!fine && first.atlas.image_is_fine && atlas_input_is_image(why)) {
-            set->images[set->image_count++] = set->atlas;
-            why[0] = '\0';
-            fine = true;
-        }
+        set->atlas = NULL;
     }
     leave_options(&later);
-    return fine && (!(set->image_count + set->tractogram_count) || add_all(window, set, &later, why));
+    bool adds = set->atlas || set->image_count || set->tractogram_count;
+    return fine && (!adds || add_all(window, set, &later, why));
 }
 
-/* The files of `wanted`, in any order; but where another atlas may be among them and what was confirmed would be lost,
- * the start page asks first. */
-static bool open_files(struct window *window, const struct wanted *wanted, const struct view_settings *settings,
+/* Whether the user is to be asked how the files open: an atlas may be added to what is open or take its place, and a
+ * session ends what was confirmed. An image is added. False, too, where there is no such atlas, as `why` says. */
+static bool has_question(struct window *window, struct file_set *set, struct wanted *wanted,
+                         const struct view_settings *settings, char why[LOADER_WHY])
+{
+    if (!window->viewer || window->files.session_waits || wanted->how != OPEN_ASKS || !set->atlas) {
+        return false;
+    }
+    wanted->asked_of = set->atlas;
+    wanted->may_be_added = !set->is_session;
+    if (set->is_session || set->is_known) {
+        return !set->is_session || window->viewer->pin_count;
+    }
+    bool is = is_atlas(window, set->atlas, settings, why);
+    if (!is && atlas_input_is_image(why)) {
+        set->images[set->image_count++] = set->atlas;
+        set->atlas = NULL;
+        why[0] = '\0';
+    }
+    return is;
+}
+
+/* The files of `wanted`, in any order, once the user has said how. */
+static bool open_files(struct window *window, struct wanted *wanted, const struct view_settings *settings,
                        bool with_options, char why[LOADER_WHY])
 {
     struct file_set set;
     bool fine = file_set_find(&set, window, wanted, settings, why);
-    if (fine && wanted->asks && (set.atlas || set.image_count)) {
-        window_ask(window, wanted);
-        fine = false;
-    }
-    fine = fine && open_sorted(window, &set, settings, with_options, why);
+    bool asks = fine && has_question(window, &set, wanted, settings, why);
+    fine = fine && !asks && !why[0] && open_sorted(window, &set, wanted->how, settings, with_options, why);
     free((void *)set.images);
     free((void *)set.tractograms);
+    if (asks) {
+        window_ask(window, wanted);
+    }
     return fine;
 }
 
@@ -578,7 +704,7 @@ bool open_wanted(struct window *window, const struct view_settings *settings, bo
     if (!with_options) {
         leave_options(&used);
     }
-    bool fine = wanted.words ? reopen(window, wanted.words, wanted.step, &used, why)
+    bool fine = wanted.words ? open_words(window, wanted.words, wanted.step, &used, why)
                              : open_files(window, &wanted, &used, with_options, why);
     wait_leave(window); /* it was a session, and its atlas is another */
     window->press = press;

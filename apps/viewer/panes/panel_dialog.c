@@ -164,8 +164,10 @@ void panel_dialog(struct window *window)
     draw_line(window);
     size_t pins = window->viewer && window->dialog.purpose == DIALOG_OPEN ? window->viewer->pin_count : 0;
     if (pins) {
-        ui_text_coloured(theme_texts[THEME_ORANGE],
-                         "Another atlas ends the list of what was confirmed (%zu); O in the window saves it.", pins);
+        ui_text_coloured(
+            theme_texts[THEME_ORANGE],
+            "Another atlas in place of this one ends the list of what was confirmed (%zu); O in the window saves it.",
+            pins);
     }
     ui_gap(ui_line() / 2);
     float lists = fmaxf(ui_room_below() - 4 * ui_line(), 5 * ui_line());
@@ -185,4 +187,43 @@ void panel_dialog(struct window *window)
     bool escaped = ui_escaped();
     ui_panel_end();
     window->dialog.on = window->dialog.on && !escaped;
+}
+
+void panel_ask(struct window *window)
+{
+    const struct wanted *asked = &window->files.asked;
+    char name[NAME_MAX + 1];
+    bool may_be_added = asked->may_be_added;
+    size_t pins = window->viewer ? window->viewer->pin_count : 0;
+    const char *slash = strrchr(asked->asked_of, '/');
+    snprintf(name, sizeof name, "%s", slash ? slash + 1 : asked->asked_of);
+    conus_plain_text(name);
+    window_panel(window, "Add or replace?", 460, 170);
+    ui_text_wrapped(name);
+    ui_text_wrapped(may_be_added ? "Another atlas is open. Both can be: the same cone is asked in each, and each has a "
+                                   "list. Or this one takes its place."
+                                 : "This session takes the place of what is open.");
+    if (pins) {
+        ui_tint(theme_texts[THEME_ORANGE]);
+        ui_text_wrapped("If it takes its place, the list of what was confirmed ends.");
+        ui_tint_end();
+    }
+    ui_gap(ui_line() / 4);
+    if (may_be_added) {
+        if (ui_button("Add")) {
+            window_answer(window, OPEN_ADDS);
+        }
+        ui_tip("opens it beside what is open, as --atlas does; A or Enter");
+        ui_same_line();
+    }
+    if (ui_button("Replace")) {
+        window_answer(window, OPEN_REPLACES);
+    }
+    ui_tip("closes what is open; R");
+    ui_same_line();
+    if (ui_button("Cancel")) {
+        window_answer(window, OPEN_ASKS);
+    }
+    ui_tip("all stays as it is; Escape");
+    ui_panel_end();
 }

@@ -8,6 +8,7 @@
 
 void panel_start(struct window *window);  /**< In place of all others. */
 void panel_dialog(struct window *window); /**< Likewise. */
+void panel_ask(struct window *window);    /**< Before all others: how files open that the user is asked about. */
 void panel_areas(struct window *window);
 /** A folded panel, left (0) or right (1). */
 void panel_rail(struct window *window, size_t side);

@@ -309,7 +309,7 @@ static void take_drop(GLFWwindow *handle, int count, const char **paths)
     struct window *window = glfwGetWindowUserPointer(handle);
     want_frames(handle);
     if (window) {
-        window_drop(window, (size_t)count, paths);
+        window_want_all(window, (size_t)count, paths);
     }
 }
 
@@ -475,6 +475,7 @@ void window_close(struct window *window)
     history_finish(&window->history);
     devices_finish(&window->inputs.devices);
     wanted_finish(&window->files.wanted);
+    wanted_finish(&window->files.asked);
     free(window->files.session_waits);
     free(window->files.doubted);
     json_decref(window->files.opened);
@@ -512,8 +513,11 @@ void window_go_to_start(struct window *window)
     window->dialog.on = false;
     start->why[0] = '\0';
     if (pins) {
-        snprintf(start->why, sizeof start->why,
-                 "Another atlas ends the list of what was confirmed (%zu). Escape goes back, where O saves it.", pins);
+        snprintf(
+            start->why, sizeof start->why,
+            "Another atlas in place of this one ends the list of what was confirmed (%zu). Escape goes back, where O "
+            "saves it.",
+            pins);
     }
     start->on = true;
 }
@@ -687,8 +691,7 @@ void wanted_finish(struct wanted *wanted)
     *wanted = (struct wanted){.count = 0};
 }
 
-/* Wants several files: an atlas or a session, and files to add to it, in any order. */
-static void window_want_all(struct window *window, size_t count, const char *const *paths)
+void window_want_all(struct window *window, size_t count, const char *const *paths)
 {
     bool fine = true;
     wanted_finish(&window->files.wanted);
@@ -729,17 +732,24 @@ void window_want_sample(struct window *window)
     }
 }
 
-void window_drop(struct window *window, size_t count, const char *const *paths)
+void window_ask(struct window *window, struct wanted *wanted)
 {
-    window_want_all(window, count, paths);
-    window->files.wanted.asks = !window->start.on && window->viewer->pin_count;
+    wanted_finish(&window->files.asked);
+    window->files.asked = *wanted;
+    *wanted = (struct wanted){.count = 0};
+    window->frame.frames_wanted = FRAMES_PER_EVENT;
 }
 
-void window_ask(struct window *window, const struct wanted *wanted)
+void window_answer(struct window *window, enum opening how)
 {
-    window_go_to_start(window);
-    if (wanted->count == 1) {
-        snprintf(window->start.typed, sizeof window->start.typed, "%s", wanted->paths[0]);
+    struct wanted asked = window->files.asked;
+    window->files.asked = (struct wanted){.count = 0};
+    if (how == OPEN_ASKS) {
+        wanted_finish(&asked);
+    } else {
+        wanted_finish(&window->files.wanted);
+        window->files.wanted = asked;
+        window->files.wanted.how = how;
     }
 }
 

@@ -87,11 +87,16 @@ struct added_form {
     bool is_set;           /**< The text is not what the line has. */
 };
 
+/** What an atlas does to the one that is open; a session always replaces it. */
+enum opening { OPEN_ASKS = 0 /**< The user is asked. */, OPEN_ADDS, OPEN_REPLACES };
+
 /** Files, or options, that are to be opened next. */
 struct wanted {
     char **paths; /**< [count] Atlases, sessions, and what is to be added; 0 = none. */
     size_t count;
-    bool asks;            /**< Where an atlas may be among them, the user is asked first. */
+    enum opening how;
+    const char *asked_of; /**< The one of them that the user is asked of, */
+    bool may_be_added;    /**< and whether it can be added. */
     bool by_dialog;       /**< It is the dialog that asked, and says so where they cannot be opened. */
     struct json_t *words; /**< Options with which the atlas that is open is to be opened again; NULL = none. */
     int step;             /**< By which undo goes then (session/undo.h). */
@@ -103,6 +108,7 @@ enum saved_file { SAVE_SESSION = 0, SAVE_SAME_SESSION, SAVE_PICTURE, SAVE_RESULT
 /** The files that are open, and those that are to be opened or saved next. */
 struct window_files {
     struct wanted wanted;
+    struct wanted asked;   /**< Those that the user is asked about: a question lies before all else. */
     struct loader *begun;  /**< Loads the wanted files since before there was a window; NULL = none. */
     struct json_t *opened; /**< The open ones as a session keeps them (model/session_file.h); NULL = unknown. */
     conus_hemispheres hemispheres;
@@ -259,11 +265,12 @@ void window_use_dialog(struct window *window);
 void window_use_folder(struct window *window);
 /** Shows the start page, which says what would be lost with the atlas that is open. */
 void window_go_to_start(struct window *window);
-/** Asks for what was dropped on the window; where another atlas may be among it and confirmed results would be lost,
- * only once it is opened from the start page. */
-void window_drop(struct window *window, size_t count, const char *const *paths);
-/** Shows that start page, for files that were dropped. */
-void window_ask(struct window *window, const struct wanted *wanted);
+/** Wants several files: an atlas or a session, and files to add to it, in any order. */
+void window_want_all(struct window *window, size_t count, const char *const *paths);
+/** Asks the user how @p wanted, which it takes over, is to be opened. */
+void window_ask(struct window *window, struct wanted *wanted);
+/** The user's answer, OPEN_ASKS = not at all. */
+void window_answer(struct window *window, enum opening how);
 /** Says one line where it is seen: on the start page, or in the status line. */
 void window_say(struct window *window, const char *text);
 /** Where it is now. */
