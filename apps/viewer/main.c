@@ -8,12 +8,15 @@
 #include "viewer/opening/open.h"
 #include "viewer/opening/view_words.h"
 #include "viewer/opening/waiting.h"
+#include "viewer/window/desktop.h"
 
 #include <GLFW/glfw3.h>
 #include <stdio.h>
 #include <string.h>
 
 enum { DEFAULT_WIDTH = 1500, DEFAULT_HEIGHT = 940 };
+
+static const char *const themes[] = {"auto", "dark", "light", NULL};
 
 static const struct option own_options[] = {
     {.name = "size",
@@ -44,6 +47,12 @@ static const struct option own_options[] = {
      .type = OPTION_FLAG,
      .offset = offsetof(struct view_settings, safe_colours),
      .help = "colours for any colour vision, instead of the atlas's own"},
+    {.name = "theme",
+     .type = OPTION_CHOICE,
+     .offset = offsetof(struct view_settings, theme),
+     .value = "NAME",
+     .help = "colours of panels, auto by the desktop's setting (with --script dark):",
+     .choices = themes},
     {.name = "full-screen",
      .type = OPTION_FLAG,
      .offset = offsetof(struct view_settings, full_screen),
@@ -156,6 +165,9 @@ static void find_window_options(struct window_options *out, const struct view_se
 {
     *out = (struct window_options){.place = {.width = DEFAULT_WIDTH, .height = DEFAULT_HEIGHT},
                                    .scale = settings->scale,
+                                   .theme = settings->theme    ? (enum theme)(settings->theme - 1)
+                                            : settings->script ? THEME_DARK
+                                                               : desktop_theme(),
                                    .hidden = settings->hidden,
                                    .fits_screen = !settings->script};
     if (!settings->script) {

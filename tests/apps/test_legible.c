@@ -57,34 +57,46 @@ static bool may_stand(size_t text, size_t surface)
 
 static void every_text_can_be_read(void **state)
 {
-    size_t pairs = 0;
     (void)state;
-    for (size_t text = 0; text < THEME_TEXTS; text++) {
-        for (size_t surface = 0; surface < THEME_SURFACES; surface++) {
-            double contrast = theme_contrast(theme_texts[text], surface_of(surface));
-            if (may_stand(text, surface) && contrast < THEME_CONTRAST) {
-                fail_msg("text %zu on surface %zu: %.2f", text, surface, contrast);
+    for (enum theme theme = THEME_DARK; theme < THEME_COUNT; theme++) {
+        size_t pairs = 0;
+        theme_use(theme);
+        assert_int_equal(theme_used(), theme);
+        for (size_t text = 0; text < THEME_TEXTS; text++) {
+            for (size_t surface = 0; surface < THEME_SURFACES; surface++) {
+                const ui_colour *texts = surface == THEME_SHADE ? theme_shaded : theme_texts;
+                double contrast = theme_contrast(texts[text], surface_of(surface));
+                if (may_stand(text, surface) && contrast < THEME_CONTRAST) {
+                    fail_msg("theme %d, text %zu on surface %zu: %.2f", (int)theme, text, surface, contrast);
+                }
+                pairs += may_stand(text, surface);
             }
-            pairs += may_stand(text, surface);
         }
+        assert_int_equal(pairs, 18 + 5 * 9 + 3);
     }
-    assert_int_equal(pairs, 18 + 5 * 9 + 3);
+    theme_use(THEME_DARK);
 }
 
 /* Hidden areas, old answers: not on knobs; what is chosen or a heading, only on panels. */
 static void pale_texts_can_be_read(void **state)
 {
     (void)state;
-    for (size_t surface = 0; surface < THEME_SURFACES; surface++) {
-        ui_colour below = surface_of(surface);
-        bool is_knob = surface == THEME_KNOB || surface == THEME_KNOB_HELD;
-        if (!is_knob &&
-            theme_contrast(theme_over(theme_texts[THEME_PLAIN], below, theme_pale), below) < THEME_CONTRAST) {
-            fail_msg("pale on surface %zu", surface);
+    for (enum theme theme = THEME_DARK; theme < THEME_COUNT; theme++) {
+        theme_use(theme);
+        for (size_t surface = 0; surface < THEME_SHADE; surface++) {
+            ui_colour below = surface_of(surface);
+            bool is_knob = surface == THEME_KNOB || surface == THEME_KNOB_HELD;
+            if (!is_knob &&
+                theme_contrast(theme_over(theme_texts[THEME_PLAIN], below, theme_pale), below) < THEME_CONTRAST) {
+                fail_msg("theme %d: pale on surface %zu", (int)theme, surface);
+            }
         }
+        ui_colour panel = surface_of(THEME_PANEL);
+        assert_true(theme_contrast(theme_over(theme_texts[THEME_AMBER], panel, theme_pale), panel) >= THEME_CONTRAST);
     }
-    ui_colour panel = surface_of(THEME_PANEL);
-    assert_true(theme_contrast(theme_over(theme_texts[THEME_AMBER], panel, theme_pale), panel) >= THEME_CONTRAST);
+    theme_use(THEME_DARK);
+    ui_colour shade = surface_of(THEME_SHADE);
+    assert_true(theme_contrast(theme_over(theme_shaded[THEME_PLAIN], shade, theme_pale), shade) >= THEME_CONTRAST);
 }
 
 static bool begins_with_one_of(const char *name, const char *const *beginnings)
@@ -97,7 +109,7 @@ static bool begins_with_one_of(const char *name, const char *const *beginnings)
 }
 
 /* The colours that the widgets really have: plain text on all that a widget with text fills, and marks on fields. */
-static void the_widgets_have_these_colours(void **state)
+static void the_widgets_of_a_theme_have_its_colours(enum theme theme)
 {
     static const char *const filled[] = {"WindowBg", "PopupBg",       "FrameBg",       "TitleBg",    "Button",
                                          "Header",   "TableHeaderBg", "TableRowBgAlt", "SliderGrab", "TextSelectedBg",
@@ -106,7 +118,7 @@ static void the_widgets_have_these_colours(void **state)
     const char *name;
     ui_colour colour;
     size_t seen = 0;
-    (void)state;
+    theme_use(theme);
     assert_true(ui_audit_create(1, 640, 480));
     for (size_t i = 0; ui_audit_colour(&colour, &name, i); i++) {
         bool is_filled = begins_with_one_of(name, filled) && strcmp(name, "TitleBgCollapsed") != 0;
@@ -125,6 +137,13 @@ static void the_widgets_have_these_colours(void **state)
     }
     assert_int_equal(seen, 20);
     ui_destroy();
+}
+
+static void the_widgets_have_these_colours(void **state)
+{
+    (void)state;
+    the_widgets_of_a_theme_have_its_colours(THEME_LIGHT);
+    the_widgets_of_a_theme_have_its_colours(THEME_DARK);
 }
 
 static const char long_name[] = "superior longitudinal fasciculus, temporoparietal part, of the left hemisphere";

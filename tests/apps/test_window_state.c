@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What the window keeps from one run to the next: its place, the texts' size, what was opened; and its start page. */
 #include "base/memory.h"
+#include "viewer/window/desktop.h"
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
 
@@ -13,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Of a file that the window keeps, in a folder of this run. */
@@ -447,6 +449,43 @@ static void without_an_atlas_a_phantom_is_the_sample(void **state)
     start_finish(&start);
 }
 
+/* Answers of the portal as gdbus prints them; it prints none where it fails. */
+static void the_theme_is_the_desktops(void **state)
+{
+    static const struct {
+        const char *answer;
+        enum theme theme;
+    } cases[] = {{"'(<<uint32 1>>,)'", THEME_DARK},
+                 {"'(<<uint32 2>>,)'", THEME_LIGHT},
+                 {"'(<<uint32 0>>,)'", THEME_LIGHT}, /* so says GNOME where it is light */
+                 {"", THEME_DARK},
+                 {"nonsense", THEME_DARK}};
+    char path[PATH_MAX];
+    char script[PATH_MAX];
+    (void)state;
+    const char *before = getenv("PATH");
+    test_folder("desktop");
+    snprintf(script, sizeof script, "%s", test_in("gdbus"));
+    assert_non_null(realpath(test_in(""), path));
+    char *both = NULL;
+    assert_true(asprintf(&both, "%s:%s", path, before) > 0);
+    char *kept = strdup(before);
+    setenv("PATH", both, 1);
+    setenv("DBUS_SESSION_BUS_ADDRESS", "unix:path=/nowhere", 1);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[128];
+        int size = snprintf(text, sizeof text, "#!/bin/sh\necho %s\n", cases[i].answer);
+        assert_ok(conus_write_file(script, text, (size_t)size));
+        assert_int_equal(chmod(script, 0755), 0);
+        assert_int_equal(desktop_theme(), cases[i].theme);
+    }
+    unsetenv("DBUS_SESSION_BUS_ADDRESS");
+    assert_int_equal(desktop_theme(), THEME_DARK); /* without a bus nobody is asked */
+    setenv("PATH", kept, 1);
+    free(both);
+    free(kept);
+}
+
 TEST_GROUP(window_state)
 {
     const struct CMUnitTest tests[] = {
@@ -465,6 +504,7 @@ TEST_GROUP(window_state)
         cmocka_unit_test(a_link_to_an_atlas_is_opened_where_it_is),
         cmocka_unit_test(where_nothing_was_typed_the_arrows_choose),
         cmocka_unit_test(without_an_atlas_a_phantom_is_the_sample),
+        cmocka_unit_test(the_theme_is_the_desktops),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

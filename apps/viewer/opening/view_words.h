@@ -20,6 +20,7 @@ struct view_settings {
     const char *transfer, *script, *session;
     uint32_t size[2];
     double scale;
+    size_t theme; /* 0 = the desktop's, else that of enum theme, from 1 */
     bool hidden, safe_colours, full_screen;
     const struct arguments *arguments; /* no option: that these came from; NULL = from none */
 };

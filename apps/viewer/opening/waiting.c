@@ -17,7 +17,7 @@ static const double patience_s = 0.2, first_patience_s = 0.05;
 static void draw_page(struct window *window, struct loader *loader, double seconds)
 {
     static const ui_colour light = {235, 235, 240, 255};
-    static const ui_colour dim = {255, 255, 255, 25};
+    static const ui_colour dim = {128, 128, 128, 60};
     static const ui_colour full = {66, 150, 250, 255};
     struct loader_progress progress;
     char text[160];

@@ -238,9 +238,9 @@ static void draw_waiting(const struct window *window)
     char error[256];
     const float at[2] = {box->x + 20, box->y + box->height / 2};
     if (!window->viewer->painter) {
-        ui_draw_text(at, theme_texts[THEME_ORANGE], "not enough memory to draw");
+        ui_draw_text(at, theme_shaded[THEME_ORANGE], "not enough memory to draw");
     } else if (painter_error(window->viewer->painter, error, sizeof error)) {
-        ui_draw_text(at, theme_texts[THEME_ORANGE], error);
+        ui_draw_text(at, theme_shaded[THEME_ORANGE], error);
     } else if (!window->pictures.painted.name) {
         ui_draw_text(at, light, "drawing ...");
     }
@@ -257,17 +257,17 @@ static void draw_notices(const struct window *window)
     float at[2] = {box->x + 8, box->y + box->height - 1.4F * ui_line()};
     const char *text = head_text(&viewer->head, &is_well);
     if (text) {
-        ui_draw_text(at, is_well ? light : theme_texts[THEME_ORANGE], text);
+        ui_draw_text(at, is_well ? light : theme_shaded[THEME_ORANGE], text);
         at[1] -= 1.4F * ui_line();
     }
     inputs_notice(&notice, &window->inputs, window->viewer, FIRST_TOOL);
     if (notice.text) {
-        ui_draw_text(at, notice.is_trouble ? theme_texts[THEME_ORANGE] : light, notice.text);
+        ui_draw_text(at, notice.is_trouble ? theme_shaded[THEME_ORANGE] : light, notice.text);
         at[1] -= 1.4F * ui_line();
     }
     if (notice.is_old) {
         at[1] -= ui_line();
-        ui_draw_heading(at, theme_texts[THEME_ORANGE], "OLD ANSWER");
+        ui_draw_heading(at, theme_shaded[THEME_ORANGE], "OLD ANSWER");
         at[1] -= 1.4F * ui_line();
     }
     if (plans_is_on(viewer) && !notice.is_old) {
@@ -278,13 +278,13 @@ static void draw_notices(const struct window *window)
             plans_line(line, window->viewer, false);
         }
         ui_shorten(shown, sizeof shown, line, box->width - 16);
-        ui_draw_text(at, panel_verdict_colour(plans_verdict(window->viewer)), shown);
+        ui_draw_text(at, theme_shaded[panel_verdict_colour(plans_verdict(window->viewer))], shown);
         at[1] -= 1.4F * ui_line();
     }
     inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);
     if (viewer->tools[SECOND_TOOL].on && notice.text) {
         snprintf(second, sizeof second, "tool 2: %s", notice.text);
-        ui_draw_text(at, notice.is_trouble ? theme_texts[THEME_ORANGE] : light, second);
+        ui_draw_text(at, notice.is_trouble ? theme_shaded[THEME_ORANGE] : light, second);
     }
 }
 

@@ -65,7 +65,7 @@ void pane_chosen_name(struct window *window)
     if (shadow->cells.count && shadow->top.is_there) {
         char title[VIEW_ATLAS_TITLE];
         const float at[2] = {box->x + (float)(COARSE * shadow->top.x), box->y + (float)(COARSE * shadow->top.y)};
-        pane_name(&window->frame.labels, box, at, true, theme_texts[THEME_AMBER], shadow->chosen,
+        pane_name(&window->frame.labels, box, at, true, theme_shaded[THEME_AMBER], shadow->chosen,
                   view_atlas_title(title, window->viewer->drawn, shadow->chosen));
     }
 }
@@ -105,7 +105,7 @@ void pane_chosen(struct window *window)
 
 void pane_measured(const struct viewer *viewer, struct labels *labels, const struct ui_box *box, float ends[2][2])
 {
-    const ui_colour colour = theme_texts[THEME_GREEN];
+    const ui_colour colour = theme_shaded[THEME_GREEN];
     const float middle[2] = {(ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2};
     char text[48];
     for (uint32_t i = 0; i < viewer->measure.count; i++) {

@@ -315,7 +315,7 @@ void pane_cut(struct window *window, enum plane plane)
     char title[VIEW_ATLAS_TITLE];
     if (frame.pane->top.is_there && conus_atlas_object(drawn->atlas, drawn->shown.chosen)) {
         const float at[2] = {pane->box.x + (float)pane->top.x, pane->box.y + (float)pane->top.y};
-        pane_name(&frame.labels, &pane->box, at, true, theme_texts[THEME_AMBER], drawn->shown.chosen,
+        pane_name(&frame.labels, &pane->box, at, true, theme_shaded[THEME_AMBER], drawn->shown.chosen,
                   view_atlas_title(title, drawn, drawn->shown.chosen));
     }
     ui_clip_end();

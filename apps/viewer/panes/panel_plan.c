@@ -80,7 +80,7 @@ void panel_plan(struct window *window)
     const struct plan_verdict *verdict = plans_verdict(viewer);
     const struct plan_list *list = plans_list(viewer, &why);
     bool is_behind = plans_is_behind(viewer);
-    ui_tint(panel_verdict_colour(verdict));
+    ui_tint(theme_texts[panel_verdict_colour(verdict)]);
     plans_line(line, viewer, true);
     ui_text_wrapped(line);
     ui_tint_end();

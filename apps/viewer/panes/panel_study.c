@@ -105,14 +105,14 @@ static void draw_numbers(const struct study_answer *answer, struct ui_box box)
     snprintf(low, sizeof low, "%.4g\u00b0", answer->angles[0]);
     snprintf(high, sizeof high, "%.4g\u00b0", answer->angles[answer->angle_count - 1]);
     float below = box.y + box.height + 3;
-    ui_draw_text((float[]){box.x - ui_text_width("100 %") - 7, box.y - ui_line() / 2}, theme_texts[THEME_HINT],
+    ui_draw_text((float[]){box.x - ui_text_width("100 %") - 7, box.y - ui_line() / 2}, theme_shaded[THEME_HINT],
                  "100 %");
     ui_draw_text((float[]){box.x - ui_text_width("0 %") - 7, box.y + box.height - ui_line() / 2},
-                 theme_texts[THEME_HINT], "0 %");
-    ui_draw_text((float[]){box.x, below}, theme_texts[THEME_HINT], low);
-    ui_draw_text((float[]){box.x + box.width / 2 - ui_text_width("full opening") / 2, below}, theme_texts[THEME_HINT],
+                 theme_shaded[THEME_HINT], "0 %");
+    ui_draw_text((float[]){box.x, below}, theme_shaded[THEME_HINT], low);
+    ui_draw_text((float[]){box.x + box.width / 2 - ui_text_width("full opening") / 2, below}, theme_shaded[THEME_HINT],
                  "full opening");
-    ui_draw_text((float[]){box.x + box.width - ui_text_width(high), below}, theme_texts[THEME_HINT], high);
+    ui_draw_text((float[]){box.x + box.width - ui_text_width(high), below}, theme_shaded[THEME_HINT], high);
 }
 
 /* Lists the areas at an angle, in the order of the list below. */
@@ -156,7 +156,7 @@ static size_t draw_plot(const struct window *window, const struct study_answer *
         ui_draw_line((float[]){box.x, y}, (float[]){box.x + box.width, y}, grid, 1);
     }
     float x = box.x + box.width * across(answer, angle);
-    ui_draw_line((float[]){x, box.y}, (float[]){x, box.y + box.height}, theme_texts[THEME_HINT], 1);
+    ui_draw_line((float[]){x, box.y}, (float[]){x, box.y + box.height}, theme_shaded[THEME_HINT], 1);
     for (size_t i = table->curve_count; i > 0; i--) { /* the largest in front */
         const struct study_curve *curve = &table->curves[i - 1];
         bool chosen = curve->object && curve->object == viewer->drawn->shown.chosen;

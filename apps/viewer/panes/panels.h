@@ -22,10 +22,10 @@ void panel_card(struct window *window);       /**< What is known of the chosen a
 void panel_study_kind(struct viewer *viewer); /**< The choice of a study. */
 /** Sweep or jitter of the cone; pale where @p is_old says that the cone is one from before. */
 void panel_study(struct window *window, bool is_old);
-static inline ui_colour panel_verdict_colour(const struct plan_verdict *verdict) /**< The words say it, too. */
+static inline enum theme_text panel_verdict_colour(const struct plan_verdict *verdict) /**< The words say it, too. */
 {
     static const enum theme_text colours[] = {THEME_HINT, THEME_GREEN, THEME_ORANGE, THEME_ORANGE};
-    return theme_texts[colours[verdict->state]];
+    return colours[verdict->state];
 }
 /** The verdict of a plan's constraints on the first tool, and the planned poses; nothing without a plan. */
 void panel_plan(struct window *window);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The colours of the window: of texts, and of surfaces that texts stand on. Each text can be read on each
- * surface: their contrast is at least THEME_CONTRAST, also where a text is pale. */
+/** @file The colours of the window, a dark and a light theme: of texts, and of surfaces that texts stand on. Each text
+ * can be read on each surface: their contrast is at least THEME_CONTRAST, also where a text is pale. */
 #ifndef CONUS_VIEWER_UI_THEME_H
 #define CONUS_VIEWER_UI_THEME_H
 
@@ -51,10 +51,18 @@ enum theme_surface {
     THEME_SURFACES
 };
 
-extern const ui_colour theme_texts[THEME_TEXTS];
-extern const ui_colour theme_surfaces[THEME_SURFACES];
+enum theme { THEME_DARK = 0, THEME_LIGHT, THEME_COUNT };
+
+/** Of the theme in use, [THEME_TEXTS] and [THEME_SURFACES]: one for the program, as Dear ImGui's style is. */
+extern const ui_colour *theme_texts, *theme_surfaces;
+/** Texts on THEME_SHADE, over pictures, which have no theme. */
+extern const ui_colour theme_shaded[THEME_TEXTS];
+/** The theme in use; dark until theme_use(), whose colours widgets take over with the next ui_create() or
+ * ui_set_scale(). */
+enum theme theme_used(void);
+void theme_use(enum theme theme);
 /** The focus of keys, and check marks: no text stands on it. */
-extern const ui_colour theme_mark;
+ui_colour theme_mark(void);
 /** Opacity of pale texts: less would be too faint. */
 extern const float theme_pale;
 

@@ -125,7 +125,9 @@ void ui_panel(const char *title, struct ui_box box, unsigned flags)
     }
     ImGui::SetNextWindowPos(ImVec2(box.x, box.y));
     ImGui::SetNextWindowSize(ImVec2(box.width, box.height));
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, flags & UI_IN_FRONT ? 1.0F : 0.0F); /* what is below is alike */
     ImGui::Begin(title, nullptr, window);
+    ImGui::PopStyleVar();
     if (plain) {
         ImGui::PopStyleVar(2);
     }
@@ -451,7 +453,7 @@ void ui_bar(double part, float width, ui_colour colour)
     ImVec2 at = ImGui::GetCursorScreenPos();
     float height = 0.8F * ImGui::GetTextLineHeight();
     ImDrawList *list = ImGui::GetWindowDrawList();
-    list->AddRectFilled(at, ImVec2(at.x + width, at.y + height), ImGui::GetColorU32(IM_COL32(255, 255, 255, 25)));
+    list->AddRectFilled(at, ImVec2(at.x + width, at.y + height), ImGui::GetColorU32(IM_COL32(128, 128, 128, 60)));
     list->AddRectFilled(at, ImVec2(at.x + width * static_cast<float>(part), at.y + height),
                         ImGui::GetColorU32(packed(colour))); // as pale as what is around it
     ImGui::Dummy(ImVec2(width, height));

@@ -54,13 +54,17 @@ static void set_colours(ImGuiStyle &style)
     }
     style.Colors[ImGuiCol_Text] = from_theme(theme_texts[THEME_PLAIN]);
     style.Colors[ImGuiCol_TextDisabled] = from_theme(theme_texts[THEME_HINT]);
-    style.Colors[ImGuiCol_CheckMark] = style.Colors[ImGuiCol_NavHighlight] = from_theme(theme_mark);
+    style.Colors[ImGuiCol_CheckMark] = style.Colors[ImGuiCol_NavHighlight] = from_theme(theme_mark());
 }
 
 bool ui_style(float scale)
 {
     ImGuiStyle style;
-    ImGui::StyleColorsDark(&style);
+    if (theme_used() == THEME_LIGHT) {
+        ImGui::StyleColorsLight(&style);
+    } else {
+        ImGui::StyleColorsDark(&style);
+    }
     style.WindowRounding = style.WindowBorderSize = 0;
     style.FrameRounding = 3;
     style.WindowPadding = ImVec2(8, 6);

@@ -441,6 +441,7 @@ bool window_open(struct window *out, const struct window_options *options)
     put_on_screen(&window, options);
     find_scale(&window, options);
     hear_events(window.handle);
+    theme_use(options->theme);
     if (!ui_create(window.handle, window.screen.scale)) {
         print_error_line("window: no font for its texts");
         window_close(&window);

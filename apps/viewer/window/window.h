@@ -218,6 +218,7 @@ struct window {
 struct window_options {
     struct place place;
     double scale;     /**< Scale of texts and panels; 0 = the screen's. */
+    enum theme theme; /**< Of panels and widgets. */
     bool hidden;      /**< The window is not to be seen.                */
     bool fits_screen; /**< It is made as large as the screen at most, and put there. */
 };
