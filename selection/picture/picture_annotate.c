@@ -138,7 +138,7 @@ static void measure_bar(struct bar *out, const struct picture *picture, double p
     out->box = (struct draw_box){middle - half, out->base - 1.4 * size, middle + half, out->base + 0.4 * size};
 }
 
-static conus_status draw_measured(conus_image *image, const struct picture *picture, const struct bar *bar)
+static conus_status draw_bar(conus_image *image, const struct picture *picture, const struct bar *bar)
 {
     double size = picture->em;
     double line = 2 * picture->line;
@@ -160,7 +160,7 @@ conus_status picture_draw_bar(conus_image *image, const struct picture *picture,
     if (picture->rgba) {
         picture_lay_patch(image, picture, &bar.box);
     }
-    return draw_measured(image, picture, &bar);
+    return draw_bar(image, picture, &bar);
 }
 
 /* The scale, for the depth of the middle of what shows, and the cross of directions, in a corner of the drawing. */
@@ -241,7 +241,7 @@ static conus_status draw_key(conus_image *image, const struct picture *picture)
     }
     if (key.has_bar && !status) {
         picture_lay_patch(image, picture, &key.bar.box);
-        status = draw_measured(image, picture, &key.bar);
+        status = draw_bar(image, picture, &key.bar);
     }
     return status;
 }
