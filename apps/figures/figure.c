@@ -178,7 +178,7 @@ int figure_colour_atlas(conus_atlas *atlas, const struct figure_settings *settin
         print_error_line("--palette: %s: no #RRGGBB in it", palette);
         return text ? EXIT_USAGE : EXIT_DATA;
     }
-    conus_status status = count ? conus_atlas_use_palette(atlas, (const uint8_t(*)[3])rgb, count) : CONUS_OK;
+    conus_status status = count ? conus_atlas_use_palette(atlas, rgb[0], count) : CONUS_OK;
     return code || !status ? code : print_status(status);
 }
 

@@ -332,12 +332,12 @@ void conus_atlas_use_safe_colours(conus_atlas *atlas)
     use(atlas, &(struct palette){safe, sizeof safe / sizeof *safe});
 }
 
-conus_status conus_atlas_use_palette(conus_atlas *atlas, const uint8_t (*rgb)[3], size_t count)
+conus_status conus_atlas_use_palette(conus_atlas *atlas, const uint8_t *rgb, size_t count)
 {
     if (!count || count > HUE_LIMIT) {
         return fail(CONUS_ERROR_ARGUMENT, "palette of %zu colours; allowed is 1 to %d", count, HUE_LIMIT);
     }
-    use(atlas, &(struct palette){rgb, count});
+    use(atlas, &(struct palette){(const uint8_t(*)[3])rgb, count});
     return CONUS_OK;
 }
 

@@ -369,7 +369,7 @@ CONUS_API void conus_atlas_use_safe_colours(conus_atlas *atlas);
  * @threads One at a time, while no other thread uses the atlas.
  * @since 0.1
  */
-CONUS_CHECKED conus_status conus_atlas_use_palette(conus_atlas *atlas, const uint8_t (*rgb)[3], size_t count);
+CONUS_CHECKED conus_status conus_atlas_use_palette(conus_atlas *atlas, const uint8_t *rgb, size_t count);
 
 /**
  * Gives all areas, pathways and bundles the colours back that they had before conus_atlas_use_safe_colours() or

@@ -67,7 +67,7 @@ static void a_palette_has_the_colours_that_are_given(void **state)
         memcpy(own[n], atlas->objects[n].rgb, 3);
     }
     for (size_t count = 3; count >= 2; count--) {
-        assert_ok(conus_atlas_use_palette(atlas, colours, count));
+        assert_ok(conus_atlas_use_palette(atlas, colours[0], count));
         for (uint32_t n = 1; n <= RING; n++) {
             bool found = false;
             for (size_t c = 0; c < count; c++) {
@@ -76,8 +76,8 @@ static void a_palette_has_the_colours_that_are_given(void **state)
             assert_true(found && (n == RING || !alike(atlas, n, n + 1)));
         }
     }
-    assert_fails(conus_atlas_use_palette(atlas, colours, 0), CONUS_ERROR_ARGUMENT);
-    assert_fails(conus_atlas_use_palette(atlas, colours, 81), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_use_palette(atlas, colours[0], 0), CONUS_ERROR_ARGUMENT);
+    assert_fails(conus_atlas_use_palette(atlas, colours[0], 81), CONUS_ERROR_ARGUMENT);
     conus_atlas_use_own_colours(atlas);
     for (uint32_t n = 0; n < RING; n++) {
         assert_memory_equal(atlas->objects[n].rgb, own[n], 3);

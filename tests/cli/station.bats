@@ -115,6 +115,7 @@ END
     fails 2 'is no address and port' track sphere.nii.gz --listen 0
     fails 2 'is no address and port' track sphere.nii.gz --listen 70000
     fails 2 'is no address and port' track sphere.nii.gz --connect here:there
+    fails 2 '--connect: ":18944" is no address and port' track sphere.nii.gz --connect :18944
     fails 3 'is no IPv4 address to wait on' track sphere.nii.gz --listen nowhere:18944 --seconds 1
     fails 3 'none.txt' track sphere.nii.gz --listen 18944 --world-from-tracker none.txt
 }
