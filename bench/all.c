@@ -12,7 +12,7 @@
 
 enum { TIME_LIMIT = 900 }; /* seconds, of one scenario */
 
-/* Writes {settings, driver, runs, ratios, left_out}, or {error}; returns the exit code. */
+/* Writes {settings, runs, ratios, left_out}, or {error}; returns the exit code. */
 static int run_here(struct bench *bench, const struct bench_scenario *scenario, int out)
 {
     alarm(TIME_LIMIT);
@@ -20,10 +20,10 @@ static int run_here(struct bench *bench, const struct bench_scenario *scenario, 
     double load = report_load();
     conus_status status = bench->runs && bench->ratios && bench->left_out ? scenario->run(bench)
                                                                           : fail(CONUS_ERROR_MEMORY, "out of memory");
-    json_t *result = status ? json_pack("{s:s}", "error", conus_message())
-                            : json_pack("{s:o, s:s, s:O, s:O, s:O}", "settings",
-                                        report_settings(bench, bench_wall() - start, load), "driver", bench->driver,
-                                        "runs", bench->runs, "ratios", bench->ratios, "left_out", bench->left_out);
+    json_t *result =
+        status ? json_pack("{s:s}", "error", conus_message())
+               : json_pack("{s:o, s:O, s:O, s:O}", "settings", report_settings(bench, bench_wall() - start, load),
+                           "runs", bench->runs, "ratios", bench->ratios, "left_out", bench->left_out);
     bool written = result && !json_dumpfd(result, out, JSON_REAL_PRECISION(17));
     json_decref(result);
     return written && !close(out) ? EXIT_SUCCESS : EXIT_FAILURE;
@@ -88,26 +88,9 @@ static json_t *run_apart(struct bench *bench, const struct bench_scenario *scena
     return result;
 }
 
-/* Names each of "one; another" once. */
-static void add_drivers(struct bench *bench, const char *drivers)
-{
-    for (const char *end; *drivers; drivers = *end ? end + 2 : end) {
-        char name[96];
-        size_t used = strlen(bench->driver);
-        end = strstr(drivers, "; ");
-        end = end ? end : drivers + strlen(drivers);
-        snprintf(name, sizeof name, "%.*s", (int)(end - drivers), drivers);
-        if (!strstr(bench->driver, name) && used + sizeof name + 3 < sizeof bench->driver) {
-            snprintf(bench->driver + used, sizeof name + 3, "%s%s", used ? "; " : "", name);
-        }
-    }
-}
-
 /* Adds what a scenario has measured. */
 static conus_status take_result(struct bench *bench, json_t *settings, const char *name, const json_t *result)
 {
-    const char *driver = json_string_value(json_object_get(result, "driver"));
-    add_drivers(bench, driver ? driver : "");
     int error = json_array_extend(bench->runs, json_object_get(result, "runs"));
     error |= json_object_update(bench->ratios, json_object_get(result, "ratios"));
     error |= json_object_update(bench->left_out, json_object_get(result, "left_out"));

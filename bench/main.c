@@ -39,10 +39,14 @@ static const struct bench_scenario scenarios[] = {
     {"layers", "256 rays into 20,000 tori: first hits and all hits", bench_layers, 16, 5, 20},
     {"streamlines", "256 rays into 1,000 to 1,000,000 streamlines, by each kernel of the search", bench_streamlines, 4,
      5, 15},
+#if CONUS_PEERS
     {"peers_mesh", "256 rays into 20,000 tori: VTK's selector, locators and picker against the rays engine",
      bench_peers_mesh, 4, 5, 40},
+    {"peers_pick", "one pick in 2.4 million triangles: VTK's pickers, locators and selector against a ray and a cone",
+     bench_peers_pick, 16, 3, 30},
     {"peers_colour", "a picture of a volume: VTK's volume mappers against the colour pass", bench_peers_colour, 1, 3,
      20},
+#endif
     {"bonsai", "frames of 1 to 45 volumes of 256^3 bytes, without and with a selection in each, as the paper has it",
      bench_bonsai, 1, 3, 20},
     {"accuracy", "how wrong slices are: labels and thin tubes, over cones' angles", bench_accuracy, 64, 5, 2},

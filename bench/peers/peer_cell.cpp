@@ -21,7 +21,7 @@ struct peer_surface {
     vtkSmartPointer<vtkPolyData> surface;
     std::vector<uint32_t> object_of_cell;
     vtkSmartPointer<vtkAbstractCellLocator> locators[PEER_LOCATORS];
-    vtkNew<vtkCellPicker> pickers[PEER_LOCATORS];
+    vtkNew<vtkCellPicker> pickers[PEER_LOCATORS]; /* the first without a locator */
     vtkNew<vtkGenericCell> cell;
     vtkNew<vtkRenderer> renderer;
     vtkSmartPointer<vtkRenderWindow> window; /* not drawn to: pickers ask for its size */
@@ -47,8 +47,10 @@ std::unique_ptr<peer_surface> make(const mesh_object *objects, size_t count, dou
     actor->SetMapper(mapper);
     out->renderer->AddActor(actor);
     out->window = vtkSmartPointer<vtkRenderWindow>::New();
-    out->window->SetSize(PEER_RESOLUTION, PEER_RESOLUTION);
     out->window->AddRenderer(out->renderer);
+    for (auto &picker : out->pickers) {
+        picker->SetTolerance(0);
+    }
     return out;
 }
 
@@ -69,6 +71,9 @@ conus_status peer_surface_build(struct peer_surface *surface, enum peer_locator 
 {
     return peers::guarded([&] {
         vtkSmartPointer<vtkAbstractCellLocator> &locator = surface->locators[kind];
+        if (locator || kind == PEER_NO_LOCATOR) {
+            return;
+        }
         if (kind == PEER_CELL_LOCATOR) {
             locator = vtkSmartPointer<vtkCellLocator>::New();
         } else {
@@ -76,7 +81,6 @@ conus_status peer_surface_build(struct peer_surface *surface, enum peer_locator 
         }
         locator->SetDataSet(surface->surface);
         locator->BuildLocator();
-        surface->pickers[kind]->SetTolerance(0);
         surface->pickers[kind]->AddLocator(locator);
     });
 }
@@ -86,11 +90,12 @@ conus_status peer_surface_trace(struct peer_surface *surface, uint32_t *objects,
 {
     return peers::guarded([&] {
         const double *origin = cone->pose.world_from_device + 12;
-        for (uint32_t i = 0; i < PEER_RESOLUTION * PEER_RESOLUTION; i++) {
+        const uint32_t n = cone->resolution;
+        for (uint32_t i = 0; i < n * n; i++) {
             double end[3], t, place[3], parameters[3];
             int part;
             vtkIdType cell = -1;
-            cone_ray(end, cone, i % PEER_RESOLUTION, i / PEER_RESOLUTION);
+            cone_ray(end, cone, i % n, i / n);
             vec3_add_scaled(end, origin, surface->range[1], end);
             const int found = surface->locators[kind]->IntersectWithLine(origin, end, 0, t, place, parameters, part,
                                                                          cell, surface->cell);
@@ -104,10 +109,12 @@ conus_status peer_surface_pick(struct peer_surface *surface, uint32_t *objects, 
 {
     return peers::guarded([&] {
         vtkCellPicker *picker = surface->pickers[kind];
+        const uint32_t n = cone->resolution;
+        surface->window->SetSize(static_cast<int>(n), static_cast<int>(n));
         peers::aim_camera(surface->renderer, cone->pose.world_from_device, cone->angle, surface->range);
-        for (uint32_t i = 0; i < PEER_RESOLUTION * PEER_RESOLUTION; i++) {
-            const uint32_t column = i % PEER_RESOLUTION;
-            const uint32_t row = i / PEER_RESOLUTION;
+        for (uint32_t i = 0; i < n * n; i++) {
+            const uint32_t column = i % n;
+            const uint32_t row = i / n;
             const bool found = picker->Pick(column + 0.5, row + 0.5, 0, surface->renderer);
             objects[i] = found ? surface->object_of_cell[static_cast<size_t>(picker->GetCellId())] : 0;
         }

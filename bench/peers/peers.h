@@ -39,9 +39,9 @@ void peer_selector_destroy(struct peer_selector *selector); /**< NULL is fine. *
  * (vtkHardwareSelector::ActorPassOnly). */
 conus_status peer_selector_trace(struct peer_selector *selector, uint32_t *objects, const struct cone *cone);
 
-/* vtkCellPicker and cell locators: rays into one merged surface. */
+/* vtkCellPicker and cell locators: rays into one merged surface, as many as the cone has pixels. */
 
-enum peer_locator { PEER_CELL_LOCATOR, PEER_STATIC_LOCATOR, PEER_LOCATORS };
+enum peer_locator { PEER_NO_LOCATOR /**< Of pickers only. */, PEER_CELL_LOCATOR, PEER_STATIC_LOCATOR, PEER_LOCATORS };
 
 struct peer_surface;
 
@@ -50,14 +50,15 @@ conus_status peer_surface_create(struct peer_surface **out, const struct mesh_ob
                                  double reach);
 void peer_surface_destroy(struct peer_surface *surface); /**< NULL is fine. */
 
-/** Builds a vtkCellLocator or vtkStaticCellLocator, with VTK's defaults; on all processors where VTK does so. */
+/** Builds a vtkCellLocator or vtkStaticCellLocator, with VTK's defaults; on all processors where VTK does so. Does
+ * nothing where there is one, or none is wanted. */
 conus_status peer_surface_build(struct peer_surface *surface, enum peer_locator kind);
 
-/** Objects, [16 * 16], by IntersectWithLine() of a locator that has been built. */
+/** Objects of the pixels, by IntersectWithLine() of a locator that has been built. */
 conus_status peer_surface_trace(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,
                                 enum peer_locator kind);
 
-/** The same by vtkCellPicker::Pick() at the pixels' centres, with that locator (AddLocator). */
+/** The same by vtkCellPicker::Pick() at the pixels' centres, with that locator (AddLocator) or none. */
 conus_status peer_surface_pick(struct peer_surface *surface, uint32_t *objects, const struct cone *cone,
                                enum peer_locator kind);
 

@@ -125,30 +125,6 @@ static void scene_finish(struct scene *scene)
     conus_atlas_destroy(scene->atlas);
 }
 
-/* Makes a peer's picture and its first frame. */
-static void make_peer(void *data)
-{
-    struct way *way = data;
-    struct scene *scene = way->scene;
-    peer_picture_destroy(way->peer);
-    way->peer = NULL;
-    way->status =
-        peer_picture_create(&way->peer, atlas_context(scene->atlas), &scene->transfer, &scene->camera, &way->options);
-}
-
-/* How long that takes, once. */
-static conus_status time_first_frame(struct bench *bench, struct way *way)
-{
-    char name[80];
-    snprintf(name, sizeof name, "%s, first frame", way->name);
-    struct bench_variant variant = {.name = name, .run = make_peer, .data = way, .equal = true};
-    size_t repeats = bench->options.repeats;
-    bench->options.repeats = 1;
-    conus_status status = bench_measure(bench, "peers_colour", &variant, 1, 1, 0);
-    bench->options.repeats = repeats;
-    return way->status ? way->status : status;
-}
-
 static conus_status make_ways(struct bench *bench, struct scene *scene, struct way ways[WAYS], const char *transfer)
 {
     const struct colour_pass *pass = &scene->renderer->colour;
@@ -164,7 +140,11 @@ static conus_status make_ways(struct bench *bench, struct scene *scene, struct w
         way->options.size[0] = scene->view.width;
         way->options.size[1] = scene->view.height;
         way->rgba = memory_zeroed(scene->pixels, 4 * sizeof *way->rgba);
-        status = !way->rgba ? CONUS_ERROR_MEMORY : w ? time_first_frame(bench, way) : CONUS_OK;
+        status = way->rgba ? CONUS_OK : CONUS_ERROR_MEMORY;
+        if (w && !status) {
+            status = peer_picture_create(&way->peer, atlas_context(scene->atlas), &scene->transfer, &scene->camera,
+                                         &way->options);
+        }
     }
     return status;
 }

@@ -7,7 +7,6 @@
 #include "bench/support/trace.h"
 #include "bench/torus/torus_scene.h"
 #include "selection/engine/engine_rays.h"
-#include "selection/evidence/layers.h"
 #include "selection/selector.h"
 
 #include <assert.h>
@@ -98,65 +97,55 @@ enum { SIZES = 7, ANGLES = 8, ANGLE_TORI = 20000 };
 struct tori {
     struct torus_scene scene;
     struct mesh_rays *rays; /* at one torus in all places */
-    conus_atlas *atlas;     /* of tori with triangles of their own; NULL = not wanted */
-    struct engine *engine;
-    struct cone *cones;
-    struct trace trace;
+    struct contest contest; /* what is measured, and single rays at the shared torus */
     bool equal;
 };
 
 static void tori_finish(struct tori *tori)
 {
-    trace_finish(&tori->trace);
-    engine_destroy(tori->engine);
+    contest_finish(&tori->contest);
     mesh_rays_destroy(tori->rays);
-    conus_atlas_destroy(tori->atlas);
-    memory_free(tori->cones);
     torus_scene_finish(&tori->scene);
 }
 
-static conus_status tori_make_cones(struct tori *tori, size_t count, double angle_deg)
+/* Takes @p engine over, which cones into @p all are asked of. The vertices of an atlas's triangles are rounded when
+ * they are moved, so that a ray in thousands differs from those at the shared torus. */
+static conus_status tori_ask(struct tori *out, const struct tori *all, struct engine *engine, size_t count,
+                             double angle_deg)
 {
-    tori->cones = memory_zeroed(count, sizeof *tori->cones);
-    if (!tori->cones) {
-        return CONUS_ERROR_MEMORY;
-    }
-    torus_scene_cones(tori->cones, &tori->scene, count, angle_deg);
-    return CONUS_OK;
-}
-
-/* Against single rays at the shared torus. The vertices of own triangles are rounded when they are moved, so that a ray
- * in thousands differs. */
-static conus_status tori_compare(struct tori *tori, struct mesh_rays *rays, size_t count)
-{
+    struct contest *contest = &out->contest;
     struct engine *single = NULL;
-    struct trace trace = {0};
-    conus_status status = mesh_engine_create(&single, rays, 1);
-    status = status ? status : trace_init(&trace, single, tori->cones, count);
-    size_t allowed = status || !tori->atlas ? 0 : trace_pixels(&trace) / 1000;
-    tori->equal = !status && trace_differences(&tori->trace, &trace) <= allowed;
-    trace_finish(&trace);
-    engine_destroy(single);
+    contest->cones = memory_zeroed(count, sizeof *contest->cones);
+    contest->cone_count = contest->cones ? count : 0;
+    torus_scene_cones(contest->cones, &all->scene, contest->cone_count, angle_deg);
+    conus_status status = contest_add(contest, engine, engine->name);
+    status = status || contest->cones ? status : CONUS_ERROR_MEMORY;
+    status = status ? status : mesh_engine_create(&single, all->rays, 1);
+    status = status ? status : contest_add(contest, single, single->name);
+    size_t allowed = status || !contest->atlas ? 0 : trace_pixels(&contest->traces[0]) / 1000;
+    out->equal = !status && trace_differences(&contest->traces[0], &contest->traces[1]) <= allowed;
     return status;
 }
 
 static conus_status tori_init(struct tori *tori, size_t size, bool own, const struct bench_options *options)
 {
+    conus_atlas **atlas = &tori->contest.atlas;
+    struct engine *engine = NULL;
     conus_status status = torus_scene_init(&tori->scene, size);
     status = status ? status : torus_scene_rays(&tori->rays, &tori->scene);
-    status = status || !own ? status : torus_scene_atlas(&tori->atlas, &tori->scene);
+    status = status || !own ? status : torus_scene_atlas(atlas, &tori->scene);
     if (!status) {
-        status = own ? engine_rays_create(&tori->engine, tori->atlas, &(struct engine_options){0})
-                     : mesh_engine_create(&tori->engine, tori->rays, 0);
+        status = own ? engine_rays_create(&engine, *atlas, &(struct engine_options){0})
+                     : mesh_engine_create(&engine, tori->rays, 0);
     }
-    status = status ? status : tori_make_cones(tori, options->poses, options->angle);
-    status = status ? status : trace_init(&tori->trace, tori->engine, tori->cones, options->poses);
-    return status ? status : tori_compare(tori, tori->rays, options->poses);
+    return status ? status : tori_ask(tori, tori, engine, options->poses, options->angle);
 }
 
 static struct bench_variant variant_of(struct tori *tori)
 {
-    return (struct bench_variant){.run = trace_all, .data = &tori->trace, .equal = tori->equal};
+    struct bench_variant variant = contest_variant(&tori->contest, 0);
+    variant.equal = tori->equal;
+    return variant;
 }
 
 static conus_status measure_sizes(struct bench *bench, const char *name, const size_t *sizes, size_t all, bool own)
@@ -192,13 +181,10 @@ static conus_status growth_torus_angle(struct bench *bench)
     size_t cone_count = bench->options.poses;
     conus_status status = tori_init(&all, bench_size(&bench->options, ANGLE_TORI), false, &bench->options);
     for (size_t i = 0; i < count && !status; i++) {
-        struct tori *one = &tori[i];
-        one->scene = all.scene;
-        status = tori_make_cones(one, cone_count, angles[i]);
-        status = status ? status : trace_init(&one->trace, all.engine, one->cones, cone_count);
-        status = status ? status : tori_compare(one, all.rays, cone_count);
-        one->scene = (struct torus_scene){0};
-        variants[i] = variant_of(one);
+        struct engine *engine = NULL;
+        status = mesh_engine_create(&engine, all.rays, 0);
+        status = status ? status : tori_ask(&tori[i], &all, engine, cone_count, angles[i]);
+        variants[i] = variant_of(&tori[i]);
     }
     status = status ? status : growth_add(&curve, angles, variants, count, cone_count);
     status = status ? status : growth_end(&curve);
@@ -209,7 +195,7 @@ static conus_status growth_torus_angle(struct bench *bench)
     return status;
 }
 
-enum { SEED = 2010, PIXELS = 16 * 16 };
+enum { SEED = 2010 };
 
 /* Labels of the parcellation with other numbers of voxels along its axes, by nearest neighbour, plane by plane, so that
  * nothing is in memory but what the atlas keeps. */
@@ -302,24 +288,14 @@ static conus_status work_init(struct work *work, const struct bench_options *opt
 /* Whether the engine's first hits are those of a plain walk from voxel to voxel, and the first of all layers, too. */
 static conus_status work_compare(bool equal[2], struct work *work)
 {
-    struct engine *plain = NULL, *engine = work->selector->engine;
-    struct trace truth = {0};
-    struct layers layers = {0};
-    struct evidence *first = &work->trace.scratch;
+    struct engine *plain = NULL;
+    struct trace truth = {0}, first = {0};
     conus_status status = plain_engine_create(&plain, work->atlas);
     status = status ? status : trace_init(&truth, plain, work->cones, work->count);
-    equal[0] = equal[1] = !status && trace_same(&work->trace, &truth);
-    for (size_t i = 0; i < work->count && !status; i++) {
-        const struct evidence *hits = &work->trace.answers[i];
-        layers_clear(&layers);
-        status = engine->functions->pierce(engine, &layers, &work->cones[i]);
-        status = status ? status : layers_sort(&layers, PIXELS);
-        (void)layers_first(first, &layers);
-        for (size_t p = 0; p < PIXELS; p++) {
-            equal[1] &= first->object[p] == hits->object[p] && first->distance[p] == hits->distance[p];
-        }
-    }
-    layers_finish(&layers);
+    status = status ? status : trace_init_firsts(&first, work->selector->engine, work->cones, work->count);
+    equal[0] = !status && trace_same(&work->trace, &truth);
+    equal[1] = equal[0] && trace_same(&work->trace, &first);
+    trace_finish(&first);
     trace_finish(&truth);
     engine_destroy(plain);
     return status;

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,31 +23,23 @@ struct scene {
     conus_status status;
 };
 
-/* Two pipes to a child, which keeps its ends as standard input and output. */
+/* A socket to a child, which keeps its end as standard input and output. */
 static bool spawn_python(struct scene *scene, char *const arguments[])
 {
-    int to[2], from[2];
+    int ends[2];
     posix_spawn_file_actions_t actions;
-    if (pipe(to)) {
-        return false;
-    }
-    if (pipe(from)) {
-        close(to[0]), close(to[1]);
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends)) {
         return false;
     }
     posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, to[0], STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, from[1], STDOUT_FILENO);
-    for (int end = 0; end < 2; end++) {
-        posix_spawn_file_actions_addclose(&actions, to[end]);
-        posix_spawn_file_actions_addclose(&actions, from[end]);
-    }
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     bool began = posix_spawn(&scene->python, arguments[0], &actions, NULL, arguments, environ) == 0;
     scene->python = began ? scene->python : 0;
     posix_spawn_file_actions_destroy(&actions);
-    close(to[0]), close(from[1]);
-    scene->to = fdopen(to[1], "w");
-    scene->from = fdopen(from[0], "r");
+    close(ends[1]);
+    scene->from = fdopen(ends[0], "r");
+    scene->to = fdopen(dup(ends[0]), "w");
     return began && scene->to && scene->from;
 }
 

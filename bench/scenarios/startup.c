@@ -1,28 +1,22 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From nothing to an answer: loading an atlas, from the disk and from memory, making what selects from it, and the
- * whole program. */
-#include "base/buffer.h"
-#include "base/memory.h"
+/* From nothing to an answer: loading an atlas, making what selects from it, and the whole program. */
 #include "bench/support/program.h"
 #include "conus/cache.h"
 #include "conus/phantom.h"
 #include "conus/selection.h"
 
-#include <dirent.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 enum { PATH_SIZE = 512, QUERIES = 5 };
 
 /* An atlas, and what is asked of it. */
 struct job {
-    const char *path, *folder; /* folder: all of whose files belong to it; NULL = it is one file */
-    const char *program;       /* of conus, for a whole process */
-    const char *cache;         /* $CONUS_CACHE of that process  */
-    conus_atlas *atlas;        /* loaded, for a selector        */
+    const char *path;
+    const char *program; /* of conus, for a whole process */
+    const char *cache;   /* $CONUS_CACHE of that process  */
+    conus_atlas *atlas;  /* loaded, for a selector        */
     conus_engine engine;
     conus_status status;
 };
@@ -30,33 +24,6 @@ struct job {
 static void keep_first_error(struct job *job, conus_status status)
 {
     job->status = job->status ? job->status : status;
-}
-
-/* Lets the system drop the file from its cache: what nobody has mapped and is on the disk goes. */
-static void forget_file(const char *path)
-{
-    int file = open(path, O_RDONLY | O_CLOEXEC);
-    if (file >= 0) {
-        fdatasync(file);
-        posix_fadvise(file, 0, 0, POSIX_FADV_DONTNEED);
-        close(file);
-    }
-}
-
-static void forget(void *data)
-{
-    const struct job *job = data;
-    DIR *folder = job->folder ? opendir(job->folder) : NULL;
-    for (const struct dirent *entry; folder && (entry = readdir(folder));) {
-        char path[PATH_SIZE];
-        snprintf(path, sizeof path, "%s/%s", job->folder, entry->d_name);
-        forget_file(path);
-    }
-    if (folder) {
-        closedir(folder);
-    } else {
-        forget_file(job->path);
-    }
 }
 
 static void load_atlas(void *data)
@@ -111,13 +78,10 @@ static conus_status measure_loading(struct bench *bench, struct job *labels, str
     struct job rays = *labels, gl = *labels;
     rays.engine = CONUS_ENGINE_RAYS;
     gl.engine = CONUS_ENGINE_GL;
-    struct bench_variant variants[] = {
-        {.name = "labelled volume, from memory", .run = load_atlas, .data = labels},
-        {.name = "labelled volume, from the disk", .run = load_atlas, .data = labels, .prepare = forget},
-        {.name = "brain phantom, from memory", .run = load_atlas, .data = brain},
-        {.name = "brain phantom, from the disk", .run = load_atlas, .data = brain, .prepare = forget},
-        {.name = "labelled volume, selector, rays", .run = make_selector, .data = &rays},
-        {.name = "labelled volume, selector, gl", .run = make_selector, .data = &gl}};
+    struct bench_variant variants[] = {{.name = "labelled volume, from memory", .run = load_atlas, .data = labels},
+                                       {.name = "brain phantom, from memory", .run = load_atlas, .data = brain},
+                                       {.name = "labelled volume, selector, rays", .run = make_selector, .data = &rays},
+                                       {.name = "labelled volume, selector, gl", .run = make_selector, .data = &gl}};
     size_t count = sizeof variants / sizeof *variants;
     try_all(variants, count);
     if (gl.status == CONUS_ERROR_GL) {
@@ -162,24 +126,23 @@ static conus_status measure_query(struct bench *bench, struct job *labels)
     setenv("XDG_CACHE_HOME", bench->folder, 1);
     struct bench_variant variants[] = {
         {.name = "conus query, whole process", .run = run_query, .data = labels},
-        {.name = "conus query, atlas from the disk", .run = run_query, .data = labels, .prepare = forget},
         {.name = "conus query that keeps the atlas", .run = run_query, .data = &kept, .prepare = clear_cache},
         {.name = "conus query of a kept atlas", .run = run_query, .data = &kept}};
-    try_all(variants, 4);
+    try_all(variants, 3);
     double cpu_s = cpu_of_queries(labels);
-    conus_status status = bench_measure(bench, "startup", variants, 4, 1, 10);
+    conus_status status = bench_measure(bench, "startup", variants, 3, 1, 10);
     double kept_cpu_s = cpu_of_queries(&kept);
     status = status ? status : bench_value(bench, "query_process_cpu_s", cpu_s, variants[0].equal);
     status = status ? status : bench_value(bench, "query_process_s", variants[0].median_ms / 1e3, variants[0].equal);
-    status = status ? status : bench_value(bench, "open_cached_cpu_ms", kept_cpu_s * 1e3, variants[3].equal);
-    return status ? status : bench_value(bench, "open_cached_ms", variants[3].median_ms, variants[3].equal);
+    status = status ? status : bench_value(bench, "open_cached_cpu_ms", kept_cpu_s * 1e3, variants[2].equal);
+    return status ? status : bench_value(bench, "open_cached_ms", variants[2].median_ms, variants[2].equal);
 }
 
 conus_status bench_startup(struct bench *bench)
 {
     char path[PATH_SIZE];
     struct job labels = {.path = bench->options.atlas};
-    struct job brain = {.path = path, .folder = bench->folder};
+    struct job brain = {.path = path};
     snprintf(path, sizeof path, "%s/brain.atlas.json", bench->folder);
     conus_status status = conus_phantom_write("brain", bench->folder, NULL);
     status = status ? status : conus_atlas_load(&labels.atlas, labels.path, NULL);

@@ -117,6 +117,7 @@ conus_status bench_torus(struct bench *bench);
 conus_status bench_torus_frame(struct bench *bench);
 /* Comparisons with VTK; in a build without VTK they are left out. */
 conus_status bench_peers_mesh(struct bench *bench);
+conus_status bench_peers_pick(struct bench *bench);
 conus_status bench_peers_colour(struct bench *bench);
 
 #endif

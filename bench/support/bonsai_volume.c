@@ -63,40 +63,12 @@ conus_status bonsai_read(struct bonsai *out, const char *path)
     return CONUS_OK;
 }
 
-/* A tapered branch, in parts of the edge. */
-struct branch {
-    double from[3], to[3], width[2];
-};
-
-static const struct branch branches[] = {
-    {{0.50, 0.50, 0.20}, {0.46, 0.52, 0.42}, {0.050, 0.036}}, {{0.46, 0.52, 0.42}, {0.56, 0.48, 0.66}, {0.036, 0.022}},
-    {{0.46, 0.52, 0.40}, {0.24, 0.56, 0.58}, {0.024, 0.010}}, {{0.50, 0.50, 0.50}, {0.76, 0.44, 0.62}, {0.022, 0.010}},
-    {{0.52, 0.49, 0.56}, {0.46, 0.24, 0.72}, {0.018, 0.008}}, {{0.56, 0.48, 0.64}, {0.60, 0.72, 0.78}, {0.016, 0.008}}};
-
-/* A cloud of leaves at the end of a branch. */
+/* Clouds of leaves: middle and radius, in parts of the edge. */
 static const double clouds[][4] = {{0.24, 0.56, 0.62, 0.15},
                                    {0.76, 0.44, 0.66, 0.15},
                                    {0.46, 0.24, 0.75, 0.13},
                                    {0.60, 0.72, 0.80, 0.13},
                                    {0.56, 0.48, 0.78, 0.16}};
-
-/* Density of the branch nearest to p: 120 to 180 inside, 0 outside. */
-static double wood(const double p[3])
-{
-    double most = 0;
-    for (size_t i = 0; i < sizeof branches / sizeof *branches; i++) {
-        const struct branch *b = &branches[i];
-        double along[3], away[3];
-        vec3_sub(along, b->to, b->from);
-        vec3_sub(away, p, b->from);
-        double part = fmin(fmax(vec3_dot(away, along) / vec3_dot(along, along), 0), 1);
-        vec3_add_scaled(away, away, -part, along);
-        double width = b->width[0] + part * (b->width[1] - b->width[0]);
-        double depth = 1 - sqrt(vec3_dot(away, away)) / width;
-        most = depth > 0 ? fmax(most, 120 + 60 * depth) : most;
-    }
-    return most;
-}
 
 /* Leaves are grains of noise in clouds that thin out. */
 static double leaves(const double p[3], double noise)
@@ -137,7 +109,7 @@ conus_status bonsai_make(struct bonsai *out, size_t edge)
         for (int a = 0; a < 3; a++) {
             p[a] = ((double)at[a] + 0.5) / (double)edge;
         }
-        double density = fmax(fmax(pot(p), wood(p)), leaves(p, noise));
+        double density = fmax(pot(p), leaves(p, noise));
         voxels[v] = (uint8_t)fmax(density, 8 * noise);
     }
     *out = (struct bonsai){edge, voxels, false};

@@ -27,6 +27,20 @@ conus_status trace_init(struct trace *out, struct engine *engine, const struct c
     return status;
 }
 
+conus_status trace_init_firsts(struct trace *out, struct engine *engine, const struct cone *cones, size_t count)
+{
+    struct layers layers = {0};
+    conus_status status = trace_init(out, engine, cones, count);
+    for (size_t i = 0; i < count && !status; i++) {
+        layers_clear(&layers);
+        status = engine->functions->pierce(engine, &layers, &cones[i]);
+        status = status ? status : layers_sort(&layers, (size_t)cones[i].resolution * cones[i].resolution);
+        (void)layers_first(&out->answers[i], &layers);
+    }
+    layers_finish(&layers);
+    return status;
+}
+
 void trace_finish(struct trace *trace)
 {
     for (size_t i = 0; trace->answers && i < trace->count; i++) {
@@ -219,11 +233,9 @@ conus_status mesh_engine_create(struct engine **out, struct mesh_rays *rays, uns
     if (!engine) {
         return CONUS_ERROR_MEMORY;
     }
-    *engine = (struct mesh_engine){{&functions, ""}, rays, width};
+    *engine = (struct mesh_engine){{&functions, "1 or 16 by rule"}, rays, width};
     if (width) {
         snprintf(engine->base.name, sizeof engine->base.name, "%u ray%s at once", width, width > 1 ? "s" : "");
-    } else {
-        snprintf(engine->base.name, sizeof engine->base.name, "1 or 16 by rule");
     }
     *out = &engine->base;
     return CONUS_OK;

@@ -22,6 +22,8 @@ struct trace {
 
 /** Answers all once. End it with trace_finish() even if this fails. */
 conus_status trace_init(struct trace *out, struct engine *engine, const struct cone *cones, size_t count);
+/** The same, but the answers are the first of all hits (Eq. 10). */
+conus_status trace_init_firsts(struct trace *out, struct engine *engine, const struct cone *cones, size_t count);
 void trace_finish(struct trace *trace);
 
 /** Answers all again, into the scratch: the `run` of a variant whose data is a trace. */
@@ -83,6 +85,9 @@ conus_status plain_engine_create(struct engine **out, const conus_atlas *atlas);
 
 /** Surfaces only, so many rays at once; @p width 0 = as the rays engine chooses. Cones of at most 16 x 16 rays. */
 conus_status mesh_engine_create(struct engine **out, struct mesh_rays *rays, unsigned width);
+
+/** Surfaces only, by Embree alone, of builds with it (bare_embree.c); of cones whose rays are known. */
+conus_status bare_embree_create(struct engine **out, const conus_atlas *atlas);
 
 /** Writes cones from 200 to 300 mm around a grid's middle, towards its inner half. */
 void cones_round_grid(struct cone *out, size_t count, const conus_volume_info *info, double angle_deg, uint64_t seed);

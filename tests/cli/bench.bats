@@ -10,7 +10,7 @@ bench() {
     run -0 --separate-stderr bench all --check --json all.json
     [[ "$stderr" == *"volume"* ]]
     not grep -q "check:" <<<"$stderr"
-    for key in version machine driver versions load_start load_end settings runs ratios holds left_out; do
+    for key in version machine versions load_start load_end settings runs ratios holds left_out; do
         jq -e "has(\"$key\")" all.json
     done
     jq -e '.settings.check and (.versions | has("embree") and has("gl") and has("vtk") and has("compiler") and has("kernel"))' \
@@ -71,7 +71,7 @@ bench() {
 
 @test "figures and tables of a JSON" {
     local scripts=$BATS_TEST_DIRNAME/../../scripts
-    jq -n '{version: "0", machine: "m", driver: "d", load_start: 1, load_end: 2, settings: {check: false, scenarios: {}},
+    jq -n '{version: "0", machine: "m", load_start: 1, load_end: 2, settings: {check: false, scenarios: {}},
         versions: {gl: "g", gl_renderer: "r", embree: "3", vtk: "none", compiler: "c", build: "b", kernel: "k"},
         ratios: {naive_over_gl: 30, dda_over_simd: null, dda_over_simd_null_because: "the answers differ"},
         holds: {naive_over_gl: {at_least: 25, met: true}}, left_out: {colour: "no file"},
