@@ -379,7 +379,7 @@ static conus_status colour_upload_palette(struct colour_pass *pass, const conus_
 }
 
 conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind,
-                                   bool context, bool haze)
+                                   const struct colour_pass *pass)
 {
     const struct program_define defines[] = {{"MARKER_LIMIT", COLOUR_MARKER_LIMIT},
                                              {"TRANSFER_ENTRIES", COLOUR_TABLE_ENTRIES},
@@ -388,8 +388,9 @@ conus_status colour_program_create(GLuint *out, const struct program_shader *ver
                                              {"SLICES", kind == COLOUR_SLICES},
                                              {"TILE", COLOUR_TILE},
                                              {"TRANSLUCENT", kind == COLOUR_LAYERS},
-                                             {"CONTEXT", context},
-                                             {"HAZE", haze}};
+                                             {"AREAS", !pass || pass->may_have_areas},
+                                             {"CONTEXT", !pass || pass->may_have_context},
+                                             {"HAZE", !pass || pass->hazy.transfers}};
     const struct program_shader more = {"colour_layers.glsl", shader_colour_layers};
     const struct program_source source = {.vertex = *vertex,
                                           .fragment = {"colour.frag.glsl", shader_colour_frag},
@@ -405,8 +406,7 @@ static const struct program_shader tile = {.file = "tile.vert.glsl", .text = sha
 static conus_status need_program(GLuint *program, const struct program_shader *vertex, enum colour_program kind,
                                  const struct colour_pass *pass)
 {
-    return *program ? CONUS_OK
-                    : colour_program_create(program, vertex, kind, pass->has_context, pass->hazy.transfers != NULL);
+    return *program ? CONUS_OK : colour_program_create(program, vertex, kind, pass);
 }
 
 conus_status colour_fields_start(struct colour_fields *out, const conus_atlas *atlas, const struct transfer *transfer)
@@ -429,8 +429,8 @@ void colour_fields_end(struct colour_fields *fields)
 conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas, const struct transfer *transfer,
                               struct haze_choice *hazy, struct colour_fields *fields, uint64_t max_memory)
 {
-    struct colour_pass pass = {.hazy = *hazy};
-    pass.has_context = fields->context.volume;
+    struct colour_pass pass = {.hazy = *hazy, .may_have_context = fields->context.volume};
+    pass.may_have_areas = atlas->volume_count > pass.may_have_context;
     conus_status status = need_program(&pass.program, &screen, COLOUR_RAYS, &pass);
     if (!status) {
         status = colour_upload_palette(&pass, atlas);

@@ -43,8 +43,9 @@ struct colour_pass {
     struct haze_choice hazy;           /**< Pathways that are haze.                */
     struct mesh_layer *meshes;         /**< NULL if there are none.              */
     struct tube_colouring streamlines; /**< How they are coloured. */
-    bool has_areas, has_context, has_haze;
-    size_t object_count, around_count; /**< Objects, and surfaces around them, whose numbers follow.            */
+    bool has_areas, has_haze;
+    bool may_have_areas, may_have_context; /**< Whatever is hidden: programs leave out what they never need. */
+    size_t object_count, around_count;     /**< Objects, and surfaces around them, whose numbers follow.            */
     float *colours;       /**< [1 + object_count + around_count][4] linear R, G, B, 1.                         */
     float *shown;         /**< The same for the last picture.                                                  */
     float *opacity;       /**< [1 + object_count + around_count] of the last picture.                          */
@@ -140,8 +141,8 @@ enum colour_program {
                            on the plane's number as `layout(location = 0) flat out float`.                    */
 };
 
-/** @p context and @p haze: whether the atlas has them; else the program does not look for them. */
+/** @p pass NULL = for areas, a context and haze; else the program does not look for what its atlas never has. */
 conus_status colour_program_create(GLuint *out, const struct program_shader *vertex, enum colour_program kind,
-                                   bool context, bool haze);
+                                   const struct colour_pass *pass);
 
 #endif

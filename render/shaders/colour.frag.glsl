@@ -1,6 +1,9 @@
 // The colour pass (Eq. 8): areas, context volume and cone in one walk along the ray, front to back, on planes that
 // are perpendicular to the view axis (Eq. 7). All positions are in camera space (mm, looking down -z) and t is the depth
 // of a plane, so a ray is t * direction with direction.z = -1.
+//
+// What an atlas never has is left out (AREAS, CONTEXT): a machine that runs both sides of every branch would look it up
+// for every sample.
 
 layout(std140, binding = 0) uniform View
 {
@@ -120,7 +123,10 @@ float look_ahead(Track track, usampler3D empty, vec3 bricks, float plane, inout 
 
 float look_ahead_both(Track context, Track areas, float plane, inout bool shows)
 {
-    float known = look_ahead(areas, areas_empty, areas_bricks.xyz, plane, shows);
+    float known = NEVER;
+#if AREAS
+    known = look_ahead(areas, areas_empty, areas_bricks.xyz, plane, shows);
+#endif
 #if CONTEXT
     known = min(known, look_ahead(context, context_empty, context_bricks.xyz, plane, shows));
 #endif
@@ -140,6 +146,9 @@ float diffuse(vec3 normal)
 // Context: colour and opacity by the transfer function over `mm` of the ray; shaded where there is a gradient.
 vec4 context_sample(vec3 place, float mm)
 {
+    if (CONTEXT == 0) {
+        return vec4(0.0);
+    }
     vec4 field = textureLod(context_field, place, 0.0);
     vec4 entry = texelFetch(transfer, ivec2(int(field.a * float(TRANSFER_ENTRIES - 1) + 0.5), 0), 0);
     if (entry.a == 0.0) {
@@ -256,7 +265,7 @@ vec3 area_colour(Track track, vec3 direction, vec3 view, float t)
 
 bool shows_area(vec3 place)
 {
-    return textureLod(areas_field, place, 0.0).a >= SURFACE;
+    return AREAS == 1 && textureLod(areas_field, place, 0.0).a >= SURFACE;
 }
 
 // The depth at which the ray enters an area between the planes before and at depth t, refined, so that planes leave no
@@ -487,7 +496,7 @@ void main()
         until = planes.w == 0.0 ? until : min(until, known);
         sample_planes(sum, hit, plane, until, context, areas, mm);
     }
-    if (hit < NEVER) {
+    if (AREAS == 1 && hit < NEVER) {
         float depth = area_depth(areas, hit);
         hit_area(sum, context, direction, depth, hit);
         blend(sum, vec4(area_colour(areas, direction, view, depth), 1.0));
