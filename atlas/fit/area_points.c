@@ -9,30 +9,46 @@
 struct taking {
     struct area_points points; /* without an array while it is counted */
     size_t seen, step;
+    size_t left; /* to pass over before the next one is taken */
 };
+
+/* Whether the next point is taken: of most, nobody asks where they are. */
+static bool is_taken(struct taking *taking)
+{
+    bool is = taking->points.at && taking->left == 0;
+    taking->left = is ? taking->step - 1 : taking->left - 1;
+    taking->seen++;
+    return is;
+}
 
 static void take(struct taking *taking, const double point[3])
 {
-    if (taking->points.at && taking->seen % taking->step == 0) {
-        memcpy(taking->points.at + 3 * taking->points.count++, point, 3 * sizeof *point);
-    }
-    taking->seen++;
+    memcpy(taking->points.at + 3 * taking->points.count++, point, 3 * sizeof *point);
+}
+
+static void take_voxel(struct taking *taking, const struct volume *volume, size_t voxel)
+{
+    const size_t *dim = volume->info.dim;
+    const size_t j = voxel / dim[0] % dim[1];
+    const size_t k = voxel / dim[0] / dim[1];
+    double point[3] = {(double)(voxel % dim[0]), (double)j, (double)k};
+    mat4_point(point, volume->info.world_from_voxel, point);
+    take(taking, point);
 }
 
 static void take_all(struct taking *taking, const conus_atlas *atlas)
 {
     taking->seen = 0;
+    taking->left = 0;
     for (size_t i = 0; i < atlas->volume_count; i++) {
         if (atlas_volume_has_areas(&atlas->volumes[i])) {
-            const size_t *dim = atlas->volumes[i].info.dim;
             const struct volume *volume = &atlas->volumes[i];
-            for (size_t v = volume_next(volume, 0); v < volume->voxel_count; v = volume_next(volume, v + 1)) {
-                if (volume_object(volume, v)) {
-                    const size_t j = v / dim[0] % dim[1];
-                    const size_t k = v / dim[0] / dim[1];
-                    double point[3] = {(double)(v % dim[0]), (double)j, (double)k};
-                    mat4_point(point, atlas->volumes[i].info.world_from_voxel, point);
-                    take(taking, point);
+            for (size_t v = volume_next(volume, 0); v < volume->voxel_count; v = volume_next(volume, v)) {
+                const size_t end = v - v % VALUE_RUN + VALUE_RUN;
+                for (; v < end && v < volume->voxel_count; v++) {
+                    if (volume_object(volume, v) && is_taken(taking)) {
+                        take_voxel(taking, volume, v);
+                    }
                 }
             }
         }
@@ -42,7 +58,9 @@ static void take_all(struct taking *taking, const conus_atlas *atlas)
         if (mesh) {
             for (size_t i = 0; i < mesh->vertex_count; i++) {
                 const float *at = mesh->positions + 3 * i;
-                take(taking, (const double[]){(double)at[0], (double)at[1], (double)at[2]});
+                if (is_taken(taking)) {
+                    take(taking, (const double[]){(double)at[0], (double)at[1], (double)at[2]});
+                }
             }
         }
     }
