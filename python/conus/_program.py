@@ -181,8 +181,8 @@ def page_of(hits: Any) -> str:
     resolution = lib.conus_selection_evidence(hits._p).resolution
     with tempfile.TemporaryDirectory() as folder:
         output = os.path.join(folder, "page.html")
-        page(path, output, origin=matrix[3, :3].tolist(), toward=toward, angle=math.degrees(opening), layers=layers,
-             resolution=resolution)
+        page(path, output, origin=[float(x) for x in matrix[3, :3]], toward=toward, angle=math.degrees(opening),
+             layers=layers, resolution=resolution)
         with open(output, encoding="utf-8") as file:
             written = file.read()
     question = re.search(r'id="question">(.*)</script>', written)
