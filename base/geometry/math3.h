@@ -5,6 +5,8 @@
 #ifndef CONUS_BASE_MATH3_H
 #define CONUS_BASE_MATH3_H
 
+#include "base/geometry/arc.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -75,7 +77,7 @@ static inline double vec3_angle(const double a[3], const double b[3])
 {
     double cross[3];
     vec3_cross(cross, a, b);
-    return atan2(vec3_length(cross), vec3_dot(a, b));
+    return arc_tangent(vec3_length(cross), vec3_dot(a, b));
 }
 
 /** Turns a vector about a unit axis by the right-hand rule (Rodrigues); @p out may be @p v. */

@@ -45,7 +45,7 @@ bool cone_is_wide(const struct cone *cone)
 
 double cone_off_axis(const struct cone *cone, double radius)
 {
-    return cone_is_wide(cone) ? radius * (cone->angle / 2) : atan(radius * cone_slope(cone));
+    return cone_is_wide(cone) ? radius * (cone->angle / 2) : arc_tangent(radius * cone_slope(cone), 1);
 }
 
 static void aim_in_perspective(double *right, double *up, double *forward, double slope, const double *u,
@@ -67,10 +67,10 @@ static void aim_evenly(double *right, double *up, double *forward, double half, 
 {
     for (size_t ray = 0; ray < count; ray++) {
         double r = sqrt(u[ray] * u[ray] + v[ray] * v[ray]);
-        double scale = r > 0 ? sin(r * half) / r : 0;
+        double scale = r > 0 ? sine_of(r * half) / r : 0;
         right[ray] = u[ray] * scale;
         up[ray] = v[ray] * scale;
-        forward[ray] = cos(r * half);
+        forward[ray] = cosine_of(r * half);
     }
 }
 
@@ -139,17 +139,19 @@ double cone_per_depth(const struct cone *cone, uint32_t i, uint32_t j)
     }
     double radius = cone_radius(cone, i, j);
     double slope = cone_slope(cone) * radius;
-    return cone_is_wide(cone) ? 1 / cos(cone_off_axis(cone, radius)) : sqrt(1 + slope * slope);
+    return cone_is_wide(cone) ? 1 / cosine_of(cone_off_axis(cone, radius)) : sqrt(1 + slope * slope);
 }
 
 double cone_cross_section(const struct cone *cone)
 {
     bool square = cone->aperture == CONUS_APERTURE_SQUARE;
-    double sine = sin(cone->angle / 2);
+    double sine;
+    double cosine;
+    sine_cosine(&sine, &cosine, cone->angle / 2);
     if (cone->radius > 0) {
         return (square ? 4 : MATH3_PI) * cone->radius * cone->radius;
     }
-    return square ? 4 * asin(sine * sine) : 2 * MATH3_PI * (1 - cos(cone->angle / 2));
+    return square ? 4 * arc_tangent(sine * sine, cosine * sqrt(1 + sine * sine)) : 2 * MATH3_PI * (1 - cosine);
 }
 
 double cone_radius(const struct cone *cone, uint32_t i, uint32_t j)
@@ -163,7 +165,7 @@ static bool is_in_pyramid(const struct cone *cone, uint32_t i, uint32_t j)
     double r = cone_radius(cone, i, j);
     double off = cone_off_axis(cone, r);
     double side = fmax(fabs(2.0 * i + 1 - cone->resolution), fabs(2.0 * j + 1 - cone->resolution)) / cone->resolution;
-    return off < MATH3_PI / 2 && side * tan(off) <= r * cone_slope(cone);
+    return off < MATH3_PI / 2 && side * tangent(off) <= r * cone_slope(cone);
 }
 
 bool cone_has_pixel(const struct cone *cone, uint32_t i, uint32_t j)
@@ -180,5 +182,5 @@ double cone_weight(const struct cone *cone, uint32_t i, uint32_t j)
     double slope = cone_slope(cone) * radius;
     double square = 1 + slope * slope;
     double off = cone_off_axis(cone, radius);
-    return !cone_is_wide(cone) ? 1 / (square * sqrt(square)) : off > 0 ? sin(off) / off : 1;
+    return !cone_is_wide(cone) ? 1 / (square * sqrt(square)) : off > 0 ? sine_of(off) / off : 1;
 }

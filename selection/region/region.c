@@ -24,8 +24,7 @@ void region_from_cone(struct region *out, const struct cone *cone)
         out->origin[a] = m[12 + a];
     }
     out->slope = cone_slope(cone); /* a cylinder's angle is 0 */
-    out->sine = sin(cone->angle / 2);
-    out->cosine = cos(cone->angle / 2);
+    sine_cosine(&out->sine, &out->cosine, cone->angle / 2);
 }
 
 void region_ball(struct region *out, const double centre[3], double radius)

@@ -43,7 +43,7 @@ static double determinant(const double a[3], const double b[3], const double c[3
 /* Angle about the axis from a to b, which are not on opposite sides of it. */
 static double angle_between(const double a[3], const double b[3])
 {
-    return atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
+    return arc_tangent(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
 }
 
 /* The flux through a triangle in the region: the volume between it and the apex, or the plane at the depth near. */
@@ -70,8 +70,9 @@ static double flux_of_fan(const struct region_solid *solid, const struct polygon
 static void find_on_side(double out[3], const struct facet *facet, double angle)
 {
     const struct region *side = &facet->solid->side;
-    double x = cos(angle);
-    double y = sin(angle);
+    double x;
+    double y;
+    sine_cosine(&y, &x, angle);
     double across = facet->normal[0] * x + facet->normal[1] * y;
     double depth = side->shape == REGION_CONE ? facet->level / (facet->normal[2] + side->slope * across)
                                               : (facet->level - side->radius * across) / facet->normal[2];
@@ -135,7 +136,7 @@ static double flux_of_turn(const struct facet *facet, const double from[3], cons
 {
     static const double none = 1e-12;
     return fabs(sweep) < none ? flux(facet->solid, from, left, back)
-                              : flux_of_arc(facet, from, atan2(left[1], left[0]), sweep);
+                              : flux_of_arc(facet, from, arc_tangent(left[1], left[0]), sweep);
 }
 
 /* Through what a round side leaves of a polygon in front of the apex. Its border goes along the polygon's where that is
@@ -256,7 +257,8 @@ static double solid_angle(const double p[3], const double q[3], const double r[3
     double a = vec3_length(p);
     double b = vec3_length(q);
     double c = vec3_length(r);
-    return 2 * atan2(determinant(p, q, r), a * b * c + vec3_dot(p, q) * c + vec3_dot(q, r) * a + vec3_dot(r, p) * b);
+    return 2 *
+           arc_tangent(determinant(p, q, r), a * b * c + vec3_dot(p, q) * c + vec3_dot(q, r) * a + vec3_dot(r, p) * b);
 }
 
 /* The field is p / 3 in the ball and falls with the square of the distance beyond: what a triangle has in the ball
@@ -301,7 +303,7 @@ static double flux_of_ball(const struct region_solid *solid, double p[3][3])
                 vec3_add_scaled(in[1], b, 1, foot);
                 sum += determinant(foot, in[0], in[1]) / 6 - beyond * solid_angle(foot, in[0], in[1]);
             } else if (found || part == 0) {
-                sum += sector * atan2(determinant(normal, a, b), vec3_dot(a, b));
+                sum += sector * arc_tangent(determinant(normal, a, b), vec3_dot(a, b));
             }
         }
     }
