@@ -5,12 +5,11 @@ import { execFileSync } from "node:child_process";
 import crypto from "node:crypto";
 import fs from "node:fs";
 import path from "node:path";
-import zlib from "node:zlib";
 
 const [built, folder, out] = process.argv.slice(2);
 const bundle = (entry, ...more) =>
   execFileSync("esbuild", [path.join(folder, entry), "--bundle", "--minify", "--format=iife", "--target=es2021", "--log-level=error", ...more], { maxBuffer: 1 << 26 }).toString();
-const packed = (data) => zlib.gzipSync(data, { level: 9 }).toString("base64");
+const packed = (data) => execFileSync("gzip", ["-9nc"], { input: data, maxBuffer: 1 << 26 }).toString("base64"); // smaller than node's, the same everywhere
 const hash = (text) => `'sha256-${crypto.createHash("sha256").update(text).digest("base64")}'`;
 
 const main = bundle("main.js").trim();

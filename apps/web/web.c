@@ -25,8 +25,9 @@ static struct {
     struct viewer {
         conus_selector *selector;
         uint32_t side;
-    } viewers[2]; /* of the 3-D view, all pixels' first hits: while it moves, and at rest */
-    conus_cutter *cutter;
+    } viewers[2];               /* of the 3-D view, all pixels' first hits: while it moves, and at rest */
+    conus_cutter *cutters[3];   /* by the axis across: each keeps what it found in its plane */
+    const conus_cutter *cut;    /* the last that drew */
     conus_selection *selection; /* the answer; NULL before the first */
     conus_report *report;
     uint32_t resolution;
@@ -92,8 +93,11 @@ static void forget_answers(void)
         conus_selector_destroy(page.viewers[i].selector);
         page.viewers[i].selector = NULL;
     }
-    conus_cutter_destroy(page.cutter);
-    page.cutter = NULL;
+    for (size_t i = 0; i < 3; i++) {
+        conus_cutter_destroy(page.cutters[i]);
+        page.cutters[i] = NULL;
+    }
+    page.cut = NULL;
 }
 
 static void write_notes(FILE *out)
@@ -263,14 +267,15 @@ EMSCRIPTEN_KEEPALIVE const uint8_t *web_cut(int right, int up, double x, double 
     view.window[1] = white;
     view.selection = page.selection;
     view.chosen = chosen;
-    bool failed =
-        (!page.cutter && conus_cutter_create(&page.cutter, page.atlas)) || conus_cutter_draw(page.cutter, &view);
-    return failed ? NULL : conus_cutter_rgba(page.cutter);
+    conus_cutter **cutter = &page.cutters[3 - right - up];
+    bool failed = (!*cutter && conus_cutter_create(cutter, page.atlas)) || conus_cutter_draw(*cutter, &view);
+    page.cut = *cutter;
+    return failed ? NULL : conus_cutter_rgba(*cutter);
 }
 
 EMSCRIPTEN_KEEPALIVE const uint32_t *web_cut_objects(void)
 {
-    return conus_cutter_objects(page.cutter);
+    return conus_cutter_objects(page.cut);
 }
 
 /* The mean distance of the pixels around one that show the same surface: voxels have corners, brains do not. */

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // conus in node, as the page's worker has it.
+import { execFileSync } from "node:child_process";
 import fs from "node:fs";
 import { createRequire } from "node:module";
 import path from "node:path";
@@ -20,6 +21,14 @@ export async function start() {
   return { module, open: wrap("open", "string", 1, "string"), ask: wrap("ask", "string", 9), rows: wrap("rows", "string", 1), cut: wrap("cut", "number", 12), cut_objects: wrap("cut_objects", "number", 0),
     add_context: wrap("add_context", "string", 1, "string"),
     put: (file, name = path.basename(file)) => module.FS.writeFile(`/atlas/${name}`, fs.readFileSync(file)) };
+}
+
+/** Builds tests/web/NAME.c with conus for this machine into a folder; its path. */
+export function compile(name, folder) {
+  const root = path.resolve(import.meta.url.slice(7), "../../..");
+  const native = path.resolve(CONUS, "../../..");
+  execFileSync("cc", ["-O1", `-I${root}/include`, path.join(root, `tests/web/${name}.c`), "-o", path.join(folder, name), `-L${native}`, `-Wl,-rpath,${native}`, "-lconus"]);
+  return path.join(folder, name);
 }
 
 /** Numbers from 0 to 1, the same in every run (Numerical Recipes' quick generator). */

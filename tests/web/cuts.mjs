@@ -6,13 +6,11 @@ import fs from "node:fs";
 import os from "node:os";
 import path from "node:path";
 import test from "node:test";
-import { CONUS, TEMPLATES, random, start } from "./conus.mjs";
+import { CONUS, TEMPLATES, compile, random, start } from "./conus.mjs";
 
-const ROOT = path.resolve(import.meta.url.slice(7), "../../..");
-const NATIVE = path.resolve(CONUS, "../../..");
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "conus-web-"));
 process.on("exit", () => fs.rmSync(folder, { recursive: true }));
-execFileSync("cc", ["-O1", `-I${ROOT}/include`, path.join(ROOT, "tests/web/cuts.c"), "-o", path.join(folder, "cuts"), `-L${NATIVE}`, `-Wl,-rpath,${NATIVE}`, "-lconus"]);
+const CUTS = compile("cuts", folder);
 execFileSync(CONUS, ["phantom", "brain", "-o", "brain"], { cwd: folder });
 const AXES = [[0, 1], [0, 2], [1, 2]]; // to the right and up: axial, coronal, sagittal
 const PLANES = Number(process.env.CONUS_PLANES ?? 60);
@@ -29,7 +27,7 @@ async function compare(files, atlas, context) {
   const below = (n) => Math.floor(next() * n);
   const planes = Array.from({ length: PLANES }, () => ({ cone: [...within(40), ...within(0), 1 + 60 * next()], axes: AXES[below(3)],
     view: [...within(-5), 1 + below(400), 1 + below(400), 0.1 + next()], fill: [0, 0.3, 0.55, 1][below(4)], chosen: below(3) ? 0 : 1 + below(info.objects) }));
-  const theirs = execFileSync(path.join(folder, "cuts"), [path.join(path.dirname(files[0]), atlas), ...(context ? [context] : [])], { maxBuffer: 1 << 29, env: { ...process.env, CONUS_CACHE: "off" },
+  const theirs = execFileSync(CUTS, [path.join(path.dirname(files[0]), atlas), ...(context ? [context] : [])], { maxBuffer: 1 << 29, env: { ...process.env, CONUS_CACHE: "off" },
     input: Buffer.from(Float64Array.from(planes.flatMap(({ cone, axes, view, fill, chosen }) => [...cone, ...axes, ...view, fill, chosen])).buffer) });
   let at = 0;
   const seen = new Set();

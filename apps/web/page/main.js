@@ -10,6 +10,8 @@ const FORMATS = { tsv: 1, csv: 2, json: 3 }; // of enum conus_format
 const REST = 150; // ms without a change, and pictures are drawn in full
 const BUSY = 12; // ms of a picture of 60 in a second, the rest is the browser's
 const SPEAK = 700; // ms, and the answer is spoken
+const TABLE = /\.(txt|tsv|csv|lut|ctbl|json)$/i;
+const GREYS = ["#black", "#white"]; // of the image below the areas
 const NUDGES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 const $ = (/** @type {string} */ selector) => /** @type {any} */ (document.querySelector(selector));
@@ -26,8 +28,10 @@ let chosen = 0;
 let atlas = null;
 /** @type {[string, number, number, number][]} */
 let objects = [];
-/** Each with whether it is an image below the areas. @type {[string, ArrayBuffer, boolean?][]} */
+/** Of the open atlas, each with whether it is an image below the areas. @type {[string, ArrayBuffer, boolean?][]} */
 let files = [];
+/** Those that came last, of which one may be opened. @type {[string, ArrayBuffer, boolean?][]} */
+let offered = [];
 let atlasFile = "";
 let linked = ""; // the atlas that the link is for
 let refused = ""; // why the question has no rows, until somebody changes it: its link is for another atlas
@@ -77,6 +81,14 @@ function say(words) {
   $("#error").hidden = !words;
 }
 
+let ofAnswer = "";
+
+/** Takes away only what an answer has said: the next one comes soon, and other errors are to be read. @param {string} words */
+function sayOfAnswer(words) {
+  if (words || $("#error").textContent === ofAnswer) say(words);
+  ofAnswer = words;
+}
+
 /** Runs a step whose error the page shows. @param {() => any} step */
 const attempt = async (step) => {
   try {
@@ -93,6 +105,8 @@ function describeAtlas() {
   const names = atlas.source ? `names: ${atlas.source}` : "areas have no names, only numbers";
   $("#atlas").textContent = `${atlas.name} (${atlas.sha256.slice(0, 8)}), ${atlas.objects} objects; ${names}${atlas.notes.map((/** @type {string} */ note) => `. ${note}`).join("")}`;
   $("#version").textContent = `conus ${atlas.version}`;
+  $("#window").hidden = !atlas.window;
+  GREYS.forEach((id, i) => { $(id).value = atlas.window ? digits(atlas.window[i]) : ""; });
 }
 
 let speaking = 0;
@@ -106,33 +120,42 @@ function describeAnswer() {
 
 // ---- Table ---------------------------------------------------------------------------------------------------------
 
-/** @param {string} text @param {string} [tag] */
-function cell(text, tag = "td") {
-  const out = document.createElement(tag);
-  out.textContent = text;
-  return out;
-}
+const body = $("tbody");
+const emptyRow = document.createElement("tr");
+emptyRow.tabIndex = 0;
+for (let i = 0; i < 5; i++) emptyRow.append(document.createElement("td"));
+emptyRow.cells[1].append(document.createElement("span"), "");
+/** @type {any} */ (emptyRow.cells[1].firstChild).className = "swatch";
 
+/** Rows stay the elements that they are, so that a focus stays, and only what differs is laid out again. */
 function fillTable() {
-  $("tbody").replaceChildren(...rows.filter((row) => row.kind !== "unassigned").map((row) => {
-    const tr = document.createElement("tr");
-    const name = cell("");
-    const swatch = document.createElement("span");
+  const shown = rows.filter((row) => row.kind !== "unassigned");
+  while (body.rows.length > shown.length) body.lastChild.remove();
+  while (body.rows.length < shown.length) body.append(emptyRow.cloneNode(true));
+  shown.forEach((row, i) => {
+    const tr = body.rows[i];
     const number = objects.findIndex((object) => object[0] === row.name) + 1;
     const [, ...rgb] = objects[number - 1] ?? ["", 128, 128, 128];
-    swatch.className = "swatch";
-    swatch.style.setProperty("background", `rgb(${rgb})`);
-    name.append(swatch, row.name);
     const nearest = row.distance_mm ?? row.entry_mm;
-    tr.append(cell(String(row.rank)), name, cell(`${(100 * row.share).toFixed(2)} %`), cell(String(row.pixels)), cell(typeof nearest === "number" ? nearest.toFixed(1) : ""));
-    tr.tabIndex = 0;
+    const [swatch, name] = tr.cells[1].childNodes;
+    swatch.style.setProperty("background", `rgb(${rgb})`);
+    if (name.data !== row.name) name.data = row.name;
+    for (const [column, text] of Object.entries({ 0: String(row.rank), 2: `${(100 * row.share).toFixed(2)} %`, 3: String(row.pixels), 4: typeof nearest === "number" ? nearest.toFixed(1) : "" })) {
+      if (tr.cells[column].textContent !== text) tr.cells[column].textContent = text;
+    }
+    tr.dataset.number = String(number);
     tr.setAttribute("aria-selected", String(number === chosen && chosen > 0));
-    const choose = () => { chosen = chosen === number ? 0 : number; redraw(); };
-    tr.onclick = choose;
-    tr.onkeydown = (event) => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); choose(); } };
-    return tr;
-  }));
+  });
 }
+
+/** @param {Event} event */
+function choose(event) {
+  const number = Number(/** @type {HTMLElement} */ (event.target).closest("tr")?.dataset.number);
+  chosen = chosen === number ? 0 : number;
+  redraw();
+}
+body.onclick = choose;
+body.onkeydown = (/** @type {KeyboardEvent} */ event) => { if (event.key === "Enter" || event.key === " ") { event.preventDefault(); choose(event); } };
 
 /** Whether rows differ in nothing but the last digits of numbers, as those of surfaces do: Embree works in single precision.
  * @param {string} a @param {string} b */
@@ -154,24 +177,19 @@ function compare(text) {
 // ---- Drawing: at most one question under way; the newest waits ------------------------------------------------------
 
 let busy = false;
-let again = false;
+let again = false; // after the question under way
+let isDue = false; // in the next frame
 let moving = false;
 let resting = 0;
 let detail = 1; // of what moves, so that a slow machine keeps up
 
-/** @param {boolean} [isMoving] */
+/** Once in a frame, however often something moved. @param {boolean} [isMoving] */
 function redraw(isMoving = false) {
   moving = isMoving;
   clearTimeout(resting);
   if (isMoving) resting = window.setTimeout(() => redraw(false), REST);
-  fillFields();
-  for (const pane of panes) pane.annotate(question, end, objects);
-  if (!atlas || busy) {
-    again = Boolean(atlas);
-    return;
-  }
-  requestAnimationFrame(draw);
-  busy = true;
+  if (!isDue) requestAnimationFrame(draw);
+  isDue = true;
 }
 
 /** What a picture shows; a picture that would show the same is not drawn again. @param {Cut | View} pane @param {boolean} isMoving */
@@ -180,31 +198,40 @@ function wanted(pane, isMoving) {
   return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut && { ...question, cut: 0 }]) };
 }
 
-async function draw() {
-  again = false;
+function draw() {
+  isDue = false;
+  fillFields();
+  for (const pane of panes) pane.annotate(question, end, objects);
+  if (busy) again = true;
+  else if (atlas) answer();
+}
+
+async function answer() {
   const began = performance.now();
+  again = false;
+  busy = true;
   const needed = panes.filter((pane) => pane.box.offsetParent !== null && wanted(pane, false).key !== pane.key)
     .map((pane) => wanted(pane, moving)).filter(({ pane, key }) => key !== pane.key);
   const isCut = (/** @type {any} */ { pane }) => pane instanceof Cut;
   const solid = needed.find((need) => !isCut(need));
   try {
-    const answer = await ask("draw", { question, cuts: needed.filter(isCut).map(({ request }) => request), view: solid?.request ?? null, chosen });
-    needed.filter(isCut).forEach(({ pane, request }, i) => pane.show(answer.cuts[i], request.width));
-    if (solid) view.show(answer.view, solid.request);
+    const drawn = await ask("draw", { question, cuts: needed.filter(isCut).map(({ request }) => request), view: solid?.request ?? null, chosen });
+    needed.filter(isCut).forEach(({ pane, request }, i) => pane.show(drawn.cuts[i], request.width));
+    if (solid) view.show(drawn.view, solid.request);
     for (const { pane, key } of needed) pane.key = key;
     if (!moving) for (const pane of panes) pane.annotate(question, end, objects); // which says what it shows
-    fillRows(answer.rows);
-    say(refused);
+    fillRows(drawn.rows);
+    sayOfAnswer(refused);
     const took = performance.now() - began;
     if (moving) detail = Math.min(1, Math.max(0.4, detail * (took > BUSY ? 0.85 : 1.02)));
     document.body.dataset.took = took.toFixed(1);
     document.body.dataset.drawn = String(Number(document.body.dataset.drawn ?? 0) + 1);
   } catch (error) {
     fillRows("");
-    say(/** @type {Error} */ (error).message);
+    sayOfAnswer(/** @type {Error} */ (error).message);
   }
   busy = false;
-  if (again) redraw(moving);
+  if (again) answer();
   else if (!moving && !document.body.classList.contains("embed") && !isInside) history.replaceState(null, "", `#${toFragment(question, identity())}`);
 }
 
@@ -227,8 +254,9 @@ function fillRows(text) {
 function fillFields() {
   const write = (/** @type {string} */ name, /** @type {string} */ text) => {
     const field = form.elements.namedItem(name);
-    if (document.activeElement !== field) field.value = text;
-    if (document.activeElement !== field) field.removeAttribute("aria-invalid");
+    if (document.activeElement === field) return;
+    if (field.value !== text) field.value = text;
+    field.removeAttribute("aria-invalid");
   };
   for (const a of [0, 1, 2]) {
     write(`origin${a}`, digits(question.origin[a]));
@@ -267,6 +295,7 @@ form.addEventListener("submit", (/** @type {Event} */ event) => event.preventDef
 /** @param {"origin" | "toward" | "cut"} which @param {import("./state.js").Point} position */
 function put(which, position) {
   refused = "";
+  if (!$("#error").hidden) say("");
   question[which] = /** @type {any} */ (position.map((v) => Number(v.toFixed(2))));
   if (which === "toward") question.cut = [...question.toward];
 }
@@ -297,7 +326,7 @@ panes.forEach((pane, number) => {
     if (under !== pane.under) {
       pane.under = under;
       over.setAttribute("aria-description", under);
-      pane.annotate(question, end, objects);
+      if (!drag) pane.annotate(question, end, objects);
     }
     if (!drag || !touches.has(event.pointerId)) return;
     touches.set(event.pointerId, at);
@@ -410,9 +439,11 @@ new ResizeObserver(() => { layOut(); redraw(true); }).observe($("#panes"));
 
 // ---- Files ---------------------------------------------------------------------------------------------------------
 
-/** @param {string} name */
+/** One of the files that are offered. @param {string} name */
 async function open(name) {
   ({ atlas, objects } = await ask("open", { name }));
+  if ($("#safe").checked) ({ objects } = await ask("colours", { safe: true }));
+  files = offered;
   atlasFile = name;
   chosen = 0;
   for (const pane of panes) pane.frame(atlas.low, atlas.high);
@@ -440,13 +471,17 @@ function checkLink() {
 const take = (list) => attempt(async () => {
   const added = await read(list);
   await ask("put", { files: added });
-  files = [...files.filter(([name]) => !added.some(([other]) => other === name)), ...added];
   const names = candidates(added.map(([name]) => name));
-  if (!names.length) throw new Error(`${list.map(([name]) => name).join(", ")}: no atlas among them; drop a volume (NIfTI, NRRD, …), surfaces or a manifest, with its label table`);
+  const isTable = Boolean(atlas) && !names.length && added.some(([name]) => TABLE.test(name)); // of the open atlas
+  if (!names.length && !isTable) throw new Error(`${list.map(([name]) => name).join(", ")}: no atlas among them; drop a volume (NIfTI, NRRD, …), surfaces or a manifest, with its label table`);
+  offered = isTable ? [...files.filter(([name]) => !added.some(([other]) => other === name)), ...added] : added;
+  if (isTable) return open(atlasFile).finally(() => redraw());
   const select = $("#which select");
   select.replaceChildren(...names.map((name) => new Option(name, name)));
   $("#which").hidden = names.length < 2;
-  await open(names[0]).finally(() => redraw());
+  await open(names[0]).catch((error) => {
+    throw new Error(atlas ? `${error.message} (if it is an image: “Image under the areas…”)` : error.message);
+  }).finally(() => redraw());
 });
 
 for (const button of document.querySelectorAll("[data-choose]")) {
@@ -462,8 +497,15 @@ $("#t1").onchange = (/** @type {any} */ event) => attempt(async () => {
   const added = await read(chosenFiles(event.target.files));
   await ask("put", { files: added });
   ({ atlas, objects } = await ask("context", { name: added[0][0] }));
+  describeAtlas();
   files = [...files.filter((file) => !file[2]), [...added[0], true]];
   redraw();
+});
+GREYS.forEach((id, i) => {
+  $(id).oninput = (/** @type {any} */ event) => attempt(() => {
+    atlas.window[i] = readWithin(event.target.value, -1e5, 1e5);
+    redraw();
+  });
 });
 $("#safe").onchange = (/** @type {any} */ event) => attempt(async () => {
   ({ objects } = await ask("colours", { safe: event.target.checked }));
@@ -573,12 +615,13 @@ attempt(async () => {
     refused = /** @type {Error} */ (error).message; // and nothing is guessed
   }
   await startWorker();
-  files = /** @type {any} */ (await inside());
-  if (files.length) {
-    await ask("put", { files });
-    await open(files[0][0]).finally(() => redraw());
+  offered = /** @type {any} */ (await inside());
+  if (offered.length) {
+    await ask("put", { files: offered });
+    await open(offered[0][0]).finally(() => redraw());
     const image = /** @type {any} */ (files).find((/** @type {any} */ file) => file[2]);
     if (image) ({ atlas, objects } = await ask("context", { name: image[0] }));
+    describeAtlas();
     redraw();
   }
   say(refused);

@@ -216,7 +216,7 @@ export class View {
   get side() { return Math.max(50, Math.min(this.box.clientWidth, this.box.clientHeight)); }
 
   get eye() {
-    const far = 1.05 * this.radius / Math.sin(this.angle * Math.PI / 360) / this.zoom;
+    const far = 0.85 * this.radius / Math.sin(this.angle * Math.PI / 360) / this.zoom;
     const flat = Math.cos(this.tilt);
     return [Math.cos(this.turn) * flat, Math.sin(this.turn) * flat, Math.sin(this.tilt)].map((v, a) => this.middle[a] + far * v);
   }
@@ -278,7 +278,7 @@ export class View {
       line(c, "#f0a030", 2, [...rim, rim[0]]);
       for (let i = 0; i < rim.length; i += 6) line(c, "rgba(240,160,48,0.6)", 1, [this.place(aim.origin), rim[i]]);
     }
-    caption(c, "3-D", this.under, this.side);
+    caption(c, "3-D, drag to turn", this.under, this.side);
     axis(c, this.place(aim.origin), this.place(aim.toward), chosenEnd);
   }
 }
