@@ -319,8 +319,8 @@ static int read_template(char **out, const char *given)
     char *text = NULL;
     size_t size = 0;
     if (!in && !given) {
-        print_error_line("the page's template is not installed: no %s; scripts/web builds it, --template names it",
-                         name);
+        print_error_line(
+            "the page's template is not installed: no %s (Debian package conus-page); --template names one", name);
         return EXIT_DATA;
     }
     if (!in || getdelim(&text, &size, '\0', in) < 0 || !strstr(text, mark)) {

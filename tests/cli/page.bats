@@ -73,7 +73,7 @@ inside() {
         [[ $output == *"$words"* ]]
         [ ! -e page.html ]
     }
-    status_wanted=3 refused 'scripts/web' slabs.nii.gz -o page.html
+    status_wanted=3 refused 'Debian package conus-page' slabs.nii.gz -o page.html
     status_wanted=3 refused 'nothing.html' slabs.nii.gz -o page.html --template nothing.html
     status_wanted=3 refused 'atlas -->' slabs.nii.gz -o page.html --template slabs.nii.gz
     status_wanted=2 refused 'toward' slabs.nii.gz -o page.html --template template.html --origin 0,0,0

@@ -13,10 +13,11 @@ setup_file() {
     mv "$folder"/libconus* "$folder/cmake" "$folder/pkgconfig" "$BATS_FILE_TMPDIR/usr/lib/x"
 }
 
-# claimed: the files that the lists of packages, and that of what is in none, name; each as often as it is named.
+# claimed: the files that the lists of packages, and that of what is in none, name; each as often as it is named. Only the
+# web page's is not below usr: it is from a build of its own.
 claimed() {
     local pattern
-    sed '/^#/d' "$DEBIAN"/*.install "$DEBIAN/not-installed" | while read -r pattern _; do
+    sed -n '/^usr/p' "$DEBIAN"/*.install "$DEBIAN/not-installed" | while read -r pattern _; do
         # shellcheck disable=SC2086 # a pattern
         (cd "$BATS_FILE_TMPDIR" && find $pattern ! -type d)
     done

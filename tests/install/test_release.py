@@ -208,7 +208,7 @@ class TestBoutiques:
 @pytest.mark.parametrize("words", [
     ("reuse", "lint"),
     ("appstreamcli", "validate", "--no-net", "packaging/desktop/conus-view.metainfo.xml"),
-    ("desktop-file-validate", "packaging/desktop/conus-view.desktop"),
+    ("desktop-file-validate", "packaging/desktop/conus-view.desktop", "packaging/debian/conus-page.desktop"),
 ])
 def test_validators_find_nothing(words):
     if not shutil.which(words[0]) or words[0] == "reuse" and not (ROOT / ".git").exists():
