@@ -110,7 +110,7 @@ static void find_box(double out[8][3], const struct colour_pass *pass, const str
     double high[3] = {1, 1, 1};
     const struct colour_volume *context = &pass->context;
     const double *texture_from_world = pass->has_areas ? pass->areas.texture_from_world : context->texture_from_world;
-    for (int n = 0; pass->has_areas && pass->has_context && n < 8; n++) {
+    for (int n = 0; pass->has_areas && pass->may_have_context && n < 8; n++) {
         double p[3];
         for (int a = 0; a < 3; a++) {
             p[a] = (n >> a & 1 ? (double)context->dim[a] : 0) - 0.5;

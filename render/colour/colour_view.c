@@ -11,7 +11,7 @@ struct slices colour_pass_slices(const struct colour_pass *pass, const struct ca
     struct slices joint = {0};
     uint32_t finest = 1;
     const struct colour_volume *volumes[] = {pass->has_areas ? &pass->areas : NULL,
-                                             pass->has_context ? &pass->context : NULL,
+                                             pass->may_have_context ? &pass->context : NULL,
                                              pass->has_haze ? &pass->haze : NULL};
     for (int i = 0; i < 3; i++) {
         if (volumes[i]) {
@@ -76,7 +76,7 @@ void colour_view_pack(struct colour_view_block *block, const struct colour_pass 
     if (pass->has_areas) {
         set_volume(block->areas_from_camera, block->areas_bricks, &pass->areas, camera);
     }
-    if (pass->has_context && view->fade < 1) {
+    if (pass->may_have_context && view->fade < 1) {
         set_volume(block->context_from_camera, block->context_bricks, &pass->context, camera);
     }
     if (pass->has_haze) {

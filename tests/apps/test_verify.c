@@ -301,7 +301,8 @@ static void a_stage_holds_every_path(void **state)
     struct recorded_file inputs[] = {
         {.path = "../../x/../y/a"}, {.path = "../../x/b"}, {.path = "c"}, {.path = "/no/such/d"}};
     char *file = realpath(test_in("file"), NULL);
-    struct found_file found[] = {{file, FILE_SAME}, {file, FILE_SAME}, {file, FILE_SAME}, {file, FILE_MOVED}};
+    struct found_file found[] = {
+        {file, FILE_SAME, false}, {file, FILE_SAME, false}, {file, FILE_SAME, false}, {file, FILE_MOVED, false}};
     struct record record = {.inputs = inputs, .input_count = 4};
     struct stage stage;
     assert_true(stage_make(&stage, &record, found));

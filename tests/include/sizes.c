@@ -26,7 +26,7 @@ SIZE(conus_batch_options, 152);
 SIZE(conus_pose_array, 64);
 SIZE(conus_many_options, 24);
 SIZE(conus_renderer_options, 64);
-SIZE(conus_view, 200);
+SIZE(conus_view, 208);
 SIZE(conus_cut_view, 144);
 SIZE(conus_mesh_options, 80);
 SIZE(conus_phantom_options, 56);
