@@ -53,7 +53,8 @@ static void take_all(struct taking *taking, const conus_atlas *atlas)
             }
         }
     }
-    for (uint32_t number = 1; !taking->seen && number <= atlas->area_count; number++) {
+    bool has_voxels = taking->seen > 0;
+    for (uint32_t number = 1; !has_voxels && number <= atlas->area_count; number++) {
         const struct mesh *mesh = atlas_object_mesh(atlas, number);
         if (mesh) {
             for (size_t i = 0; i < mesh->vertex_count; i++) {

@@ -174,6 +174,10 @@ static void surfaces_have_a_place_and_nothing_has_none(void **state)
     assert_near(place.own_high[2], 4, 1e-5);
     assert_near(place.low[2], -5, 1e-5);
     assert_near(place.centre[0], 11, 1e-5);
+    struct mesh other = mesh_scene_box((const double[]){20, 0, 0}, (const double[]){22, 3, 4});
+    mesh_scene_add(atlas, &other); /* with as many vertices */
+    assert_ok(conus_atlas_placement(&place, atlas));
+    assert_near(place.centre[0], (11 + 21) / 2.0, 1e-5);
     conus_atlas_destroy(atlas);
 }
 
