@@ -82,6 +82,25 @@ save_figure() {
     enter
 }
 
+# quit: by Ctrl+Q. On a busy machine the form of figures was asked for twice and is open: its field takes all keys until
+# Escape leaves it, and once more leaves the form.
+quit() {
+    local looks
+    while runs "$child"; do
+        xdotool key --window "$window" ctrl+q || : # the window may be gone before the key is let go
+        for ((looks = 0; looks < 100; looks++)); do
+            runs "$child" || break 2
+            sleep 0.02
+        done
+        for looks in field form; do
+            xdotool keydown --window "$window" Escape || :
+            sleep 0.2
+            xdotool keyup --window "$window" Escape || :
+        done
+    done
+    wait "$child"
+}
+
 # is_whole FILE.png: whether it is there to its last chunk.
 is_whole() {
     tail -c 12 "$1" 2>/dev/null | grep -q IEND
@@ -147,8 +166,7 @@ seen() {
     tries_until 'is_whole figure-1.png' save_figure
     tries_until 'is_there slabs-session.json' save_as
     wait_until "$child" titled 'conus - slabs.nii.gz [slabs-session.json] - Slab posterior (held)'
-    xdotool key --window "$window" ctrl+q || : # the window may be gone before the key is let go
-    wait "$child"
+    quit
     mv slabs-session.json before.json
     jq -e '.hidden == [1] and .frozen == 1 and .has_pose == 1' before.json
     jq -e '.panels[1] > 384' state/conus/window.json
@@ -166,7 +184,6 @@ seen() {
     rm slabs-session.json
     xdotool key --window "$window" ctrl+s
     wait_until "$child" is_there slabs-session.json
-    xdotool key --window "$window" ctrl+q || : # the window may be gone before the key is let go
-    wait "$child"
+    quit
     diff before.json slabs-session.json
 }
