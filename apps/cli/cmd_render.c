@@ -915,10 +915,10 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
 static int draw_probes(struct picture *picture, const struct drawn_row *rows, size_t row_count)
 {
     conus_drawn_probe *probes = calloc(row_count + 1, sizeof *probes);
-    conus_segments **segments = calloc(row_count + 1, sizeof *segments);
+    conus_segments **segments = calloc(row_count + 1, sizeof(void *));
     size_t count = 0;
     int code = probes && segments ? EXIT_DONE : print_no_memory();
-    for (size_t i = 0; i < row_count && !code; i++) {
+    for (size_t i = 0; probes && segments && i < row_count && !code; i++) {
         const conus_pose_row *row = rows[i].row;
         const char *error = settings_row_error(row);
         conus_status status = error ? CONUS_ERROR_DATA : conus_selector_set_range(picture->selector, row->range);

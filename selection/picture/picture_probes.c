@@ -299,12 +299,14 @@ static size_t place_labels(struct beside *labels, size_t count, const struct sca
         memmove(labels + shortest, labels + shortest + 1, (--count - shortest) * sizeof *labels);
     }
     double least = scale->top + line / 2;
-    for (size_t i = 0; i < count; i++, least += line) {
-        labels[i].y = least = fmax(labels[i].wanted, least);
+    for (size_t i = 0; i < count; i++) {
+        labels[i].y = fmax(labels[i].wanted, least);
+        least = labels[i].y + line;
     }
     double most = scale->bottom - line / 2;
-    for (size_t i = count; i-- > 0; most -= line) {
-        labels[i].y = most = fmin(labels[i].y, most);
+    for (size_t i = count; i-- > 0;) {
+        labels[i].y = fmin(labels[i].y, most);
+        most = labels[i].y - line;
     }
     return count;
 }
@@ -393,10 +395,11 @@ static conus_status draw_depths(conus_image *image, const struct picture *pictur
     conus_status status =
         font_draw(picture->font, image, (double[]){right - font_width(picture->font, em, unit), MARGIN * em + 0.8 * em},
                   em, picture->ink, unit);
-    for (double k = ceil(probes->from / step - 1e-9); k * step <= probes->to + 1e-9 && !status; k++) {
+    long last = (long)floor((probes->to + 1e-9) / step);
+    for (long k = (long)ceil(probes->from / step - 1e-9); k <= last && !status; k++) {
         char text[CELL_SIZE];
-        double y = y_of(scale, picture, k * step);
-        snprintf(text, sizeof text, "%g", k * step + 0.0);
+        double y = y_of(scale, picture, (double)k * step);
+        snprintf(text, sizeof text, "%g", (double)k * step);
         draw_line(image, (double[]){right + 0.15 * em, y}, (double[]){right + 0.4 * em, y}, picture->line,
                   picture->ink);
         const double at[2] = {right - font_width(picture->font, em, text), y + 0.36 * em};

@@ -112,9 +112,9 @@ static double march(double *least, const struct tractogram *tractogram, const do
 static double depth_in_tube(const struct tractogram *tractogram, const double origin[3], const double ray[3], double t)
 {
     double deepest = 0;
-    for (double end = t + 2 * RADIUS; t < end; t += 0.02) {
+    for (int n = 0; n <= 100; n++) {
         double p[3];
-        vec3_add_scaled(p, origin, t, ray);
+        vec3_add_scaled(p, origin, t + n * 2 * RADIUS / 100, ray);
         deepest = fmax(deepest, -distance_to_tubes(tractogram, p));
     }
     return deepest;
