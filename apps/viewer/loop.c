@@ -5,6 +5,7 @@
 #include "link/send_selection.h"
 #include "options/messages.h"
 #include "viewer/commands/keys.h"
+#include "viewer/model/file_watch.h"
 #include "viewer/model/plans.h"
 #include "viewer/model/studies.h"
 #include "viewer/panes/panels.h"
@@ -79,9 +80,9 @@ static void watch_files(struct window *window)
 }
 
 /* Seconds until something changes by itself. */
-static double rest(const struct window *window, const struct script *script)
+static double idle_s(const struct window *window, const struct script *script)
 {
-    double seconds = window_rest(window);
+    double seconds = window_idle_s(window);
     if (script) {
         seconds = fmin(seconds, patience_s);
     }
@@ -92,8 +93,8 @@ static double rest(const struct window *window, const struct script *script)
         seconds = fmin(seconds, blink_s);
     }
     if (window->viewer) {
-        seconds = fmin(seconds, inputs_rest(&window->inputs, window->viewer));
-        seconds = fmin(seconds, replay_rest(&window->inputs.replay, window->viewer, glfwGetTime()));
+        seconds = fmin(seconds, inputs_idle_s(&window->inputs, window->viewer));
+        seconds = fmin(seconds, replay_idle_s(&window->inputs.replay, window->viewer, glfwGetTime()));
     }
     return fmin(seconds, longest_s);
 }
@@ -225,9 +226,9 @@ static bool go_round(struct window *window, struct script *script, int *code)
 {
     bool acts = script && !script_waits(script, window);
     unsigned answer = window->viewer ? window->viewer->tools[FIRST_TOOL].answer_number : 0;
-    double seconds = acts ? 0 : rest(window, script);
+    double seconds = acts ? 0 : idle_s(window, script);
     if (seconds > 0) {
-        times_rest(&window->times);
+        times_pause(&window->times);
         glfwWaitEventsTimeout(seconds);
     } else {
         glfwPollEvents();
@@ -243,11 +244,11 @@ static bool go_round(struct window *window, struct script *script, int *code)
         studies_step(window->viewer);
         plans_step(window->viewer);
     }
-    if (!window_wants_frame(window) && !acts && !ui_wants_keys()) {
+    if (!window_needs_frame(window) && !acts && !ui_wants_keys()) {
         return true;
     }
     draw_frame(window);
-    if (window_wants(window)) { /* what the script says next is of the atlas that was dropped in this round */
+    if (window_has_request(window)) { /* what the script says next is of the atlas that was dropped in this round */
         return true;
     }
     if (acts && script_step(script, window, code)) {
@@ -267,7 +268,7 @@ static bool go_round(struct window *window, struct script *script, int *code)
 bool loop_run(struct window *window, struct script *script, int *code)
 {
     bool goes_on = true;
-    while (goes_on && !glfwWindowShouldClose(window->handle) && !window_wants(window)) {
+    while (goes_on && !glfwWindowShouldClose(window->handle) && !window_has_request(window)) {
         goes_on = go_round(window, script, code);
     }
     return goes_on && !glfwWindowShouldClose(window->handle);

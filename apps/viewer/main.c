@@ -98,17 +98,17 @@ static int run_window(struct window *window, const struct view_settings *setting
     window->wake = loop_wake;
     window->files.remembers = !script;
     if (path || settings->session) {
-        window_want(window, path ? path : settings->session);
+        window_request_file(window, path ? path : settings->session);
     }
-    if (window_wants(window) && !open_wanted(window, settings, true, started, &failed) && !window_wants(window) &&
-        failed) {
+    if (window_has_request(window) && !open_requested(window, settings, true, started, &failed) &&
+        !window_has_request(window) && failed) {
         code = EXIT_DATA;
     }
     if (window->start.on) {
         start_look(&window->start);
     }
     while (!(code && script) && loop_run(window, script, &code)) {
-        open_wanted(window, &later, !path && !window->viewer, clock_ms(), &failed);
+        open_requested(window, &later, !path && !window->viewer, clock_ms(), &failed);
     }
     open_finish(window);
     return code;

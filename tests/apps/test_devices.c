@@ -132,10 +132,10 @@ static void a_gamepad_moves_the_first_tool(void **state)
     (void)state;
     open_window(&window, &viewer);
     reading = (struct gamepad_reading){.presence = GAMEPAD_THERE};
-    assert_true(isinf(inputs_rest(&window.inputs, window.viewer))); /* nobody is asked whom nobody chose */
+    assert_true(isinf(inputs_idle_s(&window.inputs, window.viewer))); /* nobody is asked whom nobody chose */
     tool_choose(window.viewer, FIRST_TOOL, POINT_BY_GAMEPAD);
     inputs_step(&window.inputs, window.viewer, 1);
-    assert_near(inputs_rest(&window.inputs, window.viewer), 0.02, 1e-12);
+    assert_near(inputs_idle_s(&window.inputs, window.viewer), 0.02, 1e-12);
     assert_false(viewer.tools[FIRST_TOOL].has_pose);
     inputs_notice(&notice, &window.inputs, window.viewer, FIRST_TOOL);
     assert_non_null(strstr(notice.text, "move it"));
@@ -167,7 +167,7 @@ static void a_gamepad_moves_the_first_tool(void **state)
     inputs_notice(&notice, &window.inputs, window.viewer, FIRST_TOOL);
     assert_true(notice.is_trouble && !notice.is_old); /* its answer is that of its pose still */
     assert_non_null(strstr(notice.text, "unplugged"));
-    assert_near(inputs_rest(&window.inputs, window.viewer), 0.5, 1e-12);
+    assert_near(inputs_idle_s(&window.inputs, window.viewer), 0.5, 1e-12);
     close_window(&window);
 }
 

@@ -82,12 +82,12 @@ static void the_apex_stays_where_it_was(void **state)
     open_window(&window, &viewer, true);
     double before = point_depth(&viewer, eye, back);
     assert_true(isfinite(before));
-    assert_ptr_equal(view_atlas_grey(viewer.drawn), viewer.drawn->window);
+    assert_ptr_equal(view_atlas_grey(viewer.drawn), viewer.drawn->found_grey);
     assert_true(viewer_move_grey(&viewer, 0, -1));
-    assert_near(view_atlas_grey(viewer.drawn)[0], viewer.drawn->window[1], 1e-6); /* the middle is as far up */
+    assert_near(view_atlas_grey(viewer.drawn)[0], viewer.drawn->found_grey[1], 1e-6); /* the middle is as far up */
     assert_near(point_depth(&viewer, eye, back), before, 0);
     viewer_set_grey(&viewer, 0, 0);
-    assert_ptr_equal(view_atlas_grey(viewer.drawn), viewer.drawn->window);
+    assert_ptr_equal(view_atlas_grey(viewer.drawn), viewer.drawn->found_grey);
     close_window(&window);
     open_window(&window, &viewer, false);
     assert_false(viewer_move_grey(&viewer, 0, 1));
@@ -405,7 +405,7 @@ static void each_change_is_taken_back(void **state)
     assert_true(isnan(appearance->opacity[2]));
     assert_near(view_atlas_grey(viewer.drawn)[0], 0.5, 0);
     undo_step(&window, -1);
-    assert_ptr_equal(view_atlas_grey(viewer.drawn), viewer.drawn->window);
+    assert_ptr_equal(view_atlas_grey(viewer.drawn), viewer.drawn->found_grey);
     for (int i = 0; i < 6; i++) {
         undo_step(&window, 1);
     }

@@ -104,8 +104,8 @@ static void a_context_is_the_surface_where_its_skin_is(void **state)
     (void)state;
     add_head(atlas);
     open_atlases(&viewer, atlas, NULL);
-    assert_near(viewer.drawn->window[0], 0, 1e-9);
-    assert_near(viewer.drawn->window[1], 100, 1e-4);
+    assert_near(viewer.drawn->found_grey[0], 0, 1e-9);
+    assert_near(viewer.drawn->found_grey[1], 100, 1e-4);
     assert_near(point_depth(&viewer, eye, back), 49.2, 0.02);
     assert_near(point_depth(&viewer, (double[]){5, 200, 5}, back), 159.2, 0.02);
     for (int tenth = 0; tenth < 10; tenth++) { /* wherever steps of a voxel meet the noise */
@@ -128,6 +128,17 @@ static void the_nearest_atlas_is_the_surface(void **state)
     viewer_finish(&viewer);
 }
 
+/* As the command `point` of scripts. */
+static bool aim_through(struct viewer *viewer, const double from[3], const double direction[3])
+{
+    conus_pose pose;
+    bool found = point_find(&pose, viewer, from, direction);
+    if (found) {
+        tool_aim(viewer, FIRST_TOOL, &pose);
+    }
+    return found;
+}
+
 static void the_mouse_puts_the_apex_there(void **state)
 {
     struct viewer viewer;
@@ -136,19 +147,19 @@ static void the_mouse_puts_the_apex_there(void **state)
     (void)state;
     open_atlases(&viewer, make_blocks(20), NULL);
     assert_near(viewer.tools[FIRST_TOOL].angle, 5, 0);
-    assert_false(point_through(&viewer, eye, (double[]){0, 1, 0}));
+    assert_false(aim_through(&viewer, eye, (double[]){0, 1, 0}));
     assert_false(viewer.tools[FIRST_TOOL].has_pose);
-    assert_true(point_through(&viewer, eye, back));
+    assert_true(aim_through(&viewer, eye, back));
     assert_near(m[12], 0, 1e-9);
     assert_near(m[13], 20.5, 1e-9);
     assert_near(m[9], 1, 1e-9); /* it looks along -z, its third column is +y */
     assert_near(conus_selection_result(viewer_selection(&viewer), 0)->distance, 0, 1e-6);
     unsigned number = viewer.tools[FIRST_TOOL].answer_number;
-    assert_false(point_through(&viewer, eye, (double[]){0, 1, 0})); /* beside the brain it stays */
+    assert_false(aim_through(&viewer, eye, (double[]){0, 1, 0})); /* beside the brain it stays */
     assert_near(m[13], 20.5, 1e-9);
     assert_int_equal(viewer.tools[FIRST_TOOL].answer_number, number);
     property_set(&window, PROPERTY_APEX_AT_EYE, true);
-    assert_true(point_through(&viewer, eye, (double[]){0, 1, 0}));
+    assert_true(aim_through(&viewer, eye, (double[]){0, 1, 0}));
     assert_near(m[13], 90, 1e-9);
     assert_near(m[9], -1, 1e-9);
     viewer_finish(&viewer);
@@ -161,7 +172,7 @@ static void it_is_held_and_freed_and_cleared(void **state)
     open_atlases(&viewer, make_blocks(20), make_blocks(50));
     tool_hold(&viewer, FIRST_TOOL);
     assert_false(viewer.tools[FIRST_TOOL].held); /* there is nothing to hold */
-    point_through(&viewer, eye, back);
+    aim_through(&viewer, eye, back);
     tool_hold(&viewer, FIRST_TOOL);
     assert_true(viewer.tools[FIRST_TOOL].held);
     assert_true(viewer.tools[FIRST_TOOL].has_pose);

@@ -288,7 +288,7 @@ static void the_second_tool_has_a_tracker_of_its_own(void **state)
     window.inputs.second_station = start(NULL, NULL);
     tool_use_second(&viewer, true);
     tool_choose(window.viewer, SECOND_TOOL, POINT_BY_TRACKER);
-    assert_true(isfinite(inputs_rest(&window.inputs, window.viewer)));
+    assert_true(isfinite(inputs_idle_s(&window.inputs, window.viewer)));
     int peer = connect_to(window.inputs.second_station);
     send_until_seen(&window, peer, "Any", 45);
     assert_near(window.viewer->tools[SECOND_TOOL].pose.world_from_device[13], 45, 1e-5);

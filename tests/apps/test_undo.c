@@ -291,10 +291,10 @@ static void a_state_that_is_not_reached_stays(void **state)
     set_angle(&window, 13);
     size_t at = window.history.changes.at;
     undo_step(&window, -1);
-    assert_true(window_wants(&window));
-    assert_int_equal(window.files.wanted.step, -1);
+    assert_true(window_has_request(&window));
+    assert_int_equal(window.files.requested.step, -1);
     assert_int_equal(window.history.changes.at, at); /* it is not there yet */
-    wanted_finish(&window.files.wanted);
+    open_request_finish(&window.files.requested);
     undo_renew(&window);
     assert_non_null(strstr(window.history.changes.states[at - 1], "\"angle_deg\":12"));
     json_decref(window.files.opened);

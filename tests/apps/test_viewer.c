@@ -2,6 +2,7 @@
 /* What the window does, without a window. */
 #include "atlas/warp/warp.h"
 #include "base/memory.h"
+#include "viewer/model/file_watch.h"
 #include "viewer/model/picker.h"
 #include "viewer/model/viewer.h"
 #include "viewer/session/session.h"

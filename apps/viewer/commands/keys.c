@@ -104,7 +104,7 @@ static void go_deeper(struct window *window)
 
 static void change_hemispheres(struct window *window)
 {
-    window_want_hemispheres(window, (conus_hemispheres)((window->files.hemispheres + 1) % HEMISPHERES_COUNT));
+    window_request_hemispheres(window, (conus_hemispheres)((window->files.hemispheres + 1) % HEMISPHERES_COUNT));
 }
 
 static void show_next_side(struct window *window)
@@ -588,15 +588,15 @@ static bool press_at_start(struct window *window, const char *key)
     struct start *start = &window->start;
     const char *path = key[0] >= '1' && key[0] <= '9' && !key[1] ? start_path(start, (size_t)(key[0] - '1')) : NULL;
     if (path) {
-        window_want(window, path);
+        window_request_file(window, path);
     } else if (strcasecmp(key, "tab") == 0) {
         start->takes_keys = true;
     } else if (strcasecmp(key, "enter") == 0) {
-        window_want_typed(window);
+        window_request_typed(window);
     } else if (strcasecmp(key, "up") == 0 || strcasecmp(key, "down") == 0) {
         start_move(start, strcasecmp(key, "up") == 0 ? -1 : 1);
     } else if (strcasecmp(key, "s") == 0 && start->has_no_sample) {
-        window_want_sample(window);
+        window_request_sample(window);
     } else if (strcasecmp(key, "escape") == 0 && window->forms.show_help) {
         window->forms.show_help = false;
     } else if (strcasecmp(key, "escape") == 0 && window->files.session_waits) {

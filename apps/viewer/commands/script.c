@@ -164,6 +164,7 @@ static bool do_point(struct call *call)
     double part[2];
     double direction[3];
     struct eye eye;
+    conus_pose pose;
     if (!numbers(part, call, 0, 2)) {
         return false;
     }
@@ -171,8 +172,8 @@ static bool do_point(struct call *call)
     eye_ray(direction, &eye, (double[]){1, 1}, part);
     if (tool_moved_by(call->viewer, POINT_BY_MOUSE) == SECOND_TOOL) {
         inputs_point(&call->window->inputs, call->viewer, eye.camera.world_from_device + 12, direction);
-    } else {
-        point_through(call->viewer, eye.camera.world_from_device + 12, direction);
+    } else if (point_find(&pose, call->viewer, eye.camera.world_from_device + 12, direction)) {
+        tool_aim(call->viewer, FIRST_TOOL, &pose);
     }
     return true;
 }
@@ -193,7 +194,7 @@ static bool do_type(struct call *call)
 
 static bool do_drop(struct call *call)
 {
-    window_want_all(call->window, call->count, (const char *const *)call->arguments);
+    window_request_files(call->window, call->count, (const char *const *)call->arguments);
     return true;
 }
 
@@ -340,7 +341,7 @@ static bool do_target(struct call *call)
     const conus_object *object = call->count ? conus_atlas_object(atlas, search_best(atlas, call->arguments[0])) : NULL;
     bool fine = object || !call->count;
     if (fine) {
-        window_want_target(call->window, object ? object->name : NULL);
+        window_request_target(call->window, object ? object->name : NULL);
     }
     return fine;
 }
@@ -497,7 +498,7 @@ static bool do_hemispheres(struct call *call)
 {
     for (size_t how = 0; settings_hemispheres[how]; how++) {
         if (is_word(call, 0, settings_hemispheres[how])) {
-            window_want_hemispheres(call->window, (conus_hemispheres)how);
+            window_request_hemispheres(call->window, (conus_hemispheres)how);
             return true;
         }
     }

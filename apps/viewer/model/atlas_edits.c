@@ -13,9 +13,9 @@ static void stop_readers(struct viewer *viewer)
     painter_destroy(viewer->painter);
     viewer->painter = NULL;
     studier_hold(viewer->study.studier);
-    plan_state_rest(&viewer->plan);
+    plan_state_pause(&viewer->plan);
     for (size_t i = 0; i < viewer->atlas_count; i++) {
-        view_atlas_rest(&viewer->atlases[i]);
+        view_atlas_invalidate(&viewer->atlases[i]);
         view_atlas_forget(&viewer->atlases[i], FIRST_TOOL);
     }
     viewer->atlas_number++;
@@ -168,11 +168,11 @@ bool viewer_move_grey(struct viewer *viewer, double right, double up)
 {
     const struct view_atlas *view = viewer->drawn;
     double grey[2];
-    if (!(view->window[1] > view->window[0])) {
+    if (!(view->found_grey[1] > view->found_grey[0])) {
         return false;
     }
     memcpy(grey, view_atlas_grey(view), sizeof grey);
-    appearance_move_grey(grey, view->window, right, up);
+    appearance_move_grey(grey, view->found_grey, right, up);
     viewer_set_grey(viewer, grey[0], grey[1]);
     return true;
 }
@@ -313,8 +313,8 @@ static void hide_in_atlas(struct viewer *viewer, struct view_atlas *view)
         painter_hold(viewer->painter);
     }
     studier_hold(viewer->study.studier);
-    plan_state_rest(&viewer->plan);
-    view_atlas_rest(view);
+    plan_state_pause(&viewer->plan);
+    view_atlas_invalidate(view);
     viewer->atlas_number++;
     if (conus_atlas_set_hidden(view->atlas, view->shown.hidden)) {
         viewer_say(viewer, "%s", conus_message());

@@ -12,7 +12,7 @@ void plan_state_drop_live(struct plan_state *state)
     state->selector = NULL;
 }
 
-void plan_state_rest(struct plan_state *state)
+void plan_state_pause(struct plan_state *state)
 {
     plan_state_drop_live(state);
     studier_hold(state->list.studier);

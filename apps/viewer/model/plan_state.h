@@ -31,7 +31,7 @@ struct plan_state {
 /** Ends the plan that tries the tool: its radius or its atlas is about to change. */
 void plan_state_drop_live(struct plan_state *state);
 /** Likewise, and lets nothing of the atlas be read until plan_state_resume(). */
-void plan_state_rest(struct plan_state *state);
+void plan_state_pause(struct plan_state *state);
 void plan_state_resume(struct plan_state *state);
 /** Forgets the list, and the thread that makes it: the atlas is another one. */
 void plan_state_forget(struct plan_state *state);

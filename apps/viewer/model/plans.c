@@ -70,7 +70,7 @@ static int read_task(struct viewer *viewer, const struct arguments *arguments, c
 int plans_change(struct viewer *viewer, const struct arguments *arguments, const char *poses)
 {
     struct plan_state before;
-    plan_state_rest(&viewer->plan); /* its thread reads the task */
+    plan_state_pause(&viewer->plan); /* its thread reads the task */
     before = viewer->plan;
     viewer->plan = (struct plan_state){.depth = before.depth};
     int code = read_task(viewer, arguments, poses);

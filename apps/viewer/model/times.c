@@ -30,7 +30,7 @@ void times_begin_frame(struct times *times)
     times->frame_started = now;
 }
 
-void times_rest(struct times *times)
+void times_pause(struct times *times)
 {
     times->frame_started = 0;
 }

@@ -1,84 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* An atlas of the window: its making, its question and its end; and whether its files have changed on disk. */
+/* An atlas of the window: its making, its question and its end. */
 #include "viewer/model/view_atlas.h"
 
-#include "options/output.h"
+#include "viewer/model/file_watch.h"
 #include "viewer/model/study.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-/* Enough to see that a file is another one. */
-struct state {
-    bool is_there;
-    struct timespec changed;
-    off_t size;
-};
-
-struct file_watch {
-    const conus_atlas *atlas;
-    struct state *states; /* [count] of volumes and then of other files, as they were looked at last */
-    struct state *first;  /* [count] and at first */
-    size_t count;
-};
-
-static size_t count_files(const conus_atlas *atlas)
-{
-    return conus_atlas_volume_count(atlas) + conus_atlas_file_count(atlas);
-}
-
-static const char *path_of(const conus_atlas *atlas, size_t index)
-{
-    size_t volumes = conus_atlas_volume_count(atlas);
-    return index < volumes ? conus_atlas_volume(atlas, index)->path : conus_atlas_file(atlas, index - volumes);
-}
-
-static struct state look_at_file(const char *path)
-{
-    struct stat stat_;
-    if (stat(path, &stat_)) {
-        return (struct state){.is_there = false};
-    }
-    return (struct state){.is_there = true, .changed = stat_.st_mtim, .size = stat_.st_size};
-}
-
-static bool is_same_state(const struct state *a, const struct state *b)
-{
-    return a->is_there == b->is_there && a->size == b->size && a->changed.tv_sec == b->changed.tv_sec &&
-           a->changed.tv_nsec == b->changed.tv_nsec;
-}
-
-static void file_watch_destroy(struct file_watch *watch)
-{
-    if (watch) {
-        free(watch->states);
-        free(watch->first);
-        free(watch);
-    }
-}
-
-/* Notes how the files are now; NULL without memory. */
-static struct file_watch *file_watch_create(const conus_atlas *atlas)
-{
-    struct file_watch *watch = calloc(1, sizeof *watch);
-    if (!watch) {
-        return NULL;
-    }
-    watch->atlas = atlas;
-    watch->count = count_files(atlas);
-    watch->states = calloc(watch->count + 1, sizeof *watch->states);
-    watch->first = calloc(watch->count + 1, sizeof *watch->first);
-    if (!watch->states || !watch->first) {
-        file_watch_destroy(watch);
-        return NULL;
-    }
-    for (size_t i = 0; i < watch->count; i++) {
-        watch->states[i] = watch->first[i] = look_at_file(path_of(watch->atlas, i));
-    }
-    return watch;
-}
 
 bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
 {
@@ -106,8 +35,8 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
         view.kinds[number] = conus_atlas_kind_word(view.atlas, number);
     }
     size_t context = view_atlas_context(&view);
-    if (context == conus_atlas_volume_count(view.atlas) || conus_atlas_window(view.window, view.atlas, context)) {
-        view.window[0] = view.window[1] = 0;
+    if (context == conus_atlas_volume_count(view.atlas) || conus_atlas_window(view.found_grey, view.atlas, context)) {
+        view.found_grey[0] = view.found_grey[1] = 0;
     }
     *out = view;
     return true;
@@ -118,7 +47,7 @@ void view_atlas_finish(struct view_atlas *view)
     for (enum tool_number tool = FIRST_TOOL; tool < TOOL_COUNT; tool++) {
         view_atlas_forget(view, tool);
     }
-    view_atlas_rest(view);
+    view_atlas_invalidate(view);
     free(view->shown.hidden);
     appearance_finish(&view->appearance);
     file_watch_destroy(view->watch);
@@ -163,7 +92,7 @@ conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, c
     return status;
 }
 
-void view_atlas_rest(struct view_atlas *view)
+void view_atlas_invalidate(struct view_atlas *view)
 {
     conus_selector_destroy(view->selector);
     conus_selector_destroy(view->picker);
@@ -211,7 +140,7 @@ size_t view_atlas_context(const struct view_atlas *view)
 const double *view_atlas_grey(const struct view_atlas *view)
 {
     const double *set = view->appearance.grey;
-    return set[0] != 0 || set[1] != 0 ? set : view->window;
+    return set[0] != 0 || set[1] != 0 ? set : view->found_grey;
 }
 
 bool view_atlas_shares_context(const struct view_atlas *a, const struct view_atlas *b)
@@ -226,49 +155,4 @@ const conus_volume_info *view_atlas_pathway(const struct view_atlas *view, uint3
     const conus_object *pathway = conus_atlas_object(view->atlas, object);
     bool has_threshold = pathway && pathway->kind == CONUS_KIND_PATHWAY && !pathway->is_band;
     return has_threshold ? conus_atlas_volume(view->atlas, pathway->volume) : NULL;
-}
-
-/* By its name: paths may be absolute now. */
-static bool has_file(const conus_atlas *atlas, const char *name)
-{
-    for (size_t i = 0; i < count_files(atlas); i++) {
-        if (strcmp(path_name(path_of(atlas, i)), name) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-const char *file_watch_find_other(const struct file_watch *watch, const conus_atlas *now)
-{
-    for (size_t i = 0; i < watch->count; i++) {
-        const char *path = path_of(watch->atlas, i);
-        struct state is = look_at_file(path);
-        if (!is_same_state(&is, &watch->first[i]) && has_file(now, path_name(path))) {
-            return path_name(path);
-        }
-    }
-    return NULL;
-}
-
-bool file_watch_check(struct file_watch *watch, char text[FILE_WATCH_TEXT])
-{
-    size_t changes = 0;
-    for (size_t i = 0; i < watch->count; i++) {
-        const char *path = path_of(watch->atlas, i);
-        struct state now = look_at_file(path);
-        if (is_same_state(&now, &watch->states[i])) {
-            continue;
-        }
-        if (changes++ == 0) {
-            snprintf(text, FILE_WATCH_TEXT, "%.60s %s disk: what is shown was read before", path_name(path),
-                     now.is_there ? "changed on" : "is gone from");
-        }
-        watch->states[i] = now;
-    }
-    if (changes > 1) {
-        size_t used = strlen(text);
-        snprintf(text + used, FILE_WATCH_TEXT - used, " (and %zu more files)", changes - 1);
-    }
-    return changes;
 }

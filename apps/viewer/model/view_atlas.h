@@ -18,16 +18,14 @@ struct shown_objects {
     char search[SEARCH_SIZE];
 };
 
-struct file_watch;
-
 struct view_atlas {
     conus_atlas *atlas;
     char *path; /**< As it was given. */
     char *name; /**< In the column `atlas`; "" where it is the only one. */
     size_t object_count;
-    char *sides;        /**< [object_count + 1] Of conus_atlas_sides(); NULL = without memory. */
-    const char **kinds; /**< [object_count + 1] Of conus_atlas_kind_word(); NULL = without memory. */
-    double window[2];   /**< Grey values of the context that the cuts show as black and white, unless the look says
+    char *sides;          /**< [object_count + 1] Of conus_atlas_sides(); NULL = without memory. */
+    const char **kinds;   /**< [object_count + 1] Of conus_atlas_kind_word(); NULL = without memory. */
+    double found_grey[2]; /**< Grey values of the context that the cuts show as black and white, unless the look says
                            others: what air and bright tissue have; both 0 without one. */
     struct appearance appearance;
     struct shown_objects shown;
@@ -57,7 +55,7 @@ conus_status view_atlas_select(struct view_atlas *view, enum tool_number tool, c
 /** Makes the selector, unless there is one of these options. */
 conus_status view_atlas_prepare(struct view_atlas *view, const conus_selector_options *options);
 /** Ends what was made for the atlas and would have to be made anew after a change; the answer stays. */
-void view_atlas_rest(struct view_atlas *view);
+void view_atlas_invalidate(struct view_atlas *view);
 /** Ends the answer for a tool. */
 void view_atlas_forget(struct view_atlas *view, enum tool_number tool);
 
@@ -77,13 +75,5 @@ const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_at
                                 const char *name);
 /** The volume of a pathway from a threshold on; NULL of another object. */
 const conus_volume_info *view_atlas_pathway(const struct view_atlas *view, uint32_t object);
-
-/** The files of an atlas that is shown are watched, so that the user is told when one changes on disk. The atlas in
- * memory stays as it was read. */
-enum { FILE_WATCH_TEXT = 160 };
-/** Looks again. True: one changed, went away or came back since the last look, as @p text says in a line. */
-bool file_watch_check(struct file_watch *watch, char text[FILE_WATCH_TEXT]);
-/** The name of a file that @p now has, too, and that is another one than when the watch began; NULL = there is none. */
-const char *file_watch_find_other(const struct file_watch *watch, const conus_atlas *now);
 
 #endif

@@ -57,9 +57,9 @@ struct resume {
 enum kind { IS_OTHER = 0, IS_TRACTOGRAM, IS_SESSION };
 
 struct looking {
-    const struct wanted *wanted;
+    const struct open_request *request;
     const char *session; /* that surely is one, so that it is said why it cannot be read; NULL = none */
-    enum kind *kinds;    /* [wanted->count] */
+    enum kind *kinds;    /* [request->count] */
 };
 
 static enum kind find_kind(const char *path)
@@ -80,8 +80,8 @@ static bool files_may_be_atlas(const char *path)
 static void appearance(void *user)
 {
     const struct looking *looking = user;
-    for (size_t i = 0; i < looking->wanted->count; i++) {
-        const char *path = looking->wanted->paths[i];
+    for (size_t i = 0; i < looking->request->count; i++) {
+        const char *path = looking->request->paths[i];
         bool is_named = looking->session && strcmp(path, looking->session) == 0;
         looking->kinds[i] = is_named ? IS_SESSION : find_kind(path);
     }
@@ -141,24 +141,24 @@ static bool find_atlas(struct file_set *set, struct window *window, const struct
     return fine;
 }
 
-/* Tells the files of `wanted` apart, which are read on another thread. False: nobody wants them any more, or `why`
+/* Tells the files of `request` apart, which are read on another thread. False: nobody wants them any more, or `why`
  * has the reason. The lists of `out` are the caller's to free in any case. */
-static bool file_set_find(struct file_set *out, struct window *window, const struct wanted *wanted,
+static bool file_set_find(struct file_set *out, struct window *window, const struct open_request *request,
                           const struct view_settings *settings, char why[LOADER_WHY])
 {
-    struct looking looking = {wanted, settings->session, calloc(wanted->count + 1, sizeof *looking.kinds)};
-    *out = (struct file_set){.images = calloc(wanted->count + 1, sizeof *out->images),
-                             .tractograms = calloc(wanted->count + 1, sizeof *out->tractograms)};
+    struct looking looking = {request, settings->session, calloc(request->count + 1, sizeof *looking.kinds)};
+    *out = (struct file_set){.images = calloc(request->count + 1, sizeof *out->images),
+                             .tractograms = calloc(request->count + 1, sizeof *out->tractograms)};
     bool fine = looking.kinds && out->images && out->tractograms;
     snprintf(why, LOADER_WHY, "%s", fine ? "" : "not enough memory");
-    fine = fine && wait_look(window, wanted->paths[0], appearance, &looking, why);
-    for (size_t i = 0; i < wanted->count && fine; i++) {
+    fine = fine && wait_look(window, request->paths[0], appearance, &looking, why);
+    for (size_t i = 0; i < request->count && fine; i++) {
         if (looking.kinds[i] == IS_SESSION) {
-            fine = use_atlas(out, wanted->paths[i], true, why);
+            fine = use_atlas(out, request->paths[i], true, why);
         } else if (looking.kinds[i] == IS_TRACTOGRAM) {
-            out->tractograms[out->tractogram_count++] = wanted->paths[i];
+            out->tractograms[out->tractogram_count++] = request->paths[i];
         } else {
-            out->images[out->image_count++] = wanted->paths[i];
+            out->images[out->image_count++] = request->paths[i];
         }
     }
     if (fine && !out->atlas && out->image_count == 1) { /* which it is, opening it tells */
@@ -641,14 +641,14 @@ static bool open_sorted(struct window *window, struct file_set *set, enum openin
 
 /* Whether the user is to be asked how the files open: an atlas may be added to what is open or take its place, and a
  * session ends what was confirmed. An image is added. False, too, where there is no such atlas, as `why` says. */
-static bool has_question(struct window *window, struct file_set *set, struct wanted *wanted,
+static bool has_question(struct window *window, struct file_set *set, struct open_request *request,
                          const struct view_settings *settings, char why[LOADER_WHY])
 {
-    if (!window->viewer || window->files.session_waits || wanted->how != OPEN_ASKS || !set->atlas) {
+    if (!window->viewer || window->files.session_waits || request->how != OPEN_ASKS || !set->atlas) {
         return false;
     }
-    wanted->asked_of = set->atlas;
-    wanted->may_be_added = !set->is_session;
+    request->asked_of = set->atlas;
+    request->may_be_added = !set->is_session;
     if (set->is_session || set->is_known) {
         return !set->is_session || window->viewer->pin_count;
     }
@@ -661,18 +661,18 @@ static bool has_question(struct window *window, struct file_set *set, struct wan
     return is;
 }
 
-/* The files of `wanted`, in any order, once the user has said how. */
-static bool open_files(struct window *window, struct wanted *wanted, const struct view_settings *settings,
+/* The files of `request`, in any order, once the user has said how. */
+static bool open_files(struct window *window, struct open_request *request, const struct view_settings *settings,
                        bool with_options, char why[LOADER_WHY])
 {
     struct file_set set;
-    bool fine = file_set_find(&set, window, wanted, settings, why);
-    bool asks = fine && has_question(window, &set, wanted, settings, why);
-    fine = fine && !asks && !why[0] && open_sorted(window, &set, wanted->how, settings, with_options, why);
+    bool fine = file_set_find(&set, window, request, settings, why);
+    bool asks = fine && has_question(window, &set, request, settings, why);
+    fine = fine && !asks && !why[0] && open_sorted(window, &set, request->how, settings, with_options, why);
     free((void *)set.images);
     free((void *)set.tractograms);
     if (asks) {
-        window_ask(window, wanted);
+        window_ask(window, request);
     }
     return fine;
 }
@@ -692,32 +692,32 @@ struct loader *open_begin(const char *path, const struct view_settings *settings
     return loader;
 }
 
-bool open_wanted(struct window *window, const struct view_settings *settings, bool with_options, double begun,
-                 bool *failed)
+bool open_requested(struct window *window, const struct view_settings *settings, bool with_options, double begun,
+                    bool *failed)
 {
     struct view_settings used = *settings;
     char why[LOADER_WHY] = "";
-    struct wanted wanted = window->files.wanted;
+    struct open_request request = window->files.requested;
     bool (*press)(struct window *, const char *) = window->press;
-    window->files.wanted = (struct wanted){.count = 0};
+    window->files.requested = (struct open_request){.count = 0};
     window->press = NULL;
     if (!with_options) {
         leave_options(&used);
     }
-    bool fine = wanted.words ? open_words(window, wanted.words, wanted.step, &used, why)
-                             : open_files(window, &wanted, &used, with_options, why);
+    bool fine = request.words ? open_words(window, request.words, request.step, &used, why)
+                              : open_files(window, &request, &used, with_options, why);
     wait_leave(window); /* it was a session, and its atlas is another */
     window->press = press;
     *failed = !fine && why[0] && !window->files.session_waits; /* for an atlas */
     if (fine) {
         times_start(&window->times, begun);
     }
-    if (*failed && wanted.by_dialog) {
+    if (*failed && request.by_dialog) {
         dialog_complain(&window->dialog, why);
     } else if (why[0]) {
         window_say(window, why);
     }
-    wanted_finish(&wanted);
+    open_request_finish(&request);
     return fine;
 }
 

@@ -7,16 +7,16 @@
 #include "viewer/opening/view_words.h"
 #include "viewer/window/window.h"
 
-/** Begins to load @p path on another thread, with all options, before there is a window: for open_wanted(). NULL: there
- * is nothing to begin with. */
+/** Begins to load @p path on another thread, with all options, before there is a window: for open_requested(). NULL:
+ * there is nothing to begin with. */
 struct loader *open_begin(const char *path, const struct view_settings *settings);
-/** Opens what window->files.wanted names, in place of what is open, or adds it to that; @p begun is the clock from
+/** Opens what window->files.requested names, in place of what is open, or adds it to that; @p begun is the clock from
  * which times count. @p with_options, where nothing is open: as all @p settings say. Else without those that are for
  * one atlas: labels, pathways, what is hidden, context, transfer function, session, space. False: window and atlas stay
  * as they were, and it was said why, on stderr and in the window, which *failed tells; or the window was closed, or
  * something else is wanted meanwhile. */
-bool open_wanted(struct window *window, const struct view_settings *settings, bool with_options, double begun,
-                 bool *failed);
+bool open_requested(struct window *window, const struct view_settings *settings, bool with_options, double begun,
+                    bool *failed);
 /** Loads --poses, in the space of @p frame. Returns the exit code and prints an error unless it is 0. */
 int open_poses(struct window *window, const struct view_settings *settings, const conus_frame *frame);
 /** Closes the atlas, if there is one. */

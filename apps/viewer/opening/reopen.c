@@ -4,6 +4,7 @@
 
 #include "options/messages.h"
 #include "options/output.h"
+#include "viewer/model/file_watch.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/plans.h"
 #include "viewer/model/question.h"

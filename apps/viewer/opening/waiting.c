@@ -56,7 +56,7 @@ static void wait_for(struct loader *loader, struct window *window)
     double patience = window->viewer ? patience_s : first_patience_s;
     while (!loader_done(loader) && !glfwWindowShouldClose(window->handle)) {
         double seconds = glfwGetTime() - begun;
-        if (window_wants(window) || window->files.stops) {
+        if (window_has_request(window) || window->files.stops) {
             loader_cancel(loader);
         }
         if (seconds >= patience) {

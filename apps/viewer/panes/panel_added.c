@@ -53,7 +53,7 @@ static void draw_files(struct window *window, const json_t *words)
 {
     size_t count = 0;
     ui_scroll("files", fmaxf(ui_room_below() - 7.5F * ui_line(), 3 * ui_line()));
-    for (size_t i = 0; i < json_array_size(words) && !window_wants(window); i++) {
+    for (size_t i = 0; i < json_array_size(words) && !window_has_request(window); i++) {
         const char *value;
         enum addition kind = addition_of(&value, json_string_value(json_array_get(words, i)));
         if (kind < ADDITION_COUNT) {

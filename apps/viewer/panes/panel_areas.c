@@ -20,7 +20,7 @@ static void choose_hemispheres(struct window *window)
     size_t how = (size_t)window->files.hemispheres;
     use_width(window);
     if (ui_choose("##hemispheres", &how, hemispheres_meanings, HEMISPHERES_COUNT)) {
-        window_want_hemispheres(window, (conus_hemispheres)how);
+        window_request_hemispheres(window, (conus_hemispheres)how);
     }
     ui_tip("hemispheres: areas as the file has them; those that lie on both sides cut in two at x = 0 mm; or left and\n"
            "right ones of one name reported as one (--hemispheres). The atlas is opened again for it; F8: the next");

@@ -82,7 +82,7 @@ static void draw_target(struct window *window, uint32_t number, const char *name
     bool is_target = plans_is_target(window->viewer, number);
     ui_flow(label);
     if (ui_button(is_target ? "No target" : label)) {
-        window_want_target(window, is_target ? NULL : name);
+        window_request_target(window, is_target ? NULL : name);
     }
     ui_tip(is_target ? "the needle of the plan need not reach it any more"
                      : "the needle of the plan is to reach it (--reach), in place of what it was to reach; F5 sets how "

@@ -191,7 +191,7 @@ void panel_dialog(struct window *window)
 
 void panel_ask(struct window *window)
 {
-    const struct wanted *asked = &window->files.asked;
+    const struct open_request *asked = &window->files.asked;
     char name[NAME_MAX + 1];
     bool may_be_added = asked->may_be_added;
     size_t pins = window->viewer ? window->viewer->pin_count : 0;

@@ -42,7 +42,7 @@ static void edit_grey(struct viewer *viewer)
     if (changed && white > black) {
         viewer_set_grey(viewer, black, white);
     }
-    if (view_atlas_grey(viewer->drawn) != viewer->drawn->window && ui_small_button("As found")) {
+    if (view_atlas_grey(viewer->drawn) != viewer->drawn->found_grey && ui_small_button("As found")) {
         viewer_set_grey(viewer, 0, 0);
     }
 }
@@ -67,7 +67,7 @@ static void choose_preset(struct viewer *viewer)
 
 void panel_look_context(struct viewer *viewer)
 {
-    if (viewer->drawn->window[1] > viewer->drawn->window[0]) {
+    if (viewer->drawn->found_grey[1] > viewer->drawn->found_grey[0]) {
         edit_grey(viewer);
     }
     choose_preset(viewer);

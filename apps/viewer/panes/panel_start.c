@@ -45,7 +45,7 @@ static void draw_field(struct window *window)
     ui_text_wrapped(start->why[0] ? start->why : formats);
     ui_tint_end();
     if (asked) {
-        window_want_typed(window);
+        window_request_typed(window);
     }
 }
 
@@ -67,7 +67,7 @@ static void draw_entry(struct window *window, size_t index)
         ui_text_coloured(theme_texts[THEME_HINT], "%.*s", (int)(name - words), words);
     }
     if (chosen) {
-        window_want(window, start_path(&window->start, index));
+        window_request_file(window, start_path(&window->start, index));
     }
 }
 
@@ -101,7 +101,7 @@ static void draw_phantom(struct window *window)
     ui_same_line();
     ui_text_coloured(theme_texts[THEME_HINT], "made by conus, to try it");
     if (chosen) {
-        window_want_sample(window);
+        window_request_sample(window);
     }
 }
 
@@ -149,7 +149,7 @@ static void draw_installed(struct window *window, size_t index, bool picked)
     ui_same_line();
     ui_text_coloured(theme_texts[THEME_HINT], "%s, %s%s", atlas->source, atlas->kind, spacing);
     if (chosen && installed_words(words, window->start.catalogue, atlas)) {
-        window_want(window, words);
+        window_request_file(window, words);
     }
 }
 

@@ -119,7 +119,7 @@ void undo_step(struct window *window, int by)
         viewer_say(window->viewer, by < 0 ? "nothing to undo" : "nothing to do again");
     } else if (needs_others) {
         changes_step(&window->history.changes, -by);
-        window_want_options(window, options, by);
+        window_request_options(window, options, by);
     } else {
         restore(window, state, by);
     }

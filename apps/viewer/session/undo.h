@@ -13,7 +13,7 @@ void undo_note(struct window *window);
 /** The state is as it was noted last, though the atlas is not: that is no change to be taken back. */
 void undo_renew(struct window *window);
 /** Goes a change back (-1) or forth (1), and says so. Where the atlases are to be opened again for it, only once they
- * are (window->files.wanted). */
+ * are (window->files.requested). */
 void undo_step(struct window *window, int by);
 /** They are: goes there. */
 void undo_go_on(struct window *window, int by);

@@ -183,7 +183,7 @@ bool inputs_step(struct inputs *inputs, struct viewer *viewer, double now_s)
     return moved;
 }
 
-double inputs_rest(const struct inputs *inputs, const struct viewer *viewer)
+double inputs_idle_s(const struct inputs *inputs, const struct viewer *viewer)
 {
     static const double watch_s = 0.2; /* how often a tracker that says nothing is looked at, */
     static const double look_s = 0.02; /* what moves by hand, */
@@ -353,7 +353,7 @@ void replay_toggle(struct replay *replay, double clock)
     replay->started = clock;
 }
 
-double replay_rest(const struct replay *replay, const struct viewer *viewer, double clock)
+double replay_idle_s(const struct replay *replay, const struct viewer *viewer, double clock)
 {
     if (!replay->playing || viewer->tools[FIRST_TOOL].pointer != POINT_BY_REPLAY ||
         replay->at + 1 >= conus_pose_list_count(replay->poses)) {

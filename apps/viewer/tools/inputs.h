@@ -26,7 +26,7 @@ void replay_toggle(struct replay *replay, double clock);
 bool replay_step(struct replay *replay, struct viewer *viewer, double clock);
 
 /** Seconds until the replay shows another row; INFINITY while it does not play. */
-double replay_rest(const struct replay *replay, const struct viewer *viewer, double clock);
+double replay_idle_s(const struct replay *replay, const struct viewer *viewer, double clock);
 
 /** Asks @p station what happened; the head moves along, if one is named. */
 void inputs_hear(struct station *station, struct viewer *viewer, struct station_update *update);
@@ -57,7 +57,7 @@ bool inputs_is_old(const struct inputs *inputs, const struct viewer *viewer, enu
  * answers up to date. Returns whether the first one got a pose. */
 bool inputs_step(struct inputs *inputs, struct viewer *viewer, double now_s);
 /** Seconds until devices that cannot wake the window are to be asked again; INFINITY where none moves a tool. */
-double inputs_rest(const struct inputs *inputs, const struct viewer *viewer);
+double inputs_idle_s(const struct inputs *inputs, const struct viewer *viewer);
 /** Lets the mouse point along a ray from the eye (point.h) with the tool that it moves. */
 void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye[3], const double direction[3]);
 

@@ -49,8 +49,8 @@ static double depth_of_context(const struct viewer *viewer, const double from[3]
                                double least, double most)
 {
     const struct view_atlas *view = viewer->drawn;
-    const double black = view->window[0];
-    if (!(view->window[1] > black)) { /* none, or one of a single value, which has no surface */
+    const double black = view->found_grey[0];
+    if (!(view->found_grey[1] > black)) { /* none, or one of a single value, which has no surface */
         return INFINITY;
     }
     size_t context = view_atlas_context(view);
@@ -59,7 +59,7 @@ static double depth_of_context(const struct viewer *viewer, const double from[3]
                             .context = context,
                             .from = from,
                             .direction = direction,
-                            .skin = black + skin_part * (view->window[1] - black),
+                            .skin = black + skin_part * (view->found_grey[1] - black),
                             .step = fmax(voxel[0], fmax(voxel[1], voxel[2]))};
     for (unsigned step = 0; least + ray.step * step < most; step++) {
         double depth = least + ray.step * step;
@@ -94,14 +94,4 @@ bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], con
         apex[a] = eye[a] + depth * direction[a];
     }
     return isfinite(depth) && !conus_pose_along(out, apex, direction, NULL);
-}
-
-bool point_through(struct viewer *viewer, const double eye[3], const double direction[3])
-{
-    conus_pose pose;
-    bool found = point_find(&pose, viewer, eye, direction);
-    if (found) {
-        tool_aim(viewer, FIRST_TOOL, &pose);
-    }
-    return found;
 }

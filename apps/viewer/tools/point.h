@@ -9,11 +9,8 @@
  * drawn atlas, a head's skin, or to the first object of any atlas, whichever is nearer. INFINITY beside them. */
 double point_depth(struct viewer *viewer, const double from[3], const double direction[3]);
 
-/** The pose that the mouse gives by a ray from the eye that goes through it; false where that passes beside all
- * surfaces. */
+/** The pose that the mouse gives by a ray from the eye that goes through it: from the surface, or from the eye itself
+ * where the cone has its apex there. False where the ray passes beside all surfaces. */
 bool point_find(conus_pose *out, struct viewer *viewer, const double eye[3], const double direction[3]);
-/** Aims as the mouse does, by the ray from the eye that goes through it: from the surface, or from the eye itself where
- * the cone has its apex there. False where the ray passes beside all surfaces: the cone stays as it is. */
-bool point_through(struct viewer *viewer, const double eye[3], const double direction[3]);
 
 #endif

@@ -309,7 +309,7 @@ static void take_drop(GLFWwindow *handle, int count, const char **paths)
     struct window *window = glfwGetWindowUserPointer(handle);
     want_frames(handle);
     if (window) {
-        window_want_all(window, (size_t)count, paths);
+        window_request_files(window, (size_t)count, paths);
     }
 }
 
@@ -475,8 +475,8 @@ void window_close(struct window *window)
     pictures_drop(&window->pictures);
     history_finish(&window->history);
     devices_finish(&window->inputs.devices);
-    wanted_finish(&window->files.wanted);
-    wanted_finish(&window->files.asked);
+    open_request_finish(&window->files.requested);
+    open_request_finish(&window->files.asked);
     free(window->files.session_waits);
     free(window->files.doubted);
     json_decref(window->files.opened);
@@ -604,7 +604,7 @@ static bool is_behind(const struct window *window)
            window->frame.shown_second != viewer->tools[SECOND_TOOL].version;
 }
 
-bool window_wants_frame(struct window *window)
+bool window_needs_frame(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
     bool update = viewer && viewer->painter && painter_has_update(viewer->painter);
@@ -612,7 +612,7 @@ bool window_wants_frame(struct window *window)
     return update || rests || is_behind(window);
 }
 
-double window_rest(const struct window *window)
+double window_idle_s(const struct window *window)
 {
     if (is_behind(window)) {
         return 0;
@@ -677,80 +677,80 @@ conus_status window_write(const struct window *window, const char *path)
     return status;
 }
 
-bool window_wants(const struct window *window)
+bool window_has_request(const struct window *window)
 {
-    return window->files.wanted.count || window->files.wanted.words;
+    return window->files.requested.count || window->files.requested.words;
 }
 
-void wanted_finish(struct wanted *wanted)
+void open_request_finish(struct open_request *request)
 {
-    for (size_t i = 0; i < wanted->count; i++) {
-        free(wanted->paths[i]);
+    for (size_t i = 0; i < request->count; i++) {
+        free(request->paths[i]);
     }
-    free(wanted->paths);
-    json_decref(wanted->words);
-    *wanted = (struct wanted){.count = 0};
+    free(request->paths);
+    json_decref(request->words);
+    *request = (struct open_request){.count = 0};
 }
 
-void window_want_all(struct window *window, size_t count, const char *const *paths)
+void window_request_files(struct window *window, size_t count, const char *const *paths)
 {
     bool fine = true;
-    wanted_finish(&window->files.wanted);
-    window->files.wanted.paths = calloc(count + 1, sizeof *window->files.wanted.paths);
+    open_request_finish(&window->files.requested);
+    window->files.requested.paths = calloc(count + 1, sizeof *window->files.requested.paths);
     for (size_t i = 0; i < count && fine; i++) {
-        char *path = window->files.wanted.paths ? strdup(paths[i]) : NULL;
+        char *path = window->files.requested.paths ? strdup(paths[i]) : NULL;
         fine = path;
         if (fine) {
-            window->files.wanted.paths[window->files.wanted.count++] = path;
+            window->files.requested.paths[window->files.requested.count++] = path;
         }
     }
     if (!fine) {
-        wanted_finish(&window->files.wanted);
+        open_request_finish(&window->files.requested);
         window_say(window, "not enough memory");
     }
 }
 
-void window_want(struct window *window, const char *path)
+void window_request_file(struct window *window, const char *path)
 {
-    window_want_all(window, 1, &path);
+    window_request_files(window, 1, &path);
 }
 
-void window_want_typed(struct window *window)
+void window_request_typed(struct window *window)
 {
     char path[PATH_MAX];
     if (start_typed(path, &window->start)) {
-        window_want(window, path);
+        window_request_file(window, path);
     }
 }
 
-void window_want_sample(struct window *window)
+void window_request_sample(struct window *window)
 {
     char path[PATH_MAX];
     if (start_sample(path)) {
-        window_want(window, path);
+        window_request_file(window, path);
     } else {
         window_say(window, conus_message());
     }
 }
 
-void window_ask(struct window *window, struct wanted *wanted)
+void window_ask(struct window *window, struct open_request *request)
 {
-    wanted_finish(&window->files.asked);
-    window->files.asked = *wanted;
-    *wanted = (struct wanted){.count = 0};
+    open_request_finish(&window->files.asked);
+    window->files.asked = *request;
+    *request = (struct open_request){.count = 0};
     window->frame.frames_wanted = FRAMES_PER_EVENT;
 }
 
 void window_answer(struct window *window, enum opening how)
 {
-    struct wanted asked = window->files.asked;
-    window->files.asked = (struct wanted){.count = 0};
+    struct open_request asked = window->files.asked;
+    window->files.asked = (struct open_request){.count = 0};
     if (how == OPEN_ASKS) {
-        wanted_finish(&asked);
+        open_request_finish(&asked);
     } else {
-        wanted_finish(&window->files.wanted);
-        window->files.wanted = asked;
-        window->files.wanted.how = how;
+        open_request_finish(&window->files.requested);
+        window->files.requested = asked;
+        window->files.requested.how = how;
     }
 }
 
@@ -764,11 +764,11 @@ const struct json_t *window_words(struct window *window)
 }
 
 /* Opens the atlas again with these, which are taken over. */
-static void want_words(struct window *window, json_t *words)
+static void request_words(struct window *window, json_t *words)
 {
     if (words) {
-        wanted_finish(&window->files.wanted);
-        window->files.wanted.words = words;
+        open_request_finish(&window->files.requested);
+        window->files.requested.words = words;
     } else {
         window_say(window, "not enough memory, or a name that is not UTF-8");
     }
@@ -778,7 +778,7 @@ void window_add(struct window *window, enum addition kind, const char *value)
 {
     const json_t *words = window_words(window);
     if (words) {
-        want_words(window, additions_with(words, kind, value));
+        request_words(window, additions_with(words, kind, value));
     }
 }
 
@@ -786,7 +786,7 @@ void window_take_out(struct window *window, size_t index)
 {
     const json_t *words = window_words(window);
     if (words) {
-        want_words(window, additions_without(words, index));
+        request_words(window, additions_without(words, index));
     }
 }
 
@@ -795,38 +795,38 @@ void window_change(struct window *window, size_t index, enum addition kind, cons
     const json_t *words = window_words(window);
     json_t *changed = words ? additions_without(words, index) : NULL;
     if (changed) {
-        want_words(window, additions_with(changed, kind, value));
+        request_words(window, additions_with(changed, kind, value));
     }
     json_decref(changed);
 }
 
-void window_want_hemispheres(struct window *window, conus_hemispheres how)
+void window_request_hemispheres(struct window *window, conus_hemispheres how)
 {
     const json_t *words = window_words(window);
     if (words && how != window->files.hemispheres) {
-        want_words(window, hemispheres_put_in_words(words, how));
+        request_words(window, hemispheres_put_in_words(words, how));
     } else if (words) {
         viewer_say(window->viewer, "%s", hemispheres_meanings[how]);
     }
 }
 
-void window_want_target(struct window *window, const char *name)
+void window_request_target(struct window *window, const char *name)
 {
     const json_t *words = window_words(window);
     json_t *target = plans_target(name);
     if (words) {
-        want_words(window, target ? plans_put_targets(words, target) : NULL);
+        request_words(window, target ? plans_put_targets(words, target) : NULL);
     }
     json_decref(target);
 }
 
-void window_want_options(struct window *window, const json_t *options, int step)
+void window_request_options(struct window *window, const json_t *options, int step)
 {
     const json_t *words = window_words(window);
     json_t *targeted = words ? plans_put_targets(words, options) : NULL;
     if (words) {
-        want_words(window, targeted ? hemispheres_put_in_words(targeted, hemispheres_of_words(options)) : NULL);
-        window->files.wanted.step = step;
+        request_words(window, targeted ? hemispheres_put_in_words(targeted, hemispheres_of_words(options)) : NULL);
+        window->files.requested.step = step;
     }
     json_decref(targeted);
 }
@@ -906,8 +906,8 @@ void window_use_dialog(struct window *window)
     }
     dialog->on = false;
     if (dialog->purpose == DIALOG_OPEN) {
-        window_want(window, path);
-        window->files.wanted.by_dialog = true;
+        window_request_file(window, path);
+        window->files.requested.by_dialog = true;
     } else {
         free(window->files.saves_as);
         window->files.saves_as = strdup(path);
@@ -919,8 +919,8 @@ void window_use_folder(struct window *window)
     char path[PATH_MAX];
     dialog_here(path, &window->dialog);
     window->dialog.on = false;
-    window_want(window, path);
-    window->files.wanted.by_dialog = true;
+    window_request_file(window, path);
+    window->files.requested.by_dialog = true;
 }
 
 void window_copy(struct window *window, enum copied what)

@@ -91,7 +91,7 @@ struct added_form {
 enum opening { OPEN_ASKS = 0 /**< The user is asked. */, OPEN_ADDS, OPEN_REPLACES };
 
 /** Files, or options, that are to be opened next. */
-struct wanted {
+struct open_request {
     char **paths; /**< [count] Atlases, sessions, and what is to be added; 0 = none. */
     size_t count;
     enum opening how;
@@ -107,10 +107,10 @@ enum saved_file { SAVE_SESSION = 0, SAVE_SAME_SESSION, SAVE_PICTURE, SAVE_RESULT
 
 /** The files that are open, and those that are to be opened or saved next. */
 struct window_files {
-    struct wanted wanted;
-    struct wanted asked;   /**< Those that the user is asked about: a question lies before all else. */
-    struct loader *begun;  /**< Loads the wanted files since before there was a window; NULL = none. */
-    struct json_t *opened; /**< The open ones as a session keeps them (model/session_file.h); NULL = unknown. */
+    struct open_request requested;
+    struct open_request asked; /**< Those that the user is asked about: a question lies before all else. */
+    struct loader *begun;      /**< Loads the requested files since before there was a window; NULL = none. */
+    struct json_t *opened;     /**< The open ones as a session keeps them (model/session_file.h); NULL = unknown. */
     conus_hemispheres hemispheres;
     char *doubted;         /**< Options that were not taken, since bundles hardly are in the atlas's space: asked for
                                 once more, they are; NULL = none. */
@@ -231,10 +231,10 @@ bool window_open(struct window *out, const struct window_options *options);
 void window_show(struct window *window, struct viewer *viewer);
 /** Asks for another atlas, a session and its atlas, or something to be added to the atlas that is open, in place of
  * what was asked for before. */
-void window_want(struct window *window, const char *path);
+void window_request_file(struct window *window, const char *path);
 /** Whether something is asked for. */
-bool window_wants(const struct window *window);
-void wanted_finish(struct wanted *wanted);
+bool window_has_request(const struct window *window);
+void open_request_finish(struct open_request *request);
 /** Asks for a context, pathway or tractogram to be added to the atlas that is open; @p value is that of the command
  * line's option. */
 void window_add(struct window *window, enum addition kind, const char *value);
@@ -245,17 +245,17 @@ void window_change(struct window *window, size_t index, enum addition kind, cons
 /** The options with which the atlas was opened, an array of texts; NULL where they are not known, and it was said. */
 const struct json_t *window_words(struct window *window);
 /** Asks for the atlas with other hemispheres, or says that it has them. */
-void window_want_hemispheres(struct window *window, conus_hemispheres how);
+void window_request_hemispheres(struct window *window, conus_hemispheres how);
 /** Asks for the plan's needle to reach the object of this name and nothing else; NULL = nothing. */
-void window_want_target(struct window *window, const char *name);
+void window_request_target(struct window *window, const char *name);
 /** Asks for the hemispheres and the target of other options, for which undo goes @p step. */
-void window_want_options(struct window *window, const struct json_t *options, int step);
+void window_request_options(struct window *window, const struct json_t *options, int step);
 /** Connects to the tracker whose address was typed, and says so. False: it was said why not. */
 bool window_connect(struct window *window);
 /** Asks for what was typed on the start page, if anything was. */
-void window_want_typed(struct window *window);
+void window_request_typed(struct window *window);
 /** Asks for the sample of the start page, if that is the phantom. */
-void window_want_sample(struct window *window);
+void window_request_sample(struct window *window);
 /** Lets the user choose a file to open, or one to save the session in; without an atlas there is no session. */
 void window_show_dialog(struct window *window, enum dialog_purpose purpose);
 /** Lets the user choose where something else is saved, with a name proposed in the folder of the last such file. */
@@ -267,9 +267,9 @@ void window_use_folder(struct window *window);
 /** Shows the start page, which says what would be lost with the atlas that is open. */
 void window_go_to_start(struct window *window);
 /** Wants several files: an atlas or a session, and files to add to it, in any order. */
-void window_want_all(struct window *window, size_t count, const char *const *paths);
-/** Asks the user how @p wanted, which it takes over, is to be opened. */
-void window_ask(struct window *window, struct wanted *wanted);
+void window_request_files(struct window *window, size_t count, const char *const *paths);
+/** Asks the user how @p request, which it takes over, is to be opened. */
+void window_ask(struct window *window, struct open_request *request);
 /** The user's answer, OPEN_ASKS = not at all. */
 void window_answer(struct window *window, enum opening how);
 /** Says one line where it is seen: on the start page, or in the status line. */
@@ -302,9 +302,9 @@ void window_panel(const struct window *window, const char *title, float width, f
 /** Clears the window to the colour of panels. */
 void window_clear(const struct window *window);
 /** Whether the next frame will show something else than the newest. */
-bool window_wants_frame(struct window *window);
+bool window_needs_frame(struct window *window);
 /** Seconds after which it may, though nothing happens: 0 = at once, INFINITY = never. */
-double window_rest(const struct window *window);
+double window_idle_s(const struct window *window);
 /** Whether all pictures are as fine as they get, and show what the viewer holds. */
 bool window_is_settled(const struct window *window);
 /** Writes the window's contents as a PNG. */

@@ -6,8 +6,8 @@
 
 #include <math.h>
 
-/* After it the ray is in the next cell of the axis. */
-struct crossing {
+/* A ray's step into the next cell along an axis. */
+struct cell_step {
     double t;
     int axis;
 };
@@ -34,37 +34,37 @@ void traverse_ray_init(struct traverse_ray *out, const double origin[3], const d
 }
 
 /* Eq. 5: when the ray leaves the cell (or, with a negative half, enters it). */
-static double crossing_time(const struct traverse_ray *ray, int a, double cell, double half)
+static double face_time(const struct traverse_ray *ray, int a, double cell, double half)
 {
     return ((cell + half * ray->sign[a]) - ray->origin[a]) * ray->inverse[a];
 }
 
 static double exit_time(const struct traverse_ray *ray, int a, double cell)
 {
-    return crossing_time(ray, a, cell, 0.5);
+    return face_time(ray, a, cell, 0.5);
 }
 
 static double entry_time(const struct traverse_ray *ray, int a, double cell)
 {
-    return crossing_time(ray, a, cell, -0.5);
+    return face_time(ray, a, cell, -0.5);
 }
 
-static bool is_before(double t, int axis, struct crossing crossing)
+static bool is_before(double t, int axis, struct cell_step step)
 {
-    return t < crossing.t || (t == crossing.t && axis < crossing.axis);
+    return t < step.t || (t == step.t && axis < step.axis);
 }
 
-/* The cell of `axis` in which the ray is just after the crossing of another axis, when it was in `from` some time
+/* The cell of `axis` in which the ray is just after the step along another axis, when it was in `from` some time
  * before; past `end`, the first cell beyond the map's box in the ray's direction, it does not look. */
-static double cell_after(const struct traverse_ray *ray, int axis, struct crossing crossing, double from, double end)
+static double cell_after(const struct traverse_ray *ray, int axis, struct cell_step step, double from, double end)
 {
     double sign = ray->sign[axis];
-    double guess = floor(ray->origin[axis] + crossing.t * ray->direction[axis] + 0.5);
+    double guess = floor(ray->origin[axis] + step.t * ray->direction[axis] + 0.5);
     guess = sign > 0 ? fmin(fmax(guess, from), end) : fmax(fmin(guess, from), end);
-    while (guess != from && !is_before(entry_time(ray, axis, guess), axis, crossing)) {
+    while (guess != from && !is_before(entry_time(ray, axis, guess), axis, step)) {
         guess -= sign;
     }
-    while (guess != end && is_before(exit_time(ray, axis, guess), axis, crossing)) {
+    while (guess != end && is_before(exit_time(ray, axis, guess), axis, step)) {
         guess += sign;
     }
     return guess;
@@ -76,13 +76,13 @@ static double end_of(const struct distance_map *map, const struct traverse_ray *
     return ray->sign[a] > 0 ? map->last[a] + 1 : map->first[a] - 1;
 }
 
-/* Moves all axes but that of the crossing to where they are after it. */
-static void catch_up(const struct distance_map *map, const struct traverse_ray *ray, struct crossing crossing,
+/* Moves all axes but that of the step to where they are after it. */
+static void catch_up(const struct distance_map *map, const struct traverse_ray *ray, struct cell_step step,
                      double cell[3])
 {
     for (int a = 0; a < 3; a++) {
-        if (a != crossing.axis) {
-            cell[a] = cell_after(ray, a, crossing, cell[a], end_of(map, ray, a));
+        if (a != step.axis) {
+            cell[a] = cell_after(ray, a, step, cell[a], end_of(map, ray, a));
         }
     }
 }
@@ -99,14 +99,14 @@ static bool is_inside(const struct distance_map *map, const double cell[3])
 
 bool traverse_enter(const struct distance_map *map, const struct traverse_ray *ray, struct traverse_place *out)
 {
-    struct crossing last = {.t = 0, .axis = -1};
+    struct cell_step last = {.t = 0, .axis = -1};
     for (int a = 0; a < 3; a++) {
         out->cell[a] = traverse_cell(ray->origin[a]);
         double face = ray->sign[a] > 0 ? map->first[a] : map->last[a];
         if ((face - out->cell[a]) * ray->sign[a] > 0) {
             double entry = entry_time(ray, a, face);
             if (entry >= last.t) {
-                last = (struct crossing){.t = entry, .axis = a};
+                last = (struct cell_step){.t = entry, .axis = a};
             }
             out->cell[a] = face;
         }
@@ -121,11 +121,11 @@ bool traverse_enter(const struct distance_map *map, const struct traverse_ray *r
 bool traverse_skip(const struct distance_map *map, const struct traverse_ray *ray, double radius,
                    struct traverse_place *place)
 {
-    struct crossing first = {.t = INFINITY, .axis = 0};
+    struct cell_step first = {.t = INFINITY, .axis = 0};
     for (int a = 0; a < 3; a++) {
         double t = exit_time(ray, a, place->cell[a] + radius * ray->sign[a]);
         if (t < first.t) {
-            first = (struct crossing){.t = t, .axis = a};
+            first = (struct cell_step){.t = t, .axis = a};
         }
     }
     place->t = first.t + 0.0; /* -0 becomes 0 */

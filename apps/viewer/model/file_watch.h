@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/** @file The files of an atlas that is shown are watched, so that the user is told when one changes on disk. The atlas
+ * in memory stays as it was read. */
+#ifndef CONUS_VIEWER_MODEL_FILE_WATCH_H
+#define CONUS_VIEWER_MODEL_FILE_WATCH_H
+
+#include "conus/atlas.h"
+
+#include <stdbool.h>
+
+enum { FILE_WATCH_TEXT = 160 };
+
+struct file_watch;
+
+/** Notes how the files are now; NULL without memory. The atlas outlives it. */
+struct file_watch *file_watch_create(const conus_atlas *atlas);
+void file_watch_destroy(struct file_watch *watch);
+
+/** Looks again. True: one changed, went away or came back since the last look, as @p text says in a line. */
+bool file_watch_check(struct file_watch *watch, char text[FILE_WATCH_TEXT]);
+/** The name of a file that @p now has, too, and that is another one than when the watch began; NULL = there is none. */
+const char *file_watch_find_other(const struct file_watch *watch, const conus_atlas *now);
+
+#endif
