@@ -3,6 +3,7 @@
 #include "cli/answers/ends.h"
 #include "cli/commands.h"
 #include "cli/request.h"
+#include "options/answer_file.h"
 #include "options/messages.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus diff: compares two results row by row, or two pictures. */
-#include "cli/answers/results_file.h"
+#include "cli/answers/results_reader.h"
 #include "cli/commands.h"
 #include "conus/image.h"
 #include "options/messages.h"

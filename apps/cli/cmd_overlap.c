@@ -2,6 +2,7 @@
 /* conus overlap: which areas and pathways regions of interest cover. */
 #include "cli/commands.h"
 #include "cli/request.h"
+#include "options/answer_file.h"
 #include "options/messages.h"
 
 #include <stdio.h>

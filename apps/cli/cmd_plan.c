@@ -6,6 +6,7 @@
 #include "cli/commands.h"
 #include "cli/plan_journal.h"
 #include "cli/request.h"
+#include "options/answer_file.h"
 #include "options/interrupt.h"
 #include "options/messages.h"
 #include "options/progress.h"

@@ -4,6 +4,7 @@
 #include "cli/answers/selection_files.h"
 #include "cli/commands.h"
 #include "cli/request.h"
+#include "options/answer_file.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
@@ -143,8 +144,8 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
     return ends_check(&settings->ends, arguments);
 }
 
-/** A query under way. */
-struct query {
+/** One run of the command. */
+struct query_run {
     const struct query_settings *settings;
     struct request request;
     struct selection_files files;
@@ -187,12 +188,12 @@ static bool check_format(const struct request *request, const struct query_setti
 }
 
 /* Some outputs are of one pose, and --angle is of poses without their own. */
-static int check_poses(const struct query *query)
+static int check_poses(const struct query_run *run)
 {
-    const struct aim_settings *aim = &query->request.settings->aim;
-    const conus_pose_list *poses = query->request.poses;
+    const struct aim_settings *aim = &run->request.settings->aim;
+    const conus_pose_list *poses = run->request.poses;
     size_t count = conus_pose_list_count(poses);
-    const struct option *of_one = option_with(query->request.arguments, OPTION_OF_ONE_POSE);
+    const struct option *of_one = option_with(run->request.arguments, OPTION_OF_ONE_POSE);
     if (of_one && count != 1) {
         return print_usage_error("--%s shows one pose, %s has %zu", of_one->name, settings_poses_name(aim->pose),
                                  count);
@@ -207,8 +208,8 @@ static int check_poses(const struct query *query)
                                     : EXIT_DONE;
 }
 
-/* One question, asked of each atlas: a cone or cylinder, or a ball around a point. */
-struct asked_row {
+/* Asked of each atlas: a cone or cylinder, or a ball around a point. */
+struct query {
     const char *id;
     size_t line; /* of its file; 0 = none */
     conus_pose pose;
@@ -220,200 +221,199 @@ struct asked_row {
 };
 
 /* Adds what the axis passes in one atlas. */
-static conus_status add_segments(conus_report *report, conus_selector *selector, const struct asked_row *question)
+static conus_status add_segments(conus_report *report, conus_selector *selector, const struct query *query)
 {
     conus_segments *segments = NULL;
-    conus_status status = conus_segments_create(&segments, selector, &question->pose);
-    status = status ? status : conus_report_add_segments(report, question->id, segments);
+    conus_status status = conus_segments_create(&segments, selector, &query->pose);
+    status = status ? status : conus_report_add_segments(report, query->id, segments);
     conus_segments_destroy(segments);
     return status;
 }
 
 /* Adds how far the axis stays from what is in one atlas. */
-static conus_status add_clearances(conus_report *report, conus_selector *selector, const struct asked_row *question,
+static conus_status add_clearances(conus_report *report, conus_selector *selector, const struct query *query,
                                    double within)
 {
     conus_clearances *clearances = NULL;
-    conus_status status = conus_clearances_create(&clearances, selector, &question->pose, within);
-    status = status ? status : conus_report_add_clearances(report, question->id, clearances);
+    conus_status status = conus_clearances_create(&clearances, selector, &query->pose, within);
+    status = status ? status : conus_report_add_clearances(report, query->id, clearances);
     conus_clearances_destroy(clearances);
     return status;
 }
 
 /* Adds to each file about axes that is asked for. */
-static conus_status add_axes(const struct query *query, size_t index, const struct asked_row *question)
+static conus_status add_axes(const struct query_run *run, size_t index, const struct query *query)
 {
-    conus_selector *selector = query->request.answerers[index].selector;
+    conus_selector *selector = run->request.answerers[index].selector;
     conus_status status = CONUS_OK;
-    for (size_t i = 0; i < AXIS_FILES && !status && !question->is_point; i++) {
-        const struct rows_file *file = &query->axes[i];
+    for (size_t i = 0; i < AXIS_FILES && !status && !query->is_point; i++) {
+        const struct rows_file *file = &run->axes[i];
         status = !file->path ? CONUS_OK
                  : file->kind->rows == CONUS_ROWS_CLEARANCES
-                     ? add_clearances(file->reports[index], selector, question, file->within)
-                     : add_segments(file->reports[index], selector, question);
+                     ? add_clearances(file->reports[index], selector, query, file->within)
+                     : add_segments(file->reports[index], selector, query);
     }
     return status;
 }
 
 /* Adds a row to each of them that says why there is no answer. */
-static int refuse_axes(struct query *query, const char *id, size_t line, const char *why)
+static int refuse_axes(struct query_run *run, const char *id, size_t line, const char *why)
 {
     int code = EXIT_DONE;
     for (size_t i = 0; i < AXIS_FILES && !code; i++) {
-        code = rows_file_refuse(&query->axes[i], id, line, why);
+        code = rows_file_refuse(&run->axes[i], id, line, why);
     }
     return code;
 }
 
-/* Adds what the command line asks for of one atlas's answer to a question. */
-static int add_answer(struct query *query, size_t index, const struct asked_row *question,
-                      const conus_selection *selection)
+/* Adds what the command line asks for of one atlas's answer to a query. */
+static int add_answer(struct query_run *run, size_t index, const struct query *query, const conus_selection *selection)
 {
-    const struct query_settings *settings = query->settings;
-    const struct answerer *answerer = &query->request.answerers[index];
-    const conus_report_options report = request_report_options(&query->request);
-    bool is_shank = format_is_of_probe(query->request.format) && !question->is_point;
-    query->has_points = query->has_points || question->is_point;
-    query->has_cones = query->has_cones || !question->is_point;
-    query->has_shanks = query->has_shanks || is_shank;
+    const struct query_settings *settings = run->settings;
+    const struct answerer *answerer = &run->request.answerers[index];
+    const conus_report_options report = request_report_options(&run->request);
+    bool is_shank = format_is_of_probe(run->request.format) && !query->is_point;
+    run->has_points = run->has_points || query->is_point;
+    run->has_cones = run->has_cones || !query->is_point;
+    run->has_shanks = run->has_shanks || is_shank;
     if (is_shank && settings->voxels) {
         return print_usage_error("--voxels: the shanks of a probe have none, other formats list those of cones");
     }
-    conus_status status = is_shank ? add_segments(answerer->report, answerer->selector, question)
-                                   : conus_report_add(answerer->report, question->id, selection);
+    conus_status status = is_shank ? add_segments(answerer->report, answerer->selector, query)
+                                   : conus_report_add(answerer->report, query->id, selection);
     if (status) {
         return print_status(status);
     }
-    int code = ends_add(&query->ends, index, question->id, answerer->selector, selection, &report);
-    status = code ? CONUS_OK : add_axes(query, index, question);
+    int code = ends_add(&run->ends, index, query->id, answerer->selector, selection, &report);
+    status = code ? CONUS_OK : add_axes(run, index, query);
     return status ? print_status(status) : code;
 }
 
-/* Asks all atlases. Where the question itself is at fault, nothing is printed or reported: that is for the caller, and
+/* Asks all atlases. Where the query itself is at fault, nothing is printed or reported: that is for the caller, and
  * *fault is set. */
-static int ask_atlases(struct query *query, const struct asked_row *question, bool *fault)
+static int ask_atlases(struct query_run *run, const struct query *query, bool *fault)
 {
     int code = EXIT_DONE;
-    double radius = question->radius;
-    for (size_t i = 0; i < query->request.atlases.count && !code; i++) {
-        conus_selector *selector = query->request.answerers[i].selector;
+    double radius = query->radius;
+    for (size_t i = 0; i < run->request.atlases.count && !code; i++) {
+        conus_selector *selector = run->request.answerers[i].selector;
         conus_selection *selection = NULL;
-        conus_status status = conus_selector_set_range(selector, question->range);
-        status = status               ? status
-                 : question->is_point ? conus_select_ball(&selection, selector, question->point, radius)
-                                      : conus_select(&selection, selector, &question->pose, question->angle);
+        conus_status status = conus_selector_set_range(selector, query->range);
+        status = status            ? status
+                 : query->is_point ? conus_select_ball(&selection, selector, query->point, radius)
+                                   : conus_select(&selection, selector, &query->pose, query->angle);
         *fault = status == CONUS_ERROR_ARGUMENT && i == 0;
         if (*fault) {
             return EXIT_DONE;
         }
-        radius = status || !question->is_point ? radius : conus_selection_ball(selection); /* one for all atlases */
-        code = status ? print_status(status) : add_answer(query, i, question, selection);
-        code = code ? code : selection_files_take(&query->files, &selection, query->request.atlases.items[i].atlas);
+        radius = status || !query->is_point ? radius : conus_selection_ball(selection); /* one for all atlases */
+        code = status ? print_status(status) : add_answer(run, i, query, selection);
+        code = code ? code : selection_files_take(&run->files, &selection, run->request.atlases.items[i].atlas);
         conus_selection_destroy(selection);
     }
-    return code || !question->is_point ? code : refuse_axes(query, question->id, question->line, POINT_HAS_NO_AXIS);
+    return code || !query->is_point ? code : refuse_axes(run, query->id, query->line, POINT_HAS_NO_AXIS);
 }
 
-static int refuse_row(struct query *query, const conus_pose_row *row, const char *why)
+static int refuse_row(struct query_run *run, const conus_pose_row *row, const char *why)
 {
-    int code = request_refuse_row(&query->request, row, why);
-    code = code ? code : refuse_axes(query, row->id, row->line, why);
-    return code ? code : rows_file_refuse(&query->ends.rows, row->id, row->line, why);
+    int code = request_refuse_row(&run->request, row, why);
+    code = code ? code : refuse_axes(run, row->id, row->line, why);
+    return code ? code : rows_file_refuse(&run->ends.rows, row->id, row->line, why);
 }
 
 static int answer_row(void *user, const conus_pose_row *row)
 {
-    struct query *query = user;
-    struct request *request = &query->request;
+    struct query_run *run = user;
+    struct request *request = &run->request;
     double radius = request->settings->engine.radius;
-    radius = query->probe && radius == 0 ? CONUS_POINT_RADIUS : radius;
-    struct asked_row question = {.id = row->id,
-                                 .line = row->line,
-                                 .pose = row->pose,
-                                 .range = row->range,
-                                 .is_point = row->is_point,
-                                 .radius = radius};
+    radius = run->probe && radius == 0 ? CONUS_POINT_RADIUS : radius;
+    struct query query = {.id = row->id,
+                          .line = row->line,
+                          .pose = row->pose,
+                          .range = row->range,
+                          .is_point = row->is_point,
+                          .radius = radius};
     bool fault = false;
     if (row->error || (row->is_point && radius == 0)) {
-        return refuse_row(query, row, row->error ? row->error : POINT_HAS_NO_DIRECTION ", or the radius of a ball");
+        return refuse_row(run, row, row->error ? row->error : POINT_HAS_NO_DIRECTION ", or the radius of a ball");
     }
     if (row->is_point) {
-        memcpy(question.point, row->pose.world_from_device + 12, sizeof question.point);
-        request_count_point(request, row->line, question.point, radius);
+        memcpy(query.point, row->pose.world_from_device + 12, sizeof query.point);
+        request_count_point(request, row->line, query.point, radius);
     } else {
-        question.angle = request_angle(request, row);
-        request_count_pose(request, row->line, &row->pose, question.angle);
+        query.angle = request_angle(request, row);
+        request_count_pose(request, row->line, &row->pose, query.angle);
     }
-    int code = ask_atlases(query, &question, &fault);
-    return fault ? refuse_row(query, row, conus_message()) : code;
+    int code = ask_atlases(run, &query, &fault);
+    return fault ? refuse_row(run, row, conus_message()) : code;
 }
 
 /* Names the object that is nearest to a point outside of the box around the first atlas's objects, unless the object
  * is in the ball that was asked for. */
-static void say_nearest(const struct query *query, const struct asked_row *question)
+static void say_nearest(const struct query_run *run, const struct query *query)
 {
-    const conus_atlas *atlas = query->request.atlases.items[0].atlas;
+    const conus_atlas *atlas = run->request.atlases.items[0].atlas;
     conus_selection *selection = NULL;
     const conus_result *nearest = NULL;
     double low[3];
     double high[3];
     bool is_outside = conus_atlas_bounds(low, high, atlas) != CONUS_OK;
     for (int a = 0; a < 3; a++) {
-        is_outside = is_outside || question->point[a] < low[a] || question->point[a] > high[a];
+        is_outside = is_outside || query->point[a] < low[a] || query->point[a] > high[a];
     }
-    if (!is_outside || conus_select_ball(&selection, query->request.answerers[0].selector, question->point, 0)) {
+    if (!is_outside || conus_select_ball(&selection, run->request.answerers[0].selector, query->point, 0)) {
         return;
     }
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, i);
         nearest = result->object && (!nearest || result->distance < nearest->distance) ? result : nearest;
     }
-    if (nearest && nearest->distance > question->radius) {
+    if (nearest && nearest->distance > query->radius) {
         print_error_line("note: the point lies outside of the atlas; the nearest to it is %s, %.2f mm away",
                          conus_atlas_object(atlas, nearest->object)->name, nearest->distance);
     }
     conus_selection_destroy(selection);
 }
 
-static int answer_one(struct query *query)
+static int answer_one(struct query_run *run)
 {
-    struct request *request = &query->request;
+    struct request *request = &run->request;
     const struct request_settings *settings = request->settings;
-    struct asked_row question = {.id = "1"};
+    struct query query = {.id = "1"};
     bool fault = false;
     if (option_given(request->arguments, "point")) {
-        int code = settings_point(question.point, query->settings->point, &request->frame, "point");
+        int code = settings_point(query.point, run->settings->point, &request->frame, "point");
         if (code) {
             return code;
         }
-        question.is_point = true;
-        question.radius = settings->engine.radius;
+        query.is_point = true;
+        query.radius = settings->engine.radius;
     } else {
-        int code = settings_pose(&question.pose, &settings->aim, &request->frame, request->arguments);
+        int code = settings_pose(&query.pose, &settings->aim, &request->frame, request->arguments);
         if (code) {
             return code;
         }
-        question.angle = settings_angle(&settings->aim, &settings->engine);
-        request_count_pose(request, 1, &question.pose, question.angle);
+        query.angle = settings_angle(&settings->aim, &settings->engine);
+        request_count_pose(request, 1, &query.pose, query.angle);
     }
-    int code = ask_atlases(query, &question, &fault);
+    int code = ask_atlases(run, &query, &fault);
     code = fault ? print_status(CONUS_ERROR_ARGUMENT) : code;
-    if (!code && question.is_point && !settings->common.quiet) {
-        say_nearest(query, &question);
+    if (!code && query.is_point && !settings->common.quiet) {
+        say_nearest(run, &query);
     }
     return code;
 }
 
-static conus_status start_query(struct query *query)
+static conus_status start_query(struct query_run *run)
 {
-    const struct query_settings *settings = query->settings;
-    struct request *request = &query->request;
+    const struct query_settings *settings = run->settings;
+    struct request *request = &run->request;
     conus_selector_options engine = settings_engine(&settings->request.engine, &settings->request.common);
     if (option_given(request->arguments, "point")) {
         engine.radius = 0; /* of the ball */
         engine.layers = CONUS_LAYERS_ALL;
     }
-    if (query->probe) {
+    if (run->probe) {
         engine.range[0] = engine.range[1] = 0; /* of the shanks */
     }
     conus_status status = request_start(request, &engine);
@@ -431,16 +431,16 @@ static conus_status start_query(struct query *query)
     if (is_of_nearest && !format_is_foreign(request->format)) {
         report.order = CONUS_ORDER_DEPTH;
     }
-    report.contacts = query->contacts;
-    report.probe = query->probe;
+    report.contacts = run->contacts;
+    report.probe = run->probe;
     report.placed = settings->coordsystem;
     report.electrodes = request->format == CONUS_FORMAT_BIDS ? conus_pose_list_electrodes(request->poses) : NULL;
     status = request_reports(request, &report);
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
         report.atlas = request->atlases.items[i].name;
-        status = rows_file_report(&query->ends.rows, request->answerers[i].selector, &report);
+        status = rows_file_report(&run->ends.rows, request->answerers[i].selector, &report);
         for (size_t k = 0; k < AXIS_FILES && !status; k++) {
-            status = rows_file_report(&query->axes[k], request->answerers[i].selector, &report);
+            status = rows_file_report(&run->axes[k], request->answerers[i].selector, &report);
         }
     }
     return status;
@@ -459,10 +459,10 @@ static bool is_replaced(const struct query_settings *settings)
 }
 
 /* The answer comes last: where it is, all that belongs to it is there, too. */
-static int write_all(struct query *query)
+static int write_all(struct query_run *run)
 {
-    const struct query_settings *settings = query->settings;
-    const struct request *request = &query->request;
+    const struct query_settings *settings = run->settings;
+    const struct request *request = &run->request;
     conus_report *report = request->answerers[0].report;
     struct provenance provenance = {0};
     const char *text = NULL;
@@ -480,18 +480,18 @@ static int write_all(struct query *query)
     }
     request_list_inputs(&provenance, request);
     provenance_add_input(&provenance, settings->probe);
-    if (query->has_points && !query->has_cones) {
+    if (run->has_points && !run->has_cones) {
         provenance.question.region = "ball";
     }
     for (size_t i = 0; i < AXIS_FILES && !code; i++) {
-        code = rows_file_write(&query->axes[i], &provenance);
+        code = rows_file_write(&run->axes[i], &provenance);
     }
-    code = code ? code : ends_write(&query->ends, &provenance);
-    if (query->has_shanks) {
+    code = code ? code : ends_write(&run->ends, &provenance);
+    if (run->has_shanks) {
         provenance.question.rows = "segments";
         provenance.question.region = "axis";
     }
-    code = code ? code : selection_files_write(&query->files, report, &provenance);
+    code = code ? code : selection_files_write(&run->files, report, &provenance);
     provenance_add_outputs(&provenance, request->arguments);
     return code || is_replaced(settings)
                ? code
@@ -499,12 +499,12 @@ static int write_all(struct query *query)
 }
 
 /* Whether --voxels has something to list. */
-static bool check_voxels(const struct query *query)
+static bool check_voxels(const struct query_run *run)
 {
-    bool has_points = query->settings->request.engine.layers || option_given(query->request.arguments, "point");
-    bool has_some = !query->settings->voxels || query->settings->voxels_of;
-    for (size_t i = 0; i < query->request.atlases.count; i++) {
-        const conus_atlas *atlas = query->request.atlases.items[i].atlas;
+    bool has_points = run->settings->request.engine.layers || option_given(run->request.arguments, "point");
+    bool has_some = !run->settings->voxels || run->settings->voxels_of;
+    for (size_t i = 0; i < run->request.atlases.count; i++) {
+        const conus_atlas *atlas = run->request.atlases.items[i].atlas;
         for (uint32_t number = 1; number <= conus_atlas_object_count(atlas) && !has_some; number++) {
             conus_kind kind = conus_atlas_object(atlas, number)->kind;
             has_some = kind == CONUS_KIND_PATHWAY || (kind == CONUS_KIND_BUNDLE && has_points);
@@ -519,41 +519,41 @@ static bool check_voxels(const struct query *query)
 }
 
 /* Says where the tip is and how the probe is turned, which the file of poses alone does not show. */
-static void say_probe(const struct query *query, const conus_pose *poses)
+static void say_probe(const struct query_run *run, const conus_pose *poses)
 {
-    for (size_t i = 0; i < conus_probe_count(query->probe) && !query->settings->request.common.quiet; i++) {
+    for (size_t i = 0; i < conus_probe_count(run->probe) && !run->settings->request.common.quiet; i++) {
         double tip[3];
         double across[3];
-        conus_probe_tip(tip, query->probe, i);
-        conus_frame_direction_from_world(across, &query->request.frame, poses[i].world_from_device);
+        conus_probe_tip(tip, run->probe, i);
+        conus_frame_direction_from_world(across, &run->request.frame, poses[i].world_from_device);
         for (int a = 0; a < 3; a++) {
             across[a] = round(1000 * across[a]) / 1000 + 0; /* no -0 */
         }
         print_error_line("note: %s: probe%zu: the tip is at x %g, y %g um; %sits x axis points along %g,%g,%g",
-                         query->settings->probe, i + 1, tip[0], tip[1],
-                         query->settings->roll != 0 ? "without the roll, " : "", across[0], across[1], across[2]);
+                         run->settings->probe, i + 1, tip[0], tip[1],
+                         run->settings->roll != 0 ? "without the roll, " : "", across[0], across[1], across[2]);
     }
 }
 
 /* Moves a pose along its axis, to the far end of its own range or of --range, where there is one. */
-static void go_to_far_end(conus_pose *pose, double own, const struct query *query)
+static void go_to_far_end(conus_pose *pose, double own, const struct query_run *run)
 {
-    double far = own >= 0 ? own : query->settings->request.engine.range[1];
+    double far = own >= 0 ? own : run->settings->request.engine.range[1];
     for (int a = 0; a < 3; a++) {
         pose->world_from_device[12 + a] -= far * pose->world_from_device[8 + a];
     }
 }
 
 /* The poses of the probes' tips: of a file, or that of the options. */
-static int find_poses(conus_pose *out, size_t count, const struct query *query)
+static int find_poses(conus_pose *out, size_t count, const struct query_run *run)
 {
-    const struct request *request = &query->request;
+    const struct request *request = &run->request;
     const conus_pose_list *poses = request->poses;
     size_t found = poses ? conus_pose_list_count(poses) : 1;
     if (found != count) {
         print_error_line("%s: found %zu poses, wanted are %zu: each probe of %s has one of its own",
                          poses ? settings_poses_name(request->settings->aim.pose) : "--origin", found, count,
-                         query->settings->probe);
+                         run->settings->probe);
         return EXIT_DATA;
     }
     for (size_t i = 0; i < count && poses; i++) {
@@ -564,94 +564,94 @@ static int find_poses(conus_pose *out, size_t count, const struct query *query)
             return EXIT_DATA;
         }
         out[i] = row->pose;
-        go_to_far_end(&out[i], row->range[1], query);
+        go_to_far_end(&out[i], row->range[1], run);
     }
     int code = poses ? EXIT_DONE : settings_pose(out, &request->settings->aim, &request->frame, request->arguments);
     if (!poses && !code) {
-        go_to_far_end(out, NAN, query);
+        go_to_far_end(out, NAN, run);
     }
     return code;
 }
 
 /* Puts the contacts of --probe in the place of the poses. */
-static int place_probe(struct query *query)
+static int place_probe(struct query_run *run)
 {
-    struct request *request = &query->request;
+    struct request *request = &run->request;
     conus_pose_list *contacts = NULL;
-    size_t count = conus_probe_count(query->probe);
-    conus_pose *poses = query->probe ? calloc(count, sizeof *poses) : NULL;
-    if (!query->probe || !poses) {
-        return query->probe ? print_no_memory() : EXIT_DONE;
+    size_t count = conus_probe_count(run->probe);
+    conus_pose *poses = run->probe ? calloc(count, sizeof *poses) : NULL;
+    if (!run->probe || !poses) {
+        return run->probe ? print_no_memory() : EXIT_DONE;
     }
-    int code = find_poses(poses, count, query);
+    int code = find_poses(poses, count, run);
     conus_status status =
-        code ? CONUS_OK : conus_probe_place(&contacts, query->probe, poses, count, radians(query->settings->roll));
+        code ? CONUS_OK : conus_probe_place(&contacts, run->probe, poses, count, radians(run->settings->roll));
     if (!code && !status) {
-        say_probe(query, poses);
+        say_probe(run, poses);
         conus_pose_list_destroy(request->poses);
         request->poses = contacts;
-        request->rows_of = query->settings->probe;
+        request->rows_of = run->settings->probe;
     }
     free(poses);
     return status ? print_status(status) : code;
 }
 
-static int load_probe(struct query *query)
+static int load_probe(struct query_run *run)
 {
-    const struct query_settings *settings = query->settings;
+    const struct query_settings *settings = run->settings;
     const conus_probe_options options = {.tip = settings->tip, .max_memory = settings->request.atlas.max_memory};
-    conus_status status = settings->probe ? conus_probe_load(&query->probe, settings->probe, &options) : CONUS_OK;
+    conus_status status = settings->probe ? conus_probe_load(&run->probe, settings->probe, &options) : CONUS_OK;
     return status ? print_status(status) : EXIT_DONE;
 }
 
 static int load_poses(void *user)
 {
-    struct query *query = user;
-    struct request *request = &query->request;
+    struct query_run *run = user;
+    struct request *request = &run->request;
     const char *poses = request->settings->aim.pose;
-    int code = load_probe(query);
+    int code = load_probe(run);
     code = code ? code : request_load_poses(request);
     if (!code && poses) {
-        code = check_poses(query);
+        code = check_poses(run);
     }
     return code ? code : settings_check_electrodes(request->format, conus_pose_list_electrodes(request->poses), poses);
 }
 
-static int answer_query(struct query *query)
+static int answer_query(struct query_run *run)
 {
-    struct request *request = &query->request;
-    int code = request_load(request, load_poses, query);
+    struct request *request = &run->request;
+    int code = request_load(request, load_poses, run);
     if (code) {
         return code;
     }
-    bool has_ends = query->settings->ends.endpoints || query->settings->ends.connectivity;
-    if (!check_voxels(query) || (has_ends && !ends_check_atlases(&request->atlases))) {
+    bool has_ends = run->settings->ends.endpoints || run->settings->ends.connectivity;
+    if (!check_voxels(run) || (has_ends && !ends_check_atlases(&request->atlases))) {
         return EXIT_USAGE;
     }
     code = request_check_outputs(request, NULL);
     code = code ? code : request_match(request);
-    code = code ? code : place_probe(query);
+    code = code ? code : place_probe(run);
     if (code) {
         return code;
     }
-    conus_status status = start_query(query);
+    conus_status status = start_query(run);
     code = status           ? print_status(status)
-           : request->poses ? request_each_row(request, answer_row, query)
-                            : answer_one(query);
+           : request->poses ? request_each_row(request, answer_row, run)
+                            : answer_one(run);
     if (code) {
         return code;
     }
     request_say_notes(request);
     atlases_say_open(&request->atlases, &request->settings->engine, &request->settings->common);
     request_say_aims(request);
-    return request_code(request, write_all(query));
+    return request_code(request, write_all(run));
 }
 
 /* On stdout they have the format of the answer, whose place they take unless -o names it another. */
-static int start_axes(struct query *query)
+static int start_axes(struct query_run *run)
 {
-    const struct query_settings *settings = query->settings;
-    struct request *request = &query->request;
+    const struct query_settings *settings = run->settings;
+    struct request *request = &run->request;
     const char *const *files = settings->axis.files;
     if (is_on_stdout(files[0]) && is_on_stdout(files[1])) {
         return print_usage_error("--segments and --clearance cannot both be on standard output");
@@ -666,26 +666,26 @@ static int start_axes(struct query *query)
     double within;
     int code = settings_within(&within, request->arguments);
     for (size_t i = 0; i < AXIS_FILES && !code; i++) {
-        code = rows_file_init(&query->axes[i], &settings_axis_rows[i], files[i],
+        code = rows_file_init(&run->axes[i], &settings_axis_rows[i], files[i],
                               answer_has_format ? CONUS_FORMAT_TABLE : request->format);
-        query->axes[i].within = within;
-        outputs_add_sidecar(&request->outputs, settings_axis_rows[i].option, query->axes[i].sidecar);
+        run->axes[i].within = within;
+        outputs_add_sidecar(&request->outputs, settings_axis_rows[i].option, run->axes[i].sidecar);
     }
     return code;
 }
 
-static int start_outputs(struct query *query)
+static int start_outputs(struct query_run *run)
 {
-    const struct query_settings *settings = query->settings;
-    struct request *request = &query->request;
-    int code = selection_files_init(&query->files, &request->outputs, &settings->files, request->arguments);
-    code = code ? code : settings_contacts(&query->contacts, settings->axis.contacts);
-    code = code ? code : start_axes(query);
-    code = code ? code : ends_init(&query->ends, &settings->ends, request->arguments);
+    const struct query_settings *settings = run->settings;
+    struct request *request = &run->request;
+    int code = selection_files_init(&run->files, &request->outputs, &settings->files, request->arguments);
+    code = code ? code : settings_contacts(&run->contacts, settings->axis.contacts);
+    code = code ? code : start_axes(run);
+    code = code ? code : ends_init(&run->ends, &settings->ends, request->arguments);
     if (code) {
         return code;
     }
-    outputs_add_sidecar(&request->outputs, "endpoints", query->ends.rows.sidecar);
+    outputs_add_sidecar(&request->outputs, "endpoints", run->ends.rows.sidecar);
     return check_format(request, settings) && outputs_differ(&request->outputs) ? EXIT_DONE : EXIT_USAGE;
 }
 
@@ -698,17 +698,17 @@ static int run_query(const void *given, const struct arguments *arguments)
     if (!fits || !check_outputs(settings, arguments)) {
         return EXIT_USAGE;
     }
-    struct query query = {.settings = settings};
-    int code = request_init(&query.request, &settings->request, arguments);
-    code = code ? code : start_outputs(&query);
-    code = code ? code : answer_query(&query);
-    selection_files_finish(&query.files);
+    struct query_run run = {.settings = settings};
+    int code = request_init(&run.request, &settings->request, arguments);
+    code = code ? code : start_outputs(&run);
+    code = code ? code : answer_query(&run);
+    selection_files_finish(&run.files);
     for (size_t i = 0; i < AXIS_FILES; i++) {
-        rows_file_finish(&query.axes[i]);
+        rows_file_finish(&run.axes[i]);
     }
-    ends_finish(&query.ends);
-    conus_probe_destroy(query.probe);
-    request_finish(&query.request);
+    ends_finish(&run.ends);
+    conus_probe_destroy(run.probe);
+    request_finish(&run.request);
     return code;
 }
 

@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 #include "cli/request.h"
 #include "options/angles.h"
+#include "options/answer_file.h"
 #include "options/messages.h"
 #include "options/options.h"
 

@@ -3,6 +3,7 @@
 #include "cli/commands.h"
 #include "cli/request.h"
 #include "link/send_selection.h"
+#include "options/answer_file.h"
 #include "options/clock.h"
 #include "options/interrupt.h"
 #include "options/messages.h"

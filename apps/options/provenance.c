@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Completes sidecars with what was read and written, seals them, and writes reports with them. */
+/* Completes sidecars with what was read and written, and seals them. */
 #include "options/provenance.h"
 
 #include "options/input_file.h"
@@ -296,70 +296,4 @@ int provenance_complete(char **out, const char *text, size_t size, const struct 
         return print_no_memory();
     }
     return EXIT_DONE;
-}
-
-static const char *option_of(const struct provenance *provenance)
-{
-    return provenance->option ? provenance->option : "output";
-}
-
-int answer_write_sidecar(conus_report *report, const char *path, const char *sidecar,
-                         const struct provenance *provenance, const char *text, size_t size)
-{
-    struct provenance own = *provenance;
-    const char *head = NULL;
-    size_t length = 0;
-    char *whole = NULL;
-    if (!sidecar) {
-        return EXIT_DONE;
-    }
-    provenance_add_output(&own, option_of(&own), output_is_stdout(path) ? NULL : path, text, size);
-    conus_status status = conus_report_sidecar(&head, &length, report);
-    int code = status ? print_status(status) : provenance_complete(&whole, head, length, &own);
-    if (whole) {
-        code = output_write(sidecar, whole, strlen(whole));
-    }
-    free(whole);
-    return code;
-}
-
-/* The checksum is of its rows. */
-int answer_write_json(const char *path, const struct provenance *provenance, const char *text, size_t size)
-{
-    struct provenance own = *provenance;
-    const char *rows = provenance_json_rows(text, size);
-    char *whole = NULL;
-    provenance_add_output(&own, option_of(&own), output_is_stdout(path) ? NULL : path, rows,
-                          size - (size_t)(rows - text));
-    int code = provenance_complete(&whole, text, size, &own);
-    if (whole) {
-        code = output_write(path, whole, strlen(whole));
-    }
-    free(whole);
-    return code;
-}
-
-int answer_write(conus_report *report, const char *path, const char *sidecar, const struct provenance *provenance)
-{
-    const char *text = NULL;
-    size_t size = 0;
-    conus_status status = conus_report_text(&text, &size, report);
-    if (status) {
-        return print_status(status);
-    }
-    if (provenance_json_rows(text, size)) {
-        return answer_write_json(path, provenance, text, size);
-    }
-    if (!sidecar) {
-        return output_write_table(path, text, size);
-    }
-    char *kept = malloc(size + 1); /* the sidecar takes its place in the report */
-    if (!kept) {
-        return print_no_memory();
-    }
-    memcpy(kept, text, size);
-    int code = answer_write_sidecar(report, path, sidecar, provenance, kept, size);
-    code = code ? code : output_write_table(path, kept, size);
-    free(kept);
-    return code;
 }

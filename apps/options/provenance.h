@@ -5,9 +5,8 @@
 #ifndef CONUS_OPTIONS_PROVENANCE_H
 #define CONUS_OPTIONS_PROVENANCE_H
 
+#include "conus/pose_file.h"
 #include "options/options.h"
-
-#include "conus/report.h"
 
 #include <jansson.h>
 #include <nettle/sha2.h>
@@ -89,15 +88,5 @@ json_t *provenance_parse(const char *text, size_t size, json_error_t *error);
 
 /** Where the rows of a report in JSON begin, which come last; NULL if it has none. */
 const char *provenance_json_rows(const char *text, size_t size);
-
-/** Writes the report's sidecar to @p sidecar, unless that is NULL, and then its text to @p path. @p provenance has what
- * was read besides the atlas, and the other outputs, which are there already. Returns the exit code and prints an error
- * unless it is 0. */
-int answer_write(conus_report *report, const char *path, const char *sidecar, const struct provenance *provenance);
-/** Writes a report in JSON, which is its own sidecar, whose rows come last. */
-int answer_write_json(const char *path, const struct provenance *provenance, const char *text, size_t size);
-/** Writes only the sidecar of an answer whose text, @p size bytes, is known; NULL = it went to standard output. */
-int answer_write_sidecar(conus_report *report, const char *path, const char *sidecar,
-                         const struct provenance *provenance, const char *text, size_t size);
 
 #endif

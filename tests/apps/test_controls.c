@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* How the window asks, and studies, without a window. */
 #include "viewer/commands/keys.h"
-#include "viewer/model/question.h"
+#include "viewer/model/query_settings.h"
 #include "viewer/model/studies.h"
 #include "viewer/session/session.h"
 
@@ -34,7 +34,7 @@ static void assert_listed_as_in_table(struct viewer *viewer)
     const conus_selection *selection = viewer_selection(viewer);
     char *table = viewer_results_text(viewer);
     char *rest = table;
-    size_t *order = question_order(viewer, selection);
+    size_t *order = query_order(viewer, selection);
     strsep(&rest, "\n"); /* of the column's names */
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, order ? order[i] : i);
@@ -88,15 +88,15 @@ static void levels_go_round(void **state)
     assert_ok(conus_atlas_load(&atlas, test_in("nested.nii.gz"), &(conus_load_options){.labels = labels}));
     assert_ok(viewer_create(&viewer, &(struct view_source){.atlas = atlas}, 1, NULL, NULL, NULL));
     tool_aim_along(&viewer, FIRST_TOOL, eye, back);
-    assert_int_equal(question_deepest(&viewer), 3);
+    assert_int_equal(query_deepest(&viewer), 3);
     for (unsigned depth = 1; depth <= 4; depth++) {
-        question_next_level(&viewer);
-        assert_int_equal(question_depth(&viewer), depth % 4);
+        query_next_level(&viewer);
+        assert_int_equal(query_depth(&viewer), depth % 4);
         uint32_t best = conus_selection_result(viewer_selection(&viewer), 0)->object;
         assert_string_equal(conus_atlas_object(atlas, best)->name, names[depth - 1]);
     }
-    assert_true(question_set_level(&viewer, "Shell,Core"));
-    assert_int_equal(question_depth(&viewer), 0);
+    assert_true(query_set_level(&viewer, "Shell,Core"));
+    assert_int_equal(query_depth(&viewer), 0);
     viewer_finish(&viewer);
 }
 
@@ -106,13 +106,13 @@ static void what_cannot_be_asked_changes_nothing(void **state)
     (void)state;
     load(&viewer);
     tool_aim_along(&viewer, FIRST_TOOL, eye, back);
-    assert_true(question_set_range(&viewer, 10, 80));
+    assert_true(query_set_range(&viewer, 10, 80));
     size_t count = conus_selection_count(viewer_selection(&viewer));
-    assert_false(question_set_range(&viewer, 80, 10));
+    assert_false(query_set_range(&viewer, 80, 10));
     assert_non_null(strstr(viewer.message, "range"));
-    assert_false(question_set_level(&viewer, "2"));
+    assert_false(query_set_level(&viewer, "2"));
     assert_non_null(strstr(viewer.message, "no area tree"));
-    question_next_level(&viewer);
+    query_next_level(&viewer);
     assert_non_null(strstr(viewer.message, "no area tree"));
     assert_string_equal(viewer.cone.level, "");
     assert_true(viewer.cone.options.range[0] == 10 && viewer.cone.options.range[1] == 80);
@@ -120,9 +120,9 @@ static void what_cannot_be_asked_changes_nothing(void **state)
     char level[LEVEL_LIMIT + 1];
     memset(level, 'x', LEVEL_LIMIT);
     level[LEVEL_LIMIT] = '\0';
-    assert_false(question_set_level(&viewer, level));
+    assert_false(query_set_level(&viewer, level));
     assert_non_null(strstr(viewer.message, "1024 bytes, allowed are 1023"));
-    assert_true(question_move_range(&viewer, -20, -1)); /* no nearer than 0 */
+    assert_true(query_move_range(&viewer, -20, -1)); /* no nearer than 0 */
     assert_true(viewer.cone.options.range[0] == 0 && viewer.cone.options.range[1] == 79);
     viewer_finish(&viewer);
 }
@@ -198,7 +198,7 @@ static void what_changes_makes_a_study_old(void **state)
         if (change < 2) {
             tool_aim_along(&viewer, FIRST_TOOL, (double[]){change, 80, 3}, back);
         } else if (change < 4) {
-            question_set_range(&viewer, change, 100);
+            query_set_range(&viewer, change, 100);
         } else {
             viewer_hide(&viewer, 1, change == 4);
         }

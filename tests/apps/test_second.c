@@ -131,11 +131,11 @@ static void shapes_are_shared(void **state)
     (void)state;
     open_window(&window, &viewer);
     window.viewer->tools[SECOND_TOOL].angle = 30;
-    assert_near(viewer_question(&options, &viewer, SECOND_TOOL, 0), M_PI / 6, 1e-12);
+    assert_near(viewer_query(&options, &viewer, SECOND_TOOL, 0), M_PI / 6, 1e-12);
     viewer.cone.options.radius = 3;
-    assert_near(viewer_question(&options, &viewer, SECOND_TOOL, 0), 0, 0);
+    assert_near(viewer_query(&options, &viewer, SECOND_TOOL, 0), 0, 0);
     viewer.cone.one_ray = true;
-    assert_true(viewer_question(&options, &viewer, SECOND_TOOL, 0) < 0.01);
+    assert_true(viewer_query(&options, &viewer, SECOND_TOOL, 0) < 0.01);
     assert_int_equal(options.resolution, 1);
     close_window(&window);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What `conus diff` reads: every row must be found again by its own key. */
-#include "cli/answers/results_file.h"
+#include "cli/answers/results_reader.h"
 #include "options/messages.h"
 #include "quiet.h"
 

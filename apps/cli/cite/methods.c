@@ -2,6 +2,8 @@
 /* Words a paragraph of methods from what a sidecar says was asked. Every sentence is of something that was. */
 #include "cli/cite/citation.h"
 
+#include "conus/selection.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,7 @@
 
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/plans.h"
-#include "viewer/model/question.h"
+#include "viewer/model/query_settings.h"
 #include "viewer/session/save_file.h"
 #include "viewer/session/undo.h"
 #include "viewer/tools/inputs.h"
@@ -99,7 +99,7 @@ static void hold_second(struct window *window)
 
 static void go_deeper(struct window *window)
 {
-    question_next_level(window->viewer);
+    query_next_level(window->viewer);
 }
 
 static void change_hemispheres(struct window *window)
@@ -203,7 +203,7 @@ static void scale_speed(struct window *window, const int by[3])
 /* Moves the nearer or the farther depth limit, mm. */
 static void move_range(struct window *window, const int by[3])
 {
-    question_move_range(window->viewer, by[0], by[1]);
+    query_move_range(window->viewer, by[0], by[1]);
 }
 
 static void press_save(struct window *window, const int by[3])

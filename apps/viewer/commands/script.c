@@ -9,7 +9,7 @@
 #include "viewer/model/columns.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/plans.h"
-#include "viewer/model/question.h"
+#include "viewer/model/query_settings.h"
 #include "viewer/model/search.h"
 #include "viewer/model/studies.h"
 #include "viewer/session/session.h"
@@ -262,7 +262,7 @@ static bool do_ask(struct call *call)
 {
     char *words[SCRIPT_WORDS]; /* the options' parser may reorder them */
     memcpy(words, call->words, (1 + call->count) * sizeof *words);
-    return ask_words(call->viewer, words, 1 + (int)call->count);
+    return query_set_words(call->viewer, words, 1 + (int)call->count);
 }
 
 /* @p out: [3], of which @p least have to be given; "off" ends the study. */

@@ -4,7 +4,7 @@
 
 #include "options/messages.h"
 #include "settings/atlases.h"
-#include "viewer/model/question.h"
+#include "viewer/model/query_settings.h"
 #include "viewer/model/studies.h"
 
 #include <math.h>
@@ -398,7 +398,7 @@ bool plans_go(struct viewer *viewer, size_t index)
     }
     const struct plan_row *row = &list->rows[index];
     const double *m = row->pose.world_from_device;
-    if (!question_set_range(viewer, row->range[0], row->range[1])) {
+    if (!query_set_range(viewer, row->range[0], row->range[1])) {
         return false;
     }
     if (row->angle > 0 && constraints_last_measure(&viewer->plan.task.constraints) >= CONUS_MEASURE_SHARE) {

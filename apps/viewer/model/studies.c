@@ -31,7 +31,7 @@ static void find_question(struct study_question *out, const struct viewer *viewe
     out->pose = viewer->tools[FIRST_TOOL].pose;
     out->frame = viewer->frame;
     out->atlas_number = viewer->atlas_number;
-    out->angle = viewer_question(&out->options, viewer, FIRST_TOOL, 0);
+    out->angle = viewer_query(&out->options, viewer, FIRST_TOOL, 0);
     out->options.level = NULL;
     memcpy(out->level, viewer->cone.level, sizeof out->level);
 }

@@ -21,7 +21,7 @@ static void ask_atlases(struct viewer *viewer, enum tool_number number)
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         struct view_atlas *view = &viewer->atlases[i];
         conus_selector_options options;
-        double angle = viewer_question(&options, viewer, number, i);
+        double angle = viewer_query(&options, viewer, number, i);
         conus_status status = view_atlas_select(view, number, &options, &tool->pose, angle);
         if (status) {
             const char *whose = number == SECOND_TOOL ? "second tool" : view->name;

@@ -102,8 +102,7 @@ const conus_selection *viewer_selection(const struct viewer *viewer)
     return view_atlas_selection(viewer->drawn, FIRST_TOOL);
 }
 
-double viewer_question(conus_selector_options *options, const struct viewer *viewer, enum tool_number tool,
-                       size_t index)
+double viewer_query(conus_selector_options *options, const struct viewer *viewer, enum tool_number tool, size_t index)
 {
     const struct cone_state *cone = &viewer->cone;
     *options = cone->options;
@@ -223,7 +222,7 @@ conus_status viewer_report(conus_report **reports, struct viewer *viewer, enum t
                                               .no_voxels = true};
         const conus_selection *selection = view_atlas_selection(view, tool);
         conus_selector_options asked;
-        viewer_question(&asked, viewer, tool, i);
+        viewer_query(&asked, viewer, tool, i);
         status = view_atlas_prepare(view, &asked);
         status = status ? status : conus_report_create(&reports[i], view->selector, &options);
         if (!status && selection) {

@@ -7,7 +7,7 @@
 #include "viewer/model/file_watch.h"
 #include "viewer/model/hemispheres.h"
 #include "viewer/model/plans.h"
-#include "viewer/model/question.h"
+#include "viewer/model/query_settings.h"
 #include "viewer/opening/replace.h"
 #include "viewer/opening/view_words.h"
 #include "viewer/opening/waiting.h"
@@ -230,8 +230,8 @@ static bool show_again(struct window *window, struct atlases *loaded, const stru
         memcpy(why, update, sizeof update);
         char level[64];
         snprintf(level, sizeof level, "%.60s", viewer->cone.level);
-        if (level[0] && !question_set_level(viewer, viewer->cone.level)) { /* its areas are not there any more */
-            question_set_level(viewer, "");
+        if (level[0] && !query_set_level(viewer, viewer->cone.level)) { /* its areas are not there any more */
+            query_set_level(viewer, "");
             snprintf(why, LOADER_WHY, "level %s is not possible with these hemispheres: each area by itself", level);
         }
         if (!has_target && !change_plan(window, worded, why)) {

@@ -39,7 +39,7 @@ static double seen_length(const struct window *window)
 static void find_shell(struct shell *out, const struct window *window, double length)
 {
     conus_selector_options options;
-    double angle = viewer_question(&options, window->viewer, SECOND_TOOL, 0);
+    double angle = viewer_query(&options, window->viewer, SECOND_TOOL, 0);
     if (options.radius > 0) { /* a cylinder ends there, too */
         options.range[1] = options.range[1] > 0 ? options.range[1] : length;
     }

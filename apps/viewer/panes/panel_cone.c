@@ -2,7 +2,7 @@
 /* The panel of the cone: what moves it, its pose, shape and score, and what of its hits counts. */
 #include "conus/score.h"
 #include "settings/station_settings.h"
-#include "viewer/model/question.h"
+#include "viewer/model/query_settings.h"
 #include "viewer/model/search.h"
 #include "viewer/panes/panels.h"
 #include "viewer/tools/point.h"
@@ -90,7 +90,7 @@ static void choose_range(struct viewer *viewer)
         return;
     }
     if (ui_check("Only some depths", &limited)) {
-        (void)(limited ? question_move_range(viewer, 0, 0) : question_set_range(viewer, 0, 0));
+        (void)(limited ? query_move_range(viewer, 0, 0) : query_set_range(viewer, 0, 0));
         return;
     }
     ui_tip("only what lies between two depths along the axis, mm from the apex, counts (--range);\n"
@@ -104,7 +104,7 @@ static void choose_range(struct viewer *viewer)
     ui_tip("mm along the axis from the apex: nothing behind it counts");
     if (changed) {
         from = fmin(from, fmax(to - least_mm, 0));
-        question_set_range(viewer, from, to);
+        query_set_range(viewer, from, to);
     }
 }
 
@@ -113,14 +113,14 @@ static void choose_depth(struct viewer *viewer, unsigned deepest)
     static const char *const names[LEVELS_SHOWN + 1] = {
         "each area", "1, the roots", "2",  "3",  "4",  "5",  "6",  "7",  "8",  "9",  "10", "11", "12",
         "13",        "14",           "15", "16", "17", "18", "19", "20", "21", "22", "23", "24"};
-    bool listed = viewer->cone.level[0] && !question_depth(viewer);
-    size_t depth = listed ? SIZE_MAX : question_depth(viewer);
+    bool listed = viewer->cone.level[0] && !query_depth(viewer);
+    size_t depth = listed ? SIZE_MAX : query_depth(viewer);
     char level[32] = "";
     if (ui_choose("Level", &depth, names, 1 + (deepest < LEVELS_SHOWN ? deepest : LEVELS_SHOWN))) {
         if (depth) {
             snprintf(level, sizeof level, "%zu", depth);
         }
-        question_set_level(viewer, level);
+        query_set_level(viewer, level);
     }
     ui_tip("areas are reported as the areas that they are part of, at this depth of the tree (--level); F7: the next\n"
            "one. The roots are 1. It holds for the first atlas.");
@@ -130,14 +130,14 @@ static void choose_depth(struct viewer *viewer, unsigned deepest)
 static void type_level(struct viewer *viewer)
 {
     char typed[LEVEL_LIMIT] = ""; /* the widget keeps what is being typed */
-    if (!question_depth(viewer)) {
+    if (!query_depth(viewer)) {
         memcpy(typed, viewer->cone.level, sizeof typed);
     }
     ui_type("Level by areas", typed, sizeof typed, "Thalamus,Isocortex");
     bool entered = ui_entered();
     ui_tip("areas are reported as the nearest of these that they are part of; names with commas between, then Enter");
     if (entered) {
-        question_set_level(viewer, typed);
+        query_set_level(viewer, typed);
     }
 }
 
@@ -156,7 +156,7 @@ static void choose_hits(struct window *window)
 {
     static const char *const orders[] = {"the best first", "the nearest first"};
     struct viewer *viewer = window->viewer;
-    unsigned deepest = question_deepest(viewer);
+    unsigned deepest = query_deepest(viewer);
     choose_range(viewer);
     if (deepest) {
         choose_depth(viewer, deepest);

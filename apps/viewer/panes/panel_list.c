@@ -3,7 +3,7 @@
 #include "viewer/panes/panels.h"
 
 #include "viewer/model/columns.h"
-#include "viewer/model/question.h"
+#include "viewer/model/query_settings.h"
 #include "viewer/ui/ui_list.h"
 
 #include <stdio.h>
@@ -116,7 +116,7 @@ static void draw_rows(struct viewer *viewer, const struct view_atlas *view, cons
 {
     size_t count = conus_selection_count(selection);
     bool by_rank = viewer->list.order == RESULT_RANK && !viewer->list.reversed;
-    size_t *order = by_rank ? question_order(viewer, selection) : result_order(viewer, view, selection);
+    size_t *order = by_rank ? query_order(viewer, selection) : result_order(viewer, view, selection);
     for (size_t i = 0; i < count; i++) {
         const conus_result *result = conus_selection_result(selection, order ? order[i] : i);
         if (ui_list_row()) {

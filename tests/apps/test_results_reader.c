@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* What `conus diff` reads. */
-#include "cli/answers/results_file.h"
+#include "cli/answers/results_reader.h"
 #include "options/messages.h"
 #include "test.h"
 
@@ -138,7 +138,7 @@ static int silence(void **state)
     return freopen("/dev/null", "w", stderr) ? 0 : -1;
 }
 
-TEST_GROUP(results_file)
+TEST_GROUP(results_reader)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rows_are_found_by_their_key),

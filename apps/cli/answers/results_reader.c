@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Parses a TSV or CSV result and finds its rows by their keys. */
-#include "cli/answers/results_file.h"
+#include "cli/answers/results_reader.h"
 
 #include "options/input_file.h"
 #include "options/messages.h"

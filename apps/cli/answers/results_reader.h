@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file A result of conus read back from its TSV or CSV file, for comparison. */
-#ifndef CONUS_CLI_ANSWERS_RESULTS_FILE_H
-#define CONUS_CLI_ANSWERS_RESULTS_FILE_H
+#ifndef CONUS_CLI_ANSWERS_RESULTS_READER_H
+#define CONUS_CLI_ANSWERS_RESULTS_READER_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tries a question before it is asked; range, level and order; the options of conus query as words. */
-#include "viewer/model/question.h"
+/* Tries query settings before they hold; range, level and order; the options of conus query as words. */
+#include "viewer/model/query_settings.h"
 
 #include "options/messages.h"
 #include "options/options.h"
@@ -26,7 +26,7 @@ static bool ask_with(struct viewer *viewer, const conus_selector_options *option
     }
     cone->options = *options;
     memmove(cone->level, level, strlen(level) + 1); /* it may be this one */
-    viewer_question(&asked, viewer, FIRST_TOOL, 0);
+    viewer_query(&asked, viewer, FIRST_TOOL, 0);
     conus_status status = view_atlas_prepare(viewer->atlases, &asked);
     if (status) {
         viewer_say(viewer, "%s", status == CONUS_ERROR_MEMORY ? "not enough memory" : conus_message());
@@ -37,7 +37,7 @@ static bool ask_with(struct viewer *viewer, const conus_selector_options *option
     return true;
 }
 
-bool question_set_range(struct viewer *viewer, double nearest, double farthest)
+bool query_set_range(struct viewer *viewer, double nearest, double farthest)
 {
     conus_selector_options options = viewer->cone.options;
     options.range[0] = nearest;
@@ -45,24 +45,24 @@ bool question_set_range(struct viewer *viewer, double nearest, double farthest)
     return ask_with(viewer, &options, viewer->cone.level);
 }
 
-bool question_move_range(struct viewer *viewer, double nearest, double farthest)
+bool query_move_range(struct viewer *viewer, double nearest, double farthest)
 {
     const double *range = viewer->cone.options.range;
     double from = range[1] > 0 ? fmax(range[0] + nearest, 0) : 0;
     double to = range[1] > 0 ? range[1] + farthest : first_range;
-    bool fine = question_set_range(viewer, from, to);
+    bool fine = query_set_range(viewer, from, to);
     if (fine) {
         viewer_say(viewer, "depths from %.6g to %.6g mm count", from, to);
     }
     return fine;
 }
 
-bool question_set_level(struct viewer *viewer, const char *level)
+bool query_set_level(struct viewer *viewer, const char *level)
 {
     return ask_with(viewer, &viewer->cone.options, level);
 }
 
-unsigned question_deepest(const struct viewer *viewer)
+unsigned query_deepest(const struct viewer *viewer)
 {
     const struct view_atlas *first = viewer->atlases;
     unsigned deepest = 0;
@@ -73,18 +73,18 @@ unsigned question_deepest(const struct viewer *viewer)
     return deepest > 1 ? deepest : 0;
 }
 
-unsigned question_depth(const struct viewer *viewer)
+unsigned query_depth(const struct viewer *viewer)
 {
     char *end;
     unsigned long depth = strtoul(viewer->cone.level, &end, 10);
     return *end ? 0 : (unsigned)depth;
 }
 
-void question_next_level(struct viewer *viewer)
+void query_next_level(struct viewer *viewer)
 {
     char level[16] = "";
-    unsigned depth = question_depth(viewer) + 1;
-    unsigned deepest = question_deepest(viewer);
+    unsigned depth = query_depth(viewer) + 1;
+    unsigned deepest = query_deepest(viewer);
     if (!deepest) {
         viewer_say(viewer, "the atlas has no area tree: none of its areas is part of another");
         return;
@@ -92,7 +92,7 @@ void question_next_level(struct viewer *viewer)
     if (depth <= deepest) {
         snprintf(level, sizeof level, "%u", depth);
     }
-    if (question_set_level(viewer, level)) {
+    if (query_set_level(viewer, level)) {
         viewer_say(viewer, level[0] ? "areas at level %s of %u" : "each area by itself", level, deepest);
     }
 }
@@ -103,13 +103,13 @@ static double result_depth(const conus_result *result, bool by_entry)
     return result->object && isfinite(depth) ? depth : INFINITY;
 }
 
-size_t *question_order(const struct viewer *viewer, const conus_selection *selection)
+size_t *query_order(const struct viewer *viewer, const conus_selection *selection)
 {
     size_t count = conus_selection_count(selection);
     bool by_depth = viewer->cone.order == CONUS_ORDER_DEPTH && count;
     conus_selector_options asked;
     size_t *order = by_depth ? malloc(count * sizeof *order) : NULL;
-    viewer_question(&asked, viewer, FIRST_TOOL, 0);
+    viewer_query(&asked, viewer, FIRST_TOOL, 0);
     bool by_entry = asked.layers == CONUS_LAYERS_ALL;
     for (size_t i = 0; order && i < count; i++) { /* it comes by rank: equal depths stay so */
         double depth = result_depth(conus_selection_result(selection, i), by_entry);
@@ -160,7 +160,7 @@ static bool use_settings(struct viewer *viewer, const struct ask_settings *setti
     return fine;
 }
 
-bool ask_words(struct viewer *viewer, char **words, int count)
+bool query_set_words(struct viewer *viewer, char **words, int count)
 {
     struct ask_settings settings = {0};
     struct arguments arguments;

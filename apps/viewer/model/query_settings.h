@@ -1,32 +1,32 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Changes of the cone's question, as a whole or in one thing. A question that the atlas refuses is said in the
+/** @file Changes of the query settings, as a whole or in one thing. Settings that the atlas refuses are said in the
  * status line, and all stays as it was. */
-#ifndef CONUS_VIEWER_MODEL_QUESTION_H
-#define CONUS_VIEWER_MODEL_QUESTION_H
+#ifndef CONUS_VIEWER_MODEL_QUERY_SETTINGS_H
+#define CONUS_VIEWER_MODEL_QUERY_SETTINGS_H
 
 #include "viewer/model/viewer.h"
 
 /** Only what lies between two depths along the axis, mm from the apex, counts; both 0 = everything. */
-bool question_set_range(struct viewer *viewer, double nearest, double farthest);
+bool query_set_range(struct viewer *viewer, double nearest, double farthest);
 /** Moves the limits by so many mm; where there are none they are 0 and 50 mm first. */
-bool question_move_range(struct viewer *viewer, double nearest, double farthest);
+bool query_move_range(struct viewer *viewer, double nearest, double farthest);
 
 /** Rolls areas of the first atlas up; @p level is as --level has it, "" = not at all. False: it was said why not. */
-bool question_set_level(struct viewer *viewer, const char *level);
+bool query_set_level(struct viewer *viewer, const char *level);
 /** The deepest level of the first atlas; 0 where none of its areas is part of another. */
-unsigned question_deepest(const struct viewer *viewer);
+unsigned query_deepest(const struct viewer *viewer);
 /** The depth that the level is; 0 = there is none, or it is a list of areas. */
-unsigned question_depth(const struct viewer *viewer);
+unsigned query_depth(const struct viewer *viewer);
 /** One level deeper, from none to 1, and from the deepest to none. */
-void question_next_level(struct viewer *viewer);
+void query_next_level(struct viewer *viewer);
 
 /** Results of @p selection in the order in which tables have them: [conus_selection_count()] indices, to be freed.
  * NULL = by rank, or without memory. */
-size_t *question_order(const struct viewer *viewer, const conus_selection *selection);
+size_t *query_order(const struct viewer *viewer, const conus_selection *selection);
 
 /** Asks as conus query does with the @p words behind the first: --layers, --range, --radius, --level, --score, --order,
  * --resolution, --aperture, --engine, --sampling, --slices, --slice-fraction. What they leave out is the default.
  * False: it was said why not, on stderr, and all stays as it was. */
-bool ask_words(struct viewer *viewer, char **words, int count);
+bool query_set_words(struct viewer *viewer, char **words, int count);
 
 #endif
