@@ -170,7 +170,7 @@ static void walk_all(void *data)
             bundle->t[ray] = (double)INFINITY;
             bundle->point[ray] = 0;
         }
-        tract_rays_walk(way->search, bundle);
+        tract_rays_trace(way->search, bundle);
         for (size_t ray = 0; ray < bundle->count; ray++) {
             way->sum += bundle->object[ray] ? bundle->t[ray] + (double)bundle->point[ray] : 0;
         }

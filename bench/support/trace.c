@@ -216,7 +216,7 @@ static conus_status trace_meshes(struct engine *engine, struct evidence *out, co
     double *const axes[3] = {direction[0], direction[1], direction[2]};
     cone_rays(axes, cone, u, v, bundle.count);
     unsigned width = own->width ? own->width : mesh_rays_width(own->rays, bundle.origin, cone->angle / n);
-    conus_status status = mesh_rays_walk(own->rays, &bundle, width);
+    conus_status status = mesh_rays_trace(own->rays, &bundle, width);
     for (uint32_t ray = 0; ray < bundle.count; ray++) {
         uint32_t pixel = pixel_of(ray, n);
         out->object[pixel] = bundle.object[ray];

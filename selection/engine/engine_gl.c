@@ -16,7 +16,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Rays that are walked in step lie in such a part of the buffer. */
+/* Rays that are traced in step lie in such a part of the buffer. */
 enum { TILE_WIDTH = 4, TILE_HEIGHT = 2 };
 
 struct gl_engine {
@@ -30,7 +30,7 @@ struct gl_engine {
     struct tract_draw *draw;     /* and in others; NULL where the driver does not take them    */
     double (*origins)[3];        /* [pixel_capacity] of all pixels of all cones in view */
     double (*directions)[3];
-    uint32_t *walked;               /* [ray_count] pixels whose rays are traced through volumes, neighbours together */
+    uint32_t *traced;               /* [ray_count] pixels whose rays are traced through volumes, neighbours together */
     struct mesh_query *queries;     /* [cone_capacity] */
     struct tract_picture *pictures; /* likewise */
     size_t pixel_capacity, cone_capacity;
@@ -59,7 +59,7 @@ static void destroy(struct engine *engine)
     mesh_intervals_finish(&gl->intervals);
     memory_free(gl->origins);
     memory_free(gl->directions);
-    memory_free(gl->walked);
+    memory_free(gl->traced);
     memory_free(gl->queries);
     memory_free(gl->pictures);
     memory_free(gl->volumes);
@@ -87,16 +87,16 @@ static conus_status reserve(struct gl_engine *gl, const struct view *view)
     }
     memory_free(gl->origins);
     memory_free(gl->directions);
-    memory_free(gl->walked);
+    memory_free(gl->traced);
     memory_free(gl->queries);
     memory_free(gl->pictures);
     gl->pixel_capacity = gl->cone_capacity = 0;
     gl->origins = memory_raw(pixels, sizeof *gl->origins);
     gl->directions = memory_raw(pixels, sizeof *gl->directions);
-    gl->walked = memory_raw(pixels, sizeof *gl->walked);
+    gl->traced = memory_raw(pixels, sizeof *gl->traced);
     gl->queries = memory_raw(view->count, sizeof *gl->queries);
     gl->pictures = memory_raw(view->count, sizeof *gl->pictures);
-    if (!gl->origins || !gl->directions || !gl->walked || !gl->queries || !gl->pictures) {
+    if (!gl->origins || !gl->directions || !gl->traced || !gl->queries || !gl->pictures) {
         return CONUS_ERROR_MEMORY;
     }
     gl->pixel_capacity = pixels;
@@ -116,7 +116,7 @@ static conus_status aim(struct gl_engine *gl, const struct view *view)
             cone_origin(gl->origins[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
             cone_ray(gl->directions[first + pixel], cone, pixel % cone->resolution, pixel / cone->resolution);
         }
-        /* Its wanted pixels are walked by tiles. */
+        /* Its wanted pixels are traced by tiles. */
         uint32_t n = cone->resolution;
         uint32_t across = (n + TILE_WIDTH - 1) / TILE_WIDTH;
         uint32_t tiles = across * ((n + TILE_HEIGHT - 1) / TILE_HEIGHT);
@@ -125,7 +125,7 @@ static conus_status aim(struct gl_engine *gl, const struct view *view)
             uint32_t i = tile % across * TILE_WIDTH + k % TILE_WIDTH;
             uint32_t j = tile / across * TILE_HEIGHT + k / TILE_WIDTH % TILE_HEIGHT;
             if (i < n && j < n && (!cone->wanted || cone->wanted[j * n + i])) {
-                gl->walked[gl->ray_count++] = first + j * n + i;
+                gl->traced[gl->ray_count++] = first + j * n + i;
             }
         }
     }
@@ -134,7 +134,7 @@ static conus_status aim(struct gl_engine *gl, const struct view *view)
 
 /* Sets the planes (Eq. 7) of the rays of one cone. */
 static void prepare_planes(const struct gl_engine *gl, const struct volume *volume, const struct cone *cone,
-                           struct id_ray *rays, const uint32_t *walked, size_t count)
+                           struct id_ray *rays, const uint32_t *traced, size_t count)
 {
     const size_t *dim = volume->info.dim;
     double axis[3];
@@ -145,7 +145,7 @@ static void prepare_planes(const struct gl_engine *gl, const struct volume *volu
         rays[r].planes.start = slices.start;
         rays[r].planes.spacing = slices.spacing;
         rays[r].planes.count = slices.count;
-        rays[r].planes.per_depth = 1 / vec3_dot(gl->directions[walked[r]], axis);
+        rays[r].planes.per_depth = 1 / vec3_dot(gl->directions[traced[r]], axis);
     }
 }
 
@@ -156,8 +156,8 @@ static void prepare_rays(struct gl_engine *gl, const struct volume *volume, cons
     for (uint32_t r = 0; r < gl->ray_count; r++) {
         double origin[3];
         double direction[3];
-        mat4_point(origin, volume->voxel_from_world, gl->origins[gl->walked[r]]);
-        mat4_direction(direction, volume->voxel_from_world, gl->directions[gl->walked[r]]);
+        mat4_point(origin, volume->voxel_from_world, gl->origins[gl->traced[r]]);
+        mat4_direction(direction, volume->voxel_from_world, gl->directions[gl->traced[r]]);
         if (gl->sampling == CONUS_SAMPLING_EXACT) {
             struct traverse_ray ray;
             traverse_ray_init(&ray, origin, direction);
@@ -170,11 +170,11 @@ static void prepare_rays(struct gl_engine *gl, const struct volume *volume, cons
         }
     }
     for (uint32_t first = 0, end; first < gl->ray_count && gl->sampling == CONUS_SAMPLING_SLICES; first = end) {
-        uint32_t c = gl->walked[first] / view->pixels;
-        for (end = first; end < gl->ray_count && gl->walked[end] / view->pixels == c;) {
+        uint32_t c = gl->traced[first] / view->pixels;
+        for (end = first; end < gl->ray_count && gl->traced[end] / view->pixels == c;) {
             end++;
         }
-        prepare_planes(gl, volume, view->cones[c], rays + first, gl->walked + first, end - first);
+        prepare_planes(gl, volume, view->cones[c], rays + first, gl->traced + first, end - first);
     }
 }
 
@@ -198,8 +198,8 @@ static conus_status trace_volumes(struct gl_engine *gl, const struct view *view)
     }
     status = status ? status : id_pass_read(gl->pass, &hits);
     for (uint32_t r = 0; r < gl->ray_count && !status; r++) {
-        struct evidence *out = view->out[gl->walked[r] / view->pixels];
-        uint32_t pixel = gl->walked[r] % view->pixels;
+        struct evidence *out = view->out[gl->traced[r] / view->pixels];
+        uint32_t pixel = gl->traced[r] % view->pixels;
         if (hits[r].identifier) {
             out->object[pixel] = hits[r].identifier;
             out->distance[pixel] = hits[r].distance + 0.0; /* -0 becomes 0 */
@@ -333,7 +333,7 @@ static conus_status take_intervals(void *user, const struct id_interval *interva
     conus_status status = CONUS_OK;
     for (uint32_t i = 0; i < count && !status; i++) {
         const struct id_interval *found = &intervals[i];
-        const conus_interval interval = {piercing->gl->walked[found->ray], found->identifier, found->entry + 0.0,
+        const conus_interval interval = {piercing->gl->traced[found->ray], found->identifier, found->entry + 0.0,
                                          found->exit + 0.0, /* -0 becomes 0 */
                                          linear_index(piercing->gl->atlas, found->identifier, found->cell)};
         status = layers_add(piercing->out, &interval);

@@ -166,7 +166,7 @@ static struct traverse_contact sample_slices(const struct volume *volume, const 
     return (struct traverse_contact){.t = INFINITY, .voxel = EVIDENCE_NO_VOXEL};
 }
 
-static void walk_slices(const struct target *target, struct traverse_bundle *bundle, const struct cone *cone)
+static void trace_slices(const struct target *target, struct traverse_bundle *bundle, const struct cone *cone)
 {
     const struct volume *volume = target->volume;
     const double *device = cone->pose.world_from_device;
@@ -233,9 +233,9 @@ static conus_status trace_volumes(const struct rays_engine *engine, void *eviden
             bundle->limit[ray] = i ? out->distance[block->pixel[ray]] : INFINITY;
         }
         if (engine->sampling == CONUS_SAMPLING_SLICES) {
-            walk_slices(target, bundle, cone);
+            trace_slices(target, bundle, cone);
         } else {
-            traverse_bundle_walk(engine->kernel, map, target->volume, bundle);
+            traverse_bundle_trace(engine->kernel, map, target->volume, bundle);
         }
         for (size_t ray = 0; ray < bundle->count; ray++) {
             if (bundle->t[ray] == TRAVERSE_THERE) {
@@ -268,7 +268,7 @@ static conus_status trace_meshes(const struct rays_engine *engine, struct eviden
         bundle->triangle[ray] = out->voxel[pixel];
     }
     unsigned width = mesh_rays_width(engine->meshes, bundle->origin, cone->angle / cone->resolution);
-    conus_status status = mesh_rays_walk(engine->meshes, bundle, width);
+    conus_status status = mesh_rays_trace(engine->meshes, bundle, width);
     for (size_t ray = 0; ray < bundle->count; ray++) {
         size_t pixel = block->pixel[ray];
         out->object[pixel] = bundle->object[ray];
@@ -297,7 +297,7 @@ static void trace_tracts(const struct rays_engine *engine, struct evidence *out,
         bundle->t[ray] = out->distance[pixel];
         bundle->point[ray] = out->voxel[pixel];
     }
-    tract_rays_walk(engine->tracts, bundle);
+    tract_rays_trace(engine->tracts, bundle);
     for (size_t ray = 0; ray < bundle->count; ray++) {
         size_t pixel = block->pixel[ray];
         out->object[pixel] = bundle->object[ray];

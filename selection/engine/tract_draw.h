@@ -22,7 +22,7 @@ conus_status tract_draw_create(struct tract_draw **out, const struct tract_rays 
 /** NULL is fine. */
 void tract_draw_destroy(struct tract_draw *draw);
 
-/** Looks for nearer hits than those that @p pictures, all of one resolution, have, as tract_rays_walk() does. */
+/** Looks for nearer hits than those that @p pictures, all of one resolution, have, as tract_rays_trace() does. */
 conus_status tract_draw_trace(struct tract_draw *draw, const struct tract_picture *pictures, size_t count);
 
 /** Appends all intervals of all rays, as tract_rays_pierce() does; pixels in order. */

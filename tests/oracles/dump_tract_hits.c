@@ -38,7 +38,7 @@ static bool answer_block(const struct tract_rays *rays)
         bundle.t[ray] = (double)INFINITY;
         bundle.point[ray] = UINT64_MAX;
     }
-    tract_rays_walk(rays, &bundle);
+    tract_rays_trace(rays, &bundle);
     return fwrite(bundle.t, sizeof bundle.t, 1, stdout) == 1 &&
            fwrite(bundle.point, sizeof bundle.point, 1, stdout) == 1;
 }

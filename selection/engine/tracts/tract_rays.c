@@ -185,8 +185,8 @@ static void offer_run(const struct tract_hit *hit, const struct ray *ray, const 
     }
 }
 
-static void walk_ray(const struct tract_rays *rays, const struct scene *scene, struct tract_bundle *bundle,
-                     size_t index)
+static void trace_ray(const struct tract_rays *rays, const struct scene *scene, struct tract_bundle *bundle,
+                      size_t index)
 {
     const struct tract_hit hit = {&bundle->object[index], &bundle->t[index], &bundle->point[index]};
     struct ray ray = ray_of(scene, bundle, index);
@@ -198,11 +198,11 @@ static void walk_ray(const struct tract_rays *rays, const struct scene *scene, s
     }
 }
 
-void tract_rays_walk(const struct tract_rays *rays, struct tract_bundle *bundle)
+void tract_rays_trace(const struct tract_rays *rays, struct tract_bundle *bundle)
 {
     for (size_t i = 0; i < rays->scene_count; i++) {
         for (size_t index = 0; index < bundle->count; index++) {
-            walk_ray(rays, &rays->scenes[i], bundle, index);
+            trace_ray(rays, &rays->scenes[i], bundle, index);
         }
     }
 }

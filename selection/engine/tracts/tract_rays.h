@@ -26,7 +26,7 @@ struct tract_bundle {
     uint32_t object[TRACT_RAYS_LIMIT];           /**< Hit first so far; 0 = none.              */
     double t[TRACT_RAYS_LIMIT];                  /**< mm to it; INFINITY = none.               */
     uint64_t point[TRACT_RAYS_LIMIT]; /**< The first one of the segment that is hit, of all of its tractogram,
-                                           if tract_rays_walk() found it.           */
+                                           if tract_rays_trace() found it.           */
 };
 
 /** Where the first hit of one ray is kept; likewise. */
@@ -50,7 +50,7 @@ void tract_rays_destroy(struct tract_rays *rays);
 
 /** Looks for nearer contacts than those that @p bundle has; of equally near ones the object with the lower number wins,
  * then the lower point. A streamline of several objects is that of the lowest. */
-void tract_rays_walk(const struct tract_rays *rays, struct tract_bundle *bundle);
+void tract_rays_trace(const struct tract_rays *rays, struct tract_bundle *bundle);
 
 /** Appends all intervals of all of the bundle's rays in all objects to @p out (Eq. 10), whatever the rays have hit; ray
  * k is that of pixel[k]. What an interval has for a voxel is the first point of the segment where it begins.
@@ -69,7 +69,7 @@ const struct tractogram *tract_rays_tractogram(const struct tract_rays *rays, si
 /** Whether the streamline is of an object. */
 bool tract_rays_has(const struct tract_rays *rays, size_t scene, uint32_t streamline);
 
-/** Settles what a ray hits of a run that somebody has found: as tract_rays_walk() does. */
+/** Settles what a ray hits of a run that somebody has found: as tract_rays_trace() does. */
 void tract_rays_offer(const struct tract_rays *rays, const struct tract_hit *hit, size_t scene, size_t run,
                       const double origin[3], const double direction[3]);
 

@@ -102,7 +102,7 @@ static void destroy(struct mesh_rays *rays)
 }
 
 /* A ray of a bundle on its way. */
-struct walk {
+struct tracing {
     const struct mesh_rays *rays;
     struct mesh_bundle *bundle;
     size_t ray;
@@ -110,25 +110,25 @@ struct walk {
     struct mesh_intervals *out; /* NULL = only the first hit */
 };
 
-static conus_status take_triangle(const struct walk *walk, uint32_t object, uint32_t triangle)
+static conus_status take_triangle(const struct tracing *tracing, uint32_t object, uint32_t triangle)
 {
-    if (walk->out) {
-        return mesh_intervals_add(walk->out, &(struct crossing){.pixel = (uint32_t)walk->ray, object, triangle});
+    if (tracing->out) {
+        return mesh_intervals_add(tracing->out, &(struct crossing){.pixel = (uint32_t)tracing->ray, object, triangle});
     }
-    mesh_tracer_offer(walk->rays, walk->bundle, walk->ray, object, triangle);
+    mesh_tracer_offer(tracing->rays, tracing->bundle, tracing->ray, object, triangle);
     return CONUS_OK;
 }
 
-static double reach(const struct walk *walk)
+static double reach(const struct tracing *tracing)
 {
-    return mesh_tracer_reach(walk->rays, walk->bundle, walk->ray, walk->start);
+    return mesh_tracer_reach(tracing->rays, tracing->bundle, tracing->ray, tracing->start);
 }
 
-static conus_status search_mesh(const struct walk *walk, uint32_t index, const double origin[3],
+static conus_status search_mesh(const struct tracing *tracing, uint32_t index, const double origin[3],
                                 const double direction[3])
 {
-    const struct scene *scene = walk->rays->scene;
-    const struct surface *surface = &walk->rays->surfaces[index];
+    const struct scene *scene = tracing->rays->scene;
+    const struct surface *surface = &tracing->rays->surfaces[index];
     double p[3] = {origin[0], origin[1], origin[2]};
     double d[3] = {direction[0], direction[1], direction[2]};
     if (surface->mesh_from_world) {
@@ -138,46 +138,47 @@ static conus_status search_mesh(const struct walk *walk, uint32_t index, const d
     struct bvh_search search;
     conus_status status = CONUS_OK;
     bvh_search_init(&search, &scene->meshes[scene->mesh_of[index]], p, d);
-    for (uint32_t triangle; !status && bvh_search_next(&triangle, &search, reach(walk));) {
+    for (uint32_t triangle; !status && bvh_search_next(&triangle, &search, reach(tracing));) {
         if (mesh_is_passed(surface->mesh, triangle, p, d)) {
-            status = take_triangle(walk, index + 1, triangle);
+            status = take_triangle(tracing, index + 1, triangle);
         }
     }
     return status;
 }
 
-static conus_status search_objects(const struct walk *walk)
+static conus_status search_objects(const struct tracing *tracing)
 {
-    const struct scene *scene = walk->rays->scene;
+    const struct scene *scene = tracing->rays->scene;
     double origin[3], direction[3];
     for (int a = 0; a < 3; a++) {
-        direction[a] = walk->bundle->direction[a][walk->ray];
-        origin[a] = walk->bundle->origin[a] + walk->start * direction[a];
+        direction[a] = tracing->bundle->direction[a][tracing->ray];
+        origin[a] = tracing->bundle->origin[a] + tracing->start * direction[a];
     }
     struct bvh_search search;
     conus_status status = CONUS_OK;
     bvh_search_init(&search, &scene->objects, origin, direction);
-    for (uint32_t index; !status && bvh_search_next(&index, &search, reach(walk));) {
-        status = search_mesh(walk, index, origin, direction);
+    for (uint32_t index; !status && bvh_search_next(&index, &search, reach(tracing));) {
+        status = search_mesh(tracing, index, origin, direction);
     }
     return status;
 }
 
 static conus_status search_bundle(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_intervals *out)
 {
-    struct walk walk = {.rays = rays, .bundle = bundle, .out = out, .start = mesh_tracer_start(rays, bundle->origin)};
+    struct tracing tracing = {
+        .rays = rays, .bundle = bundle, .out = out, .start = mesh_tracer_start(rays, bundle->origin)};
     conus_status status = CONUS_OK;
-    for (; walk.ray < bundle->count && !status; walk.ray++) {
-        status = search_objects(&walk);
+    for (; tracing.ray < bundle->count && !status; tracing.ray++) {
+        status = search_objects(&tracing);
     }
     return status;
 }
 
-static conus_status walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
+static conus_status trace(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
 {
     (void)width; /* one ray after the other */
     return search_bundle(rays, bundle, NULL);
 }
 
 const struct mesh_tracer mesh_bvh = {
-    .name = "own tree", .create = create, .destroy = destroy, .walk = walk, .pierce = search_bundle};
+    .name = "own tree", .create = create, .destroy = destroy, .trace = trace, .pierce = search_bundle};

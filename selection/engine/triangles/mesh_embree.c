@@ -189,7 +189,7 @@ static_assert(sizeof(struct RTCRay) == HIT * sizeof(union number) &&
               "rows of a packet");
 
 /* Embree hands it to weigh() and collect(), as the address of the query, whose context comes first. */
-struct walk {
+struct tracing {
     struct embree_query query;
     const struct mesh_rays *rays;
     const struct embree *embree;
@@ -218,21 +218,21 @@ static struct found found_by(const struct RTCFilterFunctionNArguments *arguments
                           .triangle = hits[PRIMITIVE * width + lane].whole};
 }
 
-static float reach(const struct walk *walk, size_t ray)
+static float reach(const struct tracing *tracing, size_t ray)
 {
-    return (float)mesh_tracer_reach(walk->rays, walk->bundle, ray, walk->start);
+    return (float)mesh_tracer_reach(tracing->rays, tracing->bundle, ray, tracing->start);
 }
 
 /* Embree calls this for what it finds before the end of the ray. */
 static void weigh(const struct RTCFilterFunctionNArguments *arguments)
 {
-    struct walk *walk = (struct walk *)arguments->context;
+    struct tracing *tracing = (struct tracing *)arguments->context;
     union number *rays = (union number *)arguments->ray;
     for (unsigned lane = 0; lane < arguments->N; lane++) {
         if (arguments->valid[lane]) {
             struct found found = found_by(arguments, lane);
-            if (mesh_tracer_offer(walk->rays, walk->bundle, found.ray, found.object, found.triangle)) {
-                rays[FAR * arguments->N + lane].real = reach(walk, found.ray);
+            if (mesh_tracer_offer(tracing->rays, tracing->bundle, found.ray, found.object, found.triangle)) {
+                rays[FAR * arguments->N + lane].real = reach(tracing, found.ray);
             } else {
                 arguments->valid[lane] = 0;
             }
@@ -243,68 +243,68 @@ static void weigh(const struct RTCFilterFunctionNArguments *arguments)
 /* Embree calls this for all that it finds, since nothing of it is accepted. */
 static void collect(const struct RTCFilterFunctionNArguments *arguments)
 {
-    struct walk *walk = (struct walk *)arguments->context;
+    struct tracing *tracing = (struct tracing *)arguments->context;
     for (unsigned lane = 0; lane < arguments->N; lane++) {
         if (arguments->valid[lane]) {
             struct found found = found_by(arguments, lane);
             const struct crossing crossing = {
                 .pixel = (uint32_t)found.ray, .object = found.object, .triangle = found.triangle};
-            walk->status = walk->status ? walk->status : mesh_intervals_add(walk->out, &crossing);
+            tracing->status = tracing->status ? tracing->status : mesh_intervals_add(tracing->out, &crossing);
             arguments->valid[lane] = 0;
         }
     }
 }
 
-static inline __attribute__((always_inline)) void set_ray(const struct walk *walk, union number *packet, unsigned width,
-                                                          size_t ray)
+static inline __attribute__((always_inline)) void set_ray(const struct tracing *tracing, union number *packet,
+                                                          unsigned width, size_t ray)
 {
-    const struct mesh_bundle *bundle = walk->bundle;
+    const struct mesh_bundle *bundle = tracing->bundle;
     for (unsigned a = 0; a < 3; a++) {
         double direction = bundle->direction[a][ray];
-        packet[(ORIGIN_X + a) * width].real = (float)(bundle->origin[a] + walk->start * direction);
+        packet[(ORIGIN_X + a) * width].real = (float)(bundle->origin[a] + tracing->start * direction);
         packet[(DIRECTION_X + a) * width].real = (float)direction;
     }
     packet[NEAR * width].real = 0;
     packet[TIME * width].real = 0;
-    packet[FAR * width].real = reach(walk, ray);
+    packet[FAR * width].real = reach(tracing, ray);
     packet[MASK * width].whole = UINT32_MAX;
     packet[RAY * width].whole = (uint32_t)ray;
     packet[FLAGS * width].whole = 0;
 }
 
-static inline __attribute__((always_inline)) void shoot(struct walk *walk, size_t first, const unsigned width)
+static inline __attribute__((always_inline)) void shoot(struct tracing *tracing, size_t first, const unsigned width)
 {
     _Alignas(64) union number packet[ROWS * WIDTH_LIMIT];
     _Alignas(64) int valid[WIDTH_LIMIT];
     for (unsigned lane = 0; lane < width; lane++) {
-        bool used = first + lane < walk->bundle->count;
+        bool used = first + lane < tracing->bundle->count;
         valid[lane] = used ? -1 : 0;
-        set_ray(walk, packet + lane, width, used ? first + lane : first);
+        set_ray(tracing, packet + lane, width, used ? first + lane : first);
         packet[(HIT + GEOMETRY) * width + lane].whole = RTC_INVALID_GEOMETRY_ID;
         packet[(HIT + INSTANCE) * width + lane].whole = RTC_INVALID_GEOMETRY_ID;
     }
-    embree_intersect(&walk->query, walk->embree->scene, valid, packet, width);
+    embree_intersect(&tracing->query, tracing->embree->scene, valid, packet, width);
 }
 
-static conus_status walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
+static conus_status trace(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
 {
     const struct embree *embree = rays->scene;
-    struct walk walk = {.rays = rays, .embree = embree, .bundle = bundle};
-    walk.start = mesh_tracer_start(rays, bundle->origin);
-    embree_query_init(&walk.query, weigh, true);
+    struct tracing tracing = {.rays = rays, .embree = embree, .bundle = bundle};
+    tracing.start = mesh_tracer_start(rays, bundle->origin);
+    embree_query_init(&tracing.query, weigh, true);
     for (size_t first = 0; first < bundle->count; first += width) {
         switch (width) {
         case 16:
-            shoot(&walk, first, 16);
+            shoot(&tracing, first, 16);
             break;
         case 8:
-            shoot(&walk, first, 8);
+            shoot(&tracing, first, 8);
             break;
         case 4:
-            shoot(&walk, first, 4);
+            shoot(&tracing, first, 4);
             break;
         default:
-            shoot(&walk, first, 1);
+            shoot(&tracing, first, 1);
         }
     }
     return status_of(embree);
@@ -315,15 +315,15 @@ static conus_status pierce(struct mesh_rays *rays, struct mesh_bundle *bundle, s
 {
     _Alignas(64) union number stream[MESH_RAYS_LIMIT][HIT];
     const struct embree *embree = rays->scene;
-    struct walk walk = {.rays = rays, .embree = embree, .bundle = bundle, .out = out};
-    walk.start = mesh_tracer_start(rays, bundle->origin);
-    embree_query_init(&walk.query, collect, false);
+    struct tracing tracing = {.rays = rays, .embree = embree, .bundle = bundle, .out = out};
+    tracing.start = mesh_tracer_start(rays, bundle->origin);
+    embree_query_init(&tracing.query, collect, false);
     for (size_t ray = 0; ray < bundle->count; ray++) {
-        set_ray(&walk, stream[ray], 1, ray);
+        set_ray(&tracing, stream[ray], 1, ray);
     }
-    embree_occlude(&walk.query, embree->scene, (struct RTCRay *)stream, bundle->count, sizeof stream[0]);
-    return walk.status ? walk.status : status_of(embree);
+    embree_occlude(&tracing.query, embree->scene, (struct RTCRay *)stream, bundle->count, sizeof stream[0]);
+    return tracing.status ? tracing.status : status_of(embree);
 }
 
 const struct mesh_tracer mesh_embree = {
-    .name = "Embree " RTC_VERSION_STRING, .create = create, .destroy = destroy, .walk = walk, .pierce = pierce};
+    .name = "Embree " RTC_VERSION_STRING, .create = create, .destroy = destroy, .trace = trace, .pierce = pierce};

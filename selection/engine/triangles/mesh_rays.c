@@ -122,9 +122,9 @@ void mesh_rays_destroy(struct mesh_rays *rays)
     }
 }
 
-conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
+conus_status mesh_rays_trace(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width)
 {
-    return rays->tracer->walk(rays, bundle, width);
+    return rays->tracer->trace(rays, bundle, width);
 }
 
 static void fetch_triangle(const struct mesh_rays *rays, const struct crossing *crossing)

@@ -29,7 +29,7 @@ struct mesh_bundle {
     const double (*direction)[MESH_RAYS_LIMIT]; /**< [3][] in the world, unit length.               */
     uint32_t object[MESH_RAYS_LIMIT];           /**< Hit first so far; 0 = none.                    */
     double t[MESH_RAYS_LIMIT];                  /**< mm to it; INFINITY = none.                     */
-    uint64_t triangle[MESH_RAYS_LIMIT];         /**< In its mesh, if mesh_rays_walk() found it.     */
+    uint64_t triangle[MESH_RAYS_LIMIT];         /**< In its mesh, if mesh_rays_trace() found it.     */
 };
 
 struct mesh_rays;
@@ -48,7 +48,7 @@ void mesh_rays_destroy(struct mesh_rays *rays);
 
 /** Looks for nearer contacts than those that @p bundle has, @p width rays at once: 1, 4, 8 or 16; one is as good as
  * another, but for time. */
-conus_status mesh_rays_walk(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width);
+conus_status mesh_rays_trace(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width);
 
 /** Appends all crossings of all of the bundle's rays with all surfaces to @p out (Eq. 10), whatever the rays have hit;
  * ray k is that of pixel[k]. Leaves t undefined. */

@@ -30,8 +30,8 @@ struct mesh_tracer {
     conus_status (*create)(struct mesh_rays *rays, const struct mesh_object *objects, size_t count);
     /** Ends rays->scene, NULL too. */
     void (*destroy)(struct mesh_rays *rays);
-    /** mesh_rays_walk() */
-    conus_status (*walk)(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width);
+    /** mesh_rays_trace() */
+    conus_status (*trace)(struct mesh_rays *rays, struct mesh_bundle *bundle, unsigned width);
     /** Appends all crossings, with the number of the ray in the bundle as pixel; mesh_rays_pierce() fills in distances
      * and sides, and drops what lies behind the apex. t of all rays is INFINITY. */
     conus_status (*pierce)(struct mesh_rays *rays, struct mesh_bundle *bundle, struct mesh_intervals *out);

@@ -92,7 +92,7 @@ struct traverse_bundle {
     double start[3];                               /**< the origin in its index space, or                        */
     alignas(64) double starts[3][TRAVERSE_BUNDLE]; /**< the origins, and                                         */
     double low[3], high[3];                        /**< their box, and                                           */
-    bool starts_inside;                    /**< whether that is in the map's: traverse_bundle_walk() sets these. */
+    bool starts_inside;                    /**< whether that is in the map's: traverse_bundle_trace() sets these. */
     alignas(64) double t[TRAVERSE_BUNDLE]; /**< Out: as in struct traverse_contact; with `from`, TRAVERSE_THERE where
                                               the ray is in that voxel at `from`, and surely not at its border.  */
     uint64_t voxel[TRAVERSE_BUNDLE];
@@ -115,21 +115,21 @@ struct traverse_piercing {
     bool again[TRAVERSE_BUNDLE]; /**< Out: rays for traverse_pierce(): they have no intervals in @p out.           */
 };
 
-/** One way to walk bundles. Kernels need `count` to be a multiple of TRAVERSE_LANES and near origins;
- * traverse_bundle_walk() sees to both. */
+/** One way to trace bundles. Kernels need `count` to be a multiple of TRAVERSE_LANES and near origins;
+ * traverse_bundle_trace() sees to both. */
 struct traverse_kernel {
     const char *name; /**< "avx512" */
     bool (*is_supported)(void);
     /** Sets the objects only by a labelled map. */
-    void (*walk)(const struct distance_map *map, struct traverse_bundle *bundle);
+    void (*trace)(const struct distance_map *map, struct traverse_bundle *bundle);
     /** NULL where there is none: then rays are pierced one by one. */
     conus_status (*pierce)(struct traverse_piercing *piercing, struct traverse_bundle *bundle);
 };
 
 /* By instruction set: traverse_avx512.c, traverse_avx2.c, traverse_plain.c; all of them from traverse_lanes.h. */
-void traverse_walk_avx512(const struct distance_map *map, struct traverse_bundle *bundle);
-void traverse_walk_avx2(const struct distance_map *map, struct traverse_bundle *bundle);
-void traverse_walk_plain(const struct distance_map *map, struct traverse_bundle *bundle);
+void traverse_trace_avx512(const struct distance_map *map, struct traverse_bundle *bundle);
+void traverse_trace_avx2(const struct distance_map *map, struct traverse_bundle *bundle);
+void traverse_trace_plain(const struct distance_map *map, struct traverse_bundle *bundle);
 conus_status traverse_pierce_avx512(struct traverse_piercing *piercing, struct traverse_bundle *bundle);
 conus_status traverse_pierce_avx2(struct traverse_piercing *piercing, struct traverse_bundle *bundle);
 conus_status traverse_pierce_plain(struct traverse_piercing *piercing, struct traverse_bundle *bundle);
@@ -146,7 +146,7 @@ conus_status traverse_bundle_pierce(const struct traverse_kernel *kernel, const 
                                     struct traverse_piercing *piercing, struct traverse_bundle *bundle);
 
 /** Walks the rays through @p volume, whose map @p map is, labelled or not. */
-void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct distance_map *map,
-                          const struct volume *volume, struct traverse_bundle *bundle);
+void traverse_bundle_trace(const struct traverse_kernel *kernel, const struct distance_map *map,
+                           const struct volume *volume, struct traverse_bundle *bundle);
 
 #endif

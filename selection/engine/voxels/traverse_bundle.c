@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The walk of bundles of rays by the kernel of an instruction set, or ray by ray where kernels cannot. */
+/* Traces bundles of rays by the kernel of an instruction set, or ray by ray where kernels cannot. */
 #include "base/geometry/math3.h"
 #include "base/simd/processor.h"
 #include "selection/engine/voxels/traverse.h"
 
 #include <math.h>
 
-static void walk_one_by_one(const struct distance_map *map, struct traverse_bundle *bundle)
+static void trace_one_by_one(const struct distance_map *map, struct traverse_bundle *bundle)
 {
     for (size_t i = 0; i < bundle->count; i++) {
         traverse_bundle_ray(map, bundle, i);
@@ -24,17 +24,17 @@ const struct traverse_kernel *traverse_kernel(size_t index)
 #if defined(__x86_64__)
         {.name = "avx512",
          .is_supported = processor_has_avx512,
-         .walk = traverse_walk_avx512,
+         .trace = traverse_trace_avx512,
          .pierce = traverse_pierce_avx512},
         {.name = "avx2",
          .is_supported = processor_has_avx2,
-         .walk = traverse_walk_avx2,
+         .trace = traverse_trace_avx2,
          .pierce = traverse_pierce_avx2},
-        {.name = "sse2", .is_supported = everywhere, .walk = traverse_walk_plain, .pierce = traverse_pierce_plain},
+        {.name = "sse2", .is_supported = everywhere, .trace = traverse_trace_plain, .pierce = traverse_pierce_plain},
 #else
-        {.name = "vector", .is_supported = everywhere, .walk = traverse_walk_plain, .pierce = traverse_pierce_plain},
+        {.name = "vector", .is_supported = everywhere, .trace = traverse_trace_plain, .pierce = traverse_pierce_plain},
 #endif
-        {.name = "scalar", .is_supported = everywhere, .walk = walk_one_by_one},
+        {.name = "scalar", .is_supported = everywhere, .trace = trace_one_by_one},
     };
     return index < sizeof kernels / sizeof kernels[0] ? &kernels[index] : NULL;
 }
@@ -80,7 +80,7 @@ static void find_starts(struct traverse_bundle *bundle)
     }
 }
 
-/* Sets what follows from the volume; whether kernels can walk the rays. */
+/* Sets what follows from the volume; whether kernels can trace the rays. */
 static bool aim_at_volume(struct traverse_bundle *bundle, const struct distance_map *map, const struct volume *volume)
 {
     bool is_near = bundle->count > 0 && distance_map_codes(map) <= TRAVERSE_CODES;
@@ -107,15 +107,15 @@ static void find_objects(struct traverse_bundle *bundle, const struct volume *vo
     }
 }
 
-void traverse_bundle_walk(const struct traverse_kernel *kernel, const struct distance_map *map,
-                          const struct volume *volume, struct traverse_bundle *bundle)
+void traverse_bundle_trace(const struct traverse_kernel *kernel, const struct distance_map *map,
+                           const struct volume *volume, struct traverse_bundle *bundle)
 {
     size_t count = bundle->count;
     if (aim_at_volume(bundle, map, volume)) {
         pad(bundle);
-        kernel->walk(map, bundle);
+        kernel->trace(map, bundle);
     } else {
-        walk_one_by_one(map, bundle);
+        trace_one_by_one(map, bundle);
     }
     bundle->count = count;
     if (!map->least) {

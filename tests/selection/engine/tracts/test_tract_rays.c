@@ -219,7 +219,7 @@ static size_t compare_hits(const struct tract_rays *rays, const struct tract_bun
     size_t hits = 0;
     struct tract_bundle got = *bundle;
     struct tract_bundle wanted = *bundle;
-    tract_rays_walk(rays, &got);
+    tract_rays_trace(rays, &got);
     for (size_t ray = 0; ray < bundle->count; ray++) {
         for (size_t g = 0; g < scene.object_count; g++) {
             loop_hits(&wanted, ray, &scene.objects[g]);
@@ -445,7 +445,7 @@ static void equally_near_ones_have_an_order(void **state)
         directions[0][0] = directions[1][0] = 0;
         directions[2][0] = 1;
         assert_ok(tract_rays_create(&rays, objects, count));
-        tract_rays_walk(rays, &bundle);
+        tract_rays_trace(rays, &bundle);
         assert_true(bundle.t[0] == cases[i].t);
         assert_int_equal(bundle.object[0], cases[i].object);
         assert_true(bundle.point[0] == cases[i].point);

@@ -89,7 +89,7 @@ static void compare_bundle(uint64_t *state, struct mesh_rays *rays, const conus_
     struct mesh_bundle bundle = {.count = 1 + (size_t)test_random(state, 0, 40)};
     random_point(state, origin, away);
     aim(state, &bundle, direction, origin, size);
-    assert_ok(mesh_rays_walk(rays, &bundle, widths[(size_t)test_random(state, 0, WIDTHS)]));
+    assert_ok(mesh_rays_trace(rays, &bundle, widths[(size_t)test_random(state, 0, WIDTHS)]));
     for (size_t ray = 0; ray < bundle.count; ray++) {
         const struct mesh_hit got = {bundle.object[ray], bundle.triangle[ray], bundle.t[ray]};
         const double d[3] = {direction[0][ray], direction[1][ray], direction[2][ray]};
@@ -178,7 +178,7 @@ static void compare_tracers(uint64_t *random, struct mesh_rays *const rays[2], c
     aim(random, &bundles[0], direction, origin, 70);
     bundles[1] = bundles[0];
     for (int k = 0; k < 2; k++) {
-        assert_ok(mesh_rays_walk(rays[k], &bundles[k], 16));
+        assert_ok(mesh_rays_trace(rays[k], &bundles[k], 16));
     }
     for (size_t ray = 0; ray < MESH_RAYS_LIMIT; ray++) {
         const struct mesh_hit hits[] = {{bundles[0].object[ray], bundles[0].triangle[ray], bundles[0].t[ray]},
@@ -253,7 +253,7 @@ static size_t count_lost(const struct mesh_tracer *tracer, double low, double hi
         for (size_t ray = 0; ray < bundle.count; ray++) {
             bundle.t[ray] = INFINITY;
         }
-        assert_ok(mesh_rays_walk(rays, &bundle, widths[round / 2 % WIDTHS]));
+        assert_ok(mesh_rays_trace(rays, &bundle, widths[round / 2 % WIDTHS]));
         for (size_t ray = 0; ray < bundle.count; ray++) {
             const double d[3] = {direction[0][ray], direction[1][ray], direction[2][ray]};
             double along = vec3_dot(origin, d);
@@ -443,8 +443,8 @@ static void compare_places(uint64_t *random, struct mesh_rays *placed, struct me
     aim(random, &bundle, direction, origin, 50);
     other = bundle;
     unsigned width = widths[(size_t)test_random(random, 0, WIDTHS)];
-    assert_ok(mesh_rays_walk(placed, &bundle, width));
-    assert_ok(mesh_rays_walk(moved, &other, width));
+    assert_ok(mesh_rays_trace(placed, &bundle, width));
+    assert_ok(mesh_rays_trace(moved, &other, width));
     for (size_t ray = 0; ray < MESH_RAYS_LIMIT; ray++) {
         bool same = bundle.object[ray] == other.object[ray] && bundle.triangle[ray] == other.triangle[ray];
         *differ += !same;

@@ -199,7 +199,7 @@ static size_t walk_and_compare(struct traverse_bundle *bundle, const struct dist
         if (!traverse_kernel(k)->is_supported()) {
             continue;
         }
-        traverse_bundle_walk(traverse_kernel(k), map, volume, bundle);
+        traverse_bundle_trace(traverse_kernel(k), map, volume, bundle);
         for (size_t i = 0; i < bundle->count; i++) {
             bool hit = wanted[i].object && wanted[i].distance <= bundle->limit[i];
             double t = hit ? wanted[i].distance : INFINITY;
@@ -284,7 +284,7 @@ static size_t compare_later(uint64_t *random, const struct distance_map *map, co
         if (!traverse_kernel(k)->is_supported()) {
             continue;
         }
-        traverse_bundle_walk(traverse_kernel(k), map, volume, &bundle);
+        traverse_bundle_trace(traverse_kernel(k), map, volume, &bundle);
         for (size_t i = 0; i < bundle.count; i++) {
             const conus_interval *first;
             const conus_interval *want = first_from(&first, &wanted, i, from[i]);
@@ -517,7 +517,7 @@ static void what_is_hit_at_once_is_at_zero(void **state)
     for (size_t k = 0; traverse_kernel(k); k++) {
         struct traverse_bundle bundle = {.count = 1, .direction = {{-1}}, .limit = {INFINITY}, .origin = {1.5}};
         if (traverse_kernel(k)->is_supported()) {
-            traverse_bundle_walk(traverse_kernel(k), &map, &volume, &bundle);
+            traverse_bundle_trace(traverse_kernel(k), &map, &volume, &bundle);
             assert_true(bundle.t[0] == 0 && !signbit(bundle.t[0]));
             assert_int_equal(bundle.voxel[0], 1);
         }
