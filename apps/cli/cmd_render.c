@@ -41,6 +41,9 @@ enum { NAME_LIMIT = 200 }; /* bytes of a row's name in that of a file */
 /* Opacity of areas that no probe passes. */
 static const double FAINT = 0.12;
 
+/* Opening, radians, of the cone that says in what other space a probe would pass something. */
+static const double NARROW = 1e-3;
+
 static const char QUERY[] = "{query}";
 static const char ROW[] = "{row}";
 
@@ -911,9 +914,25 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
     return code;
 }
 
-/* In one picture; those that cannot be drawn are named. */
+/* Notes the probe in `found`, and in picture->aims, if it passes nothing. */
+static void note_probe(struct picture *picture, conus_astray *found, const conus_segments *segments,
+                       const conus_pose_row *row)
+{
+    for (size_t i = 0; i < conus_segments_count(segments); i++) {
+        if (conus_segments_segment(segments, i)->object) {
+            return;
+        }
+    }
+    conus_aims_add(picture->aims, row->line, &row->pose, NARROW);
+    if (!found->away.count++) {
+        found->away = (conus_oddity){.count = 1, .first = row->line, .pose = row->pose, .angle = NARROW};
+    }
+}
+
+/* In one picture; those that cannot be drawn are named, and those that pass nothing noted. */
 static int draw_probes(struct picture *picture, const struct drawn_row *rows, size_t row_count)
 {
+    conus_astray found = {0};
     conus_drawn_probe *probes = calloc(row_count + 1, sizeof *probes);
     conus_segments **segments = calloc(row_count + 1, sizeof(void *));
     size_t count = 0;
@@ -927,7 +946,7 @@ static int draw_probes(struct picture *picture, const struct drawn_row *rows, si
             code = refuse_row(picture, row, error ? error : conus_message(), error ? EXIT_DATA : EXIT_USAGE);
         } else {
             probes[count] = (conus_drawn_probe){row->id, segments[count]};
-            count++;
+            note_probe(picture, &found, segments[count++], row);
         }
     }
     picture->probes = probes;
@@ -939,6 +958,14 @@ static int draw_probes(struct picture *picture, const struct drawn_row *rows, si
     }
     free(segments);
     free(probes);
+    if (!code && found.away.count) {
+        const conus_oddity away = found.away;
+        found = *conus_aims_found(picture->aims);
+        found.away = away;
+        found.poses = count;
+        const struct aimed aimed = {found, picture->selector, picture->atlas, NULL, &picture->frame, true};
+        aim_notes_say(&aimed, 1, row_count > 1 ? picture->rows.file : NULL, &picture->settings->common);
+    }
     return code;
 }
 
@@ -1014,7 +1041,7 @@ static int run_render(const void *given, const struct arguments *arguments)
     }
     if (!code && picture.selector && !settings->strips) {
         const struct aimed aimed = {*conus_aims_found(picture.aims), picture.selector, picture.atlas, NULL,
-                                    &picture.frame};
+                                    &picture.frame, false};
         aim_notes_say(&aimed, 1, picture.rows.count > 1 ? picture.rows.file : NULL, &settings->common);
     }
     if (!code) {

@@ -285,8 +285,8 @@ void request_say_aims(const struct request *request)
     for (size_t i = 0; aimed && i < count; i++) {
         const struct named_atlas *at = &request->atlases.items[i];
         const struct answerer *answerer = &request->answerers[i];
-        aimed[i] =
-            (struct aimed){*conus_aims_found(answerer->aims), answerer->selector, at->atlas, at->name, &request->frame};
+        aimed[i] = (struct aimed){
+            *conus_aims_found(answerer->aims), answerer->selector, at->atlas, at->name, &request->frame, false};
     }
     if (aimed) {
         aim_notes_say(aimed, count, path ? settings_poses_name(path) : NULL, &request->settings->common);

@@ -177,15 +177,18 @@ static void add_inside(struct lines *out, const struct aimed *aimed, const char 
     }
 }
 
-static void add_away(struct lines *out, const conus_astray *found, const char *file, const char *remedy)
+static void add_away(struct lines *out, const struct aimed *aimed, const char *file, const char *remedy)
 {
-    const conus_oddity *away = &found->away;
-    const char *what = away->angle > 0 ? "cone" : "cylinder";
+    const conus_oddity *away = &aimed->found.away;
+    const bool probes = aimed->is_of_probes;
+    const char *what = probes ? "probe" : away->angle > 0 ? "cone" : "cylinder";
     if (file) {
-        add_line(out, "%s: %" PRIu64 " of %" PRIu64 " %ss point away from the atlas, the first in line %" PRIu64 "%s",
-                 file, away->count, found->poses, what, away->first, remedy);
+        add_line(out, "%s: %" PRIu64 " of %" PRIu64 " %ss %s, the first in line %" PRIu64 "%s", file, away->count,
+                 aimed->found.poses, what, probes ? "pass nothing of the atlas" : "point away from the atlas",
+                 away->first, remedy);
     } else {
-        add_line(out, "the %s points away from the atlas%s", what, remedy);
+        add_line(out, "the %s %s%s", what, probes ? "passes nothing of the atlas" : "points away from the atlas",
+                 remedy);
     }
 }
 
@@ -265,7 +268,7 @@ static void find_lines(struct lines *out, const struct aimed *aimed, const char 
         add_inside(out, aimed, file);
     }
     if (aimed->found.away.count) {
-        add_away(out, &aimed->found, file, words);
+        add_away(out, aimed, file, words);
     }
 }
 
@@ -321,6 +324,6 @@ void aim_notes_of(const conus_pose *pose, double angle, conus_selector *selector
         return;
     }
     conus_aims_add(aims, 1, pose, angle);
-    aim_notes_say(&(struct aimed){*conus_aims_found(aims), selector, atlas, NULL, frame}, 1, NULL, settings);
+    aim_notes_say(&(struct aimed){*conus_aims_found(aims), selector, atlas, NULL, frame, false}, 1, NULL, settings);
     conus_aims_destroy(aims);
 }

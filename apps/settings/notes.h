@@ -15,6 +15,7 @@ struct aimed {
     const conus_atlas *atlas;
     const char *name;         /**< NULL where there is one only. */
     const conus_frame *frame; /**< The space of the positions as they were given. */
+    bool is_of_probes;        /**< `found.away` are probes that pass nothing. */
 };
 
 /** Says on stderr, a line for each kind, unless --quiet, what is odd about the poses; and what one of them would hit

@@ -112,8 +112,8 @@ conus_status picture_probes_check(const conus_view *view);
  * memory. */
 uint8_t *picture_probe_emphasis(const struct picture *picture);
 
-/** Where the line of a probe begins and ends, world mm. */
-void picture_probe_ends(double ends[2][3], const struct picture *picture, size_t index);
+/** Where the line of a probe begins and ends near what shows, world mm; false where it does not come near. */
+bool picture_probe_ends(double ends[2][3], const struct picture *picture, size_t index);
 
 /** Makes place for the strips beside the drawing. */
 conus_status picture_probes_init(struct picture *picture);

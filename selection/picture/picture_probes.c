@@ -26,8 +26,9 @@ static const double SMALLEST = 0.6;
 /* The part of the picture's width that strips take at most. */
 static const double WIDEST = 0.5;
 
-/* A line begins so far before the first area, as a part of the atlas's radius. */
+/* A line begins so far before the first area, and is drawn so far from the atlas's middle, as parts of its radius. */
 static const double BEFORE = 0.3;
+static const double NEAR = 1.6;
 
 static const float CASING[4] = {0.01F, 0.01F, 0.015F, 1};
 static const float OUTSIDE[4] = {0.35F, 0.35F, 0.37F, 1};
@@ -40,8 +41,9 @@ struct picture_probes {
     double letters;       /* of names, pixels per em */
 };
 
-/* From where a probe is in an object, or without one from where it begins, to where it ends, mm. */
-static void span_of(double out[2], const conus_segments *segments)
+/* From where a probe is in an object, or without one from where it begins, to where it ends, mm. Whether there is one.
+ */
+static bool span_of(double out[2], const conus_segments *segments)
 {
     out[0] = out[1] = conus_segments_segment(segments, 0)->entry;
     bool found = false;
@@ -51,6 +53,7 @@ static void span_of(double out[2], const conus_segments *segments)
         out[1] = fmax(out[1], isfinite(row->exit) ? row->exit : row->entry);
         found = found || row->object;
     }
+    return found;
 }
 
 /* The point at a depth. */
@@ -67,14 +70,27 @@ static void point_at(double out[3], const conus_segments *segments, double depth
     }
 }
 
-void picture_probe_ends(double ends[2][3], const struct picture *picture, size_t index)
+bool picture_probe_ends(double ends[2][3], const struct picture *picture, size_t index)
 {
     const conus_segments *segments = picture->options.probes[index].segments;
-    double span[2];
+    double span[2], along[3], offset[3];
     span_of(span, segments);
     double start = conus_segments_segment(segments, 0)->entry;
-    point_at(ends[0], segments, fmax(start, span[0] - BEFORE * picture->radius));
+    span[0] = fmax(start, span[0] - BEFORE * picture->radius);
+    point_at(ends[0], segments, span[0]);
     point_at(ends[1], segments, span[1]);
+    vec3_sub(along, ends[1], ends[0]);
+    vec3_sub(offset, picture->centre, ends[0]);
+    const double length = vec3_length(along);
+    const double middle = length > 0 ? vec3_dot(along, offset) / length : 0;
+    const double away = vec3_dot(offset, offset) - middle * middle;
+    const double half = sqrt(fmax(NEAR * NEAR * picture->radius * picture->radius - away, 0));
+    if (half == 0 || middle + half < 0 || middle - half > length) {
+        return false;
+    }
+    point_at(ends[0], segments, span[0] + fmax(middle - half, 0));
+    point_at(ends[1], segments, span[0] + fmin(middle + half, length));
+    return true;
 }
 
 conus_status picture_probes_check(const conus_view *view)
@@ -169,11 +185,14 @@ conus_status picture_probes_init(struct picture *picture)
     }
     out->from = INFINITY;
     out->to = -INFINITY;
-    for (size_t i = 0; i < count; i++) {
-        double span[2];
-        span_of(span, picture->options.probes[i].segments);
-        out->from = fmin(out->from, span[0]);
-        out->to = fmax(out->to, span[1]);
+    for (int pass = 0; pass < 2 && out->to < out->from; pass++) { /* of those that pass something, else of all */
+        for (size_t i = 0; i < count; i++) {
+            double span[2];
+            if (span_of(span, picture->options.probes[i].segments) || pass) {
+                out->from = fmin(out->from, span[0]);
+                out->to = fmax(out->to, span[1]);
+            }
+        }
     }
     picture->drawing[0] -= (uint32_t)ceil(total);
     out->left = picture->drawing[0];
@@ -217,8 +236,7 @@ static void draw_line_of(conus_image *image, const struct picture *picture, size
     const double width = 0.3 * picture->em;
     double ends[2][3];
     double from[2], to[2];
-    picture_probe_ends(ends, picture, index);
-    if (!project(from, picture, ends[0]) || !project(to, picture, ends[1])) {
+    if (!picture_probe_ends(ends, picture, index) || !project(from, picture, ends[0]) || !project(to, picture, ends[1])) {
         return;
     }
     draw_in_drawing(image, picture, from, to, width + fmax(2, 0.14 * picture->em), CASING);
@@ -244,8 +262,7 @@ static conus_status write_line_name(conus_image *image, const struct picture *pi
     const char *name = picture->options.probes[index].name;
     double ends[2][3];
     double from[2], to[2];
-    picture_probe_ends(ends, picture, index);
-    if (!name || !name[0] || !project(from, picture, ends[0]) || !project(to, picture, ends[1])) {
+    if (!name || !name[0] || !picture_probe_ends(ends, picture, index) || !project(from, picture, ends[0]) || !project(to, picture, ends[1])) {
         return CONUS_OK;
     }
     const double width = font_width(picture->font, em, name);
@@ -358,8 +375,8 @@ static conus_status draw_strip(conus_image *image, const struct picture *picture
     span_of(span, probe->segments);
     for (size_t i = 0; i <= conus_segments_count(probe->segments); i++) {
         const conus_segment *row = conus_segments_segment(probe->segments, i); /* NULL after the last: all of it */
-        double entry = row ? row->entry : span[0];
-        double exit = row ? row->exit : span[1];
+        double entry = fmin(fmax(row ? row->entry : span[0], picture->probes->from), picture->probes->to);
+        double exit = fmin(row ? row->exit : span[1], picture->probes->to);
         const struct draw_box box = {rint(left), y_of(scale, picture, entry), rint(left + STRIP * em),
                                      y_of(scale, picture, exit)};
         if (row && row->object) {
@@ -367,7 +384,7 @@ static conus_status draw_strip(conus_image *image, const struct picture *picture
             colour_of(colour, picture, row->object);
             draw_box(image, &box, 0, colour);
         }
-        if (!row || row->object) {
+        if (exit > entry && (!row || row->object)) {
             draw_frame(image, &box, 0, picture->line, picture->ink);
         }
     }

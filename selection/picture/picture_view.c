@@ -301,8 +301,8 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
     }
     memcpy(points, pass->content, pass->content_count * sizeof *points);
     size_t count = pass->content_count;
-    for (size_t i = 0; i < options->probe_count; i++, count += 2) {
-        picture_probe_ends(points + count, picture, i);
+    for (size_t i = 0; i < options->probe_count; i++) {
+        count += picture_probe_ends(points + count, picture, i) ? 2 : 0;
     }
     if (options->selection) {
         /* The apex, or where the cone comes near, so that a far device does not make the brain a dot. */

@@ -68,3 +68,22 @@ END
     run -3 --separate-stderr conus render u-shape.nii.gz --poses two.tsv --query-id bad --strips -o bad.svg -q
     [ ! -e bad.svg ]
 }
+
+# The atlas is about 30 mm wide: a bar of more than 20 mm would be that of a picture in which it is a dot.
+@test "a probe that passes nothing is noted, and what is shown is as large as without it" {
+    probes
+    printf 'far\t3000\t0\t90\t3000\t0\t95\n' >>two.tsv
+    run -0 --separate-stderr conus render u-shape.nii.gz --poses two.tsv --range 0,80 --strips --size 900x400 -o all.svg
+    [[ $stderr == *'note: two.tsv: 1 of 3 probes pass nothing of the atlas, the first in line 4'* ]]
+    for distance in 3000 30000; do
+        run -0 --separate-stderr conus render u-shape.nii.gz --origin="$distance,0,90" --toward="$distance,0,95" \
+            --range 0,80 --strips --size 500x300 -o "$distance.svg"
+        [[ $stderr == 'conus: note: the probe passes nothing of the atlas' ]]
+    done
+    cmp 3000.svg 30000.svg
+    grep -qE '>(5|10|20) mm</text>' 3000.svg
+    run -0 --separate-stderr conus render u-shape.nii.gz --origin=300,0,5 --toward=400,0,5 --strips --size 500x300 -o x.svg
+    [[ $stderr == *'the probe passes nothing of the atlas; looking the other way it would hit U first'* ]]
+    run -0 --separate-stderr conus render u-shape.nii.gz --origin=300,0,5 --toward=400,0,5 --strips --size 500x300 -o x.svg -q
+    [ -z "$stderr" ]
+}
