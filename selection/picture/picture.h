@@ -66,6 +66,9 @@ bool picture_is_across(const struct picture *picture);
  * corner. In @p size what these take of its width and height, pixels. */
 bool picture_key_is_free(double size[2], const struct picture *picture, const double *points, size_t count);
 
+/** Where directions and scale are drawn; empty boxes where they are not. */
+void picture_key_boxes(struct draw_box out[2], const struct picture *picture);
+
 bool picture_overlaps(const struct draw_box *a, const struct draw_box *b);
 
 /** Under text that has no free place, so that it can be read. */

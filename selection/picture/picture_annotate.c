@@ -7,6 +7,7 @@
 #include "render/flat/legend.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { CELL_SIZE = 24 };
@@ -78,35 +79,79 @@ static conus_status draw_edges(conus_image *image, const struct picture *picture
     return status;
 }
 
-/* Half an axis, from the middle of the cross towards `direction` (world). */
-static conus_status draw_direction(conus_image *image, const struct picture *picture, const double centre[2],
-                                   const double direction[3], const char *letter)
+/* Half an axis of the cross, to where it ends in the picture. */
+struct direction {
+    const char *letter;
+    double x, y, flat; /* of a unit vector, in the picture; its length there */
+    bool is_behind;
+};
+
+static struct draw_box letter_box(const struct picture *picture, const struct direction *direction,
+                                  const double centre[2], double turn)
 {
-    const double *m = picture->camera.world_from_camera;
-    double size = picture->em;
-    double length = CROSS * size;
-    double x = vec3_dot(m, direction);
-    double y = -vec3_dot(m + 4, direction);
-    bool behind = vec3_dot(m + 8, direction) < 0;
-    float rgba[4] = {picture->ink[0], picture->ink[1], picture->ink[2], behind ? 0.45F : 1}; /* no text */
-    float letters_rgba[4] = {picture->ink[0], picture->ink[1], picture->ink[2], behind ? picture->dim : 1};
-    const double end[2] = {centre[0] + length * x, centre[1] + length * y};
-    double flat = sqrt(x * x + y * y);
-    draw_line(image, centre, end, (behind ? 1.2 : 2.2) * picture->line, rgba);
-    double out = flat > 0.15 ? 0.75 * size / flat : 0;
-    const double corner[2] = {end[0] + out * x - font_width(picture->font, size, letter) / 2,
-                              end[1] + out * y + 0.36 * size};
-    return flat > 0.15 ? font_draw(picture->font, image, corner, size, letters_rgba, letter) : CONUS_OK;
+    const double size = picture->em;
+    const double half = font_width(picture->font, size, direction->letter) / 2;
+    const double out = 0.75 * size / direction->flat;
+    const double x = centre[0] + CROSS * size * direction->x + out * (cos(turn) * direction->x - sin(turn) * direction->y);
+    const double y = centre[1] + CROSS * size * direction->y + out * (sin(turn) * direction->x + cos(turn) * direction->y);
+    return (struct draw_box){x - half, y - 0.4 * size, x + half, y + 0.4 * size};
 }
 
+/* Around the end of its line, so that it lies on no other letter. */
+static struct draw_box place_letter(const struct picture *picture, const struct direction *direction,
+                                    const double centre[2], const struct draw_box *others, size_t count)
+{
+    enum { TURNS = 12 };
+    for (int n = 0; n < 2 * TURNS; n++) {
+        struct draw_box box = letter_box(picture, direction, centre, (n % 2 ? 1 : -1) * (n + 1) / 2 * MATH3_PI / TURNS);
+        const struct draw_box wide = {box.left - 0.2 * picture->em, box.top - 0.1 * picture->em,
+                                      box.right + 0.2 * picture->em, box.bottom + 0.1 * picture->em};
+        bool is_free = true;
+        for (size_t i = 0; i < count; i++) {
+            is_free = is_free && !picture_overlaps(&wide, &others[i]);
+        }
+        if (is_free) {
+            return box;
+        }
+    }
+    return letter_box(picture, direction, centre, 0);
+}
+
+static int compare_flat(const void *a, const void *b)
+{
+    double one = ((const struct direction *)a)->flat;
+    double other = ((const struct direction *)b)->flat;
+    return (one < other) - (one > other);
+}
+
+/* Letters of the longest lines first: they lie at their ends. */
 static conus_status draw_directions(conus_image *image, const struct picture *picture, const struct draw_box *box)
 {
+    const double *m = picture->camera.world_from_camera;
     const double centre[2] = {(box->left + box->right) / 2, (box->top + box->bottom) / 2};
+    const double length = CROSS * picture->em;
+    struct direction directions[6];
+    struct draw_box boxes[6];
+    for (int n = 0; n < 6; n++) {
+        const double sign = n % 2 ? 1 : -1;
+        const double x = sign * m[n / 2];
+        const double y = -sign * m[4 + n / 2];
+        directions[n] = (struct direction){letters[n], x, y, hypot(x, y), sign * m[8 + n / 2] < 0};
+    }
+    qsort(directions, 6, sizeof *directions, compare_flat);
     conus_status status = CONUS_OK;
-    for (int n = 0; n < 6 && !status; n++) {
-        double direction[3] = {0, 0, 0};
-        direction[n / 2] = n % 2 ? 1 : -1;
-        status = draw_direction(image, picture, centre, direction, letters[n]);
+    for (size_t n = 0; n < 6 && !status; n++) {
+        const struct direction *direction = &directions[n];
+        const float *ink = picture->ink;
+        const float line[4] = {ink[0], ink[1], ink[2], direction->is_behind ? 0.45F : 1}; /* no text */
+        const float letter[4] = {ink[0], ink[1], ink[2], direction->is_behind ? picture->dim : 1};
+        const double end[2] = {centre[0] + length * direction->x, centre[1] + length * direction->y};
+        draw_line(image, centre, end, (direction->is_behind ? 1.2 : 2.2) * picture->line, line);
+        if (direction->flat > 0.15) {
+            boxes[n] = place_letter(picture, direction, centre, boxes, n);
+            const double corner[2] = {boxes[n].left, boxes[n].top + 0.76 * picture->em};
+            status = font_draw(picture->font, image, corner, picture->em, letter, direction->letter);
+        }
     }
     return status;
 }
@@ -215,7 +260,7 @@ bool picture_key_is_free(double size[2], const struct picture *picture, const do
 
 /* In the lower right corner; where something is there, as a given camera may have it, in the one where it hides least.
  */
-static conus_status draw_key(conus_image *image, const struct picture *picture)
+static struct key choose_key(const struct picture *picture)
 {
     static const enum legend_corner corners[] = {LEGEND_BOTTOM_RIGHT, LEGEND_BOTTOM_LEFT, LEGEND_TOP_RIGHT,
                                                  LEGEND_TOP_LEFT};
@@ -234,6 +279,19 @@ static conus_status draw_key(conus_image *image, const struct picture *picture)
             key = other;
         }
     }
+    return key;
+}
+
+void picture_key_boxes(struct draw_box out[2], const struct picture *picture)
+{
+    const struct key key = choose_key(picture);
+    out[0] = key.has_cross ? key.cross : (struct draw_box){0};
+    out[1] = key.has_bar ? key.bar.box : (struct draw_box){0};
+}
+
+static conus_status draw_key(conus_image *image, const struct picture *picture)
+{
+    const struct key key = choose_key(picture);
     conus_status status = CONUS_OK;
     if (key.has_cross) {
         picture_lay_patch(image, picture, &key.cross);

@@ -254,7 +254,8 @@ static void draw_line_of(conus_image *image, const struct picture *picture, size
     }
 }
 
-/* Its name beyond its near end, farther where another name is. */
+/* Its name beyond its near end, or left or right of its line where the scale or the directions are beyond;
+ * farther where another name is. */
 static conus_status write_line_name(conus_image *image, const struct picture *picture, struct draw_box *boxes,
                                     size_t index)
 {
@@ -262,17 +263,30 @@ static conus_status write_line_name(conus_image *image, const struct picture *pi
     const char *name = picture->options.probes[index].name;
     double ends[2][3];
     double from[2], to[2];
-    if (!name || !name[0] || !picture_probe_ends(ends, picture, index) || !project(from, picture, ends[0]) || !project(to, picture, ends[1])) {
+    if (!name || !name[0] || !picture_probe_ends(ends, picture, index) || !project(from, picture, ends[0]) ||
+        !project(to, picture, ends[1])) {
         return CONUS_OK;
     }
     const double width = font_width(picture->font, em, name);
     const double length = fmax(hypot(from[0] - to[0], from[1] - to[1]), 1e-9);
-    const double x = from[0] + em * (from[0] - to[0]) / length - width / 2;
-    const double y = from[1] + em * (from[1] - to[1]) / length;
+    const double beyond[2] = {em * (from[0] - to[0]) / length - width / 2, em * (from[1] - to[1]) / length};
     const double away = from[1] > to[1] ? 1 : -1;
-    struct draw_box box = {fmin(fmax(x, 0), picture->drawing[0] - width), y - 0.5 * em, 0, 0};
-    box.right = box.left + width;
-    box.bottom = box.top + em;
+    const double places[3][2] = {
+        {beyond[0], beyond[1]}, {-em - width, -0.7 * away * em}, {0.6 * em, -0.7 * away * em}};
+    struct draw_box key[2];
+    struct draw_box box;
+    picture_key_boxes(key, picture);
+    bool is_free = false;
+    for (int n = 0; n <= 3 && !is_free; n++) { /* where none is free, beyond it all the same */
+        const double *place = places[n % 3];
+        box.left = fmin(fmax(from[0] + place[0], 0), picture->drawing[0] - width);
+        box.top = fmin(fmax(from[1] + place[1] - 0.5 * em, 0), picture->drawing[1] - em);
+        box.right = box.left + width;
+        box.bottom = box.top + em;
+        const struct draw_box wide = {box.left - 0.3 * em, box.top - 0.3 * em, box.right + 0.3 * em,
+                                      box.bottom + 0.3 * em};
+        is_free = !picture_overlaps(&wide, &key[0]) && !picture_overlaps(&wide, &key[1]);
+    }
     for (size_t i = 0; i < index; i++) {
         const struct draw_box wide = {boxes[i].left - 0.4 * em, boxes[i].top, boxes[i].right + 0.4 * em,
                                       boxes[i].bottom};

@@ -87,3 +87,35 @@ END
     run -0 --separate-stderr conus render u-shape.nii.gz --origin=300,0,5 --toward=400,0,5 --strips --size 500x300 -o x.svg -q
     [ -z "$stderr" ]
 }
+
+# letters_apart FILE.svg: no two of its texts touch, if a letter is 0.7 of their size high; and the name "Probe" is there,
+# and directions, but for those that point along the view.
+letters_apart() {
+    /usr/bin/python3 - "$1" <<'END'
+import sys
+import xml.etree.ElementTree as tree
+space = "{http://www.w3.org/2000/svg}"
+boxes = []
+for text in tree.parse(sys.argv[1]).getroot().iter(space + "text"):
+    x, y, size = (float(text.get(name)) for name in ("x", "y", "font-size"))
+    boxes.append((text.text, x, y - 0.7 * size, x + float(text.get("textLength")), y))
+words = [box[0] for box in boxes]
+assert words.count("Probe") == 2 and sum(words.count(letter) for letter in "LRPAIS") >= 4, words
+for i, a in enumerate(boxes):
+    for b in boxes[:i]:
+        assert a[3] <= b[1] or b[3] <= a[1] or a[4] <= b[2] or b[4] <= a[2], (a, b)
+END
+}
+
+@test "the name of a probe lies on no direction, and no direction on another" {
+    conus phantom u-shape -o .
+    # from below, left and behind: the cross is where its name would be
+    printf 'query_id\tx\ty\tz\ttx\tty\ttz\nProbe\t-30\t-40\t-40\t0\t0\t5\n' >low.tsv
+    for camera in -100,100,90 -100,100,10 -110,20,15 -110,-20,60 -30,-120,30 -20,30,120; do
+        gl render u-shape.nii.gz --poses low.tsv --range 0,50 --strips --size 500x300 -o "low$camera.svg" --opacity 0 -q \
+            --camera-origin="$camera" --camera-toward=0,0,0
+        letters_apart "low$camera.svg"
+    done
+    gl render u-shape.nii.gz --poses low.tsv --range 0,50 --strips --size 500x300 -o low.svg --opacity 0 -q
+    letters_apart low.svg
+}
