@@ -109,12 +109,13 @@ END
 
 @test "the name of a probe lies on no direction, and no direction on another" {
     conus phantom u-shape -o .
+    printf 'query_id\tx\ty\tz\ttx\tty\ttz\nProbe\t5\t0\t40\t0\t0\t5\n' >high.tsv
     # from below, left and behind: the cross is where its name would be
     printf 'query_id\tx\ty\tz\ttx\tty\ttz\nProbe\t-30\t-40\t-40\t0\t0\t5\n' >low.tsv
     for camera in -100,100,90 -100,100,10 -110,20,15 -110,-20,60 -30,-120,30 -20,30,120; do
-        gl render u-shape.nii.gz --poses low.tsv --range 0,50 --strips --size 500x300 -o "low$camera.svg" --opacity 0 -q \
+        gl render u-shape.nii.gz --poses high.tsv --range 0,50 --strips --size 500x300 -o "./$camera.svg" --opacity 0 -q \
             --camera-origin="$camera" --camera-toward=0,0,0
-        letters_apart "low$camera.svg"
+        letters_apart "./$camera.svg"
     done
     gl render u-shape.nii.gz --poses low.tsv --range 0,50 --strips --size 500x300 -o low.svg --opacity 0 -q
     letters_apart low.svg
