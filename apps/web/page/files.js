@@ -6,17 +6,24 @@ const LIMIT = 2 ** 31;
 const ATLASES = [/\.atlas\.json$/, /\.nii(\.gz)?$/, /\.mg[hz]$/, /\.n(rrd|hdr)$/, /\.mh[ad]$/, /\.head$/, /\.tiff?$/, /\.gii(\.gz)?$/, /\.annot$/,
   /\.(pial|white|inflated)$/, /\.(obj|ply|stl|vt[kp]|off|mz3)$/, /\.(trk|tck|trx|tt\.gz)$/, /\.xml$/];
 
-/** Unpacks a block of base64, packed by gzip or not. @param {Element} block */
-export async function unpack(block) {
-  const bytes = Uint8Array.from(atob((block.textContent ?? "").trim()), (c) => c.charCodeAt(0));
-  if (/** @type {HTMLElement} */ (block).dataset.packed === undefined) return bytes.buffer;
-  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+/** The bytes of a block of base64. @param {Element} block */
+function decoded(block) {
+  const text = (block.textContent ?? "").trim();
+  const { fromBase64 } = /** @type {any} */ (Uint8Array); // newer browsers have it
+  if (fromBase64) return fromBase64.call(Uint8Array, text);
+  const all = atob(text);
+  const bytes = new Uint8Array(all.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = all.charCodeAt(i);
+  return bytes;
 }
+
+/** What a block of base64 has packed by gzip. @param {Element} block @returns {ReadableStream} */
+export const unpacked = (block) => new Blob([decoded(block)]).stream().pipeThrough(new DecompressionStream("gzip"));
 
 /** The files that the page has inside: [[name, bytes, whether it is an image below], ...], the atlas first. */
 export async function inside() {
-  const blocks = [...document.querySelectorAll("script[data-file]")];
-  return Promise.all(blocks.map(async (block) => [/** @type {HTMLElement} */ (block).dataset.file ?? "", await unpack(block), block.hasAttribute("data-context")]));
+  const blocks = /** @type {HTMLElement[]} */ ([...document.querySelectorAll("script[data-file]")]);
+  return Promise.all(blocks.map(async (block) => [block.dataset.file ?? "", block.dataset.packed === undefined ? decoded(block).buffer : await new Response(unpacked(block)).arrayBuffer(), block.hasAttribute("data-context")]));
 }
 
 /** @param {FileSystemEntry} entry @returns {Promise<[string, File][]>} */

@@ -2,10 +2,10 @@
 // The page: joins files, fields, pictures and table; the worker owns conus.
 import { START, digits, fromFragment, readWithin, toCommand, toFragment } from "./state.js";
 import { CUTS, Cut, View } from "./panes.js";
-import { candidates, chosen as chosenFiles, dropped, inside, read, unpack } from "./files.js";
+import { candidates, chosen as chosenFiles, dropped, inside, read, unpacked } from "./files.js";
 
 /** @typedef {import("./state.js").Question} Question */
-const source = `<!doctype html>\n${document.documentElement.outerHTML}`; // before anything changes
+const source = /** @type {HTMLElement} */ (document.documentElement.cloneNode(true)); // before anything changes
 const FORMATS = { tsv: 1, csv: 2, json: 3 }; // of enum conus_format
 const REST = 150; // ms without a change, and pictures are drawn in full
 const BUSY = 12; // ms of a picture of 60 in a second, the rest is the browser's
@@ -58,9 +58,11 @@ function ask(call, data = {}, give = []) {
   });
 }
 
+/** Starts conus; `files` are those inside the page. All that is packed is unpacked, and conus compiled, at once. */
 async function startWorker() {
-  const code = await unpack($("#worker"));
-  worker = new Worker(URL.createObjectURL(new Blob([code], { type: "text/javascript" })));
+  const compiled = WebAssembly.compileStreaming(new Response(unpacked($("#wasm")), { headers: { "Content-Type": "application/wasm" } }));
+  const files = inside();
+  worker = new Worker(URL.createObjectURL(await new Response(unpacked($("#worker")), { headers: { "Content-Type": "text/javascript" } }).blob()));
   worker.onmessage = ({ data }) => {
     const { done, failed } = waiting.get(data.id);
     waiting.delete(data.id);
@@ -69,8 +71,8 @@ async function startWorker() {
     else failed(new Error(data.error));
   };
   worker.onerror = (event) => say(`the page cannot run: ${event.message}`);
-  const wasm = await unpack($("#wasm"));
-  await ask("start", { wasm }, [wasm]);
+  await ask("start", { module: await compiled });
+  return files;
 }
 
 // ---- Words ---------------------------------------------------------------------------------------------------------
@@ -181,6 +183,8 @@ let again = false; // after the question under way
 let isDue = false; // in the next frame
 let moving = false;
 let resting = 0;
+/** What pictures no longer need, for the worker's next ones. @type {ArrayBuffer[]} */
+const spare = [];
 let detail = 1; // of what moves, so that a slow machine keeps up
 
 /** Once in a frame, however often something moved. @param {boolean} [isMoving] */
@@ -210,15 +214,19 @@ async function answer() {
   const began = performance.now();
   again = false;
   busy = true;
-  const needed = panes.filter((pane) => pane.box.offsetParent !== null && wanted(pane, false).key !== pane.key)
+  let needed = panes.filter((pane) => pane.box.offsetParent !== null && wanted(pane, false).key !== pane.key)
     .map((pane) => wanted(pane, moving)).filter(({ pane, key }) => key !== pane.key);
   const isCut = (/** @type {any} */ { pane }) => pane instanceof Cut;
+  const isFirst = !moving && needed.some(isCut) && !needed.every(isCut); // the 3-D view comes after
+  if (isFirst) needed = needed.filter(isCut);
   const solid = needed.find((need) => !isCut(need));
   try {
-    const drawn = await ask("draw", { question, cuts: needed.filter(isCut).map(({ request }) => request), view: solid?.request ?? null, chosen });
-    needed.filter(isCut).forEach(({ pane, request }, i) => pane.show(drawn.cuts[i], request.width));
-    if (solid) view.show(drawn.view, solid.request);
+    const given = spare.splice(0);
+    const drawn = await ask("draw", { question, cuts: needed.filter(isCut).map(({ request }) => request), view: solid?.request ?? null, chosen, given }, given);
+    spare.push(...needed.filter(isCut).flatMap(({ pane, request }, i) => pane.show(drawn.cuts[i], request.width)));
+    if (solid) spare.push(...view.show(drawn.view, solid.request));
     for (const { pane, key } of needed) pane.key = key;
+    again ||= isFirst;
     if (!moving) for (const pane of panes) pane.annotate(question, end, objects); // which says what it shows
     fillRows(drawn.rows);
     sayOfAnswer(refused);
@@ -547,9 +555,10 @@ function wholePage() {
   const blocks = [...first, ...files.filter(([name]) => name !== atlasFile)].map(([name, bytes, isImage]) =>
     `<script type="application/octet-stream" data-file="${escape(name)}"${isImage ? " data-context" : ""}>${toBase64(bytes)}</` + "script>");
   const asked = JSON.stringify({ fragment: toFragment(question, identity()), version: atlas.version, rows: rowsText });
-  const mark = source.indexOf("<!-- atlas -->"); // behind it: the blocks that were inside, then this code
-  const code = source.indexOf("<script>", mark);
-  return `${source.slice(0, mark)}<!-- atlas -->\n${blocks.join("\n")}\n<script type="application/json" id="question">${asked.replaceAll("<", "\\u003c")}</` + `script>\n${source.slice(code)}`;
+  const page = `<!doctype html>\n${source.outerHTML}`;
+  const mark = page.indexOf("<!-- atlas -->"); // behind it: the blocks that were inside, then this code
+  const code = page.indexOf("<script>", mark);
+  return `${page.slice(0, mark)}<!-- atlas -->\n${blocks.join("\n")}\n<script type="application/json" id="question">${asked.replaceAll("<", "\\u003c")}</` + `script>\n${page.slice(code)}`;
 }
 
 /** The four pictures side by side with what is drawn over them. */
@@ -614,8 +623,7 @@ attempt(async () => {
   } catch (error) {
     refused = /** @type {Error} */ (error).message; // and nothing is guessed
   }
-  await startWorker();
-  offered = /** @type {any} */ (await inside());
+  offered = /** @type {any} */ (await startWorker());
   if (offered.length) {
     await ask("put", { files: offered });
     await open(offered[0][0]).finally(() => redraw());

@@ -93,10 +93,12 @@ export class Cut {
     return near("toward") ? "toward" : near("origin") ? "origin" : null;
   }
 
-  /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer}} picture @param {number} width */
+  /** Gives back what it no longer needs. @param {{rgba: ArrayBuffer, objects: ArrayBuffer}} picture @param {number} width */
   show(picture, width) {
+    const free = [picture.rgba, this.objects.buffer];
     paint(this.canvas, picture.rgba, width);
     this.objects = new Uint32Array(picture.objects);
+    return free;
   }
 
   /** The axis with its ends, the lines of the other cuts, letters, names and a scale.
@@ -228,10 +230,12 @@ export class View {
 
   /** @param {{rgba: ArrayBuffer, objects: ArrayBuffer, distances: ArrayBuffer}} picture @param {{side: number}} request */
   show(picture, request) {
+    const free = [picture.rgba, this.objects.buffer, this.distances.buffer];
     paint(this.canvas, picture.rgba, request.side);
     this.objects = new Uint32Array(picture.objects);
     this.distances = new Float32Array(picture.distances);
     this.drawn = request;
+    return free;
   }
 
   /** Unit vectors to the right, the top and ahead. */

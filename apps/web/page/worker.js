@@ -12,6 +12,8 @@ const SIGNATURES = {
 };
 const NDJSON = 4;
 let module, conus;
+/** Buffers that the page has given back: new ones take the machine longer to get than to fill. @type {ArrayBuffer[]} */
+let spare = [];
 
 const parse = (text) => {
   const value = JSON.parse(text);
@@ -20,12 +22,18 @@ const parse = (text) => {
 };
 const pixels = (at, bytes) => {
   if (!at) parse(conus.error());
-  return module.HEAPU8.slice(at, at + bytes).buffer;
+  const i = spare.findIndex((buffer) => buffer.byteLength === bytes);
+  const buffer = i < 0 ? new ArrayBuffer(bytes) : spare.splice(i, 1)[0];
+  new Uint8Array(buffer).set(module.HEAPU8.subarray(at, at + bytes));
+  return buffer;
 };
 
 const CALLS = {
-  async start({ wasm }) {
-    module = await createConus({ wasmBinary: wasm, locateFile: (name) => name });
+  async start({ module: compiled }) {
+    module = await new Promise((done, failed) => createConus({ locateFile: (name) => name, instantiateWasm(imports, use) {
+      WebAssembly.instantiate(compiled, imports).then(use).catch(failed);
+      return {};
+    } }).then(done, failed));
     module.FS.mkdir(FOLDER.slice(0, -1));
     conus = Object.fromEntries(Object.entries(SIGNATURES).map(([name, [result, args]]) => [name, module.cwrap(`web_${name}`, result, args)]));
     return {};
@@ -38,7 +46,7 @@ const CALLS = {
         const folder = FOLDER + parts.slice(0, i).join("/");
         if (!module.FS.analyzePath(folder).exists) module.FS.mkdir(folder);
       }
-      module.FS.writeFile(FOLDER + parts.join("/"), new Uint8Array(bytes));
+      module.FS.writeFile(FOLDER + parts.join("/"), new Uint8Array(bytes), { canOwn: true });
     }
     return {};
   },
@@ -49,7 +57,8 @@ const CALLS = {
     return { objects: JSON.parse(conus.objects()) };
   },
   /** The answer to a question and all pictures of it. */
-  draw({ question: q, cuts, view, chosen }) {
+  draw({ question: q, cuts, view, chosen, given }) {
+    spare = given;
     parse(conus.ask(...q.origin, ...q.toward, q.angle, q.resolution, q.layers === "all" ? 1 : 0));
     const out = { rows: conus.rows(NDJSON), cuts: [] };
     for (const c of cuts) {
