@@ -15,10 +15,10 @@ const hash = (text) => `'sha256-${crypto.createHash("sha256").update(text).diges
 const main = bundle("main.js").trim();
 const worker = bundle("worker.js", `--alias:conus.mjs=${path.resolve(built, "conus.mjs")}`, "--define:import.meta.url=\"\"", "--external:fs", "--external:path", "--external:crypto");
 const style = execFileSync("esbuild", [path.join(folder, "page.css"), "--minify"]).toString().trim();
-if (/<\/script/i.test(main) || /\{\{/.test(style)) throw new Error("the code has what ends it");
+if (/<\/script|<!--/i.test(worker) || /<\/script/i.test(main) || /\{\{/.test(style)) throw new Error("the code has what ends it");
 const parts = {
   csp: `default-src 'none'; script-src ${hash(main)} 'wasm-unsafe-eval' blob:; worker-src blob:; style-src ${hash(style)}; img-src blob: data:; connect-src 'none'; form-action 'none'; base-uri 'none'`,
-  style, main, wasm: packed(fs.readFileSync(path.join(built, "conus.wasm"))), worker: packed(worker),
+  style, main, wasm: packed(fs.readFileSync(path.join(built, "conus.wasm"))), worker,
 };
 const page = fs.readFileSync(path.join(folder, "page.html"), "utf8").replace(/\{\{(\w+)\}\}/g, (_, name) => parts[name]);
 fs.writeFileSync(out, page);

@@ -103,10 +103,10 @@ static void find_grey(struct cut *cut, const struct cut_view *view)
     }
 }
 
-/* Whether the object found so far at the pixel lies above the voxel: of labels the first one, of probabilities the most
+/* Whether the object found so far at a column lies above the voxel: of labels the first one, of probabilities the most
  * probable one. Else later volumes lie over earlier ones. */
 static bool is_covered(const conus_atlas *atlas, const struct volume *volume, size_t voxel, uint32_t object,
-                       const double p[3])
+                       const struct stretch *stretch, const struct walk *walk, uint32_t column)
 {
     if (volume->info.role == CONUS_ROLE_PARCELLATION) {
         return object != 0;
@@ -115,32 +115,56 @@ static bool is_covered(const conus_atlas *atlas, const struct volume *volume, si
         !atlas_object_is_scalar(atlas, object)) {
         return false;
     }
+    double p[3];
     double world[3];
+    point_at(p, stretch, walk, column);
     mat4_point(world, volume->info.world_from_voxel, p);
     return atlas_probability(atlas, object, world) >= volume_value(volume, voxel);
 }
 
-static void find_in_volume(struct cut *cut, const struct cut_view *view, const struct volume *volume)
+static void find_in_row(uint32_t *to, const struct cut *cut, const struct volume *volume, const struct stretch *stretch,
+                        const struct walk *walk)
 {
     const size_t *dim = volume->info.dim;
+    const size_t steps[3] = {1, dim[0], dim[0] * dim[1]};
+    size_t row = 0; /* the voxel's number, but for the indices that change along the row: mostly one does */
+    int changing[3];
+    int count = 0;
+    for (int a = 0; a < 3; a++) {
+        if (walk->right[a] != 0) {
+            changing[count++] = a;
+        } else {
+            row += steps[a] * (size_t)(stretch->start[a] + 0.5);
+        }
+    }
+    size_t last = SIZE_MAX;
+    uint32_t object = 0;
+    for (uint32_t column = stretch->first; column < stretch->first + stretch->count; column++) {
+        size_t voxel = row;
+        for (int n = 0; n < count; n++) {
+            int a = changing[n];
+            voxel += steps[a] * (size_t)(stretch->start[a] + column * walk->right[a] + 0.5);
+        }
+        if (voxel != last) {
+            object = volume_object(volume, voxel);
+            object = object == VOLUME_BLOCKER ? 0 : object;
+            last = voxel;
+        }
+        if (object && !is_covered(cut->atlas, volume, voxel, to[column], stretch, walk, column)) {
+            to[column] = object;
+        }
+    }
+}
+
+static void find_in_volume(struct cut *cut, const struct cut_view *view, const struct volume *volume)
+{
     struct walk walk;
     walk_init(&walk, &view->place, volume->voxel_from_world);
     for (uint32_t row = 0; row < view->place.height; row++) {
-        uint32_t *to = cut->objects + (size_t)view->place.width * row;
         struct stretch stretch;
         find_stretch(&stretch, volume, &walk, row, view->place.width);
-        for (uint32_t column = stretch.first; column < stretch.first + stretch.count; column++) {
-            double p[3];
-            point_at(p, &stretch, &walk, column);
-            size_t i = (size_t)(p[0] + 0.5);
-            size_t j = (size_t)(p[1] + 0.5);
-            size_t k = (size_t)(p[2] + 0.5);
-            size_t voxel = i + dim[0] * (j + dim[1] * k);
-            uint32_t object = volume_object(volume, voxel);
-            bool shown = object && object != VOLUME_BLOCKER;
-            if (shown && !is_covered(cut->atlas, volume, voxel, to[column], p)) {
-                to[column] = object;
-            }
+        if (stretch.count) {
+            find_in_row(cut->objects + (size_t)view->place.width * row, cut, volume, &stretch, &walk);
         }
     }
 }
@@ -483,6 +507,7 @@ static const double half_line = 1.3; /* pixels from the wall to where its line h
 
 struct cone_drawing {
     uint8_t *rgba;
+    uint8_t tinted[256][3]; /* of a pixel's red, green and blue */
     const struct cut_place *place;
     const struct cut_cone *cone;
     struct walk walk; /* in the world */
@@ -526,9 +551,13 @@ static void draw_tile(const struct cone_drawing *drawing, uint32_t left, uint32_
                 double line = drawing->cone->no_line ? 0 : 0.9 * fmin(fmax(half_line - fabs(outside), 0), 1);
                 opacity = fmax(line, outside < 0 ? tint : 0);
             }
-            if (opacity > 0) {
-                blend(drawing->rgba + 4 * ((size_t)drawing->place->width * row + column), cone_rgb[drawing->cone->grey],
-                      opacity);
+            uint8_t *pixel = drawing->rgba + 4 * ((size_t)drawing->place->width * row + column);
+            if (opacity == tint) {
+                for (int c = 0; c < 3; c++) {
+                    pixel[c] = drawing->tinted[pixel[c]][c];
+                }
+            } else if (opacity > 0) {
+                blend(pixel, cone_rgb[drawing->cone->grey], opacity);
             }
         }
     }
@@ -548,6 +577,10 @@ void cut_draw_cone(uint8_t *rgba, const struct cut_place *place, const struct cu
     double identity[16];
     struct cone_drawing drawing = {
         .rgba = rgba, .place = place, .cone = cone, .secant = sqrt(1 + cone->slope * cone->slope)};
+    for (int level = 0; level < 256; level++) {
+        memset(drawing.tinted[level], level, 3);
+        blend(drawing.tinted[level], cone_rgb[cone->grey], tint);
+    }
     mat4_identity(identity);
     walk_init(&drawing.walk, place, identity);
     for (uint32_t top = 0; top < place->height; top += TILE) {
@@ -662,6 +695,10 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
 {
     const conus_object *list = cut->atlas->objects;
     size_t at = (size_t)cut->of.width * row;
+    uint8_t blended[4] = {0}; /* the last such pixel, which the next one mostly equals, and what it was made of */
+    uint8_t grey = 0;
+    uint32_t of = 0;
+    double by = 0;
     for (uint32_t column = 0; column < cut->of.width; column++, at++) {
         uint8_t *pixel = cut->rgba + 4 * at;
         uint32_t object = cut->objects[at];
@@ -673,7 +710,15 @@ static void draw_row(const struct cut *cut, const struct cut_view *view, const d
         } else if (contour) {
             memcpy(pixel, list[contour - 1].rgb, 3);
         } else if (object) {
-            blend(pixel, list[object - 1].rgb, opacity_at(cut, view, opacities, column, row));
+            double opacity = opacity_at(cut, view, opacities, column, row);
+            if (object != of || opacity != by || cut->grey[at] != grey) {
+                blend(pixel, list[object - 1].rgb, opacity);
+                memcpy(blended, pixel, sizeof blended);
+                of = object;
+                by = opacity;
+                grey = cut->grey[at];
+            }
+            memcpy(pixel, blended, sizeof blended);
         }
     }
 }

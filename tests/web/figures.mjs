@@ -93,21 +93,23 @@ const ours = await page.evaluate(async ([module, list, side]) => {
     }
     if (round === 0) cones.length = 0;
   }
-  const worker = new Worker(URL.createObjectURL(new Blob([await unpack("worker")], { type: "text/javascript" })));
-  const ask = (call, data) => new Promise((done) => {
+  const worker = new Worker(URL.createObjectURL(new Blob([document.getElementById("worker").textContent], { type: "text/javascript" })));
+  const ask = (call, data, give = []) => new Promise((done) => {
     worker.onmessage = (event) => done(event.data);
-    worker.postMessage({ id: 1, call, ...data });
+    worker.postMessage({ id: 1, call, ...data }, give);
   });
-  await ask("start", { wasm: await unpack("wasm") });
+  await ask("start", { module: await WebAssembly.compile(await unpack("wasm")) });
   await ask("put", { files });
   await ask("open", { name: files[0][0] });
   const messages = [];
   const drawings = [];
+  let given = []; // back, as the page does with what it has shown
   for (const list2 of [messages, drawings]) {
     for (const question of list) {
       const cuts = list2 === messages ? [] : [[0, 1], [0, 2], [1, 2]].map(([right, up]) => ({ right, up, centre: question.slice(3, 6), width: side, height: side, mm: 225 / side, fill: 0.55, window: [0, 0] }));
       const begun = performance.now();
-      await ask("draw", { question: { origin: question.slice(0, 3), toward: question.slice(3, 6), angle: question[6], resolution: 16, layers: "visible" }, cuts, view: null, chosen: 0 });
+      const drawn = await ask("draw", { given, question: { origin: question.slice(0, 3), toward: question.slice(3, 6), angle: question[6], resolution: 16, layers: "visible" }, cuts, view: null, chosen: 0 }, given);
+      given = drawn.cuts.flatMap(({ rgba, objects }) => [rgba, objects]);
       list2.push(performance.now() - begun);
     }
   }

@@ -58,11 +58,11 @@ function ask(call, data = {}, give = []) {
   });
 }
 
-/** Starts conus; `files` are those inside the page. All that is packed is unpacked, and conus compiled, at once. */
+/** Starts conus and gives the files inside the page. They are unpacked, and conus is compiled, while the worker starts. */
 async function startWorker() {
+  worker = new Worker(URL.createObjectURL(new Blob([$("#worker").textContent], { type: "text/javascript" })));
   const compiled = WebAssembly.compileStreaming(new Response(unpacked($("#wasm")), { headers: { "Content-Type": "application/wasm" } }));
   const files = inside();
-  worker = new Worker(URL.createObjectURL(await new Response(unpacked($("#worker")), { headers: { "Content-Type": "text/javascript" } }).blob()));
   worker.onmessage = ({ data }) => {
     const { done, failed } = waiting.get(data.id);
     waiting.delete(data.id);
@@ -630,7 +630,7 @@ attempt(async () => {
     const image = /** @type {any} */ (files).find((/** @type {any} */ file) => file[2]);
     if (image) ({ atlas, objects } = await ask("context", { name: image[0] }));
     describeAtlas();
-    redraw();
+    draw(); // not in the next frame
   }
   say(refused);
 }).finally(() => { document.body.dataset.ready = "yes"; });
