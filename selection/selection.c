@@ -128,8 +128,8 @@ static conus_status find_in_range(conus_selection *selection, struct engine *eng
     bool *before = memory_zeroed(pixels, sizeof *before);
     conus_status status = before ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (before && cut_first(first, before, &cone)) {
-        cone.wanted = before;
-        cone.rays = NULL;
+        cone.tracing.wanted = before;
+        cone.tracing.rays = NULL;
         status = engine->functions->pierce(engine, layers, &cone);
         status = status ? status : layers_sort(layers, pixels);
         if (!status) {
@@ -174,51 +174,70 @@ static conus_status trace_together(conus_selection *const *selections, size_t co
     return status;
 }
 
-conus_status selections_trace(conus_selection *const *selections, size_t count, conus_selector *selector)
+/* How the first hits of a selection are found. */
+enum first_hits {
+    TRACED = 0,        /* alone: nothing is listed */
+    TRACED_IN_RANGE,   /* from its near end on; only of rays that hit something before it, intervals are listed */
+    LISTED,            /* from the list of all intervals */
+    TRACED_AND_LISTED, /* each by itself */
+};
+
+static enum first_hits find_way(const conus_selection *selection, const conus_selector *selector, bool together)
 {
-    struct engine *engine = selector->engine;
-    bool together = count > 1 && engine->functions->trace_many;
+    bool has_range = cone_has_range(&selection->cone);
     /* In a volume, a ray's first hit is the object of its first interval, unless several intervals begin there. In a
      * mesh it need not be: a ray may begin inside. */
     bool layers_show_first = selector->options.engine != CONUS_ENGINE_GL && !atlas_has_meshes(selector->atlas) &&
                              !atlas_has_bundles(selector->atlas);
+    if (!selection->has_layers && !has_range) {
+        return TRACED;
+    }
+    if (!selection->has_layers && layers_show_first) {
+        return TRACED_IN_RANGE;
+    }
+    return has_range || (layers_show_first && !together) ? LISTED : TRACED_AND_LISTED;
+}
+
+static conus_status trace_by(enum first_hits way, conus_selection *selection, struct engine *engine, bool is_traced)
+{
+    conus_status status = CONUS_OK;
+    if (way != LISTED && !is_traced) {
+        selection->cone.tracing.begins_at_range = way == TRACED_IN_RANGE;
+        status = engine->functions->trace(engine, &selection->evidence, &selection->cone);
+        selection->cone.tracing.begins_at_range = false;
+    }
+    if (status || way == TRACED) {
+        return status;
+    }
+    return way == TRACED_IN_RANGE ? find_in_range(selection, engine)
+                                  : list_layers(selection, engine, way == TRACED_AND_LISTED);
+}
+
+conus_status selections_trace(conus_selection *const *selections, size_t count, conus_selector *selector)
+{
+    struct engine *engine = selector->engine;
+    bool together = count > 1 && engine->functions->trace_many;
     /* The rays of a selector's pixels are those of the last cone that it was made ready for. */
     for (size_t i = 0; i < count; i++) {
         if (selections[i] && (selector->inside_only || cone_is_wide(&selections[i]->cone))) {
-            struct cone *cone = &selections[i]->cone;
-            cone->wanted = selections[i]->in_cone;
-            cone->rays = count == 1 ? &selector->aperture.rays : NULL;
+            selections[i]->cone.tracing.wanted = selections[i]->in_cone;
+            selections[i]->cone.tracing.rays = count == 1 ? &selector->aperture.rays : NULL;
         }
         if (selections[i] && count == 1) {
-            selections[i]->cone.per_depth = selector->aperture.per_depth;
+            selections[i]->cone.tracing.per_depth = selector->aperture.per_depth;
         }
     }
     conus_status status = together ? trace_together(selections, count, engine) : CONUS_OK;
     for (size_t i = 0; i < count && !status; i++) {
         conus_selection *selection = selections[i];
-        bool has_range = selection && cone_has_range(&selection->cone);
-        bool is_cut = has_range && !selection->has_layers && layers_show_first; /* else it follows from all layers */
-        bool needs_first = selection && !has_range && (together || !selection->has_layers || !layers_show_first);
-        bool is_traced = is_cut || needs_first;
-        if (is_traced && !together) {
-            selection->cone.begins_at_range = is_cut;
-            status = engine->functions->trace(engine, &selection->evidence, &selection->cone);
-            selection->cone.begins_at_range = false;
-        }
-        if (is_cut && !status) {
-            status = find_in_range(selection, engine);
-        } else if (selection && !status && (selection->has_layers || has_range)) {
-            status = list_layers(selection, engine, is_traced);
-        }
+        status = selection ? trace_by(find_way(selection, selector, together), selection, engine, together) : CONUS_OK;
         if (selection && !status) {
             evidence_drop_blocked(&selection->evidence);
         }
     }
     for (size_t i = 0; i < count; i++) {
         if (selections[i]) {
-            selections[i]->cone.wanted = NULL;
-            selections[i]->cone.rays = NULL;
-            selections[i]->cone.per_depth = NULL;
+            selections[i]->cone.tracing = (struct cone_tracing){0};
         }
     }
     return status;

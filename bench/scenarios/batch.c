@@ -93,8 +93,8 @@ static conus_status trace_all_poses(struct contender *contender)
     cone.slope = tan(cone.angle / 2);
     conus_status status = evidence_init(&evidence, cone.resolution);
     status = status ? status : aperture_prepare(&selector->aperture, &cone);
-    cone.wanted = selector->aperture.in_cone;
-    cone.rays = &selector->aperture.rays;
+    cone.tracing.wanted = selector->aperture.in_cone;
+    cone.tracing.rays = &selector->aperture.rays;
     for (size_t i = 0; i < conus_pose_list_count(contender->list) && !status; i++) {
         cone.pose = conus_pose_list_row(contender->list, i)->pose;
         status = selector->engine->functions->trace(selector->engine, &evidence, &cone);

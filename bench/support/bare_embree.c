@@ -24,11 +24,11 @@ static conus_status trace(struct engine *engine, struct evidence *out, const str
     const double *apex = cone->pose.world_from_device + 12;
     embree_query_init(&query, NULL, true);
     evidence_clear(out);
-    for (size_t first = 0; first < cone->rays->count; first += WIDTH) {
+    for (size_t first = 0; first < cone->tracing.rays->count; first += WIDTH) {
         struct RTCRayHit16 packet;
         _Alignas(64) int valid[WIDTH];
-        size_t left = cone->rays->count - first, count = left < WIDTH ? left : WIDTH;
-        cone_rays_from(axes, cone, cone->rays, first, count);
+        size_t left = cone->tracing.rays->count - first, count = left < WIDTH ? left : WIDTH;
+        cone_rays_from(axes, cone, cone->tracing.rays, first, count);
         for (size_t i = 0; i < WIDTH; i++) {
             size_t ray = i < count ? i : 0;
             valid[i] = i < count ? -1 : 0;
@@ -46,7 +46,7 @@ static conus_status trace(struct engine *engine, struct evidence *out, const str
         }
         embree_intersect(&query, ((struct bare_embree *)engine)->scene, valid, &packet, WIDTH);
         for (size_t i = 0; i < count; i++) {
-            uint32_t pixel = cone->rays->pixel[first + i];
+            uint32_t pixel = cone->tracing.rays->pixel[first + i];
             out->object[pixel] = packet.hit.geomID[i] + 1; /* 0 of none */
             out->distance[pixel] = (double)packet.ray.tfar[i];
             out->voxel[pixel] = packet.hit.primID[i];

@@ -134,8 +134,8 @@ void cone_origin(double out[3], const struct cone *cone, uint32_t i, uint32_t j)
 
 double cone_per_depth(const struct cone *cone, uint32_t i, uint32_t j)
 {
-    if (cone->per_depth) {
-        return cone->per_depth[(size_t)j * cone->resolution + i];
+    if (cone->tracing.per_depth) {
+        return cone->tracing.per_depth[(size_t)j * cone->resolution + i];
     }
     double radius = cone_radius(cone, i, j);
     double slope = cone_slope(cone) * radius;

@@ -16,18 +16,23 @@ struct device_rays {
     double *right, *up, *forward;
 };
 
+/** Which rays of a cone an engine traces, and what is known of them already. Zeroed: all of them, and nothing. */
+struct cone_tracing {
+    const bool *wanted;             /**< [n*n] Pixels that are to be traced; NULL = all. */
+    const double *per_depth;        /**< [n*n] cone_per_depth(); NULL = unknown. */
+    const struct device_rays *rays; /**< The rays of those pixels, neighbours one after the other; NULL = unknown. */
+    bool begins_at_range;           /**< What rays leave before range[0] may be left out. */
+};
+
 struct cone {
     conus_pose pose;
     double angle;        /**< Full opening angle, radians, in (0, pi); 0 of a cylinder. */
     uint32_t resolution; /**< n */
     conus_aperture aperture;
-    double radius;           /**< Radius of a cylinder, mm; 0 for a cone.                                        */
-    double range[2];         /**< Nearest and farthest depth along the axis, mm; both 0 = everything.   */
-    double slope;            /**< tan(angle / 2), where it is known already, else 0.                    */
-    const bool *wanted;      /**< [n*n] Pixels that are to be traced; NULL = all.                   */
-    const double *per_depth; /**< [n*n] cone_per_depth(), where it is known already, else NULL. */
-    bool begins_at_range;    /**< Tracing may leave out what rays leave before range[0].               */
-    const struct device_rays *rays; /**< Their rays, neighbours one after the other, where they are known; else NULL. */
+    double radius;   /**< Radius of a cylinder, mm; 0 for a cone. */
+    double range[2]; /**< Nearest and farthest depth along the axis, mm; both 0 = everything. */
+    double slope;    /**< tan(angle / 2), where it is known already, else 0. */
+    struct cone_tracing tracing;
 };
 
 /** CONUS_ERROR_ARGUMENT with what is allowed, unless angle, resolution, radius and range are in their ranges. */

@@ -124,7 +124,7 @@ static conus_status aim(struct gl_engine *gl, const struct view *view)
             uint32_t tile = k / (TILE_WIDTH * TILE_HEIGHT);
             uint32_t i = tile % across * TILE_WIDTH + k % TILE_WIDTH;
             uint32_t j = tile / across * TILE_HEIGHT + k / TILE_WIDTH % TILE_HEIGHT;
-            if (i < n && j < n && (!cone->wanted || cone->wanted[j * n + i])) {
+            if (i < n && j < n && (!cone->tracing.wanted || cone->tracing.wanted[j * n + i])) {
                 gl->traced[gl->ray_count++] = first + j * n + i;
             }
         }
@@ -218,8 +218,8 @@ static struct mesh_view mesh_view_of(const struct cone *cone)
 static void set_distances(struct evidence *out, const struct cone *cone, double distance)
 {
     size_t pixels = (size_t)cone->resolution * cone->resolution;
-    for (size_t pixel = 0; cone->wanted && pixel < pixels; pixel++) {
-        if (!cone->wanted[pixel]) {
+    for (size_t pixel = 0; cone->tracing.wanted && pixel < pixels; pixel++) {
+        if (!cone->tracing.wanted[pixel]) {
             out->distance[pixel] = distance;
         }
     }
@@ -271,7 +271,7 @@ static struct tract_query tract_query_of(const struct gl_engine *gl, const struc
     return (struct tract_query){.view = mesh_view_of(cone),
                                 .origins = (const double(*)[3])gl->origins + first,
                                 .directions = (const double(*)[3])gl->directions + first,
-                                .wanted = cone->wanted};
+                                .wanted = cone->tracing.wanted};
 }
 
 /* Called after both: a hit in a volume or mesh limits how far streamlines are looked for. */

@@ -82,7 +82,7 @@ static void keep_nearer(struct evidence *out, size_t pixel, double t, uint64_t v
 
 static bool is_wanted(const struct cone *cone, uint32_t i, uint32_t j)
 {
-    return !cone->wanted || cone->wanted[(size_t)j * cone->resolution + i];
+    return !cone->tracing.wanted || cone->tracing.wanted[(size_t)j * cone->resolution + i];
 }
 
 /* Sets where the rays of the block's pixels begin. */
@@ -136,12 +136,12 @@ static void block_take(struct block *block, const struct cone *cone, size_t firs
 {
     struct traverse_bundle *bundle = &block->bundle;
     double *const directions[3] = {bundle->direction[0], bundle->direction[1], bundle->direction[2]};
-    size_t left = cone->rays->count - first;
+    size_t left = cone->tracing.rays->count - first;
     bundle->count = left < most ? left : most;
     for (size_t ray = 0; ray < bundle->count; ray++) {
-        block->pixel[ray] = cone->rays->pixel[first + ray];
+        block->pixel[ray] = cone->tracing.rays->pixel[first + ray];
     }
-    cone_rays_from(directions, cone, cone->rays, first, bundle->count);
+    cone_rays_from(directions, cone, cone->tracing.rays, first, bundle->count);
     set_origins(block, cone);
 }
 
@@ -222,7 +222,7 @@ static conus_status trace_volumes(const struct rays_engine *engine, void *eviden
     bool has_labelled = atomic_load_explicit(&engine->has_labelled, memory_order_acquire);
     double from[TRAVERSE_BUNDLE];
     bundle->from = NULL;
-    if (cone->begins_at_range && cone->range[0] > 0 && engine->target_count == 1) {
+    if (cone->tracing.begins_at_range && cone->range[0] > 0 && engine->target_count == 1) {
         find_near(from, cone, block);
         bundle->from = from;
     }
@@ -317,11 +317,11 @@ static conus_status for_blocks(const struct rays_engine *engine, void *out, cons
     struct block block;
     conus_status status = CONUS_OK;
     size_t most = (size_t)edge * edge;
-    for (size_t first = 0; cone->rays && first < cone->rays->count && !status; first += most) {
+    for (size_t first = 0; cone->tracing.rays && first < cone->tracing.rays->count && !status; first += most) {
         block_take(&block, cone, first, most);
         status = step(engine, out, cone, &block);
     }
-    for (uint32_t row = 0; row < cone->resolution && !cone->rays && !status; row += edge) {
+    for (uint32_t row = 0; row < cone->resolution && !cone->tracing.rays && !status; row += edge) {
         for (uint32_t column = 0; column < cone->resolution && !status; column += edge) {
             block_init(&block, cone, column, row, edge);
             status = block.bundle.count ? step(engine, out, cone, &block) : CONUS_OK;
@@ -439,9 +439,9 @@ static conus_status pierce_tracts(const struct rays_engine *engine, void *out, c
 static size_t count_rays(const struct cone *cone)
 {
     size_t pixels = (size_t)cone->resolution * cone->resolution;
-    size_t count = cone->rays ? cone->rays->count : 0;
-    for (size_t pixel = 0; pixel < pixels && !cone->rays; pixel++) {
-        count += !cone->wanted || cone->wanted[pixel];
+    size_t count = cone->tracing.rays ? cone->tracing.rays->count : 0;
+    for (size_t pixel = 0; pixel < pixels && !cone->tracing.rays; pixel++) {
+        count += !cone->tracing.wanted || cone->tracing.wanted[pixel];
     }
     return count;
 }

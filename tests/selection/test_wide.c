@@ -413,7 +413,7 @@ static void both_engines_say_the_same(void **state)
         for (int p = 0; p < N * N; p++) {
             wanted[p] = cone_has_pixel(&cones[1], (uint32_t)p % N, (uint32_t)p / N);
         }
-        cones[1].wanted = cones[3].wanted = wanted;
+        cones[1].tracing.wanted = cones[3].tracing.wanted = wanted;
         assert_same_traces(&pair, cones, meshes);
         if (sampling == CONUS_SAMPLING_EXACT) {
             assert_same_layers(&pair, &cones[1]);

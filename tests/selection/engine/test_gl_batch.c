@@ -254,7 +254,7 @@ static void compare_wanted(uint64_t *random, const conus_atlas *atlas)
                 all.voxel[i] = EVIDENCE_NO_VOXEL;
             }
         }
-        cone.wanted = wanted;
+        cone.tracing.wanted = wanted;
         struct evidence some = gl_pair_trace(pair.gl, &cone);
         gl_pair_same_evidence(&some, &all);
         evidence_finish(&all);

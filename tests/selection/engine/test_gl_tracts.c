@@ -174,7 +174,7 @@ static void blocks_of_cones_hit_the_same(void **state)
     for (int i = 0; i < COUNT; i++) {
         cones[i] = make_cone(&random, &all_walks[0], atlas, i);
         cones[i].resolution = EDGE;
-        cones[i].wanted = i % 3 ? NULL : wanted;
+        cones[i].tracing.wanted = i % 3 ? NULL : wanted;
         wide += cone_is_wide(&cones[i]);
         in[i] = &cones[i];
         out[i] = &together[i];
