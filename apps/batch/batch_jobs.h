@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file One batch, or a table of them: columns atlas, poses, output, each row one. */
+/** @file A table of batches: columns atlas, poses, output, each row one. */
 #ifndef CONUS_BATCH_BATCH_JOBS_H
 #define CONUS_BATCH_BATCH_JOBS_H
 
-#include "batch/batch_settings.h"
+#include <stddef.h>
 
 struct batch_job {
     const char *atlas, *poses, *output;
@@ -20,14 +20,5 @@ struct batch_jobs {
  * messages. Returns the exit code and prints an error unless it is 0; then there is nothing to finish. */
 int batch_jobs_parse(struct batch_jobs *out, const char *path, char *text, size_t size);
 void batch_jobs_finish(struct batch_jobs *jobs);
-
-/** Answers one batch. Returns the exit code and prints an error unless it is 0; 128 and more is that of a signal. */
-typedef int batch_answer(void *user, const struct batch_settings *settings, const struct arguments *arguments);
-
-/** Calls @p answer for the batch that is asked for, or for each of those of --jobs that are the shard's; where one
- * cannot be answered it continues with the next, unless a signal was the reason. Gives the most serious exit code, and
- * prints an error about operands and options that are missing or exclude each other. */
-int batch_jobs_answer(const struct batch_settings *settings, const struct arguments *arguments, batch_answer *answer,
-                      void *user);
 
 #endif

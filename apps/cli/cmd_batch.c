@@ -1,101 +1,101 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus batch: answers many poses with several threads. */
-#include "batch/batch_jobs.h"
-#include "batch/batch_run.h"
+#include "batch/batch_dispatch.h"
+#include "batch/batch_task.h"
 #include "cli/commands.h"
 #include "options/interrupt.h"
 #include "options/messages.h"
 
 struct delivery {
-    struct batch_run *run;
+    struct batch_task *task;
     int code; /* of writing */
 };
 
 static bool deliver(void *user, const conus_batch_block *block)
 {
     struct delivery *delivery = user;
-    struct batch_run *run = delivery->run;
-    delivery->code = batch_file_append(&run->file, block);
+    struct batch_task *task = delivery->task;
+    delivery->code = batch_file_append(&task->file, block);
     if (delivery->code) {
         return false;
     }
-    batch_run_keep_error(run, block);
-    progress_update(&run->progress, run->file.poses, run->file.errors);
+    batch_task_keep_error(task, block);
+    progress_update(&task->progress, task->file.poses, task->file.errors);
     return !interrupt_signal();
 }
 
-static void say_findings(struct batch_run *run)
+static void say_findings(struct batch_task *task)
 {
-    batch_run_say_errors(run);
-    batch_run_find_astray(run);
-    batch_run_say_astray(run);
+    batch_task_say_errors(task);
+    batch_task_find_astray(task);
+    batch_task_say_astray(task);
 }
 
-static int answer_poses(struct batch_run *run)
+static int answer_poses(struct batch_task *task)
 {
-    struct delivery delivery = {.run = run};
-    uint64_t answered = run->file.poses; /* by the run that this one resumes */
-    int code = batch_run_skip(run, run->first + answered);
+    struct delivery delivery = {.task = task};
+    uint64_t answered = task->file.poses; /* by the run that this one resumes */
+    int code = batch_task_skip(task, task->first + answered);
     if (code) {
         return code;
     }
-    batch_run_start_progress(run);
-    interrupt_catch(run->poses);
-    conus_status status = conus_batch_run(run->batch, run->poses, run->count - answered, deliver, &delivery);
+    batch_task_start_progress(task);
+    interrupt_catch(task->poses);
+    conus_status status = conus_batch_run(task->batch, task->poses, task->count - answered, deliver, &delivery);
     interrupt_release();
     int signal = interrupt_signal();
     if (status == CONUS_ERROR_CANCELLED) { /* by deliver(), for its code or a signal */
         status = CONUS_OK;
     }
     bool is_whole = !status && !delivery.code && !signal;
-    if (is_whole && !run->progress.on_terminal) { /* where a program reads along, the progress has the last word */
-        say_findings(run);
+    if (is_whole && !task->progress.on_terminal) { /* where a program reads along, the progress has the last word */
+        say_findings(task);
     }
-    progress_finish(&run->progress, run->file.poses, run->file.errors);
+    progress_finish(&task->progress, task->file.poses, task->file.errors);
     if (status) {
         return print_status(status);
     }
-    if (is_whole && run->progress.on_terminal) {
-        say_findings(run);
+    if (is_whole && task->progress.on_terminal) {
+        say_findings(task);
     }
-    if (is_whole && !run->file.poses && run->shard.count == 1) {
-        settings_say_no_poses(run->settings->poses, &run->settings->common);
+    if (is_whole && !task->file.poses && task->shard.count == 1) {
+        settings_say_no_poses(task->settings->poses, &task->settings->common);
     }
-    return delivery.code ? delivery.code : signal ? batch_run_interrupted(run, signal) : EXIT_DONE;
+    return delivery.code ? delivery.code : signal ? batch_task_interrupted(task, signal) : EXIT_DONE;
 }
 
-static int finish_output(struct batch_run *run)
+static int finish_output(struct batch_task *task)
 {
-    int code = batch_run_check_poses(run);
+    int code = batch_task_check_poses(task);
     if (code) {
-        batch_file_disown(&run->file);
+        batch_file_disown(&task->file);
         return code;
     }
-    return batch_run_finish_output(run);
+    return batch_task_finish_output(task);
 }
 
 static int answer_batch(void *user, const struct batch_settings *settings, const struct arguments *arguments)
 {
     (void)user;
-    struct batch_run run;
-    int code = batch_run_init(&run, settings, arguments);
-    code = code ? code : batch_run_open(&run);
-    code = code ? code : batch_run_build(&run);
-    code = code ? code : batch_run_open_output(&run);
-    if (!code && run.file.is_finished) {
-        batch_run_say_errors(&run);
+    struct batch_task task;
+    int code = batch_task_init(&task, settings, arguments);
+    code = code ? code : batch_task_open(&task);
+    code = code ? code : batch_task_build(&task);
+    code = code ? code : batch_task_open_output(&task);
+    if (!code && task.file.is_finished) {
+        batch_task_say_errors(&task);
     } else if (!code) {
-        code = answer_poses(&run);
-        code = code || !run.output ? code : finish_output(&run);
+        code = answer_poses(&task);
+        code = code || !task.output ? code : finish_output(&task);
     }
-    code = code || !run.file.errors ? code : EXIT_DIFFERENT;
-    batch_run_finish(&run);
+    code = code || !task.file.errors ? code : EXIT_DIFFERENT;
+    batch_task_finish(&task);
     return code;
 }
 
 static int run_batch(const void *given, const struct arguments *arguments)
 {
-    return batch_jobs_answer(given, arguments, answer_batch, NULL);
+    return batch_dispatch(given, arguments, answer_batch, NULL);
 }
 
 const struct command cmd_batch = {

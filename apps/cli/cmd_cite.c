@@ -219,7 +219,7 @@ static int cite_atlas(struct citing *citing)
     const struct atlas_settings settings = {.max_memory = citing->settings->max_memory, .no_cache = true};
     struct atlas_name found;
     int code = make_atlases(citing, 1);
-    code = code ? code : atlases_load(&citing->atlases, citing->given, &settings);
+    code = code ? code : atlases_load(&citing->atlases, citing->given, &settings, NULL);
     code = code ? code : atlas_name_find(&found, citing->given);
     if (code) {
         return code;

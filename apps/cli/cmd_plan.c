@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus plan: which poses reach some structures and stay clear of others, and how far they may be off. */
-#include "batch/batch_run.h"
+#include "batch/batch_task.h"
 #include "cli/answers/ends.h"
 #include "cli/candidates.h"
 #include "cli/commands.h"

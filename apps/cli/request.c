@@ -116,12 +116,7 @@ int request_load_poses(struct request *request)
 int request_load_atlases(struct request *request)
 {
     const struct request_settings *settings = request->settings;
-    struct atlases *atlases = &request->atlases;
-    int code = atlases_load(atlases, request->arguments->operands[0], &settings->atlas);
-    for (size_t i = 0; i < atlases->count && !code; i++) {
-        code = settings_load_context(atlases->items[i].atlas, settings->context.path, settings->context.blocks,
-                                     &settings->atlas);
-    }
+    int code = atlases_load(&request->atlases, request->arguments->operands[0], &settings->atlas, &settings->context);
     request->answerers = code ? NULL : calloc(1 + settings->atlas.more.count, sizeof *request->answerers);
     if (!code && !request->answerers) {
         return print_no_memory();

@@ -2,8 +2,8 @@
 /* conus-mpi batch: conus batch on all ranks of an MPI job. Rank 0 leads: it alone reads the command's files of jobs and
  * journals, and announces each batch to the others. The first rank of each node loads the atlases for all that run
  * there. Every rank reads the poses' file by itself, and passes over the poses that are others'. */
-#include "batch/batch_jobs.h"
-#include "batch/batch_run.h"
+#include "batch/batch_dispatch.h"
+#include "batch/batch_task.h"
 #include "mpi/node_atlas.h"
 #include "mpi/ordered_file.h"
 #include "options/interrupt.h"
@@ -24,7 +24,7 @@ struct cluster {
 
 struct run {
     const struct cluster *cluster;
-    struct batch_run batch;
+    struct batch_task batch;
     struct node_atlas *shared; /* [batch.atlases.count]; NULL where the batch is not open */
     struct ordered_file file;
     uint64_t first, left; /* poses to answer; left UINT64_MAX = all from there on */
@@ -63,7 +63,7 @@ static bool collect(void *user, const conus_batch_block *block)
     run->part.size = needed;
     run->part.poses += block->poses;
     run->part.errors += block->errors;
-    batch_run_keep_error(&run->batch, block);
+    batch_task_keep_error(&run->batch, block);
     bool continues = ordered_file_tend(&run->file);
     if (run->cluster->rank == 0) {
         progress_update(&run->batch.progress, run->batch.file.poses, run->batch.file.errors);
@@ -80,7 +80,7 @@ static void answer_parts(struct run *run)
         uint64_t before = number * run->part_poses;
         uint64_t left = before < run->left ? run->left - before : 0;
         uint64_t poses = left < run->part_poses ? left : run->part_poses;
-        int code = batch_run_skip(&run->batch, poses ? run->first + before - passed : 0);
+        int code = batch_task_skip(&run->batch, poses ? run->first + before - passed : 0);
         run->part = (conus_batch_block){.text = ""};
         if (!code && poses) {
             conus_status status = conus_batch_run(run->batch.batch, run->batch.poses, poses, collect, run);
@@ -120,18 +120,18 @@ static int open_batch(struct run *run, const struct batch_settings *settings, co
     int turn = cluster->rank == 0 ? 0 : cluster->node_rank == 0 ? 1 : 2;
     for (int i = 0; i < 3 && !code; i++) {
         if (i == turn) {
-            code = batch_run_init(&run->batch, settings, arguments);
+            code = batch_task_init(&run->batch, settings, arguments);
         }
         if (i == 2) {
             code = agree(code);
             code = code ? code : share_atlases(run);
         }
         if (i == turn && !code) {
-            code = batch_run_open(&run->batch);
+            code = batch_task_open(&run->batch);
         }
         code = agree(code);
     }
-    code = code ? code : batch_run_build(&run->batch);
+    code = code ? code : batch_task_build(&run->batch);
     return agree(code);
 }
 
@@ -142,7 +142,7 @@ static int open_output(struct run *run)
     uint64_t found[COUNT] = {0};
     bool leads = run->cluster->rank == 0;
     if (leads) {
-        found[CODE] = (uint64_t)batch_run_open_output(&run->batch);
+        found[CODE] = (uint64_t)batch_task_open_output(&run->batch);
         found[FINISHED] = run->batch.file.is_finished;
         found[POSES] = run->batch.file.poses;
         found[SIZE] = run->batch.file.size;
@@ -193,15 +193,15 @@ static void say_errors(struct run *run)
             *first = other;
         }
     }
-    batch_run_say_errors(&run->batch);
+    batch_task_say_errors(&run->batch);
 }
 
 /* Rank 0 prints what all ranks found about where the poses lie and point. */
 static void say_astray(struct run *run)
 {
-    struct batch_run *batch = &run->batch;
+    struct batch_task *batch = &run->batch;
     int ranks;
-    batch_run_find_astray(batch);
+    batch_task_find_astray(batch);
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
     for (size_t i = 0; i < batch->atlases.count; i++) {
         if (run->cluster->rank > 0) {
@@ -214,7 +214,7 @@ static void say_astray(struct run *run)
         }
     }
     if (run->cluster->rank == 0) {
-        batch_run_say_astray(batch);
+        batch_task_say_astray(batch);
     }
 }
 
@@ -225,7 +225,7 @@ static int answer_all(struct run *run)
     uint32_t block = run->batch.settings->block;
     run->part_poses = (uint64_t)BLOCKS_PER_PART * (block ? block : DEFAULT_BLOCK);
     if (leads) {
-        batch_run_start_progress(&run->batch);
+        batch_task_start_progress(&run->batch);
     }
     interrupt_catch(NULL); /* nothing waits for poses: they are files */
     answer_parts(run);
@@ -234,12 +234,12 @@ static int answer_all(struct run *run)
         progress_finish(&run->batch.progress, run->batch.file.poses, run->batch.file.errors);
     }
     if (leads && run->file.stop >= 128) { /* first, since the others may be there no more */
-        batch_run_interrupted(&run->batch, run->file.stop - 128);
+        batch_task_interrupted(&run->batch, run->file.stop - 128);
     }
     int code = agree(ordered_file_close(&run->file));
     if (!code) { /* all ranks must have read the file that rank 0 began with */
         MPI_Bcast(run->batch.pose_hash, sizeof run->batch.pose_hash, MPI_CHAR, 0, MPI_COMM_WORLD);
-        code = agree(batch_run_check_poses(&run->batch));
+        code = agree(batch_task_check_poses(&run->batch));
         if (code && leads) {
             batch_file_disown(&run->batch.file);
         }
@@ -252,7 +252,7 @@ static int answer_all(struct run *run)
         if (!run->batch.file.poses && run->batch.shard.count == 1) {
             settings_say_no_poses(run->batch.settings->poses, &run->batch.settings->common);
         }
-        code = batch_run_finish_output(&run->batch);
+        code = batch_task_finish_output(&run->batch);
     }
     return code;
 }
@@ -278,11 +278,11 @@ static int answer_batch(const struct cluster *cluster, const struct batch_settin
     if (!code && !run.batch.file.is_finished) {
         code = answer_all(&run);
     } else if (!code && cluster->rank == 0) {
-        batch_run_say_errors(&run.batch);
+        batch_task_say_errors(&run.batch);
     }
     code = code || !run.batch.file.errors ? code : EXIT_DIFFERENT;
     free(run.text);
-    batch_run_finish(&run.batch);
+    batch_task_finish(&run.batch);
     for (size_t i = 0; run.shared && i < 1 + settings->atlas.more.count; i++) { /* after the batch, which uses them */
         node_atlas_finish(&run.shared[i]);
     }
@@ -404,7 +404,7 @@ static int answer_command(const struct cluster *cluster, int count, char **words
     int code = cluster->rank == 0 ? read_command(&arguments, &settings, count, words) : CONTINUE;
     MPI_Bcast(&code, 1, MPI_INT, 0, MPI_COMM_WORLD);
     if (code == CONTINUE && cluster->rank == 0) {
-        code = batch_jobs_answer(&settings, &arguments, lead, (void *)cluster);
+        code = batch_dispatch(&settings, &arguments, lead, (void *)cluster);
         announce((const char *const[WORD_COUNT]){NULL});
     } else if (code == CONTINUE) {
         code = read_command(&arguments, &settings, count, words);

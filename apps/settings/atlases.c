@@ -134,7 +134,23 @@ int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_se
     return settings_load_atlas(&item->atlas, item->given, &own);
 }
 
-int atlases_load(struct atlases *out, const char *path, const struct atlas_settings *settings)
+int atlases_load_all(struct atlases *atlases, const struct atlas_settings *settings,
+                     const struct context_settings *context)
+{
+    int code = EXIT_DONE;
+    for (size_t i = 0; i < atlases->count && !code; i++) {
+        struct named_atlas *item = &atlases->items[i];
+        bool is_missing = !item->atlas;
+        code = is_missing ? atlases_load_at(atlases, i, settings) : EXIT_DONE;
+        if (is_missing && context && !code) {
+            code = settings_load_context(item->atlas, context->path, context->blocks, settings);
+        }
+    }
+    return code;
+}
+
+int atlases_load(struct atlases *out, const char *path, const struct atlas_settings *settings,
+                 const struct context_settings *context)
 {
     int code = atlases_name(out, path, settings);
     if (!code && out->shares_streamlines) {
@@ -142,10 +158,7 @@ int atlases_load(struct atlases *out, const char *path, const struct atlas_setti
         out->shared = calloc(out->shared_count + 1, sizeof(conus_tractogram *));
         code = out->shared ? EXIT_DONE : print_no_memory();
     }
-    for (size_t i = 0; i < out->count && !code; i++) {
-        code = atlases_load_at(out, i, settings);
-    }
-    return code;
+    return code ? code : atlases_load_all(out, settings, context);
 }
 
 void atlases_finish(struct atlases *atlases)

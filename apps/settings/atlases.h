@@ -27,15 +27,19 @@ enum { ATLAS_PREFIX_SIZE = 256 };
 /** Writes to @p out the beginning of a message about one of several atlases, "NAME: "; "" if there is only one. */
 const char *atlases_prefix(char out[ATLAS_PREFIX_SIZE], const struct named_atlas *atlas);
 
-/** Loads @p path and those of --atlas. Returns the exit code and prints an error unless it is 0. @p out, which the
- * caller zeroes but for shares_streamlines, is the caller's to atlases_finish() in any case. */
-int atlases_load(struct atlases *out, const char *path, const struct atlas_settings *settings);
+/** Loads @p path and those of --atlas, each with its @p context (NULL = none). Returns the exit code and prints an
+ * error unless it is 0. @p out, which the caller zeroes but for shares_streamlines, is the caller's to atlases_finish()
+ * in any case. */
+int atlases_load(struct atlases *out, const char *path, const struct atlas_settings *settings,
+                 const struct context_settings *context);
 /** Only finds out what they are called; then each is to be loaded, or put there. Gives the exit code likewise. */
 int atlases_name(struct atlases *out, const char *path, const struct atlas_settings *settings);
 /** Loads one of them. --labels, --pathway, --only and --hide are only of the first, and --streamlines, unless
- * they are shared. Gives the exit code
- * likewise. */
+ * they are shared. Gives the exit code likewise. */
 int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_settings *settings);
+/** Loads those that are not there yet, each with its @p context (NULL = none). Gives the exit code likewise. */
+int atlases_load_all(struct atlases *atlases, const struct atlas_settings *settings,
+                     const struct context_settings *context);
 void atlases_finish(struct atlases *atlases);
 
 /** Names the file @p path, "the label table", if it is an atlas as given, one of @p inputs, or a file that the atlases

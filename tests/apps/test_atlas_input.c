@@ -84,7 +84,7 @@ struct loading {
 static void load(void *user)
 {
     struct loading *loading = user;
-    loading->code = atlases_load(&loading->atlases, loading->first, &loading->settings);
+    loading->code = atlases_load(&loading->atlases, loading->first, &loading->settings, NULL);
 }
 
 static void say_spaces(void *user)

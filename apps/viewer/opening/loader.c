@@ -132,7 +132,7 @@ static void load(struct loader *loader)
         return;
     }
     loader->ahead = settings.more.count + 1 + (request->context->files.count || request->context->map);
-    int code = atlases_load(&loader->atlases, request->path, &settings);
+    int code = atlases_load(&loader->atlases, request->path, &settings, NULL);
     code = code ? code : set_contexts(loader);
     if (code || atomic_load(&loader->cancelled)) {
         snprintf(loader->why, sizeof loader->why, "%s", code && !loader->stopped ? error_line() : "");

@@ -1,0 +1,434 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* The steps of a batch that conus batch and conus-mpi share: checks, inputs, the library's batch, output. */
+#include "batch/batch_task.h"
+
+#include "options/messages.h"
+#include "options/output.h"
+#include "options/outputs.h"
+#include "options/provenance.h"
+#include "settings/notes.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static bool check_settings(conus_format *format, const struct batch_settings *settings,
+                           const struct arguments *arguments)
+{
+    if (!batch_format(format, settings, arguments)) {
+        return false;
+    }
+    if (settings->atlas.more.count && format_is_foreign(*format)) {
+        print_error_line(
+            "--format: formats of other programs have no column for the atlas; tsv, csv and ndjson have one");
+        return false;
+    }
+    if (settings->of_axis && format_is_foreign(*format)) {
+        print_error_line("--format: formats of other programs hold no %s; tsv, csv and ndjson do",
+                         settings->of_axis->option);
+        return false;
+    }
+    if (settings->of_axis && !option_given(arguments, "output") && (settings->summary || settings->axis.order)) {
+        print_error_line("--%s has no effect without --output: other rows have but one order",
+                         settings->summary ? "summary" : "order");
+        return false;
+    }
+    if (settings->summary && format_is_foreign(*format)) {
+        print_error_line("--summary: formats of other programs have no summary; tsv, csv and ndjson have one");
+        return false;
+    }
+    if ((settings->force || settings->resume) && output_is_stdout(settings->output)) {
+        print_error_line("--%s has no effect without a file for --output", settings->force ? "force" : "resume");
+        return false;
+    }
+    return settings_check_score(&settings->engine, false) &&
+           settings_check_shape(&settings->aim, &settings->engine, arguments) &&
+           settings_check_space(arguments, &settings->aim.space);
+}
+
+int batch_task_init(struct batch_task *out, const struct batch_settings *settings, const struct arguments *arguments)
+{
+    *out = (struct batch_task){.settings = settings, .arguments = arguments, .file = {.rows = -1, .log = -1}};
+    if (!check_settings(&out->format, settings, arguments)) {
+        return EXIT_USAGE;
+    }
+    int code = settings_contacts(&out->contacts, settings->axis.contacts);
+    code = code ? code : settings_within(&out->within, arguments);
+    if (code) {
+        return code;
+    }
+    out->output = output_is_stdout(settings->output) ? NULL : settings->output;
+    out->command_line = arguments_text(arguments);
+    out->sidecar = out->output ? provenance_path(out->output) : NULL;
+    if (!out->command_line || (out->output && !out->sidecar)) {
+        return print_no_memory();
+    }
+    code = out->output ? output_check_file(out->output) : EXIT_DONE;
+    code = code || !out->sidecar ? code : output_check_file(out->sidecar);
+    for (int i = 1; out->output && i < arguments->count && !code; i++) {
+        code = outputs_check_name(arguments->words[i]);
+    }
+    return code ? code : atlases_name(&out->atlases, arguments->operands[0], &settings->atlas);
+}
+
+/* Opens the poses, and finds which of them are the shard's. */
+static int open_poses(struct batch_task *task)
+{
+    const struct batch_settings *settings = task->settings;
+    const conus_pose_options options = settings_pose_options(&settings->file, &task->frame, settings->atlas.max_memory);
+    int code = batch_shard(&task->shard, settings);
+    if (code) {
+        return code;
+    }
+    if (task->shard.count > 1 && format_is_of_probe(task->format)) {
+        return print_usage_error("--shard: a probe's string is one whole; --jobs answers many probes");
+    }
+    task->piped = output_is_no_file(settings->poses);
+    if (task->piped && (task->shard.count > 1 || settings->resume)) {
+        return print_usage_error("%s needs a file of poses, not %s", settings->resume ? "--resume" : "--shard",
+                                 output_is_stdout(settings->poses) ? "standard input" : "a pipe");
+    }
+    conus_status status = conus_pose_stream_open(&task->poses, settings->poses, &options);
+    if (status) {
+        return settings_print_poses_error(status, settings->poses, "poses", task->arguments);
+    }
+    code = settings_check_electrodes(task->format, conus_pose_stream_electrodes(task->poses), settings->poses);
+    if (code) {
+        return code;
+    }
+    task->count = UINT64_MAX;
+    if (task->shard.count > 1) {
+        uint64_t total;
+        status = conus_pose_stream_count(&total, task->poses);
+        if (status) {
+            return print_status(status);
+        }
+        shard_range(&task->first, &task->count, task->shard, total);
+    }
+    return EXIT_DONE;
+}
+
+/* No file that is written, partial file and journal included, may be one that is read. */
+static int check_files(const struct batch_task *task)
+{
+    const struct batch_settings *settings = task->settings;
+    const struct {
+        const char *path, *ending;
+    } written[] = {{task->sidecar, ""}, {task->output, ""}, {task->output, ".part"}, {task->output, ".journal"}};
+    const struct input inputs[] = {{"the label table", settings->atlas.labels},
+                                   {"the list of areas", settings_level_file(&settings->engine)},
+                                   {"the file of poses", settings->poses},
+                                   {"the coordinate system", conus_pose_stream_coordsystem(task->poses)},
+                                   {"the table of batches", settings->jobs},
+                                   {0}};
+    const char *option = settings->of_axis ? settings->of_axis->option : "output";
+    if (!task->output) {
+        return EXIT_DONE;
+    }
+    int code = outputs_check_name(task->output); /* of a table of batches, too */
+    code = code ? code : outputs_check_name(settings->poses);
+    code = code ? code : atlases_check_names(&task->atlases);
+    for (size_t i = 0; !code && i < sizeof written / sizeof written[0]; i++) {
+        char *path = NULL;
+        if (asprintf(&path, "%s%s", written[i].path, written[i].ending) < 0) {
+            return print_no_memory();
+        }
+        const char *input = atlases_input(&task->atlases, inputs, path);
+        code = input ? print_usage_error("--%s would overwrite %s %s", option, input, path) : EXIT_DONE;
+        free(path);
+    }
+    return code ? code : outputs_check_sidecar(task->sidecar);
+}
+
+int batch_task_open(struct batch_task *task)
+{
+    const struct batch_settings *settings = task->settings;
+    bool late = settings_space_needs_atlas(&settings->aim.space);
+    int code = late ? atlases_load_all(&task->atlases, &settings->atlas, &settings->context) : EXIT_DONE;
+    code = code ? code : settings_frame(&task->frame, &task->atlases, &settings->aim.space, settings->common.quiet);
+    code = code ? code : open_poses(task);
+    code = code || late ? code : atlases_load_all(&task->atlases, &settings->atlas, &settings->context);
+    code = code ? code : check_files(task);
+    return code ? code
+                : settings_match_stream(task->poses, settings->poses, &task->atlases, &settings->file,
+                                        &settings->common);
+}
+
+int batch_task_build(struct batch_task *task)
+{
+    const struct batch_settings *settings = task->settings;
+    conus_selector_options engine = settings_engine(&settings->engine, &settings->common);
+    const conus_batch_options options = {
+        .threads = settings->threads,
+        .block = settings->block,
+        .angle = settings_angle(&settings->aim, &settings->engine),
+        .report = {.rows = settings->of_axis   ? settings->of_axis->rows
+                           : settings->summary ? CONUS_ROWS_SUMMARIES
+                                               : CONUS_ROWS_ANSWERS,
+                   .format = task->format,
+                   .frame = &task->frame,
+                   .electrodes = task->format == CONUS_FORMAT_BIDS ? conus_pose_stream_electrodes(task->poses) : NULL,
+                   .atlas = task->atlases.items[0].name,
+                   .order = settings->of_axis ? CONUS_ORDER_RANK : (conus_order)settings->axis.order,
+                   .contacts = settings->of_axis ? (conus_contacts){0} : task->contacts,
+                   .within = task->within},
+    };
+    task->aimed = calloc(task->atlases.count, sizeof *task->aimed);
+    if (!task->aimed) {
+        return print_no_memory();
+    }
+    for (size_t i = 0; i < task->atlases.count; i++) {
+        const struct named_atlas *item = &task->atlases.items[i];
+        struct aimed *aimed = &task->aimed[i];
+        *aimed = (struct aimed){.atlas = item->atlas, .name = item->name, .frame = &task->frame};
+        engine.level = i ? NULL : engine.level;
+        conus_status status = conus_selector_create(&aimed->selector, item->atlas, &engine);
+        status = status   ? status
+                 : i == 0 ? conus_batch_create(&task->batch, aimed->selector, &options)
+                          : conus_batch_add(task->batch, aimed->selector, item->name);
+        if (status) {
+            return print_status(status);
+        }
+    }
+    if (settings->common.verbose) {
+        print_error_line("engine: %s; %" PRIu32 " threads", conus_selector_engine(task->aimed[0].selector),
+                         conus_batch_threads(task->batch));
+    }
+    atlases_say_notes(&task->atlases, &settings->common);
+    atlases_say_spaces(&task->atlases, &settings->common);
+    atlases_say_open(&task->atlases, &settings->engine, &settings->common);
+    return EXIT_DONE;
+}
+
+/* Hashes the poses, and all that the rows depend on. */
+static int identify(struct batch_task *task)
+{
+    const struct batch_settings *settings = task->settings;
+    const conus_atlas *atlas = task->atlases.items[0].atlas;
+    const char *asked = task->arguments->operands[0];
+    const char format[] = {(char)('0' + task->format), '\0'};
+    /* AFNI's rows have the name of the atlas's file without its folder, or that of its manifest. */
+    bool has_file_name = task->format == CONUS_FORMAT_AFNI;
+    const conus_volume_info *info = has_file_name ? conus_atlas_volume(atlas, 0) : NULL;
+    const char *first = has_file_name ? conus_atlas_file(atlas, 0) : NULL;
+    const char *sidecar = NULL;
+    size_t size = 0;
+    char angle[32], reading[64];
+    snprintf(angle, sizeof angle, "%.17g", settings->aim.angle);
+    settings_pose_text(reading, &settings->file);
+    conus_status status = conus_batch_sidecar(&sidecar, &size, task->batch);
+    const char *const sources[] = {angle,
+                                   reading,
+                                   conus_batch_header(task->batch),
+                                   task->pose_hash,
+                                   conus_pose_stream_space(task->poses),
+                                   conus_pose_stream_coordsystem_sha256(task->poses),
+                                   format,
+                                   info ? path_name(info->path) : "",
+                                   first && strcmp(first, asked) == 0 ? path_name(asked) : NULL,
+                                   NULL};
+    int code = status        ? print_status(status)
+               : task->piped ? EXIT_DONE
+                             : provenance_hash_file(task->pose_hash, settings->poses);
+    return code ? code : batch_fingerprint(task->fingerprint, sidecar, &task->atlases, sources);
+}
+
+/* Whether an earlier run has written all of it; takes over what that run counted. */
+static bool is_complete(struct batch_task *task)
+{
+    struct batch_record record;
+    struct stat info;
+    if (batch_file_is_begun(task->output) || access(task->output, F_OK) || access(task->sidecar, F_OK) ||
+        batch_record_read(&record, task->sidecar) || strcmp(record.fingerprint, task->fingerprint) != 0 ||
+        record.shard.index != task->shard.index || record.shard.count != task->shard.count ||
+        stat(task->output, &info) || (uint64_t)info.st_size != record.bytes) {
+        return false;
+    }
+    task->file.poses = record.poses;
+    task->file.errors = record.errors;
+    task->file.is_finished = true;
+    return true;
+}
+
+int batch_task_open_output(struct batch_task *task)
+{
+    const struct batch_settings *settings = task->settings;
+    char fingerprint[160];
+    if (!task->output) {
+        const char *header_row = conus_batch_header(task->batch);
+        return output_write(NULL, header_row, strlen(header_row));
+    }
+    int code = identify(task);
+    if (code || (settings->resume && is_complete(task))) {
+        return code;
+    }
+    const char *there = access(task->output, F_OK) == 0 ? task->output : task->sidecar;
+    if (!batch_file_is_begun(task->output) && !settings->force && access(there, F_OK) == 0) {
+        return print_usage_error("%s: there is a file already; --force replaces it", there);
+    }
+    snprintf(fingerprint, sizeof fingerprint, "%s %" PRIu64 "/%" PRIu64, task->fingerprint, task->shard.index,
+             task->shard.count);
+    return batch_file_open(&task->file, task->output, fingerprint, conus_batch_header(task->batch),
+                           settings->force    ? BATCH_FORCE
+                           : settings->resume ? BATCH_RESUME
+                                              : BATCH_ANEW);
+}
+
+int batch_task_skip(struct batch_task *task, uint64_t poses)
+{
+    conus_status status = poses ? conus_pose_stream_skip(task->poses, poses) : CONUS_OK;
+    return status ? print_status(status) : EXIT_DONE;
+}
+
+void batch_task_start_progress(struct batch_task *task)
+{
+    const struct batch_settings *settings = task->settings;
+    progress_start(&task->progress, (enum progress_kind)settings->progress, settings->common.quiet, "poses", 0);
+    task->progress.before = task->file.poses;
+    if (progress_is_shown(&task->progress)) {
+        uint64_t total = task->count;
+        bool known = total != UINT64_MAX || conus_pose_stream_count(&total, task->poses) == CONUS_OK;
+        task->progress.total = known ? total : 0;
+    }
+}
+
+void batch_task_keep_error(struct batch_task *task, const conus_batch_block *block)
+{
+    struct first_error *first = &task->first_error;
+    if (block->errors && !first->line) {
+        first->line = block->line;
+        snprintf(first->why, sizeof first->why, "%s", block->why);
+    }
+}
+
+void batch_task_say_errors(const struct batch_task *task)
+{
+    const struct first_error *first = &task->first_error;
+    char where[sizeof first->why + 64] = "";
+    if (first->line) {
+        snprintf(where, sizeof where, ", the first in line %" PRIu64 ": %s", first->line, first->why);
+    }
+    if (task->file.errors && !task->settings->is_again) {
+        print_error_line("%s: no answer to %" PRIu64 " of %" PRIu64 " poses%s",
+                         settings_poses_name(task->settings->poses), task->file.errors, task->file.poses, where);
+    }
+}
+
+void batch_task_find_astray(struct batch_task *task)
+{
+    for (size_t i = 0; i < task->atlases.count; i++) {
+        task->aimed[i].found = conus_batch_astray_at(task->batch, i);
+    }
+}
+
+void batch_task_say_astray(const struct batch_task *task)
+{
+    aim_notes_say(task->aimed, task->atlases.count, settings_poses_name(task->settings->poses),
+                  &task->settings->common);
+}
+
+char *batch_resuming(const struct arguments *arguments)
+{
+    static char resume[] = "--resume";
+    struct arguments changed = *arguments;
+    changed.count = 0;
+    changed.words = calloc((size_t)arguments->count + 1, sizeof *changed.words);
+    if (!changed.words) {
+        return NULL;
+    }
+    for (int i = 0; i < arguments->count; i++) {
+        if (strcmp(arguments->words[i], "--force") != 0 && strcmp(arguments->words[i], "--resume") != 0) {
+            changed.words[changed.count++] = arguments->words[i];
+        }
+    }
+    changed.words[changed.count++] = resume;
+    char *text = arguments_text(&changed);
+    free(changed.words);
+    return text;
+}
+
+int batch_task_interrupted(const struct batch_task *task, int signal)
+{
+    char *command = task->output && !task->piped ? batch_resuming(task->arguments) : NULL;
+    print_error_line("interrupted after %" PRIu64 " poses%s%s", task->file.poses, command ? "; continue with: " : "",
+                     command ? command : "");
+    free(command);
+    return 128 + signal;
+}
+
+int batch_task_check_poses(struct batch_task *task)
+{
+    char hash[65] = "";
+    conus_status status = task->piped ? CONUS_OK : conus_pose_stream_sha256(hash, task->poses);
+    if (status) {
+        return print_status(status);
+    }
+    if (strcmp(hash, task->pose_hash) != 0) {
+        print_error_line("%s: changed while it was read", task->settings->poses);
+        return EXIT_DATA;
+    }
+    return EXIT_DONE;
+}
+
+int batch_task_finish_output(struct batch_task *task)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    conus_status status = conus_batch_sidecar(&text, &size, task->batch);
+    if (status) {
+        return print_status(status);
+    }
+    struct batch_record record = {
+        .shard = task->shard,
+        .first = task->first,
+        .poses = task->file.poses,
+        .errors = task->file.errors,
+        .bytes = task->file.size,
+        .header_size = strlen(conus_batch_header(task->batch)),
+        .crc = task->file.crc,
+        .pose_file = task->settings->poses,
+        .pose_hash = task->pose_hash,
+        .coordsystem = conus_pose_stream_coordsystem(task->poses),
+        .coordsystem_hash = conus_pose_stream_coordsystem_sha256(task->poses),
+        .level_file = settings_level_file(&task->settings->engine),
+        .angle = settings_angle(&task->settings->aim, &task->settings->engine) * (180 / M_PI),
+        .has_angles = conus_pose_stream_has_angles(task->poses),
+        .has_ranges = conus_pose_stream_has_ranges(task->poses),
+        .has_points = conus_pose_stream_has_points(task->poses),
+    };
+    memcpy(record.fingerprint, task->fingerprint, sizeof record.fingerprint);
+    const struct engine_settings *engine = &task->settings->engine;
+    bool of_shanks =
+        format_is_of_probe(task->format) && (engine->range[1] > 0 || record.has_ranges); /* contacts have no range */
+    const struct rows_kind *of_axis = task->settings->of_axis ? task->settings->of_axis
+                                      : of_shanks             ? &settings_axis_rows[0]
+                                                              : NULL;
+    const struct question question = {
+        .arguments = task->arguments,
+        .rows = of_axis                   ? of_axis->word
+                : task->settings->summary ? "summaries"
+                                          : "answers",
+        .region = of_axis              ? "axis"
+                  : engine->radius > 0 ? "cylinder"
+                                       : "cone",
+    };
+    int code = batch_record_write(task->sidecar, text, &record, task->command_line, &question);
+    return code ? code : batch_file_finish(&task->file);
+}
+
+void batch_task_finish(struct batch_task *task)
+{
+    batch_file_close(&task->file);
+    conus_batch_destroy(task->batch);
+    for (size_t i = 0; task->aimed && i < task->atlases.count; i++) {
+        conus_selector_destroy(task->aimed[i].selector);
+    }
+    free(task->aimed);
+    atlases_finish(&task->atlases);
+    conus_pose_stream_destroy(task->poses);
+    free(task->sidecar);
+    free(task->command_line);
+}
