@@ -401,7 +401,6 @@ conus_status colour_program_create(GLuint *out, const struct program_shader *ver
 }
 
 static const struct program_shader screen = {.file = "screen.vert.glsl", .text = shader_screen_vert};
-static const struct program_shader tile = {.file = "tile.vert.glsl", .text = shader_tile_vert};
 
 static conus_status need_program(GLuint *program, const struct program_shader *vertex, enum colour_program kind,
                                  const struct colour_pass *pass)
@@ -467,20 +466,11 @@ static bool has_layers(const struct colour_pass *pass, const struct colour_view 
     return view->opacity || pass->has_haze || pass->around_count;
 }
 
-conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view, bool smooth)
+conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view)
 {
     bool layers = has_layers(pass, view);
-    enum colour_program kind = layers ? COLOUR_LAYERS : COLOUR_RAYS;
-    conus_status status = need_program(layers ? &pass->layer_program : &pass->program, &screen, kind, pass);
-    if (!status && smooth) {
-        status = need_program(layers ? &pass->layer_tile_program : &pass->tile_program, &tile, kind, pass);
-    }
-    return status;
-}
-
-GLuint colour_pass_tile_program(const struct colour_pass *pass, const struct colour_view *view)
-{
-    return has_layers(pass, view) ? pass->layer_tile_program : pass->tile_program;
+    return need_program(layers ? &pass->layer_program : &pass->program, &screen, layers ? COLOUR_LAYERS : COLOUR_RAYS,
+                        pass);
 }
 
 /* GL ignores the number 0. */
@@ -610,9 +600,7 @@ void colour_pass_finish(struct colour_pass *pass)
         glDeleteBuffers(sizeof buffers / sizeof *buffers, buffers);
         glDeleteVertexArrays(1, &pass->vertices);
         glDeleteProgram(pass->program);
-        glDeleteProgram(pass->tile_program);
         glDeleteProgram(pass->layer_program);
-        glDeleteProgram(pass->layer_tile_program);
     }
     memory_free(pass->colours);
     memory_free(pass->shown);
@@ -678,6 +666,7 @@ void colour_pass_prepare(const struct colour_pass *pass, const struct colour_vie
     glBindTextures(0, sizeof textures / sizeof *textures, textures);
     glBindBufferBase(GL_UNIFORM_BUFFER, 0, pass->view);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, pass->palette);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, view->tiles ? view->tiles : pass->palette); /* or any, not read */
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 2, pass->opacities);
     glBindVertexArray(pass->vertices);
     glUseProgram(layers ? pass->layer_program : pass->program);

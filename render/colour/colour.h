@@ -20,7 +20,7 @@
 
 enum {
     COLOUR_MARKER_LIMIT = 64,
-    COLOUR_TILE = 8 /**< Pixels along the edge of the squares that the tile program draws. */
+    COLOUR_TILE = 4 /**< Pixels along the edge of the squares that colour_view.tiles is about. */
 };
 
 /** A volume as the colour pass holds it: the box of voxels around which anything is visible. */
@@ -34,10 +34,8 @@ struct colour_volume {
 
 /** GL objects of one atlas; everything here happens in the context that was current at colour_pass_init(). */
 struct colour_pass {
-    GLuint program;      /**< Over one triangle on the screen.                   */
-    GLuint tile_program; /**< Draws squares of the screen (shaders/tile.vert.glsl); 0 until edges are smoothed for the
-                              first time. */
-    GLuint layer_program, layer_tile_program; /**< The same for translucent pictures; 0 until one is drawn. */
+    GLuint program;       /**< Over one triangle on the screen. */
+    GLuint layer_program; /**< The same for translucent pictures; 0 until one is drawn. */
     GLuint view, palette, opacities, vertices, transfer, objects;
     struct colour_volume areas, context, haze;
     struct haze_choice hazy;           /**< Pathways that are haze.                */
@@ -70,6 +68,8 @@ struct colour_view {
     bool no_skipping;
     double draft;                   /**< mm; fewer streamlines, at least so wide: see tube_layer.h. 0 = all. */
     struct gl_listener listener;    /**< Hears of pieces of streamlines, and of each time that rays are cast. */
+    GLuint tiles;                   /**< Buffer of a number for each square of COLOUR_TILE pixels, row by row: what has 0
+                                         is not drawn. 0 = all is drawn. */
     double shift[2];                /**< From pixel centres to rays, in pixels, right and up.                   */
     const double *world_from_cone;  /**< NULL = no cone; else its apex and frame, looking down -z.      */
     double cone_slope, cone_radius; /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */
@@ -100,11 +100,8 @@ conus_status colour_pass_init(struct colour_pass *out, const conus_atlas *atlas,
                               struct haze_choice *hazy, struct colour_fields *fields, uint64_t max_memory);
 void colour_pass_finish(struct colour_pass *pass);
 
-/** Compiles the programs that @p view needs, also for edges if @p smooth; to be called before drawing. */
-conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view, bool smooth);
-
-/** The program for tiles of @p view. */
-GLuint colour_pass_tile_program(const struct colour_pass *pass, const struct colour_view *view);
+/** Compiles the program that @p view needs; to be called before drawing. */
+conus_status colour_pass_need(struct colour_pass *pass, const struct colour_view *view);
 
 /** Updates the hidden objects. */
 conus_status colour_pass_update(struct colour_pass *pass, const conus_atlas *atlas, uint64_t max_memory);

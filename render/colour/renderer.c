@@ -15,15 +15,6 @@ enum { TILE = COLOUR_TILE, RAYS = 4 };
 
 #define THRESHOLD 0.05F /* of white, linear radiance times opacity */
 
-struct tile {
-    uint16_t x, y; /* of its first pixel */
-};
-
-struct tiles {
-    struct tile *items;
-    size_t count;
-};
-
 static bool differ(const float *a, const float *b)
 {
     float most = 0;
@@ -33,67 +24,54 @@ static bool differ(const float *a, const float *b)
     return most > THRESHOLD;
 }
 
-/* Whether a pixel of the tile differs from its right or upper neighbour, which may lie in the next tile. */
-static bool has_edge(const float *rgba, const struct target *target, struct tile tile)
+static size_t tiles_along(size_t pixels)
 {
-    for (size_t y = tile.y; y < (size_t)tile.y + TILE && y < target->height; y++) {
-        for (size_t x = tile.x; x < (size_t)tile.x + TILE && x < target->width; x++) {
-            const float *pixel = rgba + 4 * (y * target->width + x);
-            if ((x + 1 < target->width && differ(pixel, pixel + 4)) ||
-                (y + 1 < target->height && differ(pixel, pixel + (size_t)4 * target->width))) {
-                return true;
+    return (pixels + TILE - 1) / TILE;
+}
+
+/* Marks the tiles of which a pixel differs from its right or upper neighbour, which may lie in the next tile.
+ * Returns whether there are any. */
+static bool find_edge_tiles(uint32_t *tiles, const float *rgba, const struct target *target)
+{
+    const size_t width = target->width;
+    const size_t across = tiles_along(width);
+    bool found = false;
+    for (size_t y = 0; y < target->height; y++) {
+        for (size_t x = 0; x < width; x++) {
+            const float *pixel = rgba + 4 * (y * width + x);
+            bool right = x + 1 < width && differ(pixel, pixel + 4);
+            bool above = y + 1 < target->height && differ(pixel, pixel + 4 * width);
+            if (right || above) {
+                tiles[y / TILE * across + x / TILE] = 1;
+                found = true;
             }
         }
     }
-    return false;
+    return found;
 }
 
-static conus_status find_edge_tiles(struct tiles *out, const float *rgba, const struct target *target)
-{
-    size_t across = (target->width + TILE - 1) / TILE;
-    size_t upward = (target->height + TILE - 1) / TILE;
-    out->items = memory_raw(across * upward, sizeof *out->items);
-    if (!out->items) {
-        return CONUS_ERROR_MEMORY;
-    }
-    for (size_t n = 0; n < across * upward; n++) {
-        struct tile tile = {(uint16_t)(n % across * TILE), (uint16_t)(n / across * TILE)};
-        if (has_edge(rgba, target, tile)) {
-            out->items[out->count++] = tile;
-        }
-    }
-    return CONUS_OK;
-}
-
-/* Adds the tiles' pictures, a quarter each, by rays through four places of each pixel, a rotated square. */
-static conus_status draw_tiles(const struct tiles *tiles, const struct target *target, const struct colour_pass *pass,
+/* Adds the pictures of the tiles in `buffer`, a quarter each, by rays through four places of each pixel, a rotated
+ * square. */
+static conus_status draw_tiles(GLuint buffer, const struct target *target, const struct colour_pass *pass,
                                const struct colour_view *view)
 {
     static const double places[RAYS][2] = {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}};
-    GLuint buffer = 0;
-    glCreateBuffers(1, &buffer);
-    glNamedBufferData(buffer, (GLsizeiptr)(tiles->count * sizeof *tiles->items), tiles->items, GL_STREAM_DRAW);
     glBlendColor(0, 0, 0, 1.0F / RAYS);
     glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE);
     conus_status status = CONUS_OK;
     for (int n = 0; n < RAYS && !status; n++) {
         struct colour_view shifted = *view;
         memcpy(shifted.shift, places[n], sizeof shifted.shift);
+        shifted.tiles = buffer;
         status = gl_tell(&view->listener, (size_t)n, RAYS);
         status = status ? status : colour_pass_begin(pass, &shifted);
-        if (status) {
-            break;
+        if (!status) {
+            target_bind(target);
+            glEnable(GL_BLEND);
+            status = colour_pass_draw(pass, &shifted);
         }
-        target_bind(target);
-        glEnable(GL_BLEND);
-        colour_pass_prepare(pass, &shifted);
-        glUseProgram(colour_pass_tile_program(pass, &shifted));
-        glUniform2f(0, (float)view->width, (float)view->height);
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, buffer);
-        glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)tiles->count);
     }
     glDisable(GL_BLEND);
-    glDeleteBuffers(1, &buffer);
     return status;
 }
 
@@ -101,27 +79,31 @@ static conus_status draw_tiles(const struct tiles *tiles, const struct target *t
 static conus_status smooth_edges(float *rgba, const struct target *target, const struct colour_pass *pass,
                                  const struct colour_view *view)
 {
-    struct tiles tiles = {0};
+    const size_t across = tiles_along(target->width);
+    const size_t count = across * tiles_along(target->height);
     float *smooth = memory_raw((size_t)target->width * target->height, 4 * sizeof *smooth);
-    conus_status status = smooth ? find_edge_tiles(&tiles, rgba, target) : CONUS_ERROR_MEMORY;
-    if (!status && tiles.count) {
+    uint32_t *tiles = memory_zeroed(count, sizeof *tiles);
+    conus_status status = smooth && tiles ? CONUS_OK : CONUS_ERROR_MEMORY;
+    if (!status && find_edge_tiles(tiles, rgba, target)) {
+        GLuint buffer = 0;
+        glCreateBuffers(1, &buffer);
+        glNamedBufferData(buffer, (GLsizeiptr)(count * sizeof *tiles), tiles, GL_STREAM_DRAW);
         target_bind(target);
         target_clear(target);
-        status = draw_tiles(&tiles, target, pass, view);
+        status = draw_tiles(buffer, target, pass, view);
         status = status ? status : target_read(target, "colour", smooth);
-        if (!status) {
-            for (size_t n = 0; n < tiles.count; n++) {
-                size_t x = tiles.items[n].x;
-                size_t width = target->width - x < TILE ? target->width - x : TILE;
-                for (size_t y = tiles.items[n].y; y < (size_t)tiles.items[n].y + TILE && y < target->height; y++) {
-                    size_t first = 4 * (y * target->width + x);
-                    memcpy(rgba + first, smooth + first, 4 * width * sizeof *rgba);
+        glDeleteBuffers(1, &buffer);
+        for (size_t y = 0; y < target->height && !status; y++) {
+            for (size_t x = 0; x < target->width; x++) {
+                size_t pixel = 4 * (y * target->width + x);
+                if (tiles[y / TILE * across + x / TILE]) {
+                    memcpy(rgba + pixel, smooth + pixel, 4 * sizeof *rgba);
                 }
             }
         }
     }
     memory_free(smooth);
-    memory_free(tiles.items);
+    memory_free(tiles);
     return status;
 }
 
@@ -282,7 +264,7 @@ conus_status renderer_draw(float *rgba, conus_renderer *renderer, const struct c
     if (status) {
         return status;
     }
-    status = colour_pass_need(pass, view, smooth);
+    status = colour_pass_need(pass, view);
     status = status ? status : target_init(&target, view->width, view->height, &colour, 1);
     status = status ? status : colour_pass_begin(pass, view);
     if (!status) {

@@ -22,7 +22,7 @@ layout(std140, binding = 0) uniform View
     vec4 cone_colour;       // of walls and axis; w: a wall's opacity
     vec4 line;              // x: radius of the axis, y: half the width of the rim and the footprint's outline, mm;
                             // zw: shift of the rays from the pixels' centres, pixels
-    ivec4 counts;           // x: markers; y: 1 where there are meshes; z: layers of translucent ones
+    ivec4 counts;           // x: markers; y: 1 where there are meshes; z: layers of translucent ones; w: 1 to draw only tiles
     vec4 markers[MARKER_LIMIT]; // xyz: centre, w: radius
     vec4 marker_colours[MARKER_LIMIT];
     mat4 haze_from_camera;
@@ -45,6 +45,10 @@ layout(std430, binding = 0) readonly buffer Palette
 #if SLICES
 layout(location = 0) flat in float slice; // number of the plane that is drawn
 #endif
+layout(std430, binding = 1) readonly buffer Tiles
+{
+    uint tiles[]; // with counts.w those of the picture, row by row: 0 = not to be drawn
+};
 layout(location = 0) out vec4 colour; // linear radiance times opacity, opacity
 
 const uint TUBE_OWN_COLOUR = 0x80000000u; // as in tube_layer.h
@@ -55,6 +59,15 @@ const float HATCH = 8.0; // pixels from stripe to stripe
 const float NEAR = 0.1; // mm before the eye
 const float NEVER = 1e9;
 const float SURFACE = (float(FIELD_SURFACE) - 0.5) / 255.0;
+
+// Ends the pixels that are not to be drawn.
+void skip_tiles()
+{
+    ivec2 tile = ivec2(gl_FragCoord.xy) / TILE;
+    if (counts.w != 0 && tiles[tile.y * ((int(lens.z) + TILE - 1) / TILE) + tile.x] == 0u) {
+        discard;
+    }
+}
 
 float min3(vec3 v)
 {
@@ -461,6 +474,7 @@ float hit_mesh(inout vec4 sum, Track context, Track areas, vec3 direction, vec3 
 // at bricks where nothing is visible, and only samples where something is.
 void main()
 {
+    skip_tiles();
     vec3 direction = vec3(((gl_FragCoord.xy + line.zw) / lens.zw * 2.0 - 1.0) * lens.xy + middle.xy, -1.0);
     vec3 view = normalize(mat3(world_from_camera) * direction);
     float mm = planes.y * length(direction);

@@ -231,6 +231,7 @@ vec4 with_rest(vec4 sum, Events events, Surface solid, bool is_hit)
 // look at the field, then those that are near a border look at it, and then those that come to a surface shade it.
 void main()
 {
+    skip_tiles();
     vec3 direction = vec3(((gl_FragCoord.xy + line.zw) / lens.zw * 2.0 - 1.0) * lens.xy + middle.xy, -1.0);
     vec3 view = normalize(mat3(world_from_camera) * direction);
     Events events;
