@@ -134,7 +134,7 @@ static void find_in_row(uint32_t *to, const struct cut *cut, const struct volume
         if (walk->right[a] != 0) {
             changing[count++] = a;
         } else {
-            row += steps[a] * (size_t)(stretch->start[a] + 0.5);
+            row += steps[a] * (size_t)(ptrdiff_t)(stretch->start[a] + 0.5); /* to signed numbers is quicker */
         }
     }
     size_t last = SIZE_MAX;
@@ -143,7 +143,7 @@ static void find_in_row(uint32_t *to, const struct cut *cut, const struct volume
         size_t voxel = row;
         for (int n = 0; n < count; n++) {
             int a = changing[n];
-            voxel += steps[a] * (size_t)(stretch->start[a] + column * walk->right[a] + 0.5);
+            voxel += steps[a] * (size_t)(ptrdiff_t)(stretch->start[a] + column * walk->right[a] + 0.5);
         }
         if (voxel != last) {
             object = volume_object(volume, voxel);
@@ -499,7 +499,7 @@ static void blend(uint8_t *pixel, const uint8_t rgb[3], double opacity)
     }
 }
 
-enum { TILE = 16 };
+enum { TILE = 8 };
 
 static const uint8_t cone_rgb[2][3] = {{255, 170, 40}, {180, 180, 180}}; /* grey where it is asked for */
 static const double tint = 0.12;
