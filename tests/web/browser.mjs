@@ -323,6 +323,8 @@ test("what a screen reader gets of the table", { skip }, async (t) => {
 test("a narrow touch screen: tabs, and a tap that sets the target", { skip }, async (t) => {
   const page = await visit(path.join(folder, "aal.html"), t, { viewport: { width: 390, height: 844 }, hasTouch: true });
   await page.locator("tbody tr").first().waitFor(WAIT);
+  const answer = await page.locator("#said").boundingBox();
+  assert.ok(answer.height > 0 && answer.y + answer.height < 844); // without scrolling
   await page.getByRole("tab", { name: "Coronal" }).tap();
   const over = page.locator('[data-pane="1"] .over');
   await over.waitFor();
