@@ -344,13 +344,26 @@ static void what_is_cut_is_found(void **state)
     ui_destroy();
 }
 
+static void letters_that_the_font_lacks_are_known(void **state)
+{
+    (void)state;
+    assert_true(ui_audit_create(1, 200, 100));
+    ui_audit_begin();
+    assert_true(ui_can_write(""));
+    assert_true(ui_can_write("Gyrus rectus, \u00e9 \u0141 \u03b1 \u041a\u043e\u0440\u0430"));
+    assert_false(ui_can_write("left \u6d77\u99ac"));
+    assert_false(ui_can_write("\u0627 left"));
+    ui_audit_end();
+    ui_destroy();
+}
+
 TEST_GROUP(legible)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(contrast_is_that_of_wcag),       cmocka_unit_test(over_is_a_mix),
         cmocka_unit_test(every_text_can_be_read),         cmocka_unit_test(pale_texts_can_be_read),
         cmocka_unit_test(the_widgets_have_these_colours), cmocka_unit_test(what_is_cut_is_found),
-        cmocka_unit_test(nothing_is_cut_at_usual_sizes),
+        cmocka_unit_test(nothing_is_cut_at_usual_sizes),  cmocka_unit_test(letters_that_the_font_lacks_are_known),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

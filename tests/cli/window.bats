@@ -246,6 +246,27 @@ END
     grep -q 'the display or its window manager has not answered for 30 s' said
 }
 
+@test "a window that a starting window manager overlooks is shown all the same" {
+    need_window
+    conus phantom sphere -o . --size 16
+    background timeout $HANG /usr/bin/python3 -B "$BATS_TEST_DIRNAME/x11_client.py" overlook listens
+    wait_until "$child" test -e listens
+    local manager=$child
+    echo settle >script
+    run -0 --separate-stderr timeout 25 "$CONUS" view sphere.nii.gz --script script --quiet
+    [ -z "$stderr" ]
+    wait "$manager"
+}
+
+@test "a session of another version is refused with both versions" {
+    need_window
+    conus phantom sphere -o . --size 16
+    echo '{"conus_session": 9, "atlas": "sphere.nii.gz"}' >other.json
+    echo 'open other.json' >script
+    run -3 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet
+    [[ $stderr == *'"conus_session" is 9, and this conus reads 1: another version wrote it'* ]]
+}
+
 @test "two clicks measure a distance, which sessions keep and figures show" {
     conus phantom slabs -o .
     live slabs.nii.gz

@@ -3,6 +3,8 @@
 
 x11_client.py close WINDOW             as a window manager does
 x11_client.py drop WINDOW PATH...      as a file manager does: XDND 5, text/uri-list; ends when the window took it
+x11_client.py overlook FILE            as a window manager that is just starting: makes FILE when it listens, overlooks
+                                       that a window wants to be shown, and shows one that asks again
 """
 
 import ctypes
@@ -10,7 +12,8 @@ import sys
 import urllib.parse
 
 Long = ctypes.c_ulong
-CLIENT_MESSAGE, SELECTION_REQUEST, SELECTION_NOTIFY = 33, 30, 31
+MAP_REQUEST, SELECTION_REQUEST, SELECTION_NOTIFY, CLIENT_MESSAGE = 20, 30, 31, 33
+SUBSTRUCTURE_REDIRECT = 1 << 20
 
 
 def event(name, *fields):
@@ -24,10 +27,12 @@ Request = event("Request", ("requestor", Long), ("wanted_by", Long), ("selection
                 ("property", Long), ("time", Long))  # the first of these is the owner
 Notify = event("Notify", ("requestor", Long), ("selection", Long), ("target", Long), ("property", Long), ("time", Long))
 
+Mapping = event("Mapping", ("parent", Long), ("window", Long))
+
 
 class Event(ctypes.Union):
     _fields_ = [("type", ctypes.c_int), ("message", Message), ("request", Request), ("notify", Notify),
-                ("room", ctypes.c_long * 24)]
+                ("mapping", Mapping), ("room", ctypes.c_long * 24)]
 
 
 x11 = ctypes.CDLL("libX11.so.6")
@@ -40,6 +45,8 @@ for function, result, arguments in (
         ("XChangeProperty", ctypes.c_int, [ctypes.c_void_p, Long, Long, Long, ctypes.c_int, ctypes.c_int,
                                            ctypes.c_char_p, ctypes.c_int]),
         ("XSendEvent", ctypes.c_int, [ctypes.c_void_p, Long, ctypes.c_int, ctypes.c_long, ctypes.c_void_p]),
+        ("XSelectInput", ctypes.c_int, [ctypes.c_void_p, Long, ctypes.c_long]),
+        ("XMapWindow", ctypes.c_int, [ctypes.c_void_p, Long]),
         ("XNextEvent", ctypes.c_int, [ctypes.c_void_p, ctypes.c_void_p]),
         ("XSync", ctypes.c_int, [ctypes.c_void_p, ctypes.c_int])):
     getattr(x11, function).restype = result
@@ -86,7 +93,22 @@ def drop(window, paths):
             return
 
 
+def overlook(path):
+    x11.XSelectInput(display, x11.XDefaultRootWindow(display), SUBSTRUCTURE_REDIRECT)
+    x11.XSync(display, 0)
+    open(path, "w").close()
+    heard = Event()
+    asked = 0
+    while asked < 2:
+        x11.XNextEvent(display, ctypes.byref(heard))
+        asked += heard.type == MAP_REQUEST
+    x11.XMapWindow(display, heard.mapping.window)
+    x11.XSync(display, 0)
+
+
 if sys.argv[1] == "close":
     send(int(sys.argv[2]), "WM_PROTOCOLS", atom("WM_DELETE_WINDOW"))
+elif sys.argv[1] == "overlook":
+    overlook(sys.argv[2])
 else:
     drop(int(sys.argv[2]), sys.argv[3:])

@@ -55,6 +55,10 @@ static void draw_facts(struct viewer *viewer, const conus_object *object, uint32
     ui_tint(theme_texts[THEME_AMBER]);
     ui_text_wrapped(object->name);
     ui_tint_end();
+    if (!ui_can_write(object->name)) {
+        ui_text_wrapped(
+            "? stands for letters that this window's font does not have. Copied and exported lists have them.");
+    }
     if (object->abbreviation[0] && strcmp(object->abbreviation, object->name) != 0) {
         draw_fact("Abbreviation", object->abbreviation);
     }

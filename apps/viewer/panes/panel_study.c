@@ -9,7 +9,7 @@
 #include <stdio.h>
 
 enum { PLOT_HEIGHT = 120, LINES = 6, TIP_ROWS = 10, SAMPLE_CHOICES = 17 };
-static const float name_width = 118, bar_width = 40, gap = 6; /* pixels at scale 1 */
+static const float name_width = 118; /* pixels at scale 1 */
 
 static const ui_colour ground = {24, 25, 30, 255};
 static const ui_colour grid = {255, 255, 255, 40};
@@ -182,32 +182,21 @@ static void draw_name(struct viewer *viewer, uint32_t object, const char *tip)
     }
 }
 
-static void draw_part(double part, float width, ui_colour colour)
+static void draw_number(double part, const char *format)
 {
     char text[32];
-    ui_cell();
-    ui_bar(part, width, colour);
-    ui_same_line();
-    snprintf(text, sizeof text, "%.2f %%", 100 * part);
+    snprintf(text, sizeof text, format, 100 * part);
     ui_text_right(text);
 }
 
-static void draw_percent(double part)
+/* Widths that hold in the first frame already: names, and columns that are as wide as their headings or numbers. */
+static void find_widths(float *out, const struct window *window, const char *const *headings, size_t count,
+                        const char *longest)
 {
-    char text[32];
-    snprintf(text, sizeof text, "%.2f %%", 100 * part);
-    ui_cell();
-    ui_text_right(text);
-}
-
-/* Widths that hold in the first frame already: names, a bar with its number, and numbers. */
-static void find_widths(float out[4], const struct window *window, const char *const *headings)
-{
-    float scale = window->screen.scale;
-    float number = ui_text_width("100.00 %");
-    out[0] = name_width * scale;
-    out[1] = fmaxf((bar_width + gap) * scale + number, ui_text_width(headings[1]));
-    out[2] = out[3] = number;
+    out[0] = name_width * window->screen.scale;
+    for (size_t i = 1; i < count; i++) {
+        out[i] = fmaxf(ui_text_width(longest), ui_text_width(headings[i]));
+    }
 }
 
 static void draw_shares(struct window *window, const struct study_answer *answer, const struct study_table *table,
@@ -217,15 +206,18 @@ static void draw_shares(struct window *window, const struct study_answer *answer
     struct viewer *viewer = window->viewer;
     snprintf(at, sizeof at, "share at %.4g\u00b0", answer->angles[angle]);
     const char *columns[3] = {"area", at, "most"};
-    float widths[4];
-    find_widths(widths, window, columns);
+    float widths[3];
+    find_widths(widths, window, columns, 3, "100.00 %");
     if (ui_table("shares", columns, widths, 3, LINES * ui_line())) {
         for (size_t i = 0; i < table->curve_count; i++) {
             const struct study_curve *curve = &table->curves[i];
             ui_id(curve->object);
             draw_name(viewer, curve->object, "click: choose it");
-            draw_part(curve->shares[angle], bar_width * window->screen.scale, colour_of(viewer, curve->object));
-            draw_percent(curve->most);
+            ui_cell();
+            ui_underline(curve->shares[angle], colour_of(viewer, curve->object));
+            draw_number(curve->shares[angle], "%.2f %%");
+            ui_cell();
+            draw_number(curve->most, "%.2f %%");
             ui_id_end();
         }
         ui_list_end();
@@ -248,10 +240,10 @@ static void tip_of_chance(char tip[CHANCE_TIP], const conus_chance *chance)
 
 static void draw_chances(struct window *window, const struct study_table *table)
 {
-    static const char *const columns[] = {"area", "hit", "\u00b1", "seen"};
+    static const char *const columns[] = {"area", "hit %", "\u00b1 %", "seen %"};
     struct viewer *viewer = window->viewer;
     float widths[4];
-    find_widths(widths, window, columns);
+    find_widths(widths, window, columns, 4, "100.00");
     if (ui_table("chances", columns, widths, 4, (LINES + 2) * ui_line())) {
         for (size_t i = 0; i < table->chance_count; i++) {
             const conus_chance *chance = &table->chances[i];
@@ -259,9 +251,13 @@ static void draw_chances(struct window *window, const struct study_table *table)
             tip_of_chance(tip, chance);
             ui_id(chance->object);
             draw_name(viewer, chance->object, tip);
-            draw_part(chance->hit, bar_width * window->screen.scale, colour_of(viewer, chance->object));
-            draw_percent(chance->hit_error);
-            draw_percent(chance->seen);
+            ui_cell();
+            ui_underline(chance->hit, colour_of(viewer, chance->object));
+            draw_number(chance->hit, "%.2f");
+            ui_cell();
+            draw_number(chance->hit_error, "%.2f");
+            ui_cell();
+            draw_number(chance->seen, "%.2f");
             ui_id_end();
         }
         ui_list_end();

@@ -379,8 +379,12 @@ bool session_read(struct window *window, json_t *root, char why[PROPERTY_REASON]
     struct session session = {.columns = viewer->list.columns,
                               .score = viewer_find_score(json_string_value(json_object_get(root, "score")))};
     session_fit(root, window);
-    if (json_integer_value(json_object_get(root, "conus_session")) != SESSION_VERSION) {
-        return session_refuse(why, "no session of this version of conus view");
+    json_int_t version = json_integer_value(json_object_get(root, "conus_session"));
+    if (version != SESSION_VERSION) {
+        return session_refuse(why,
+                              "session: \"conus_session\" is %" JSON_INTEGER_FORMAT
+                              ", and this conus reads %d: another version wrote it",
+                              version, SESSION_VERSION);
     }
     take_values(session.values, window);
     bool fine = read_values(session.values, root, why) &&

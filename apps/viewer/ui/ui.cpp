@@ -448,15 +448,16 @@ void ui_chip(const char *id, ui_colour colour)
                        ImGuiColorEditFlags_NoTooltip | ImGuiColorEditFlags_NoDragDrop, ImVec2(edge, edge));
 }
 
-void ui_bar(double part, float width, ui_colour colour)
+bool ui_can_write(const char *text)
 {
-    ImVec2 at = ImGui::GetCursorScreenPos();
-    float height = 0.8F * ImGui::GetTextLineHeight();
-    ImDrawList *list = ImGui::GetWindowDrawList();
-    list->AddRectFilled(at, ImVec2(at.x + width, at.y + height), ImGui::GetColorU32(IM_COL32(128, 128, 128, 60)));
-    list->AddRectFilled(at, ImVec2(at.x + width * static_cast<float>(part), at.y + height),
-                        ImGui::GetColorU32(packed(colour))); // as pale as what is around it
-    ImGui::Dummy(ImVec2(width, height));
+    unsigned int letter;
+    for (int size = 1; *text && size; text += size) {
+        size = ImTextCharFromUtf8(&letter, text, nullptr);
+        if (size && !ImGui::GetFont()->FindGlyphNoFallback(static_cast<ImWchar>(letter))) {
+            return false;
+        }
+    }
+    return true;
 }
 
 bool ui_row(const char *label, bool selected)

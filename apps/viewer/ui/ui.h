@@ -102,7 +102,7 @@ bool ui_type(const char *label, char *text, size_t size, const char *hint);
 bool ui_type_path(const char *label, char *text, size_t size, const char *folder, bool selects, bool *is_set);
 bool ui_escaped(void);                          /**< Escape was pressed. */
 void ui_chip(const char *id, ui_colour colour); /**< A small square. */
-void ui_bar(double part, float width, ui_colour colour);
+bool ui_can_write(const char *text);            /**< Whether the font has all its letters; others are shown as "?". */
 bool ui_row(const char *label, bool selected); /**< A line that can be clicked. */
 bool ui_section(const char *label, bool open); /**< A heading that folds what is below. */
 /** A node of a tree; true while it is open, to be ended by ui_tree_end(). */

@@ -26,15 +26,20 @@ static std::string cut_to(const char *text, float room)
     return shown + "...";
 }
 
-extern "C" {
-
-bool ui_list(const char *id, const float *widths, size_t count, float height)
+static float width_of(const float *widths, size_t count)
 {
     float wanted = ImGui::GetStyle().ScrollbarSize;
     for (size_t i = 0; i < count; i++) {
         wanted += widths[i] + 2 * ImGui::GetStyle().CellPadding.x + 1;
     }
-    bool fits = wanted <= ImGui::GetContentRegionAvail().x;
+    return wanted;
+}
+
+extern "C" {
+
+bool ui_list(const char *id, const float *widths, size_t count, float height)
+{
+    bool fits = width_of(widths, count) <= ImGui::GetContentRegionAvail().x;
     ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit |
                             ImGuiTableFlags_BordersInnerV | ImGuiTableFlags_NoSavedSettings |
                             (fits ? 0 : ImGuiTableFlags_ScrollX);
@@ -78,6 +83,9 @@ bool ui_list_heading(const char *text, bool right)
 
 bool ui_table(const char *id, const char *const *headings, const float *widths, size_t count, float height)
 {
+    if (width_of(widths, count) > ImGui::GetContentRegionAvail().x) {
+        audit_within(id, 0); // its last columns are out of sight
+    }
     if (!ui_list(id, widths, count, height)) {
         return false;
     }

@@ -15,7 +15,7 @@ static ImVec4 from_theme(ui_colour c)
 
 static bool load_font(float scale)
 {
-    static const ImWchar ranges[] = {0x20, 0x24f, 0x370, 0x3ff, 0x2010, 0x2044, 0x2190, 0x22ff, 0};
+    static const ImWchar ranges[] = {0x20, 0x24f, 0x370, 0x52f, 0x2010, 0x2044, 0x2190, 0x22ff, 0};
     static const ImWchar ascii[] = {0x20, 0x7e, 0};
     ImGuiIO &io = ImGui::GetIO();
     io.Fonts->Clear();

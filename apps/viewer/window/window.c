@@ -346,10 +346,21 @@ static GLFWwindow *make_window(const struct window_options *options, int api)
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 4);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
-    glfwWindowHint(GLFW_VISIBLE, options->hidden ? GLFW_FALSE : GLFW_TRUE);
+    glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
     glfwWindowHint(GLFW_SCALE_TO_MONITOR,
                    place->known ? GLFW_FALSE : GLFW_TRUE); /* a size that was left is of pixels */
     return glfwCreateWindow(place->width, place->height, "conus", NULL, NULL);
+}
+
+/* Maps the window. GLFW waits for that: for 0.1 s where no event is queued, else without an end, which a window manager
+ * that starts at the same moment and overlooks the window never ends. So the queue is emptied, and it is mapped again. */
+static void show(GLFWwindow *handle)
+{
+    enum { TRIES = 50 };
+    for (int i = 0; i < TRIES && !glfwGetWindowAttrib(handle, GLFW_VISIBLE); i++) {
+        glfwPollEvents();
+        glfwShowWindow(handle);
+    }
 }
 
 /* Places the window, as large as it was asked for or as the screen asks for, but no larger than the screen. */
@@ -430,6 +441,9 @@ bool window_open(struct window *out, const struct window_options *options)
     window.handle = make_window(options, GLFW_EGL_CONTEXT_API);
     if (!window.handle) {
         window.handle = make_window(options, GLFW_NATIVE_CONTEXT_API);
+    }
+    if (window.handle && !options->hidden) {
+        show(window.handle);
     }
     alarm(0);
     if (!window.handle) {
