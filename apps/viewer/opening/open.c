@@ -562,7 +562,7 @@ static bool open_anew(struct window *window, const json_t *words, const struct v
         window->history.session_path = saved;
         window->forms.added = (struct added_form){.open = lists, .kind = ADD_ATLAS, .is_set = true};
         viewer_say(window->viewer, "%s",
-                   fine ? "the same questions for other atlases; no change before this is taken back" : refused);
+                   fine ? "opened with these atlases; Ctrl+Z takes back what comes from now on" : refused);
     } else {
         free(saved);
     }
