@@ -63,10 +63,10 @@ struct conus_pose_stream {
     struct pose_table table;
     struct pose_strings strings; /* of the rows of the last block */
     struct pose_candidates candidates;
-    conus_pose_list whole; /* rows of a format that is read whole, and all notes */
-    uint64_t taken;        /* rows read or passed over */
-    struct extent extent;  /* of the rows read, */
-    bool is_partial;       /* some of which were passed over */
+    conus_pose_list list; /* rows of a format that is read whole, and all notes */
+    uint64_t taken;       /* rows read or passed over */
+    struct extent extent; /* of the rows read, */
+    bool is_partial;      /* some of which were passed over */
 };
 
 static conus_status fail_of(const conus_pose_stream *stream, conus_status status)
@@ -134,10 +134,10 @@ static conus_status read_header(conus_pose_stream *stream)
         return fail(CONUS_ERROR_DATA, "no poses: " POSE_FORMATS " is needed");
     }
     return line.too_long ? fail(CONUS_ERROR_DATA, "header: a line of more than %d bytes", POSE_LINE_LIMIT)
-                         : pose_table_header(&stream->table, &stream->whole.notes, line.text, &stream->options);
+                         : pose_table_header(&stream->table, &stream->list.notes, line.text, &stream->options);
 }
 
-static bool is_whole(const conus_pose_stream *stream)
+static bool is_read_whole(const conus_pose_stream *stream)
 {
     return pose_format_parser(stream->format) != NULL;
 }
@@ -167,10 +167,10 @@ static conus_status note_extent(conus_pose_stream *stream)
     if (!near_origin && !near_each_other) {
         return CONUS_OK;
     }
-    const char *source = conus_pose_list_coordsystem(&stream->whole); /* says that they are in mm; "" if none does */
+    const char *source = conus_pose_list_coordsystem(&stream->list); /* says that they are in mm; "" if none does */
     const char *slash = strrchr(source, '/');
     source = slash ? slash + 1 : source;
-    return notes_warn(&stream->whole.notes,
+    return notes_warn(&stream->list.notes,
                       "all positions lie within %s, as if they were in metres; they are taken as mm%s%s%s",
                       near_origin ? "1 mm of the origin" : "0.2 mm of each other", source[0] ? ", as " : "", source,
                       source[0] ? " says" : "");
@@ -181,12 +181,12 @@ static conus_status read_whole(conus_pose_stream *stream)
     struct bytes bytes = {0};
     conus_status status =
         (stream->format == CONUS_POSE_FORMAT_ELECTRODES || stream->format == CONUS_POSE_FORMAT_NIBS) && stream->path
-            ? pose_coordsystem_find(&stream->whole, stream->path)
+            ? pose_coordsystem_find(&stream->list, stream->path)
             : CONUS_OK;
     status = status ? status : pose_lines_rest(&bytes, &stream->lines, pose_memory(&stream->options));
     const struct text text = {(const char *)bytes.data, bytes.size};
     if (!status && stream->options.format == CONUS_POSE_FORMAT_AUTO) {
-        status = pose_format_of_matlab(&stream->format, &stream->whole, text, &stream->options);
+        status = pose_format_of_matlab(&stream->format, &stream->list, text, &stream->options);
     }
     bool is_read = !stream->options.format && stream->format == CONUS_POSE_FORMAT_LEAD_DBS;
     if (!status && !stream->options.format && stream->format == CONUS_POSE_FORMAT_MARKUPS) { /* or another's JSON */
@@ -200,18 +200,18 @@ static conus_status read_whole(conus_pose_stream *stream)
                       "positions of format %s are not in space %s, which tables, points, ibl and nwb may be",
                       conus_pose_format_name(stream->format), conus_space_name((size_t)stream->options.space));
     }
-    status = status || is_read ? status : pose_format_parser(stream->format)(&stream->whole, text, &stream->options);
+    status = status || is_read ? status : pose_format_parser(stream->format)(&stream->list, text, &stream->options);
     if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {
         /* The table as it is, for an answer that adds columns to it. */
         bool is_text = !text.size || !memchr(text.data, '\0', text.size);
-        stream->whole.electrodes = is_text ? memory_text(text.data, text.size) : NULL;
-        status = !is_text                   ? fail(CONUS_ERROR_DATA, "a zero byte: not a table of electrodes")
-                 : stream->whole.electrodes ? CONUS_OK
-                                            : CONUS_ERROR_MEMORY;
+        stream->list.electrodes = is_text ? memory_text(text.data, text.size) : NULL;
+        status = !is_text                  ? fail(CONUS_ERROR_DATA, "a zero byte: not a table of electrodes")
+                 : stream->list.electrodes ? CONUS_OK
+                                           : CONUS_ERROR_MEMORY;
     }
     bytes_finish(&bytes);
-    for (size_t i = 0; !status && i < stream->whole.count; i++) {
-        extent_add(&stream->extent, &stream->whole.rows[i]);
+    for (size_t i = 0; !status && i < stream->list.count; i++) {
+        extent_add(&stream->extent, &stream->list.rows[i]);
     }
     return status ? status : note_extent(stream);
 }
@@ -227,7 +227,7 @@ static conus_status begin_text(conus_pose_stream *stream)
         return fail(CONUS_ERROR_DATA, "shafts are of electrodes (BIDS), not of %s",
                     conus_pose_format_name(stream->format));
     }
-    if (is_whole(stream)) {
+    if (is_read_whole(stream)) {
         return read_whole(stream);
     }
     if (stream->format == CONUS_POSE_FORMAT_TABLE) {
@@ -281,7 +281,7 @@ static conus_status open_path(conus_pose_stream *stream, const char *path)
     if (!stream->name) {
         return CONUS_ERROR_MEMORY;
     }
-    stream->whole.sink.path = stream->name;
+    stream->list.sink.path = stream->name;
     stream->path = is_stdin(path) ? NULL : path;
     stream->descriptor = is_stdin(path) ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
     stream->owned = !is_stdin(path) && stream->descriptor >= 0;
@@ -318,8 +318,8 @@ static conus_status create_stream(conus_pose_stream **out, const conus_pose_opti
     stream->descriptor = -1;
     stream->stop = -1;
     stream->lines.descriptor = -1;
-    stream->whole.sink = (struct note_sink){options->log, options->log_user, NULL};
-    stream->whole.notes.sink = &stream->whole.sink;
+    stream->list.sink = (struct note_sink){options->log, options->log_user, NULL};
+    stream->list.notes.sink = &stream->list.sink;
     *out = stream;
     return CONUS_OK;
 }
@@ -378,7 +378,7 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
     pose_lines_finish(&stream->lines);
     pose_strings_finish(&stream->strings);
     pose_candidates_finish(&stream->candidates);
-    pose_list_finish(&stream->whole);
+    pose_list_finish(&stream->list);
     memory_free(stream->name);
     memory_free(stream);
 }
@@ -433,10 +433,10 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
     conus_status status = capacity ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "capacity: 0 rows, allowed is 1 or more");
     pose_strings_clear(&stream->strings);
     while (!status && found && got < capacity) {
-        if (is_whole(stream)) {
-            found = stream->taken < stream->whole.count;
+        if (is_read_whole(stream)) {
+            found = stream->taken < stream->list.count;
             if (found) {
-                rows[got] = stream->whole.rows[stream->taken];
+                rows[got] = stream->list.rows[stream->taken];
             }
         } else {
             status = (stream->candidates.count ? make_row : read_row)(&rows[got], stream, &found);
@@ -456,8 +456,8 @@ conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows)
     conus_status status = CONUS_OK;
     stream->is_partial = stream->is_partial || rows;
     pose_strings_clear(&stream->strings);
-    if (is_whole(stream) || stream->candidates.count) {
-        uint64_t left = (is_whole(stream) ? stream->whole.count : stream->candidates.count) - stream->taken;
+    if (is_read_whole(stream) || stream->candidates.count) {
+        uint64_t left = (is_read_whole(stream) ? stream->list.count : stream->candidates.count) - stream->taken;
         stream->taken += rows < left ? rows : left;
         return CONUS_OK;
     }
@@ -493,8 +493,8 @@ static conus_status count_again(uint64_t *count, const conus_pose_stream *stream
 
 conus_status conus_pose_stream_count(uint64_t *count, conus_pose_stream *stream)
 {
-    if (is_whole(stream) || stream->candidates.count) {
-        *count = is_whole(stream) ? stream->whole.count : stream->candidates.count;
+    if (is_read_whole(stream) || stream->candidates.count) {
+        *count = is_read_whole(stream) ? stream->list.count : stream->candidates.count;
         return CONUS_OK;
     }
     uint64_t lines = 0;
@@ -513,12 +513,12 @@ conus_pose_format conus_pose_stream_format(const conus_pose_stream *stream)
 
 const char *conus_pose_stream_space(const conus_pose_stream *stream)
 {
-    return stream ? stream->whole.space.name : "";
+    return stream ? stream->list.space.name : "";
 }
 
 bool conus_pose_stream_is_live(const conus_pose_stream *stream)
 {
-    return stream->stop >= 0 && !is_whole(stream);
+    return stream->stop >= 0 && !is_read_whole(stream);
 }
 
 void conus_pose_stream_stop(conus_pose_stream *stream)
@@ -534,12 +534,12 @@ void conus_pose_stream_stop(conus_pose_stream *stream)
 
 bool conus_pose_stream_has_times(const conus_pose_stream *stream)
 {
-    if (!is_whole(stream)) {
+    if (!is_read_whole(stream)) {
         return stream->format == CONUS_POSE_FORMAT_TABLE && pose_table_has_times(&stream->table);
     }
-    bool found = stream->whole.count == 0;
-    for (size_t i = 0; i < stream->whole.count && !found; i++) {
-        found = !isnan(stream->whole.rows[i].time_s);
+    bool found = stream->list.count == 0;
+    for (size_t i = 0; i < stream->list.count && !found; i++) {
+        found = !isnan(stream->list.rows[i].time_s);
     }
     return found;
 }
@@ -547,8 +547,8 @@ bool conus_pose_stream_has_times(const conus_pose_stream *stream)
 bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 {
     bool found = stream->format == CONUS_POSE_FORMAT_TABLE && pose_table_has_angles(&stream->table);
-    for (size_t i = 0; is_whole(stream) && i < stream->whole.count; i++) {
-        found = found || stream->whole.rows[i].angle != 0;
+    for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
+        found = found || stream->list.rows[i].angle != 0;
     }
     return found;
 }
@@ -562,15 +562,15 @@ bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)
 {
     bool found = stream->format == CONUS_POSE_FORMAT_POINTS;
-    for (size_t i = 0; is_whole(stream) && i < stream->whole.count; i++) {
-        found = found || stream->whole.rows[i].is_point;
+    for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
+        found = found || stream->list.rows[i].is_point;
     }
     return found;
 }
 
 const char *conus_pose_stream_electrodes(const conus_pose_stream *stream)
 {
-    return conus_pose_list_electrodes(&stream->whole);
+    return conus_pose_list_electrodes(&stream->list);
 }
 
 uint64_t pose_stream_position(const conus_pose_stream *stream)
@@ -580,12 +580,12 @@ uint64_t pose_stream_position(const conus_pose_stream *stream)
 
 const char *conus_pose_stream_coordsystem(const conus_pose_stream *stream)
 {
-    return stream ? conus_pose_list_coordsystem(&stream->whole) : "";
+    return stream ? conus_pose_list_coordsystem(&stream->list) : "";
 }
 
 const char *conus_pose_stream_coordsystem_sha256(const conus_pose_stream *stream)
 {
-    return stream ? stream->whole.coordsystem_sha256 : "";
+    return stream ? stream->list.coordsystem_sha256 : "";
 }
 
 conus_status conus_pose_stream_sha256(char out[65], conus_pose_stream *stream)
@@ -597,18 +597,18 @@ conus_status conus_pose_stream_sha256(char out[65], conus_pose_stream *stream)
 
 conus_status conus_pose_stream_match(conus_pose_stream *stream, const conus_atlas *atlas)
 {
-    return pose_space_match(&stream->whole.notes, &stream->whole.space, atlas);
+    return pose_space_match(&stream->list.notes, &stream->list.space, atlas);
 }
 
 const char *conus_pose_stream_note(const conus_pose_stream *stream, size_t index)
 {
-    return stream && index < stream->whole.notes.count ? stream->whole.notes.lines[index] : NULL;
+    return stream && index < stream->list.notes.count ? stream->list.notes.lines[index] : NULL;
 }
 
 static conus_status read_all(conus_pose_list *list, conus_pose_stream *stream)
 {
     enum { BLOCK = 64 };
-    conus_pose_list *whole = &stream->whole;
+    conus_pose_list *whole = &stream->list;
     conus_pose_row rows[BLOCK];
     size_t count = 0;
     conus_status status = CONUS_OK;

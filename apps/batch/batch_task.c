@@ -46,7 +46,7 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
     }
     return settings_check_score(&settings->engine, false) &&
            settings_check_shape(&settings->aim, &settings->engine, arguments) &&
-           settings_check_space(arguments, &settings->aim.space);
+           space_settings_check(arguments, &settings->aim.space);
 }
 
 int batch_task_init(struct batch_task *out, const struct batch_settings *settings, const struct arguments *arguments)
@@ -78,7 +78,7 @@ int batch_task_init(struct batch_task *out, const struct batch_settings *setting
 static int open_poses(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    const conus_pose_options options = settings_pose_options(&settings->file, &task->frame, settings->atlas.max_memory);
+    const conus_pose_options options = pose_settings_options(&settings->file, &task->frame, settings->atlas.max_memory);
     int code = batch_shard(&task->shard, settings);
     if (code) {
         return code;
@@ -93,9 +93,9 @@ static int open_poses(struct batch_task *task)
     }
     conus_status status = conus_pose_stream_open(&task->poses, settings->poses, &options);
     if (status) {
-        return settings_print_poses_error(status, settings->poses, "poses", task->arguments);
+        return pose_settings_print_error(status, settings->poses, "poses", task->arguments);
     }
-    code = settings_check_electrodes(task->format, conus_pose_stream_electrodes(task->poses), settings->poses);
+    code = pose_settings_check_electrodes(task->format, conus_pose_stream_electrodes(task->poses), settings->poses);
     if (code) {
         return code;
     }
@@ -136,7 +136,7 @@ static int check_files(const struct batch_task *task)
         if (asprintf(&path, "%s%s", written[i].path, written[i].ending) < 0) {
             return print_no_memory();
         }
-        const char *input = atlases_input(&task->atlases, inputs, path);
+        const char *input = atlases_find_input(&task->atlases, inputs, path);
         code = input ? print_usage_error("--%s would overwrite %s %s", option, input, path) : EXIT_DONE;
         free(path);
     }
@@ -146,15 +146,16 @@ static int check_files(const struct batch_task *task)
 int batch_task_open(struct batch_task *task)
 {
     const struct batch_settings *settings = task->settings;
-    bool late = settings_space_needs_atlas(&settings->aim.space);
+    bool late = space_settings_needs_atlas(&settings->aim.space);
     int code = late ? atlases_load_all(&task->atlases, &settings->atlas, &settings->context) : EXIT_DONE;
-    code = code ? code : settings_frame(&task->frame, &task->atlases, &settings->aim.space, settings->common.quiet);
+    code =
+        code ? code : space_settings_frame(&task->frame, &task->atlases, &settings->aim.space, settings->common.quiet);
     code = code ? code : open_poses(task);
     code = code || late ? code : atlases_load_all(&task->atlases, &settings->atlas, &settings->context);
     code = code ? code : check_files(task);
     return code ? code
-                : settings_match_stream(task->poses, settings->poses, &task->atlases, &settings->file,
-                                        &settings->common);
+                : pose_settings_match_stream(task->poses, settings->poses, &task->atlases, &settings->file,
+                                             &settings->common);
 }
 
 int batch_task_build(struct batch_task *task)
@@ -218,7 +219,7 @@ static int identify(struct batch_task *task)
     size_t size = 0;
     char angle[32], reading[64];
     snprintf(angle, sizeof angle, "%.17g", settings->aim.angle);
-    settings_pose_text(reading, &settings->file);
+    pose_settings_text(reading, &settings->file);
     conus_status status = conus_batch_sidecar(&sidecar, &size, task->batch);
     const char *const sources[] = {angle,
                                    reading,
@@ -313,7 +314,7 @@ void batch_task_say_errors(const struct batch_task *task)
     }
     if (task->file.errors && !task->settings->is_again) {
         print_error_line("%s: no answer to %" PRIu64 " of %" PRIu64 " poses%s",
-                         settings_poses_name(task->settings->poses), task->file.errors, task->file.poses, where);
+                         pose_settings_file_name(task->settings->poses), task->file.errors, task->file.poses, where);
     }
 }
 
@@ -326,7 +327,7 @@ void batch_task_find_astray(struct batch_task *task)
 
 void batch_task_say_astray(const struct batch_task *task)
 {
-    aim_notes_say(task->aimed, task->atlases.count, settings_poses_name(task->settings->poses),
+    aim_notes_say(task->aimed, task->atlases.count, pose_settings_file_name(task->settings->poses),
                   &task->settings->common);
 }
 

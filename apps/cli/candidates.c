@@ -191,7 +191,7 @@ static int take_points(struct place *place, const conus_pose_list *list)
     for (size_t i = 0; points && i < count && !code; i++) {
         const conus_pose_row *row = conus_pose_list_row(list, i);
         if (row->error) {
-            code = print_usage_error("%s:%zu: %s", settings_poses_name(place->path), row->line, row->error);
+            code = print_usage_error("%s:%zu: %s", pose_settings_file_name(place->path), row->line, row->error);
         } else {
             memcpy(points[i], row->pose.world_from_device + 12, sizeof points[i]);
         }
@@ -227,7 +227,7 @@ static int load_points(struct place *place, const struct request *request, bool 
     conus_status status = conus_pose_list_load(&list, place->path, &options);
     if (!status) {
         const struct request_settings *settings = request->settings;
-        int code = settings_match_poses(list, place->path, &request->atlases, &settings->file, &settings->common);
+        int code = pose_settings_match_list(list, place->path, &request->atlases, &settings->file, &settings->common);
         code = code ? code : take_points(place, list);
         conus_pose_list_destroy(list);
         return code;

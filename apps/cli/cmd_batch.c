@@ -59,7 +59,7 @@ static int answer_poses(struct batch_task *task)
         say_findings(task);
     }
     if (is_whole && !task->file.poses && task->shard.count == 1) {
-        settings_say_no_poses(task->settings->poses, &task->settings->common);
+        pose_settings_say_none(task->settings->poses, &task->settings->common);
     }
     return delivery.code ? delivery.code : signal ? batch_task_interrupted(task, signal) : EXIT_DONE;
 }

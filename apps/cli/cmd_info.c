@@ -506,7 +506,7 @@ static int load_and_write(const struct atlas_name *name, const struct info_setti
     struct atlas_settings wanted = settings->atlas;
     conus_atlas *atlas = NULL;
     wanted.labels = atlas_name_labels(name, wanted.labels);
-    int code = settings_load_atlas(&atlas, name->path, &wanted);
+    int code = atlas_input_load(&atlas, name->path, &wanted);
     if (code) {
         return code;
     }

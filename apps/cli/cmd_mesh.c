@@ -135,9 +135,9 @@ static int run_mesh(const void *given, const struct arguments *arguments)
         return print_usage_error("--pass-band has no effect with --smooth 0");
     }
     conus_atlas *atlas = NULL;
-    int code = settings_load_atlas(&atlas, arguments->operands[0], &atlas_settings);
+    int code = atlas_input_load(&atlas, arguments->operands[0], &atlas_settings);
     if (!code) {
-        settings_say_notes(atlas, &settings->common);
+        atlas_notes_say(atlas, &settings->common);
         conus_status status = conus_atlas_write_meshes(atlas, settings->output, &options);
         code = status ? print_status(status) : EXIT_DONE;
     }

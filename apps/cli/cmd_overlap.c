@@ -76,7 +76,7 @@ static bool region_is_atlas(const struct overlap *overlap, const char *path)
     const struct atlas_settings *given = &overlap->settings->request.atlas;
     const struct atlas_settings settings = {.max_memory = given->max_memory, .no_cache = given->no_cache};
     conus_atlas *atlas = NULL;
-    bool is_atlas = !settings_load_atlas(&atlas, path, &settings) && conus_atlas_object_count(atlas) > 1;
+    bool is_atlas = !atlas_input_load(&atlas, path, &settings) && conus_atlas_object_count(atlas) > 1;
     conus_atlas_destroy(atlas);
     return is_atlas;
 }
@@ -161,8 +161,8 @@ static int answer_overlap(struct overlap *overlap)
         return print_failure(overlap, region_path(overlap, 0), code);
     }
     messages_hold(false);
-    code = settings_frame(&request->frame, &request->atlases, &request->settings->aim.space,
-                          request->settings->common.quiet);
+    code = space_settings_frame(&request->frame, &request->atlases, &request->settings->aim.space,
+                                request->settings->common.quiet);
     conus_report_options report = request_report_options(request);
     report.rows = CONUS_ROWS_COVERAGES;
     report.no_voxels = true;
@@ -189,7 +189,7 @@ static int run_overlap(const void *given, const struct arguments *arguments)
     if (option_given(arguments, "threshold") && settings->threshold == 0) {
         return print_usage_error("--threshold: 0 would take the whole volume; leave it out for a mask");
     }
-    if (!settings_check_space(arguments, &settings->request.aim.space)) {
+    if (!space_settings_check(arguments, &settings->request.aim.space)) {
         return EXIT_USAGE;
     }
     int code = request_init(&overlap.request, &settings->request, arguments);

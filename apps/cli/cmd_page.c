@@ -372,13 +372,13 @@ static int run_page(const void *given, const struct arguments *arguments)
     }
     int code = read_template(&template, settings.template);
     code = code ? code : atlas_name_find(&name, arguments->operands[0]);
-    code = code ? code : settings_load_atlas(&page.atlas, arguments->operands[0], &atlas_settings);
-    code = code ? code : settings_load_context(page.atlas, settings.context, 0, &atlas_settings);
+    code = code ? code : atlas_input_load(&page.atlas, arguments->operands[0], &atlas_settings);
+    code = code ? code : atlas_input_load_context(page.atlas, settings.context, 0, &atlas_settings);
     code = code ? code : list_files(&page, name.path);
     code = code ? code : check_size(&page);
     page.out = code ? NULL : open_memstream(&text, &size);
     if (page.out) {
-        settings_say_notes(page.atlas, &settings.common);
+        atlas_notes_say(page.atlas, &settings.common);
         if (settings.context && !settings.common.quiet) {
             print_error_line("note: %s: a face can be recognised in an image of a head; all who have the page see it",
                              settings.context);

@@ -384,7 +384,7 @@ static int open_poses(void *user)
         return EXIT_DONE;
     }
     conus_status status = conus_pose_stream_open(&request->stream, path, &options);
-    return status ? settings_print_poses_error(status, path, "poses", request->arguments) : EXIT_DONE;
+    return status ? pose_settings_print_error(status, path, "poses", request->arguments) : EXIT_DONE;
 }
 
 static bool show_tried(void *user, size_t done, size_t total)
@@ -557,7 +557,7 @@ static int check_candidates(struct planning *planning)
     const conus_plan_faults faults = conus_plan_rejected(planning->plan);
     struct request *request = &planning->request;
     const char *from = planning->candidates.from.path;
-    const char *path = from ? from : settings_poses_name(request->settings->aim.pose);
+    const char *path = from ? from : pose_settings_file_name(request->settings->aim.pose);
     uint64_t tried = conus_plan_left(planning->plan, 0);
     uint64_t rows = tried + faults.count;
     if (!tried && planning->journal.shard.count > 1) { /* others may have some */
@@ -788,7 +788,7 @@ static int run_plan(const void *given, const struct arguments *arguments)
                 read_top(&planning.top, settings->top) && read_step(&planning.step, option_key(arguments, "profile")) &&
                 read_pivot(&planning.pivot, settings->pivot) && read_box(&planning.pivot, settings->box) &&
                 (!settings->jitter || settings_jitter(&planning.jitter, settings->jitter, settings->samples, true)) &&
-                settings_check_space(arguments, &settings->request.aim.space);
+                space_settings_check(arguments, &settings->request.aim.space);
     code = code || fits ? code : EXIT_USAGE;
     code = code ? code : request_init(&planning.request, &settings->request, arguments);
     bool replaces = false;

@@ -195,7 +195,7 @@ static int check_poses(const struct query_run *run)
     size_t count = conus_pose_list_count(poses);
     const struct option *of_one = option_with(run->request.arguments, OPTION_OF_ONE_POSE);
     if (of_one && count != 1) {
-        return print_usage_error("--%s shows one pose, %s has %zu", of_one->name, settings_poses_name(aim->pose),
+        return print_usage_error("--%s shows one pose, %s has %zu", of_one->name, pose_settings_file_name(aim->pose),
                                  count);
     }
     for (size_t i = 0; i < count && aim->angle != 0; i++) {
@@ -204,7 +204,7 @@ static int check_poses(const struct query_run *run)
         }
     }
     return count && aim->angle != 0 ? print_usage_error("--angle has no effect: every pose in %s has its own",
-                                                        settings_poses_name(aim->pose))
+                                                        pose_settings_file_name(aim->pose))
                                     : EXIT_DONE;
 }
 
@@ -382,7 +382,7 @@ static int answer_one(struct query_run *run)
     struct query query = {.id = "1"};
     bool fault = false;
     if (option_given(request->arguments, "point")) {
-        int code = settings_point(query.point, run->settings->point, &request->frame, "point");
+        int code = space_settings_point(query.point, run->settings->point, &request->frame, "point");
         if (code) {
             return code;
         }
@@ -552,14 +552,14 @@ static int find_poses(conus_pose *out, size_t count, const struct query_run *run
     size_t found = poses ? conus_pose_list_count(poses) : 1;
     if (found != count) {
         print_error_line("%s: found %zu poses, wanted are %zu: each probe of %s has one of its own",
-                         poses ? settings_poses_name(request->settings->aim.pose) : "--origin", found, count,
+                         poses ? pose_settings_file_name(request->settings->aim.pose) : "--origin", found, count,
                          run->settings->probe);
         return EXIT_DATA;
     }
     for (size_t i = 0; i < count && poses; i++) {
         const conus_pose_row *row = conus_pose_list_row(poses, i);
         if (row->error || row->is_point) {
-            print_error_line("%s:%zu: %s", settings_poses_name(request->settings->aim.pose), row->line,
+            print_error_line("%s:%zu: %s", pose_settings_file_name(request->settings->aim.pose), row->line,
                              row->error ? row->error : "a point, without the direction that a probe needs");
             return EXIT_DATA;
         }
@@ -614,7 +614,8 @@ static int load_poses(void *user)
     if (!code && poses) {
         code = check_poses(run);
     }
-    return code ? code : settings_check_electrodes(request->format, conus_pose_list_electrodes(request->poses), poses);
+    return code ? code
+                : pose_settings_check_electrodes(request->format, conus_pose_list_electrodes(request->poses), poses);
 }
 
 static int answer_query(struct query_run *run)
@@ -693,7 +694,7 @@ static int run_query(const void *given, const struct arguments *arguments)
 {
     const struct query_settings *settings = given;
     bool fits = option_given(arguments, "point")
-                    ? settings_check_space(arguments, &settings->request.aim.space)
+                    ? space_settings_check(arguments, &settings->request.aim.space)
                     : request_check(&settings->request, arguments, false) && settings_check_aim(arguments, true);
     if (!fits || !check_outputs(settings, arguments)) {
         return EXIT_USAGE;

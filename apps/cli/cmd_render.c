@@ -648,24 +648,24 @@ static bool check_settings(const struct render_settings *settings, const struct 
                          settings->context.files.items[0]);
         return false;
     }
-    return settings_check_space(arguments, &settings->aim.space);
+    return space_settings_check(arguments, &settings->aim.space);
 }
 
 static int load_poses(conus_pose_list **out, const struct picture *picture, const char *path)
 {
     const struct render_settings *settings = picture->settings;
     const conus_pose_options options =
-        settings_pose_options(&settings->file, &picture->frame, settings->atlas.max_memory);
+        pose_settings_options(&settings->file, &picture->frame, settings->atlas.max_memory);
     conus_status status = conus_pose_list_load(out, path, &options);
-    return status ? settings_print_poses_error(status, path, "pose", picture->arguments) : EXIT_DONE;
+    return status ? pose_settings_print_error(status, path, "pose", picture->arguments) : EXIT_DONE;
 }
 
 static int match_poses(const struct picture *picture, conus_pose_list *poses, const char *path)
 {
     struct named_atlas atlas = {.atlas = picture->atlas};
     const struct render_settings *settings = picture->settings;
-    return settings_match_poses(poses, path, &(struct atlases){.items = &atlas, .count = 1}, &settings->file,
-                                &settings->common);
+    return pose_settings_match_list(poses, path, &(struct atlases){.items = &atlas, .count = 1}, &settings->file,
+                                    &settings->common);
 }
 
 /* The file's one pose. */
@@ -678,8 +678,8 @@ static int load_camera(struct picture *picture)
     const conus_pose_row *row = conus_pose_list_row(list, 0);
     if (!code && conus_pose_list_count(list) != 1) {
         code = print_usage_error("%s has %zu poses, a camera takes one", path, conus_pose_list_count(list));
-    } else if (!code && settings_row_error(row)) {
-        print_error_line("%s:%zu: %s", path, row->line, settings_row_error(row));
+    } else if (!code && pose_settings_row_error(row)) {
+        print_error_line("%s:%zu: %s", path, row->line, pose_settings_row_error(row));
         code = EXIT_DATA;
     } else if (!code) {
         picture->camera = row->pose;
@@ -710,7 +710,7 @@ static int find_rows(struct picture *picture)
     if (!path) {
         return EXIT_DONE;
     }
-    picture->rows.file = settings_poses_name(path);
+    picture->rows.file = pose_settings_file_name(path);
     int code = load_poses(&picture->poses, picture, path);
     code = code ? code
                 : render_rows_choose(&picture->rows, picture->poses, &settings->choice, settings->output,
@@ -746,7 +746,7 @@ static int check_outputs(const struct picture *picture)
     size_t count = picture->poses ? picture->rows.count : 1;
     for (size_t i = 0; i < count; i++) {
         const char *output = picture->poses ? picture->rows.items[i].path : settings->output;
-        const char *input = output ? settings_input(picture->atlas, inputs, output) : NULL;
+        const char *input = output ? atlas_input_find(picture->atlas, inputs, output) : NULL;
         if (input) {
             return print_usage_error("--output would overwrite %s %s", input, output);
         }
@@ -757,7 +757,7 @@ static int check_outputs(const struct picture *picture)
 static int load_atlas(struct picture *picture)
 {
     const struct render_settings *settings = picture->settings;
-    int code = settings_load_atlas(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
+    int code = atlas_input_load(&picture->atlas, picture->arguments->operands[0], &settings->atlas);
     code = code ? code : context_choice_load(picture->atlas, &settings->context, &settings->atlas);
     return code ? code : translucent_find(&picture->translucent, picture->atlas, &settings->translucent);
 }
@@ -901,8 +901,8 @@ static int draw_row(struct picture *picture, const struct drawn_row *drawn)
 {
     const struct render_settings *settings = picture->settings;
     const conus_pose_row *row = drawn->row;
-    if (settings_row_error(row)) {
-        return refuse_row(picture, row, settings_row_error(row), EXIT_DATA);
+    if (pose_settings_row_error(row)) {
+        return refuse_row(picture, row, pose_settings_row_error(row), EXIT_DATA);
     }
     double angle = row->angle != 0 ? row->angle : settings_angle(&settings->aim, &settings->engine);
     bool fault = conus_selector_set_range(picture->selector, row->range) != CONUS_OK;
@@ -939,7 +939,7 @@ static int draw_probes(struct picture *picture, const struct drawn_row *rows, si
     int code = probes && segments ? EXIT_DONE : print_no_memory();
     for (size_t i = 0; probes && segments && i < row_count && !code; i++) {
         const conus_pose_row *row = rows[i].row;
-        const char *error = settings_row_error(row);
+        const char *error = pose_settings_row_error(row);
         conus_status status = error ? CONUS_ERROR_DATA : conus_selector_set_range(picture->selector, row->range);
         status = status ? status : conus_segments_create(&segments[count], picture->selector, &row->pose);
         if (status) {
@@ -974,7 +974,7 @@ static int draw_rows(struct picture *picture)
     const struct drawn_rows *rows = &picture->rows;
     int code = EXIT_DONE;
     if (!rows->count) {
-        settings_say_no_poses(picture->settings->aim.pose, &picture->settings->common);
+        pose_settings_say_none(picture->settings->aim.pose, &picture->settings->common);
     }
     if (picture->settings->strips) {
         return draw_probes(picture, rows->items, rows->count);
@@ -1018,12 +1018,12 @@ static int run_render(const void *given, const struct arguments *arguments)
         return EXIT_USAGE;
     }
     struct picture picture = {.settings = settings, .arguments = arguments};
-    bool late = settings_space_needs_atlas(&settings->aim.space);
+    bool late = space_settings_needs_atlas(&settings->aim.space);
     int code = late ? load_atlas(&picture) : EXIT_DONE;
     struct named_atlas named = {.atlas = picture.atlas};
     code = code ? code
-                : settings_frame(&picture.frame, &(struct atlases){.items = &named, .count = 1}, &settings->aim.space,
-                                 settings->common.quiet);
+                : space_settings_frame(&picture.frame, &(struct atlases){.items = &named, .count = 1},
+                                       &settings->aim.space, settings->common.quiet);
     code = code ? code : find_camera(&picture);
     code = code ? code : find_rows(&picture);
     code = code || late ? code : load_atlas(&picture);
@@ -1045,7 +1045,7 @@ static int run_render(const void *given, const struct arguments *arguments)
         aim_notes_say(&aimed, 1, picture.rows.count > 1 ? picture.rows.file : NULL, &settings->common);
     }
     if (!code) {
-        settings_say_notes(picture.atlas, &settings->common);
+        atlas_notes_say(picture.atlas, &settings->common);
         code = picture.failed ? EXIT_DIFFERENT : EXIT_DONE;
     }
     picture_finish(&picture);

@@ -244,7 +244,7 @@ static void say_unused_errors(const struct sweep *sweep)
         if (said) {
             print_error_line(
                 "note: %s: error_deg and error_mm are not used, --jitter %s is; --jitter columns takes them",
-                settings_poses_name(sweep->settings->request.aim.pose), sweep->settings->jitter);
+                pose_settings_file_name(sweep->settings->request.aim.pose), sweep->settings->jitter);
         }
     }
 }

@@ -242,7 +242,7 @@ static int answer_station(struct track *track)
     interrupt_catch(NULL);
     if (!track->request.settings->common.quiet) {
         char text[160];
-        settings_station_text(text, sizeof text, track->station, &update);
+        station_settings_text(text, sizeof text, track->station, &update);
         print_error_line("%s", text);
     }
     while (!code && !interrupt_signal() && !(seconds > 0 && clock_ms() - begun >= 1e3 * seconds)) {
@@ -272,7 +272,7 @@ static int answer_all(struct track *track)
     } while (!code && count);
     interrupt_release();
     if (!code && !rows) {
-        settings_say_no_poses(track->request.settings->aim.pose, &track->request.settings->common);
+        pose_settings_say_none(track->request.settings->aim.pose, &track->request.settings->common);
     }
     return code ? code : write_steps(track); /* without a step there is still a header row */
 }
@@ -321,15 +321,15 @@ static int open_poses(void *user)
     struct request *request = &track->request;
     const char *path = request->settings->aim.pose;
     if (!path) {
-        return settings_start_station(&track->station, &track->settings->station);
+        return station_settings_start(&track->station, &track->settings->station);
     }
     const conus_pose_options options = request_pose_options(request);
     conus_status status = conus_pose_stream_open(&request->stream, path, &options);
     if (!status && !conus_pose_stream_has_times(request->stream)) {
-        print_error_line("%s: no time_s in it, which every step needs", settings_poses_name(path));
+        print_error_line("%s: no time_s in it, which every step needs", pose_settings_file_name(path));
         return EXIT_DATA;
     }
-    return status ? settings_print_poses_error(status, path, "poses", request->arguments) : EXIT_DONE;
+    return status ? pose_settings_print_error(status, path, "poses", request->arguments) : EXIT_DONE;
 }
 
 static int answer_track(struct track *track)
@@ -369,7 +369,7 @@ static int run_track(const void *given, const struct arguments *arguments)
         return print_usage_error(live ? "poses come from a file or from a tracker, not from both"
                                       : "no poses: --poses FILE, or a tracker by --listen or --connect");
     }
-    if (!settings_check_station(&settings->station, arguments) || !request_check(&settings->request, arguments, true)) {
+    if (!station_settings_check(&settings->station, arguments) || !request_check(&settings->request, arguments, true)) {
         return EXIT_USAGE;
     }
     struct track track = {.settings = settings};

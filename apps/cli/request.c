@@ -25,7 +25,7 @@ bool request_check(const struct request_settings *settings, const struct argumen
 {
     return settings_check_score(&settings->engine, has_history) &&
            settings_check_shape(&settings->aim, &settings->engine, arguments) &&
-           settings_check_space(arguments, &settings->aim.space);
+           space_settings_check(arguments, &settings->aim.space);
 }
 
 int request_init(struct request *out, const struct request_settings *settings, const struct arguments *arguments)
@@ -81,7 +81,7 @@ int request_check_outputs(const struct request *request, const char *matrix)
     }
     for (size_t i = 0; i < request->outputs.count; i++) {
         const struct output *output = &request->outputs.items[i];
-        const char *input = atlases_input(&request->atlases, inputs, output->path);
+        const char *input = atlases_find_input(&request->atlases, inputs, output->path);
         if (input) {
             return print_usage_error("%s would overwrite %s %s", output->what, input, output->path);
         }
@@ -102,7 +102,7 @@ void request_list_inputs(struct provenance *out, const struct request *request)
 conus_pose_options request_pose_options(const struct request *request)
 {
     const struct request_settings *settings = request->settings;
-    return settings_pose_options(&settings->file, &request->frame, settings->atlas.max_memory);
+    return pose_settings_options(&settings->file, &request->frame, settings->atlas.max_memory);
 }
 
 int request_load_poses(struct request *request)
@@ -110,7 +110,7 @@ int request_load_poses(struct request *request)
     const char *path = request->settings->aim.pose;
     const conus_pose_options options = request_pose_options(request);
     conus_status status = path ? conus_pose_list_load(&request->poses, path, &options) : CONUS_OK;
-    return status ? settings_print_poses_error(status, path, "pose", request->arguments) : EXIT_DONE;
+    return status ? pose_settings_print_error(status, path, "pose", request->arguments) : EXIT_DONE;
 }
 
 int request_load_atlases(struct request *request)
@@ -127,12 +127,13 @@ int request_load_atlases(struct request *request)
 int request_load(struct request *request, int (*load_poses)(void *user), void *user)
 {
     const struct space_settings *space = &request->settings->aim.space;
-    if (settings_space_needs_atlas(space)) {
+    if (space_settings_needs_atlas(space)) {
         int code = request_load_atlases(request);
-        code = code ? code : settings_frame(&request->frame, &request->atlases, space, request->settings->common.quiet);
+        code = code ? code
+                    : space_settings_frame(&request->frame, &request->atlases, space, request->settings->common.quiet);
         return code ? code : load_poses(user);
     }
-    int code = settings_frame(&request->frame, &request->atlases, space, request->settings->common.quiet);
+    int code = space_settings_frame(&request->frame, &request->atlases, space, request->settings->common.quiet);
     code = code ? code : load_poses(user);
     return code ? code : request_load_atlases(request);
 }
@@ -142,11 +143,11 @@ int request_match(struct request *request)
     const struct request_settings *settings = request->settings;
     const char *path = settings->aim.pose;
     if (request->poses) {
-        return settings_match_poses(request->poses, path, &request->atlases, &settings->file, &settings->common);
+        return pose_settings_match_list(request->poses, path, &request->atlases, &settings->file, &settings->common);
     }
-    return request->stream
-               ? settings_match_stream(request->stream, path, &request->atlases, &settings->file, &settings->common)
-               : EXIT_DONE;
+    return request->stream ? pose_settings_match_stream(request->stream, path, &request->atlases, &settings->file,
+                                                        &settings->common)
+                           : EXIT_DONE;
 }
 
 conus_status request_start(struct request *request, const conus_selector_options *options)
@@ -236,7 +237,7 @@ int request_each_row(struct request *request, int (*answer)(void *user, const co
     int code = EXIT_DONE;
     size_t count = conus_pose_list_count(request->poses);
     if (!count) {
-        settings_say_no_poses(request->settings->aim.pose, &request->settings->common);
+        pose_settings_say_none(request->settings->aim.pose, &request->settings->common);
     }
     request_start_progress(request, count);
     for (size_t i = 0; !code && i < count; i++) {
@@ -251,7 +252,7 @@ int request_each_row(struct request *request, int (*answer)(void *user, const co
 int request_skip_row(struct request *request, const conus_pose_row *row, const char *why)
 {
     const char *path = request->rows_of ? request->rows_of : request->settings->aim.pose;
-    print_error_line("%s:%zu: %s", settings_poses_name(path), row->line, why);
+    print_error_line("%s:%zu: %s", pose_settings_file_name(path), row->line, why);
     request->failed = true;
     return EXIT_DONE;
 }
@@ -284,7 +285,7 @@ void request_say_aims(const struct request *request)
             *conus_aims_found(answerer->aims), answerer->selector, at->atlas, at->name, &request->frame, false};
     }
     if (aimed) {
-        aim_notes_say(aimed, count, path ? settings_poses_name(path) : NULL, &request->settings->common);
+        aim_notes_say(aimed, count, path ? pose_settings_file_name(path) : NULL, &request->settings->common);
     }
     free(aimed);
 }

@@ -250,7 +250,7 @@ static int answer_all(struct run *run)
     }
     if (leads && !code) {
         if (!run->batch.file.poses && run->batch.shard.count == 1) {
-            settings_say_no_poses(run->batch.settings->poses, &run->batch.settings->common);
+            pose_settings_say_none(run->batch.settings->poses, &run->batch.settings->common);
         }
         code = batch_task_finish_output(&run->batch);
     }

@@ -509,7 +509,7 @@ static int load_named(conus_atlas **out, const struct atlas_name *name, const st
     return EXIT_DONE;
 }
 
-int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings)
+int atlas_input_load(conus_atlas **out, const char *path, const struct atlas_settings *settings)
 {
     struct atlas_name name = {0};
     struct additions additions = {0};
@@ -521,7 +521,7 @@ int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_
     return code;
 }
 
-int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings)
+int atlas_input_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings)
 {
     const conus_context_options options = {
         .block_threshold = blocks, .max_memory = settings->max_memory, .cache = !settings->no_cache};
@@ -632,7 +632,7 @@ static bool is_label_table(const conus_atlas *atlas, const char *path)
     return paths_equal(beside, path);
 }
 
-const char *settings_input(const conus_atlas *atlas, const struct input *inputs, const char *path)
+const char *atlas_input_find(const conus_atlas *atlas, const struct input *inputs, const char *path)
 {
     static const char *const roles[] = {[CONUS_ROLE_PARCELLATION] = "the atlas",
                                         [CONUS_ROLE_SCALAR] = "a pathway",

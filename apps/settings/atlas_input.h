@@ -25,13 +25,14 @@ const char *atlas_name_labels(const struct atlas_name *name, const char *given);
 
 /** Loads the atlas, a path or the name of an installed one, and adds its pathways and streamlines. Returns the exit
  * code and prints an error unless it is 0, or the settings' progress cancelled. */
-int settings_load_atlas(conus_atlas **out, const char *path, const struct atlas_settings *settings);
+int atlas_input_load(conus_atlas **out, const char *path, const struct atlas_settings *settings);
 
 /** Whether @p why is the library's word for what is no atlas, but can be around one. */
 bool atlas_input_is_image(const char *why);
 
 /** Sets the context, unless @p path is NULL; @p blocks 0 = it does not block. Gives the exit code likewise. */
-int settings_load_context(conus_atlas *atlas, const char *path, double blocks, const struct atlas_settings *settings);
+int atlas_input_load_context(conus_atlas *atlas, const char *path, double blocks,
+                             const struct atlas_settings *settings);
 
 /** Sets each of the files as what is around the areas: a volume in the place of another one, surfaces beside each
  * other. Gives the exit code likewise. */
@@ -48,6 +49,6 @@ struct input {
 
 /** Names the file @p path, "the label table", if it is one of @p inputs or a file that @p atlas was read from, so that
  * no output overwrites it. NULL if it is none of them. */
-const char *settings_input(const conus_atlas *atlas, const struct input *inputs, const char *path);
+const char *atlas_input_find(const conus_atlas *atlas, const struct input *inputs, const char *path);
 
 #endif

@@ -131,7 +131,7 @@ int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_se
         own.pathways = own.only = own.hide = (struct option_list){0};
         own.streamlines = atlases->shared ? own.streamlines : (struct option_list){0};
     }
-    return settings_load_atlas(&item->atlas, item->given, &own);
+    return atlas_input_load(&item->atlas, item->given, &own);
 }
 
 int atlases_load_all(struct atlases *atlases, const struct atlas_settings *settings,
@@ -143,7 +143,7 @@ int atlases_load_all(struct atlases *atlases, const struct atlas_settings *setti
         bool is_missing = !item->atlas;
         code = is_missing ? atlases_load_at(atlases, i, settings) : EXIT_DONE;
         if (is_missing && context && !code) {
-            code = settings_load_context(item->atlas, context->path, context->blocks, settings);
+            code = atlas_input_load_context(item->atlas, context->path, context->blocks, settings);
         }
     }
     return code;
@@ -175,12 +175,12 @@ void atlases_finish(struct atlases *atlases)
     *atlases = (struct atlases){0};
 }
 
-const char *atlases_input(const struct atlases *atlases, const struct input *inputs, const char *path)
+const char *atlases_find_input(const struct atlases *atlases, const struct input *inputs, const char *path)
 {
     const char *what = NULL;
     for (size_t i = 0; i < atlases->count && !what; i++) {
         const struct named_atlas *item = &atlases->items[i];
-        what = paths_equal(item->given, path) ? "the atlas" : settings_input(item->atlas, inputs, path);
+        what = paths_equal(item->given, path) ? "the atlas" : atlas_input_find(item->atlas, inputs, path);
     }
     return what;
 }

@@ -44,7 +44,7 @@ void atlases_finish(struct atlases *atlases);
 
 /** Names the file @p path, "the label table", if it is an atlas as given, one of @p inputs, or a file that the atlases
  * were read from, so that no output overwrites it. NULL if it is none of them. */
-const char *atlases_input(const struct atlases *atlases, const struct input *inputs, const char *path);
+const char *atlases_find_input(const struct atlases *atlases, const struct input *inputs, const char *path);
 
 /** Whether a sidecar can hold the names of all files that were read. Returns the exit code and prints an error unless
  * it is 0. */

@@ -406,19 +406,19 @@ static int load_needles(double **out, conus_constraint *constraint, const char *
                         double far)
 {
     const struct pose_file_settings *settings = places->settings ? places->settings : &(struct pose_file_settings){0};
-    const conus_pose_options options = settings_pose_options(settings, places->frame, 0);
+    const conus_pose_options options = pose_settings_options(settings, places->frame, 0);
     conus_pose_list *poses = NULL;
     conus_status status = conus_pose_list_load(&poses, path, &options);
     if (status) {
         return print_status(status);
     }
-    int code = settings_match_poses(poses, path, places->atlases, places->settings, places->common);
+    int code = pose_settings_match_list(poses, path, places->atlases, places->settings, places->common);
     size_t count = conus_pose_list_count(poses);
     double(*ends)[6] = calloc(count + 1, sizeof *ends);
     code = code || ends ? code : print_no_memory();
     for (size_t i = 0; ends && i < count && !code; i++) {
         const conus_pose_row *row = conus_pose_list_row(poses, i);
-        const char *why = settings_row_error(row);
+        const char *why = pose_settings_row_error(row);
         double range[2] = {isfinite(row->range[0]) ? row->range[0] : 0, isfinite(row->range[1]) ? row->range[1] : far};
         if (!why && !(range[1] > 0)) {
             why = "no far end: neither a column far nor --depth";

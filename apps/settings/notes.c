@@ -97,7 +97,7 @@ static void say_notes(const conus_atlas *atlas, const char *of)
     free((void *)words);
 }
 
-void settings_say_notes(const conus_atlas *atlas, const struct common_settings *settings)
+void atlas_notes_say(const conus_atlas *atlas, const struct common_settings *settings)
 {
     if (!settings->quiet) {
         say_notes(atlas, "");
@@ -314,16 +314,4 @@ void aim_notes_say(const struct aimed *aimed, size_t count, const char *file, co
         }
     }
     free(lines);
-}
-
-void aim_notes_of(const conus_pose *pose, double angle, conus_selector *selector, const conus_atlas *atlas,
-                  const conus_frame *frame, const struct common_settings *settings)
-{
-    conus_aims *aims = NULL;
-    if (settings->quiet || conus_aims_create(&aims, selector)) {
-        return;
-    }
-    conus_aims_add(aims, 1, pose, angle);
-    aim_notes_say(&(struct aimed){*conus_aims_found(aims), selector, atlas, NULL, frame, false}, 1, NULL, settings);
-    conus_aims_destroy(aims);
 }

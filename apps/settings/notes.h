@@ -24,12 +24,8 @@ struct aimed {
  */
 void aim_notes_say(const struct aimed *aimed, size_t count, const char *file, const struct common_settings *settings);
 
-/** The same for one pose. */
-void aim_notes_of(const conus_pose *pose, double angle, conus_selector *selector, const conus_atlas *atlas,
-                  const conus_frame *frame, const struct common_settings *settings);
-
 /** Says the atlas's notes on stderr, unless --quiet. */
-void settings_say_notes(const conus_atlas *atlas, const struct common_settings *settings);
+void atlas_notes_say(const conus_atlas *atlas, const struct common_settings *settings);
 /** The same of several; each note begins with the atlas's name. */
 void atlases_say_notes(const struct atlases *atlases, const struct common_settings *settings);
 

@@ -42,7 +42,7 @@ const struct option pose_file_options[] = {
     {0},
 };
 
-conus_pose_options settings_pose_options(const struct pose_file_settings *settings, const conus_frame *frame,
+conus_pose_options pose_settings_options(const struct pose_file_settings *settings, const conus_frame *frame,
                                          uint64_t max_memory)
 {
     return (conus_pose_options){.frame = frame,
@@ -52,13 +52,13 @@ conus_pose_options settings_pose_options(const struct pose_file_settings *settin
                                 .max_memory = max_memory};
 }
 
-void settings_pose_text(char out[64], const struct pose_file_settings *settings)
+void pose_settings_text(char out[64], const struct pose_file_settings *settings)
 {
     snprintf(out, 64, "%s %s%s%s", conus_pose_format_name(settings->format), axes[settings->axis],
              settings->along_shafts ? " along-shafts" : "", settings->any_space ? " any-space" : "");
 }
 
-const char *settings_poses_name(const char *path)
+const char *pose_settings_file_name(const char *path)
 {
     return output_is_stdout(path) ? "standard input" : path;
 }
@@ -81,8 +81,8 @@ static bool is_atlas(const char *path)
     return is_name;
 }
 
-int settings_print_poses_error(conus_status status, const char *path, const char *option,
-                               const struct arguments *arguments)
+int pose_settings_print_error(conus_status status, const char *path, const char *option,
+                              const struct arguments *arguments)
 {
     int code = exit_code_of(status);
     char why[1024];
@@ -98,31 +98,31 @@ int settings_print_poses_error(conus_status status, const char *path, const char
     return code;
 }
 
-int settings_check_electrodes(conus_format format, const char *electrodes, const char *path)
+int pose_settings_check_electrodes(conus_format format, const char *electrodes, const char *path)
 {
     if (format != CONUS_FORMAT_BIDS || electrodes) {
         return EXIT_DONE;
     }
     print_error_line("%s: --format bids adds to a table of electrodes, with the columns name, x, y and z",
-                     settings_poses_name(path));
+                     pose_settings_file_name(path));
     return EXIT_DATA;
 }
 
-const char *settings_row_error(const conus_pose_row *row)
+const char *pose_settings_row_error(const conus_pose_row *row)
 {
     return row->error ? row->error : row->is_point ? POINT_HAS_NO_DIRECTION : NULL;
 }
 
-void settings_say_no_poses(const char *path, const struct common_settings *common)
+void pose_settings_say_none(const char *path, const struct common_settings *common)
 {
     if (!common->quiet) {
-        print_error_line("note: %s: no poses in it", settings_poses_name(path));
+        print_error_line("note: %s: no poses in it", pose_settings_file_name(path));
     }
 }
 
 static int print_match_error(const char *path, const struct named_atlas *atlas, bool has_any_space)
 {
-    print_error_line("%s: %s%s%s; --atlas-transform FILE brings the atlas to them%s", settings_poses_name(path),
+    print_error_line("%s: %s%s%s; --atlas-transform FILE brings the atlas to them%s", pose_settings_file_name(path),
                      atlas->name ? atlas->name : "", atlas->name ? ": " : "", conus_message(),
                      has_any_space ? ", --any-space takes them as they are" : "");
     return EXIT_DATA;
@@ -151,13 +151,13 @@ static void say_notes(const void *poses, note_at *at, const char *path, const st
             said = strcmp(at(poses, k), note) == 0;
         }
         if (!said) {
-            print_error_line("note: %s: %s", settings_poses_name(path), note);
+            print_error_line("note: %s: %s", pose_settings_file_name(path), note);
         }
     }
 }
 
-int settings_match_poses(conus_pose_list *poses, const char *path, const struct atlases *atlases,
-                         const struct pose_file_settings *settings, const struct common_settings *common)
+int pose_settings_match_list(conus_pose_list *poses, const char *path, const struct atlases *atlases,
+                             const struct pose_file_settings *settings, const struct common_settings *common)
 {
     for (size_t i = 0; i < atlases->count && !(settings && settings->any_space); i++) {
         if (conus_pose_list_match(poses, atlases->items[i].atlas)) {
@@ -170,8 +170,8 @@ int settings_match_poses(conus_pose_list *poses, const char *path, const struct 
     return EXIT_DONE;
 }
 
-int settings_match_stream(conus_pose_stream *poses, const char *path, const struct atlases *atlases,
-                          const struct pose_file_settings *settings, const struct common_settings *common)
+int pose_settings_match_stream(conus_pose_stream *poses, const char *path, const struct atlases *atlases,
+                               const struct pose_file_settings *settings, const struct common_settings *common)
 {
     for (size_t i = 0; i < atlases->count && !settings->any_space; i++) {
         if (conus_pose_stream_match(poses, atlases->items[i].atlas)) {

@@ -18,36 +18,36 @@ extern const struct option pose_file_options[]; /**< pose_file_settings */
 /** The options of the library for the file; @p frame must live until the file is opened, @p max_memory 0 is the
  * default.
  */
-conus_pose_options settings_pose_options(const struct pose_file_settings *settings, const conus_frame *frame,
+conus_pose_options pose_settings_options(const struct pose_file_settings *settings, const conus_frame *frame,
                                          uint64_t max_memory);
 
 /** Writes what of @p settings the answers depend on: two runs with the same text read the same poses from one file. */
-void settings_pose_text(char out[64], const struct pose_file_settings *settings);
+void pose_settings_text(char out[64], const struct pose_file_settings *settings);
 
 /** Name of the file of poses @p path for messages: itself, or "standard input". */
-const char *settings_poses_name(const char *path);
+const char *pose_settings_file_name(const char *path);
 
 /** Prints why no poses were read from the file @p path of option @p option ("pose"): of an atlas or a tractogram that
  * stands there, what to type instead. Gives the exit code that goes with @p status. */
-int settings_print_poses_error(conus_status status, const char *path, const char *option,
-                               const struct arguments *arguments);
+int pose_settings_print_error(conus_status status, const char *path, const char *option,
+                              const struct arguments *arguments);
 
 /** Whether @p electrodes, the table that the poses came from (NULL = another format), is there for a @p format that
  * adds columns to it. Returns the exit code and prints an error unless it is 0. */
-int settings_check_electrodes(conus_format format, const char *electrodes, const char *path);
+int pose_settings_check_electrodes(conus_format format, const char *electrodes, const char *path);
 
 /** Why a row has no cone; NULL if it is a pose. */
-const char *settings_row_error(const conus_pose_row *row);
+const char *pose_settings_row_error(const conus_pose_row *row);
 
 /** Says, unless --quiet, that there is no pose in the file. */
-void settings_say_no_poses(const char *path, const struct common_settings *common);
+void pose_settings_say_none(const char *path, const struct common_settings *common);
 
 /** Whether the poses' space can be that of each atlas, and says the notes about them. Returns the exit code and prints
  * an error unless it is 0. */
-int settings_match_stream(conus_pose_stream *poses, const char *path, const struct atlases *atlases,
-                          const struct pose_file_settings *settings, const struct common_settings *common);
+int pose_settings_match_stream(conus_pose_stream *poses, const char *path, const struct atlases *atlases,
+                               const struct pose_file_settings *settings, const struct common_settings *common);
 /** The same for a list; @p settings may be NULL, of a command without these options. */
-int settings_match_poses(conus_pose_list *poses, const char *path, const struct atlases *atlases,
-                         const struct pose_file_settings *settings, const struct common_settings *common);
+int pose_settings_match_list(conus_pose_list *poses, const char *path, const struct atlases *atlases,
+                             const struct pose_file_settings *settings, const struct common_settings *common);
 
 #endif

@@ -19,18 +19,21 @@ static const char *const samplings[] = {"exact", "slices", NULL};
 const char *const settings_hemispheres[] = {"as-is", "split", "merged", NULL};
 static const char *const layers[] = {"visible", "all", NULL};
 
+/* The last rows of every command. */
+#define HELP_AND_VERSION                                                                                               \
+    {.name = "help",                                                                                                   \
+     .letter = 'h',                                                                                                    \
+     .type = OPTION_FLAG,                                                                                              \
+     .offset = FIELD(common_settings, help),                                                                           \
+     .help = "this text; -h is the short one",                                                                         \
+     .role = OPTION_ENDS},                                                                                             \
+    {                                                                                                                  \
+        .name = "version", .type = OPTION_FLAG, .offset = FIELD(common_settings, version), .help = "the version",      \
+        .role = OPTION_ENDS                                                                                            \
+    }
+
 const struct option plain_options[] = {
-    {.name = "help",
-     .letter = 'h',
-     .type = OPTION_FLAG,
-     .offset = FIELD(common_settings, help),
-     .help = "this text; -h is the short one",
-     .role = OPTION_ENDS},
-    {.name = "version",
-     .type = OPTION_FLAG,
-     .offset = FIELD(common_settings, version),
-     .help = "the version",
-     .role = OPTION_ENDS},
+    HELP_AND_VERSION,
     {0},
 };
 
@@ -47,17 +50,7 @@ const struct option quiet_options[] = {
      .offset = FIELD(common_settings, verbose),
      .help = "print the engine's and the GL driver's messages, too, on stderr",
      .role = OPTION_OF_RUN},
-    {.name = "help",
-     .letter = 'h',
-     .type = OPTION_FLAG,
-     .offset = FIELD(common_settings, help),
-     .help = "this text; -h is the short one",
-     .role = OPTION_ENDS},
-    {.name = "version",
-     .type = OPTION_FLAG,
-     .offset = FIELD(common_settings, version),
-     .help = "the version",
-     .role = OPTION_ENDS},
+    HELP_AND_VERSION,
     {0},
 };
 
@@ -418,9 +411,9 @@ int settings_pose_toward(conus_pose *out, const double origin[3], const double t
     double above[3];
     char option[32];
     snprintf(option, sizeof option, "%sorigin", prefix);
-    int code = settings_point(from, origin, frame, option);
+    int code = space_settings_point(from, origin, frame, option);
     snprintf(option, sizeof option, "%stoward", prefix);
-    code = code ? code : settings_point(to, toward, frame, option);
+    code = code ? code : space_settings_point(to, toward, frame, option);
     if (code) {
         return code;
     }
@@ -441,7 +434,7 @@ int settings_pose(conus_pose *out, const struct aim_settings *settings, const co
     double from[3];
     double along[3];
     double above[3];
-    int code = settings_point(from, settings->origin, frame, "origin");
+    int code = space_settings_point(from, settings->origin, frame, "origin");
     if (code) {
         return code;
     }

@@ -160,16 +160,17 @@ bool settings_jitter(conus_jitter_options *out, const char *text, uint32_t sampl
 extern const struct option space_options[]; /**< space_settings */
 
 /** Whether the options go together; prints an error if not. */
-bool settings_check_space(const struct arguments *arguments, const struct space_settings *settings);
+bool space_settings_check(const struct arguments *arguments, const struct space_settings *settings);
 
 /** Whether positions are found only once the atlas is loaded. */
-bool settings_space_needs_atlas(const struct space_settings *settings);
+bool space_settings_needs_atlas(const struct space_settings *settings);
 
 /** Finds where the space lies in all of the @p atlases, which must be one place. Returns the exit code and prints an
  * error unless it is 0; unless @p quiet, says where the atlas calls the right side left. */
-int settings_frame(conus_frame *out, const struct atlases *atlases, const struct space_settings *settings, bool quiet);
+int space_settings_frame(conus_frame *out, const struct atlases *atlases, const struct space_settings *settings,
+                         bool quiet);
 
 /** A position in the space of @p frame, in the world; @p option is its option's name. Likewise. */
-int settings_point(double out[3], const double in[3], const conus_frame *frame, const char *option);
+int space_settings_point(double out[3], const double in[3], const conus_frame *frame, const char *option);
 
 #endif

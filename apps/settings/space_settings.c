@@ -26,7 +26,7 @@ const struct option space_options[] = {
     {0},
 };
 
-bool settings_check_space(const struct arguments *arguments, const struct space_settings *settings)
+bool space_settings_check(const struct arguments *arguments, const struct space_settings *settings)
 {
     const double *b = settings->bregma;
     if (!option_given(arguments, "bregma")) {
@@ -39,7 +39,7 @@ bool settings_check_space(const struct arguments *arguments, const struct space_
     return true;
 }
 
-bool settings_space_needs_atlas(const struct space_settings *settings)
+bool space_settings_needs_atlas(const struct space_settings *settings)
 {
     return settings->name >= CONUS_SPACE_CCF;
 }
@@ -59,7 +59,8 @@ static bool is_moved(const conus_atlas *atlas)
     return moved;
 }
 
-int settings_frame(conus_frame *out, const struct atlases *atlases, const struct space_settings *settings, bool quiet)
+int space_settings_frame(conus_frame *out, const struct atlases *atlases, const struct space_settings *settings,
+                         bool quiet)
 {
     const double *b = settings->bregma;
     const double *bregma = b[0] != 0 || b[1] != 0 || b[2] != 0 ? b : NULL;
@@ -87,7 +88,7 @@ int settings_frame(conus_frame *out, const struct atlases *atlases, const struct
         print_error_line("--space %s: %s", name, conus_message());
         return EXIT_DATA;
     }
-    if (!quiet && settings_space_needs_atlas(settings)) {
+    if (!quiet && space_settings_needs_atlas(settings)) {
         /* BrainGlobe's "asr" calls the side on which ML starts right, the Allen Institute left. */
         size_t ml = first.space == CONUS_SPACE_CCF ? 2 : 1;
         if (first.world_from_space[4 * ml] < 0) {
@@ -107,7 +108,7 @@ int settings_frame(conus_frame *out, const struct atlases *atlases, const struct
     return EXIT_DONE;
 }
 
-int settings_point(double out[3], const double in[3], const conus_frame *frame, const char *option)
+int space_settings_point(double out[3], const double in[3], const conus_frame *frame, const char *option)
 {
     if (conus_frame_to_world(out, frame, in)) {
         print_error_line("--%s: %s", option, conus_message());

@@ -171,7 +171,7 @@ static bool check_address(const struct end *end)
     return fine;
 }
 
-bool settings_check_station(const struct station_settings *settings, const struct arguments *arguments)
+bool station_settings_check(const struct station_settings *settings, const struct arguments *arguments)
 {
     const struct end end = first_end(settings);
     bool given = option_given(arguments, "listen") || option_given(arguments, "connect");
@@ -184,7 +184,7 @@ bool settings_check_station(const struct station_settings *settings, const struc
     return check_address(&end);
 }
 
-bool settings_check_stations(const struct station_settings *settings, const struct arguments *arguments)
+bool station_settings_check_second(const struct station_settings *settings, const struct arguments *arguments)
 {
     const char *others[] = {settings->tool, settings->reference, settings->head};
     static const char *const names[] = {"tool", "reference", "head"};
@@ -213,10 +213,10 @@ bool settings_check_stations(const struct station_settings *settings, const stru
         print_error_line("--second-world-from-tracker needs --second-listen or --second-connect with it");
         return false;
     }
-    return settings_check_station(settings, arguments);
+    return station_settings_check(settings, arguments);
 }
 
-bool settings_check_screen(const struct station_settings *settings, const struct arguments *arguments)
+bool station_settings_check_screen(const struct station_settings *settings, const struct arguments *arguments)
 {
     const char *others[] = {settings->tool, settings->reference};
     for (size_t i = 0; settings->head && i < 2; i++) {
@@ -270,7 +270,7 @@ static int start_at(struct station **out, const struct end *end, const char *wor
     return code;
 }
 
-int settings_start_station(struct station **out, const struct station_settings *settings)
+int station_settings_start(struct station **out, const struct station_settings *settings)
 {
     const struct end end = first_end(settings);
     bool is_alone = settings->second_listen || settings->second_connect;
@@ -289,16 +289,16 @@ int settings_start_station(struct station **out, const struct station_settings *
     return code ? code : start_at(out, &end, settings->world_from_tracker, &options);
 }
 
-int settings_connect_station(struct station **out, const struct station_settings *settings, const char *address)
+int station_settings_connect(struct station **out, const struct station_settings *settings, const char *address)
 {
     struct station_settings with = *settings;
     with.listen = NULL;
     with.connect = address;
     const struct end end = first_end(&with);
-    return check_address(&end) ? settings_start_station(out, &with) : EXIT_USAGE;
+    return check_address(&end) ? station_settings_start(out, &with) : EXIT_USAGE;
 }
 
-int settings_start_second(struct station **out, const struct station_settings *settings)
+int station_settings_start_second(struct station **out, const struct station_settings *settings)
 {
     const struct end end = second_end(settings);
     const char *matrix = settings->second_world_from_tracker;
@@ -313,7 +313,7 @@ int settings_start_second(struct station **out, const struct station_settings *s
     return start_at(out, &end, matrix ? matrix : settings->world_from_tracker, &options);
 }
 
-void settings_station_text(char *out, size_t size, struct station *station, const struct station_update *update)
+void station_settings_text(char *out, size_t size, struct station *station, const struct station_update *update)
 {
     static const char *const states[] = {"waiting for a connection", "connected, no pose of the tool yet",
                                          "the tool is lost", "no pose for half a second", "tracking"};

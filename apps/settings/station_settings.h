@@ -23,26 +23,26 @@ extern const struct option screen_options_table[];  /**< station_settings, too: 
 extern const struct option second_options_table[]; /**< station_settings, too: a second tool that points */
 
 /** Whether the options go together, and name addresses; prints an error if not. */
-bool settings_check_station(const struct station_settings *settings, const struct arguments *arguments);
+bool station_settings_check(const struct station_settings *settings, const struct arguments *arguments);
 
 /** The same for a command with the screen's options, */
-bool settings_check_screen(const struct station_settings *settings, const struct arguments *arguments);
+bool station_settings_check_screen(const struct station_settings *settings, const struct arguments *arguments);
 
 /** and for one with the options of a second tool as well. */
-bool settings_check_stations(const struct station_settings *settings, const struct arguments *arguments);
+bool station_settings_check_second(const struct station_settings *settings, const struct arguments *arguments);
 
 /** Starts a station where --listen or --connect was given, else leaves *out NULL. Returns the exit code and prints an
  * error unless it is 0. */
-int settings_start_station(struct station **out, const struct station_settings *settings);
+int station_settings_start(struct station **out, const struct station_settings *settings);
 
 /** Starts one that connects to @p address, HOST[:PORT], in place of that of --listen or --connect. Likewise. */
-int settings_connect_station(struct station **out, const struct station_settings *settings, const char *address);
+int station_settings_connect(struct station **out, const struct station_settings *settings, const char *address);
 
 /** The same for --second-listen or --second-connect: the second tool's own station; without them both tools share the
  * first one. */
-int settings_start_second(struct station **out, const struct station_settings *settings);
+int station_settings_start_second(struct station **out, const struct station_settings *settings);
 
 /** "waiting for a connection on port 18944", "Pointer is lost", ... */
-void settings_station_text(char *out, size_t size, struct station *station, const struct station_update *update);
+void station_settings_text(char *out, size_t size, struct station *station, const struct station_update *update);
 
 #endif

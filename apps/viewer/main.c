@@ -119,21 +119,21 @@ static int start_sources(struct window *window, const struct view_settings *sett
     struct inputs *inputs = &window->inputs;
     inputs->asked = &settings->station;
     snprintf(inputs->address, sizeof inputs->address, "%s", settings->station.connect ? settings->station.connect : "");
-    int code = settings_start_station(&inputs->station, &settings->station);
+    int code = station_settings_start(&inputs->station, &settings->station);
     if (window->inputs.station) {
         station_on_pose(window->inputs.station, loop_wake);
     }
-    code = code ? code : settings_start_second(&window->inputs.second_station, &settings->station);
+    code = code ? code : station_settings_start_second(&window->inputs.second_station, &settings->station);
     if (window->inputs.second_station) {
         station_on_pose(window->inputs.second_station, loop_wake);
     }
     window->inputs.has_second_tool = settings->station.second_tool;
     if (code || !settings->poses || constraints_are_given(settings->arguments) ||
-        settings_space_needs_atlas(&settings->space)) {
+        space_settings_needs_atlas(&settings->space)) {
         return code; /* open.c loads the poses, once it knows the atlas */
     }
     conus_frame frame;
-    code = settings_frame(&frame, &(struct atlases){0}, &settings->space, true);
+    code = space_settings_frame(&frame, &(struct atlases){0}, &settings->space, true);
     return code ? code : open_poses(window, settings, &frame);
 }
 
@@ -157,7 +157,7 @@ static int check_plan(const char *poses, const struct arguments *arguments)
         conus_pose_stream_destroy(stream);
     }
     constraints_finish(&constraints);
-    return status ? settings_print_poses_error(status, poses, "poses", arguments) : code;
+    return status ? pose_settings_print_error(status, poses, "poses", arguments) : code;
 }
 
 /* Scripts see the same window everywhere. */
@@ -201,8 +201,9 @@ static int run_view(const void *given, const struct arguments *arguments)
     struct script *script = NULL;
     struct window window;
     struct window_options options;
-    if (!settings_check_stations(&settings->station, arguments) || !settings_check_space(arguments, &settings->space) ||
-        !settings_check_screen(&settings->station, arguments)) {
+    if (!station_settings_check_second(&settings->station, arguments) ||
+        !space_settings_check(arguments, &settings->space) ||
+        !station_settings_check_screen(&settings->station, arguments)) {
         return EXIT_USAGE;
     }
     int code = check_plan(settings->poses, arguments);

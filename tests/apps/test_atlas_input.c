@@ -44,7 +44,7 @@ static void whoever_cancels_hears_no_more(void **state)
             .pathways = {.items = pathways, .count = 2}, .progress = hear, .progress_user = &patience};
         conus_atlas *atlas = NULL;
         dup2(fileno(said), STDERR_FILENO);
-        int code = settings_load_atlas(&atlas, path, &settings);
+        int code = atlas_input_load(&atlas, path, &settings);
         dup2(own, STDERR_FILENO);
         assert_int_equal(code, allowed < FILES ? EXIT_DATA : EXIT_DONE);
         assert_int_equal(patience.calls, allowed < FILES ? allowed + 1 : FILES);

@@ -342,10 +342,11 @@ static bool open_path(struct window *window, const char *text, const struct atla
         atlases_say_spaces(&atlases, &settings.common);
         bool waits = settings.poses && !window->inputs.replay.poses && /* which need the frame */
                      !constraints_are_given(settings.arguments);
-        int code = settings_frame(&frame, &atlases, &settings.space, settings.common.quiet);
+        int code = space_settings_frame(&frame, &atlases, &settings.space, settings.common.quiet);
         code = code || !waits ? code : open_poses(window, &settings, &frame);
         if (!code && settings.poses && window->inputs.replay.poses) {
-            code = settings_match_poses(window->inputs.replay.poses, settings.poses, &atlases, NULL, &settings.common);
+            code =
+                pose_settings_match_list(window->inputs.replay.poses, settings.poses, &atlases, NULL, &settings.common);
         }
         viewer = code ? NULL : create_viewer(&atlases, path, &settings, window->wake);
     }

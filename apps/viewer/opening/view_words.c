@@ -194,7 +194,7 @@ int worded_parse(struct worded *out, const json_t *words, const struct view_sett
         print_error_line("a session's options say nothing of --help and --version");
     }
     code = code < 0 ? EXIT_DONE : EXIT_DATA;
-    if (!code && !settings_check_space(&out->arguments, &out->read.space)) {
+    if (!code && !space_settings_check(&out->arguments, &out->read.space)) {
         code = EXIT_DATA;
     }
     /* The words say what is opened, and the rest is as it was given. */

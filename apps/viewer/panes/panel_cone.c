@@ -42,7 +42,7 @@ static void show_tracker(struct window *window)
     struct inputs *inputs = &window->inputs;
     char text[256];
     if (inputs->station) {
-        settings_station_text(text, sizeof text, inputs->station, &inputs->update);
+        station_settings_text(text, sizeof text, inputs->station, &inputs->update);
         ui_tint(theme_texts[colours[inputs->update.state]]);
         ui_text_wrapped(text);
         ui_tint_end();

@@ -212,7 +212,7 @@ void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye
 bool inputs_connect(struct inputs *inputs, void (*wake)(void))
 {
     static const struct station_settings none = {.listen = NULL};
-    bool fine = !settings_connect_station(&inputs->station, inputs->asked ? inputs->asked : &none, inputs->address);
+    bool fine = !station_settings_connect(&inputs->station, inputs->asked ? inputs->asked : &none, inputs->address);
     if (fine) {
         station_on_pose(inputs->station, wake);
     }

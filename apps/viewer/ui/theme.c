@@ -2,8 +2,6 @@
 /* The colours, and their contrast. */
 #include "viewer/ui/theme.h"
 
-#include <math.h>
-
 const ui_colour theme_shaded[THEME_TEXTS] = {
     [THEME_PLAIN] = {255, 255, 255, 255}, [THEME_HINT] = {190, 195, 205, 255}, [THEME_AMBER] = {255, 200, 90, 255},
     [THEME_ORANGE] = {255, 175, 85, 255}, [THEME_RED] = {255, 165, 150, 255},  [THEME_GREEN] = {110, 230, 130, 255},
@@ -76,30 +74,4 @@ enum theme theme_used(void)
 ui_colour theme_mark(void)
 {
     return marks[theme_used()];
-}
-
-ui_colour theme_over(ui_colour above, ui_colour below, double opacity)
-{
-    double part = opacity * above.a / 255;
-    return (ui_colour){(uint8_t)lround(part * above.r + (1 - part) * below.r),
-                       (uint8_t)lround(part * above.g + (1 - part) * below.g),
-                       (uint8_t)lround(part * above.b + (1 - part) * below.b), 255};
-}
-
-static double linear(uint8_t byte)
-{
-    double value = byte / 255.0;
-    return value <= 0.04045 ? value / 12.92 : pow((value + 0.055) / 1.055, 2.4);
-}
-
-static double luminance(ui_colour c)
-{
-    return 0.2126 * linear(c.r) + 0.7152 * linear(c.g) + 0.0722 * linear(c.b);
-}
-
-double theme_contrast(ui_colour a, ui_colour b)
-{
-    double first = luminance(a) + 0.05;
-    double second = luminance(b) + 0.05;
-    return fmax(first, second) / fmin(first, second);
 }

@@ -66,12 +66,6 @@ ui_colour theme_mark(void);
 /** Opacity of pale texts: less would be too faint. */
 extern const float theme_pale;
 
-/** The colour of @p above on an opaque @p below, @p opacity times as opaque as it says. */
-ui_colour theme_over(ui_colour above, ui_colour below, double opacity);
-/** Contrast ratio of two opaque colours, 1 to 21: (L1 + 0.05) / (L2 + 0.05), L1 the greater relative luminance (WCAG
- * 2.2, definitions of contrast ratio and relative luminance). */
-double theme_contrast(ui_colour a, ui_colour b);
-
 #ifdef __cplusplus
 }
 #endif
