@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Mapping, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
@@ -38,7 +38,7 @@ from ._library import (
     vector,
     whole,
 )
-from ._picture import GLOwner, Picture, Renderer
+from ._picture import GLOwner, Picture, Renderer, rgb_of
 from ._pose_file import Poses
 from ._poses import Aims, PoseArray, notes_of, pose_of, warn
 from ._plan import Plan, constraints_of, plan_of, stream_of
@@ -241,6 +241,7 @@ def load(
     progress: LoadProgress = None,
     probability: float = 0,
     safe_colours: bool = False,
+    palette: Sequence[str] = (),
     cache: bool = True,
 ) -> Atlas:
     """Loads an atlas.
@@ -291,6 +292,8 @@ def load(
         (default: 0.25, or as the manifest says).
     safe_colours
         Colours of areas, pathways and bundles that people with any colour vision can tell apart.
+    palette
+        Or these, "#rrggbb" each, different ones where areas touch.
     cache
         For paths: keeps the atlas and each tractogram in the user's cache folder and maps them from there the
         next time, as the programs do (``conus cache``; ``$CONUS_CACHE`` may be "off" or a size; else ArgumentError).
@@ -341,6 +344,9 @@ def load(
         check(lib.conus_atlas_show(raw, optional(utf8, "only", only), optional(utf8, "hide", hide)))
     if flag("safe_colours", safe_colours):
         lib.conus_atlas_use_safe_colours(raw)
+    if palette:
+        colours = b"".join(bytes(rgb_of("palette", colour)) for colour in palette)
+        check(lib.conus_atlas_use_palette(raw, colours, len(palette)))
     return Atlas(raw)
 
 

@@ -85,6 +85,8 @@ _STEPS = np.where(_SRGB <= 0.04045, _SRGB / 12.92, ((_SRGB + 0.055) / 1.055) ** 
 _POINT = dtype_of("conus_transfer_point")
 _SIDES = ("cone", "left", "right", "front", "back", "top", "bottom")
 _LEGENDS = ("inside", "right", "below", "none")
+_PLANES = {"axial": ((1, 0, 0), (0, 1, 0)), "coronal": ((1, 0, 0), (0, 0, 1)), "sagittal": ((0, 1, 0), (0, 0, 1))}
+_FAINT = 0.12  # opacity of what no probe passes
 
 
 class Picture:
@@ -136,7 +138,8 @@ class Picture:
         Parameters
         ----------
         path
-            Ends in .png, or in .exr for linear light as float. The file appears whole or not at all.
+            Ends in .png, or in .exr for linear light as float, or, of a picture with vectors=True, in .svg or .pdf.
+            The file appears whole or not at all.
 
         Raises
         ------
@@ -274,6 +277,17 @@ class Renderer:
         height_mm: Optional[float] = None,
         dpi: Optional[float] = None,
         opacity: Union[float, Mapping[Union[str, int], float], None] = None,
+        unselected: Optional[str] = None,
+        legend_rows: Optional[int] = None,
+        legend_areas: Sequence[Union[str, int]] = (),
+        measured: Any = None,
+        vectors: bool = False,
+        probes: Optional[Mapping[str, Any]] = None,
+        probe_range: Optional[Sequence[float]] = None,
+        cuts: Sequence[str] = (),
+        at: Any = None,
+        fill: float = 0.6,
+        radiological: bool = False,
     ) -> Picture:
         """Draws the atlas as ``conus render`` does.
 
@@ -319,6 +333,33 @@ class Renderer:
         opacity : float or dict
             Opacity of surfaces, 0 to 1: of all that the selection does not hit, or ``{name or number: opacity, ...}``
             of these with those below them in the area tree; the key None is of all that is not hit.
+        unselected : str
+            "white", "black" or "#rrggbb": one tone of areas and pathways that are not hit; without it their colours,
+            paler.
+        legend_rows : int
+            Of the objects in the legend only so many, and a row that counts the others.
+        legend_areas : sequence of str or int
+            Areas, with all below them in the area tree, pathways or bundles that have a row in the legend beside what
+            is hit.
+        measured : (2, 3) array
+            Two places, RAS mm: the line between them, with its length.
+        vectors : bool
+            Keep text and lines out of the pixels, as a picture that is saved as .svg or .pdf needs it.
+        probes : dict
+            ``{name: (origin, toward), ...}`` or ``{name: pose, ...}``, poses as (4, 4) matrices, RAS mm: a line for
+            each, and beside the drawing a strip of what it passes, without a selection. Other areas are faint unless
+            there is an opacity.
+        probe_range : (near, far)
+            The stretch of the probes, mm from their origins; else to the last area.
+        cuts : sequence of str
+            Flat cuts on one sheet: "axial", "coronal" and "sagittal", through ``at`` or, as "axial:-10", at a place;
+            "3d" among them adds the view in space.
+        at : (3,) array
+            The point through which cuts go, RAS mm; needed unless each cut has a place.
+        fill : float
+            Opacity of areas in cuts, 0 (outlines only) to 1.
+        radiological : bool
+            Show the head's left on the right of axial and coronal cuts.
 
         Returns
         -------
@@ -351,10 +392,58 @@ class Renderer:
         options.no_legend = legend is False
         options.legend = choice("legend", legend, _LEGENDS) if isinstance(legend, str) else 0
         _set_background(options, background)
-        opacities = self._opacities(options, opacity)
-        options.opacity = opacities
-        check(lib.conus_render(out, pointer, options))
+        if unselected is not None:
+            options.has_unselected, options.unselected_rgb = True, rgb_of("unselected", unselected)
+        options.legend_rows = 0 if legend_rows is None else whole("legend_rows", legend_rows, 1)
+        options.shapes = flag("vectors", vectors)
+        drawn = self._probes_of(probes, probe_range)
+        options.probes, options.probe_count = (drawn[0], len(drawn[0])) if drawn else (ffi.NULL, 0)
+        opacities = self._opacities(options, _FAINT if drawn and opacity is None else opacity)
+        listed = self._listed(legend_areas)
+        line = ffi.NULL if measured is None else ffi.new("double[6]", _ends_of(measured))
+        options.opacity, options.listed, options.measured = opacities, listed, line
+        if not cuts:
+            check(lib.conus_render(out, pointer, options))
+            return Picture(out[0], self.device)
+        planes, look = _planes_of(cuts, at, flag("radiological", radiological)), ffi.new("conus_cut_view *")
+        look.fill = real("fill", fill)
+        check(lib.conus_cuts_image(out, self.atlas._p, planes, len(planes), look,
+                                   pointer if "3d" in cuts else ffi.NULL, options))
         return Picture(out[0], self.device)
+
+    def _probes_of(self, probes: Optional[Mapping[str, Any]], span: Optional[Sequence[float]]) -> Any:
+        """An array of conus_drawn_probe, and what it points to; None without probes."""
+        if not probes:
+            if span is not None:
+                raise ArgumentError("probe_range: there are no probes")
+            return None
+        selector = self.atlas._selector({})._p
+        alive: list[Any] = []
+        try:
+            check(lib.conus_selector_set_range(selector, vector("probe_range", span, 2) if span is not None else ffi.NULL))
+            for name, given in probes.items():
+                is_pair = isinstance(given, (tuple, list)) and len(given) == 2
+                pose = pose_of(given[0], given[1], None, None, None) if is_pair else pose_of(None, None, None, None, given)
+                out = ffi.new("conus_segments **")
+                check(lib.conus_segments_create(out, selector, pose))
+                alive.append((utf8("probes", name), owned(out[0], lib.conus_segments_destroy)))
+        finally:
+            lib.conus_selector_set_range(selector, ffi.NULL)
+        return ffi.new("conus_drawn_probe[]", alive), alive
+
+    def _listed(self, names: Sequence[Union[str, int]]) -> Any:
+        """Whether each object is one of these or below one in the area tree, by number."""
+        if isinstance(names, str) or not names:
+            if isinstance(names, str):
+                raise ArgumentError(f"legend_areas: {names!r}, wanted is a list of names or numbers")
+            return ffi.NULL
+        found, out = {self.atlas.find(name) for name in names}, ffi.new("bool[]", len(self.atlas) + 1)
+        for number in range(1, len(self.atlas) + 1):
+            ancestor = number
+            while ancestor and ancestor not in found:
+                ancestor = lib.conus_atlas_object(self.atlas._p, ancestor).parent
+            out[number] = bool(ancestor)
+        return out
 
     def _opacities(self, view: Any, opacity: Any) -> Any:
         """The numbers by object, which must live while it is drawn; sets that of what is not hit."""
@@ -362,8 +451,7 @@ class Renderer:
         pale = given.pop(None, None)
         if pale is not None:
             view.pale = real("opacity", pale)
-            if view.pale == 0:  # which is the library's word for its default
-                raise ArgumentError("opacity: 0 of all that is not hit, allowed is more than 0")
+            view.no_pale = view.pale == 0  # which is the library's word for its default
         if not given:
             return ffi.NULL
         numbers_ = ffi.new("double[]", [math.nan] * (len(self.atlas) + 1))
@@ -431,15 +519,49 @@ def _set_size(view: Any, size: Optional[tuple[int, int]], width_mm: Optional[flo
         view.width, view.height = (whole("size", side, 1) for side in size or (1400, 1050))
 
 
+def rgb_of(name: str, colour: Any, *more: str) -> list[int]:
+    """sRGB of "white", "black" or "#rrggbb"; ``more`` is what else is allowed."""
+    named = {"white": [255] * 3, "black": [0] * 3}
+    if isinstance(colour, str) and re.fullmatch("#[0-9a-fA-F]{6}", colour):
+        return list(bytes.fromhex(colour[1:]))
+    if isinstance(colour, str) and colour in named:
+        return named[colour]
+    raise ArgumentError(f"{name}: {colour!r}, allowed is {', '.join([*more[:1], *named, *more[1:]])}, #rrggbb")
+
+
 def _set_background(view: Any, background: str) -> None:
-    named = {"light": (0, 0), "white": (1, 255), "black": (1, 0), "transparent": (2, 0)}
-    if isinstance(background, str) and re.fullmatch("#[0-9a-fA-F]{6}", background):
-        view.background, view.background_rgb = 1, list(bytes.fromhex(background[1:]))
-    elif isinstance(background, str) and background in named:
-        view.background, grey = named[background]
-        view.background_rgb = [grey] * 3
+    named = {"light": 0, "transparent": 2}
+    if isinstance(background, str) and background in named:
+        view.background = named[background]
     else:
-        raise ArgumentError(f"background: {background!r}, allowed is {', '.join(named)}, #rrggbb")
+        view.background, view.background_rgb = 1, rgb_of("background", background, "light", "transparent")
+
+
+def _ends_of(measured: Any) -> list[float]:
+    array = numbers("measured", measured)
+    if array.shape != (2, 3):
+        raise ArgumentError(f"measured: an array of shape {array.shape}, wanted is (2, 3)")
+    return [float(value) for value in array.ravel()]
+
+
+def _planes_of(cuts: Sequence[str], at: Any, radiological: bool) -> Any:
+    """An array of conus_cut_plane."""
+    through = None if at is None else vector("at", at)
+    planes = []
+    for cut in cuts:
+        name, _, place = cut.partition(":")
+        if cut == "3d":
+            continue
+        right, up = _PLANES[tuple(_PLANES)[choice("cuts", name, (*_PLANES,))]]
+        if through is None and not place:
+            raise ArgumentError(f"at: {cut!r} needs a point that it goes through")
+        point = [0.0] * 3 if through is None else [*through]
+        try:
+            point[2 - tuple(_PLANES).index(name)] = float(place) if place else point[2 - tuple(_PLANES).index(name)]
+        except ValueError:
+            raise ArgumentError(f"cuts: {cut!r}, wanted is {name} or {name}:NUMBER") from None
+        planes.append((point, [-x if radiological and name != "sagittal" else x for x in right], list(up)))
+    return ffi.new("conus_cut_plane[]", planes)
 
 
 def _set_lens(view: Any, field_of_view: Optional[float], frustum: Optional[Sequence[float]]) -> None:

@@ -73,7 +73,14 @@ CASES = {
     "legend below": ({}, {"view": "left", "background": "white", "legend": "below", "dpi": 100}, ()),
     "legend right": ({}, {"view": "back", "background": "transparent", "legend": "right"}, ()),
     "colour": ({}, {"view": "top", "background": "#804020", "legend": "none"}, ()),
+    "unselected": ({}, {"unselected": "#c0c0c0"}, ()),
+    "legend rows": ({}, {"legend_rows": 1}, ()),
+    "legend areas": ({}, {"legend_areas": ("Thalamus_L",)}, ("--legend-area=Thalamus_L",)),
+    "only hits": ({}, {"opacity": 0}, ()),
+    "cuts": ({}, {"cuts": ("axial", "coronal:-10", "sagittal"), "at": (-40, 5, 10), "fill": 0.3}, ()),
+    "radiological": ({}, {"cuts": ("3d", "axial"), "at": (-40, 5, 10), "radiological": True}, ("--radiological",)),
 }
+ONLY_OURS = ("legend_areas",)  # which the program has by another name
 
 
 @needs_aal
@@ -82,8 +89,9 @@ def test_picture_is_the_file_of_the_program(aal, halved, tmp_path, case):
     """To the byte: one library draws both, and the driver is the same."""
     cone, view, words = CASES[case]
     hits = None
-    words = [*words, f"--context={halved[CONTEXT]}", "--size={}x{}".format(*SMALL), "-q", "-o", tmp_path / "theirs.png"]
-    given = {name: value for name, value in view.items() if not isinstance(value, bool)}
+    size = (400, 300) if "cuts" in view else SMALL
+    words = [*words, f"--context={halved[CONTEXT]}", "--size={}x{}".format(*size), "-q", "-o", tmp_path / "theirs.png"]
+    given = {name: value for name, value in view.items() if not isinstance(value, bool) and name not in ONLY_OURS}
     if cone is not None:
         aim = {name: value for name, value in CONE.items() if name != "angle" or "radius" not in cone}
         hits = aal.select(**aim, **cone)
@@ -92,13 +100,55 @@ def test_picture_is_the_file_of_the_program(aal, halved, tmp_path, case):
         text = ",".join(map(str, value)) if isinstance(value, tuple) else value
         words.append(f"--{name.replace('_', '-')}={text}")
     call_conus("render", halved[AAL], *words)
-    picture = aal.render(hits, size=SMALL, **view)
+    picture = aal.render(hits, size=size, **view)
     theirs = (tmp_path / "theirs.png").read_bytes()
     assert picture._repr_png_() == theirs
     assert np.array_equal(picture.array, pixels_of(theirs))
     picture.save(tmp_path / "ours.png")
     assert (tmp_path / "ours.png").read_bytes() == theirs
     assert len(np.unique(picture.array.reshape(-1, 4), axis=0)) > 300  # more than the 56 greys of a background
+
+
+@needs_aal
+def test_probes_are_the_strips_of_the_program(aal, halved, tmp_path):
+    """With the same words as text in the file of shapes."""
+    (tmp_path / "two.tsv").write_text("name\tx\ty\tz\ttx\tty\ttz\nA\t-45\t-20\t85\t-20\t-20\t0\nB\t30\t10\t75\t28\t-25\t-12\n")
+    call_conus("render", halved[AAL], f"--context={halved[CONTEXT]}", "--poses", tmp_path / "two.tsv", "--range=0,85", "--strips",
+               "--opacity=0", "--size=400x200", "-q", "-o", tmp_path / "theirs.svg")
+    probes = {"A": ((-45, -20, 85), (-20, -20, 0)), "B": ((30, 10, 75), (28, -25, -12))}
+    view = {"probes": probes, "probe_range": (0, 85), "opacity": 0, "size": (400, 200)}
+    aal.render(vectors=True, **view).save(tmp_path / "ours.svg")
+    assert (tmp_path / "ours.svg").read_bytes() == (tmp_path / "theirs.svg").read_bytes()
+    with pytest.raises(conus.ArgumentError):  # text is in its pixels
+        aal.render(**view).save(tmp_path / "pixels.svg")
+
+
+def test_measured_distance_is_written(tmp_path):
+    atlas = conus.load(plates(), AFFINE)
+    low, high = np.zeros(3), np.array([3, 4, 0])
+    atlas.render(measured=[low, high], vectors=True, size=(300, 200)).save(tmp_path / "measured.svg")
+    assert ">5.00 mm</text>" in (tmp_path / "measured.svg").read_text()
+
+
+def test_palette_gives_its_colours():
+    atlas = conus.load(plates(), AFFINE, palette=["#102030", "#ffffff"])
+    colours = {tuple(map(int, rgb)) for rgb in atlas.objects.colours[1:]}
+    assert colours == {(16, 32, 48), (255, 255, 255)}
+
+
+@pytest.mark.parametrize("view, why", [
+    ({"unselected": "pink"}, "unselected: 'pink', allowed is white, black, #rrggbb"),
+    ({"legend_areas": "Thalamus_L"}, "legend_areas"),
+    ({"measured": [1, 2, 3]}, r"measured: an array of shape \(3,\), wanted is \(2, 3\)"),
+    ({"cuts": ["axial"]}, "at: 'axial' needs a point"),
+    ({"cuts": ["oblique"]}, "cuts: 'oblique', allowed is axial, coronal, sagittal"),
+    ({"cuts": ["axial:up"]}, "cuts: 'axial:up', wanted is axial or axial:NUMBER"),
+    ({"probe_range": (0, 9)}, "probe_range: there are no probes"),
+    ({"legend_rows": 0}, "legend_rows"),
+])
+def test_new_options_refuse_what_they_are_not(view, why):
+    with pytest.raises(conus.ArgumentError, match=why):
+        conus.load(plates(), AFFINE).render(size=(60, 40), **view)
 
 
 @needs_aal
@@ -287,7 +337,6 @@ def test_a_renderer_is_used_again_and_closed(atlas):
         {"dpi": np.nan},
         {"height_mm": 20},
         {"width_mm": 85},
-        {"opacity": 0},
         {"opacity": 1.5},
         {"opacity": {"left": -0.1}},
         {"opacity": {"left": np.nan}},
