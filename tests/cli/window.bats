@@ -253,7 +253,7 @@ END
     wait_until "$child" test -e listens
     local manager=$child
     echo settle >script
-    run -0 --separate-stderr timeout 25 "$CONUS" view sphere.nii.gz --script script --quiet
+    run -0 --separate-stderr timeout $HANG "$CONUS" view sphere.nii.gz --script script --quiet
     [ -z "$stderr" ]
     wait "$manager"
 }
