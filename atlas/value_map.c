@@ -54,11 +54,6 @@ static void count_page(struct making *making, size_t first)
     }
 }
 
-static uint8_t *codes_of(const struct value_map *map, size_t run)
-{
-    return (uint8_t *)map->codes + run * VALUE_RUN * map->width;
-}
-
 /* Codes of the background where the volume has ended. */
 static void fill_page(struct making *making, size_t first)
 {
@@ -67,7 +62,7 @@ static void fill_page(struct making *making, size_t first)
     map->pages[first / VALUE_PAGE] = (uint32_t)map->page_count++;
     for (size_t at = first; at < first + VALUE_PAGE && at < map->count; at += VALUE_RUN) {
         if (holds_something(making, at, VALUE_RUN)) {
-            uint8_t *codes = codes_of(map, map->run_count);
+            uint8_t *codes = (uint8_t *)map->codes + map->run_count * VALUE_RUN * map->width;
             size_t left = map->count - at;
             memcpy(codes, map->codes, VALUE_RUN * map->width);
             making->code(making->user, codes, making->stored + at * making->size, left < VALUE_RUN ? left : VALUE_RUN);

@@ -66,11 +66,6 @@ static size_t nearest_voxel(const struct volume_source *source, const struct war
     return voxel[0] + source->dim[0] * (voxel[1] + source->dim[1] * voxel[2]);
 }
 
-static float source_value(const struct volume_source *source, size_t voxel)
-{
-    return source->values ? source->values[voxel] : value_map_at(&source->map, voxel);
-}
-
 /* The object of the volume whose source it is. */
 static uint32_t source_object(const struct volume_source *source, const struct volume *volume, size_t voxel)
 {
@@ -150,7 +145,9 @@ static void fill_row(struct volume *volume, const struct volume *old, const stru
             volume_set_object(volume, first + i, object);
         }
         if (volume->values) {
-            volume->values[first + i] = from == SIZE_MAX ? nothing : source_value(source, from);
+            volume->values[first + i] = from == SIZE_MAX ? nothing
+                                        : source->values ? source->values[from]
+                                                         : value_map_at(&source->map, from);
         }
     }
 }

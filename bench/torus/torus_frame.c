@@ -4,6 +4,7 @@
 #include "bench/support/frame.h"
 #include "bench/support/trace.h"
 #include "bench/torus/torus_pass.h"
+#include "selection/engine/triangles/mesh_tracer.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -105,7 +106,7 @@ static conus_status run_count(struct bench *bench, size_t tori, bool placed, str
     conus_status status = scene_init(&scene, bench, tori, placed);
     if (!status) {
         snprintf(bench->driver, sizeof bench->driver, "gl, %s; %s", torus_pass_device(scene.round.pass),
-                 placed ? mesh_rays_name(scene.round.rays) : scene.round.engines[TORUS_RAYS]->name);
+                 placed ? scene.round.rays->tracer->name : scene.round.engines[TORUS_RAYS]->name);
         status = measure_scene(bench, &scene, out);
     }
     scene_finish(&scene);

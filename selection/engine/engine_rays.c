@@ -80,11 +80,6 @@ static void keep_nearer(struct evidence *out, size_t pixel, double t, uint64_t v
     }
 }
 
-static bool is_wanted(const struct cone *cone, uint32_t i, uint32_t j)
-{
-    return !cone->tracing.wanted || cone->tracing.wanted[(size_t)j * cone->resolution + i];
-}
-
 /* Sets where the rays of the block's pixels begin. */
 static void set_origins(struct block *block, const struct cone *cone)
 {
@@ -109,6 +104,7 @@ static void block_init(struct block *block, const struct cone *cone, uint32_t co
     double u[TRAVERSE_BUNDLE];
     double v[TRAVERSE_BUNDLE];
     double coordinate[2][BLOCK];
+    const bool *wanted = cone->tracing.wanted;
     size_t count = 0;
     for (uint32_t k = 0; k < edge; k++) {
         coordinate[0][k] = cone_coordinate(column + k, cone->resolution);
@@ -117,8 +113,9 @@ static void block_init(struct block *block, const struct cone *cone, uint32_t co
     for (uint32_t k = 0; k < edge * edge; k++) {
         uint32_t i = aperture_column(k);
         uint32_t j = aperture_row(k);
-        if (column + i < cone->resolution && row + j < cone->resolution && is_wanted(cone, column + i, row + j)) {
-            block->pixel[count] = (size_t)(row + j) * cone->resolution + column + i;
+        size_t pixel = (size_t)(row + j) * cone->resolution + column + i;
+        if (column + i < cone->resolution && row + j < cone->resolution && (!wanted || wanted[pixel])) {
+            block->pixel[count] = pixel;
             u[count] = coordinate[0][i];
             v[count++] = coordinate[1][j];
         }

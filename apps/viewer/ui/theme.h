@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The colours of the window, a dark and a light theme: of texts, and of surfaces that texts stand on. Each text
- * can be read on each surface: their contrast is at least THEME_CONTRAST, also where a text is pale. */
+ * can be read on each surface: their contrast is at least 4.5, also where a text is pale. */
 #ifndef CONUS_VIEWER_UI_THEME_H
 #define CONUS_VIEWER_UI_THEME_H
 
@@ -14,10 +14,6 @@ extern "C" {
 typedef struct ui_colour {
     uint8_t r, g, b, a;
 } ui_colour;
-
-/** Contrasts of WCAG 2.2, success criterion 1.4.3 (level AA): texts; 1.4.11: marks that say something. */
-#define THEME_CONTRAST 4.5
-#define THEME_MARK_CONTRAST 3.0
 
 enum theme_text {
     THEME_PLAIN = 0,

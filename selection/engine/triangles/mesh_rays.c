@@ -107,11 +107,6 @@ conus_status mesh_rays_create(struct mesh_rays **out, const struct mesh_object *
     return mesh_rays_create_with(out, tracer, objects, count);
 }
 
-const char *mesh_rays_name(const struct mesh_rays *rays)
-{
-    return rays->tracer->name;
-}
-
 void mesh_rays_destroy(struct mesh_rays *rays)
 {
     if (rays) {

@@ -40,9 +40,6 @@ conus_status mesh_rays_create(struct mesh_rays **out, const struct mesh_object *
 /** CONUS_OK, or where a build with Embree finds none, CONUS_ERROR_UNSUPPORTED: the tree of our own then stands in. */
 conus_status mesh_rays_load_embree(void);
 
-/** The tracer of the triangles: "Embree 3.13.5" or "own tree". A static string. */
-const char *mesh_rays_name(const struct mesh_rays *rays);
-
 /** NULL is fine. */
 void mesh_rays_destroy(struct mesh_rays *rays);
 

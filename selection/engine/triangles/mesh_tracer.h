@@ -25,7 +25,7 @@ struct mesh_rays {
 
 /** Finds the triangles that rays hit. */
 struct mesh_tracer {
-    const char *name;
+    const char *name; /**< "Embree 3.13.5" or "own tree". */
     /** Makes rays->scene of objects[count]; those of object k are surfaces[k], too. */
     conus_status (*create)(struct mesh_rays *rays, const struct mesh_object *objects, size_t count);
     /** Ends rays->scene, NULL too. */

@@ -602,11 +602,6 @@ static void mark_borders(struct scratch *scratch, const struct volume *volume, s
     }
 }
 
-static bool is_in_grid(const struct volume *volume, size_t i, size_t j, size_t k)
-{
-    return i < volume->info.dim[0] && j < volume->info.dim[1] && k < volume->info.dim[2];
-}
-
 /* A border is 1 + 0; beyond r voxels that are none, the voxels r + 1 away hold the same, too. */
 static uint8_t uniform_code(uint8_t distance, uint32_t object, const struct object_colours *colours)
 {
@@ -626,7 +621,7 @@ static void make_uniform(struct distance_map *map, const struct volume *volume, 
                 size_t j = map->base[1] + y - DISTANCE_MARGIN;
                 size_t k = map->base[2] + z - DISTANCE_MARGIN;
                 uint8_t *code = &map->codes[distance_map_at(map, i, j, k)];
-                *code = is_in_grid(volume, i, j, k)
+                *code = i < dim[0] && j < dim[1] && k < dim[2]
                             ? uniform_code(*code, volume_object(volume, i + dim[0] * (j + dim[1] * k)), colours)
                             : UNIFORM_EMPTY | 1;
             }
