@@ -131,21 +131,32 @@ size_t picture_tag(const struct picture *picture, uint32_t number)
     return is_by_value(picture, number) && count_by_value(picture) > 1 ? tag : 0;
 }
 
-/* With its kind where another kind has that name, and behind its number in the picture; without memory, too, the name
- * alone. */
+/* Whether the camera sees neither it nor anything below it in the area tree. */
+static bool is_hidden(const struct picture *picture, uint32_t number)
+{
+    bool hidden = picture->hidden;
+    for (uint32_t n = 1; hidden && n <= picture->atlas->object_count; n++) {
+        hidden = picture->hidden[n] || !atlas_is_below(picture->atlas, n, number);
+    }
+    return hidden;
+}
+
+/* With its kind where another kind has that name, behind its number in the picture, and saying so where it is not seen;
+ * without memory, too, the name alone. */
 static const char *name_of(struct picture_legend *legend, const struct picture *picture, uint32_t number)
 {
     const char *name = picture->atlas->objects[number - 1].name;
     const char *word = conus_atlas_kind_word(picture->atlas, number);
     struct buffer *whole = &legend->names[legend->name_count];
     size_t tag = picture_tag(picture, number);
-    if (!word[0] && !tag) {
+    bool hidden = is_hidden(picture, number);
+    if (!word[0] && !tag && !hidden) {
         return name;
     }
     if (tag) {
         buffer_format(whole, "%zu  ", tag);
     }
-    buffer_format(whole, "%s%s%s", word, word[0] ? " " : "", name);
+    buffer_format(whole, "%s%s%s%s", word, word[0] ? " " : "", name, hidden ? " (behind)" : "");
     legend->name_count++;
     return whole->failed ? name : whole->data;
 }

@@ -598,6 +598,43 @@ static conus_status find_opacities(struct picture *picture)
     return CONUS_OK;
 }
 
+/* What of the selection's first hits the camera does not see, by rays from it through the whole picture. Only where
+ * all that is drawn is opaque, and nothing is left out. Needs no legend: one changes the camera's distance alone. */
+static conus_status find_hidden(struct picture *picture, const struct colour_pass *pass)
+{
+    enum { RAYS_ACROSS = 512 };
+    const conus_view *options = &picture->options;
+    const conus_atlas *atlas = picture->atlas;
+    if (!options->selection || options->no_legend || options->draft || picture->opacity || pathways_first(atlas) ||
+        pathways_shown(atlas) || has_frustum(options)) {
+        return CONUS_OK;
+    }
+    picture->drawing[0] = options->width;
+    picture->drawing[1] = options->height;
+    conus_status status = place_camera(picture, pass);
+    const double slope = fmax(picture->camera.slope[0], picture->camera.slope[1]);
+    conus_selector_options rays = CONUS_SELECTOR_OPTIONS_INIT;
+    rays.aperture = CONUS_APERTURE_SQUARE;
+    rays.resolution = RAYS_ACROSS;
+    conus_selector *selector = NULL;
+    conus_selection *seen = NULL;
+    conus_pose eye;
+    picture->hidden = memory_zeroed(atlas->object_count + 1, sizeof *picture->hidden);
+    status = status || picture->hidden ? status : CONUS_ERROR_MEMORY;
+    status = status ? status : conus_pose_from_matrix(&eye, picture->camera.world_from_camera);
+    status = status ? status : conus_selector_create(&selector, atlas, &rays);
+    status = status ? status : conus_select(&seen, selector, &eye, 2 * atan(slope));
+    for (size_t n = 1; n <= atlas->object_count && !status; n++) {
+        picture->hidden[n] = true;
+    }
+    for (size_t i = 0; i < conus_selection_count(seen); i++) {
+        picture->hidden[conus_selection_result(seen, i)->object] = false;
+    }
+    conus_selection_destroy(seen);
+    conus_selector_destroy(selector);
+    return status;
+}
+
 conus_status conus_render(conus_image **out, conus_renderer *renderer, const conus_view *view)
 {
     struct picture picture = {
@@ -627,6 +664,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     if (!status && picture.options.selection) {
         add_cone(&picture);
     }
+    status = status ? status : find_hidden(&picture, &renderer->colour);
     status = status ? status : picture_prepare_sheet(&picture, renderer->max_memory, renderer->log, renderer->log_user);
     status = status ? status : place_camera(&picture, &renderer->colour);
     status = status ? status : draw(&picture, renderer);
@@ -637,6 +675,7 @@ conus_status conus_render(conus_image **out, conus_renderer *renderer, const con
     memory_free(picture.emphasis);
     memory_free(picture.opacity);
     memory_free(picture.areas);
+    memory_free(picture.hidden);
     memory_free(picture.rgba);
     return status;
 }
