@@ -1040,8 +1040,8 @@ static int run_render(const void *given, const struct arguments *arguments)
         code = picture.poses ? draw_rows(&picture) : draw_origin(&picture);
     }
     if (!code && picture.selector && !settings->strips) {
-        const struct aimed aimed = {*conus_aims_found(picture.aims), picture.selector, picture.atlas, NULL,
-                                    &picture.frame, false};
+        const struct aimed aimed = {
+            *conus_aims_found(picture.aims), picture.selector, picture.atlas, NULL, &picture.frame, false};
         aim_notes_say(&aimed, 1, picture.rows.count > 1 ? picture.rows.file : NULL, &settings->common);
     }
     if (!code) {

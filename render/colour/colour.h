@@ -66,12 +66,12 @@ struct colour_view {
     uint32_t width, height;
     uint32_t slices; /**< N of Eq. 7; 0 = default.                                       */
     bool no_skipping;
-    double draft;                   /**< mm; fewer streamlines, at least so wide: see tube_layer.h. 0 = all. */
-    struct gl_listener listener;    /**< Hears of pieces of streamlines, and of each time that rays are cast. */
-    GLuint tiles;                   /**< Buffer of a number for each square of COLOUR_TILE pixels, row by row: what has 0
-                                         is not drawn. 0 = all is drawn. */
-    double shift[2];                /**< From pixel centres to rays, in pixels, right and up.                   */
-    const double *world_from_cone;  /**< NULL = no cone; else its apex and frame, looking down -z.      */
+    double draft;                  /**< mm; fewer streamlines, at least so wide: see tube_layer.h. 0 = all. */
+    struct gl_listener listener;   /**< Hears of pieces of streamlines, and of each time that rays are cast. */
+    GLuint tiles;                  /**< Buffer of a number for each square of COLOUR_TILE pixels, row by row: what has 0
+                                        is not drawn. 0 = all is drawn. */
+    double shift[2];               /**< From pixel centres to rays, in pixels, right and up.                   */
+    const double *world_from_cone; /**< NULL = no cone; else its apex and frame, looking down -z.      */
     double cone_slope, cone_radius; /**< Tangent of half its angle; mm about the apex, 0 unless a cylinder. */
     double cone_start, cone_length; /**< Depths along its axis between which it is drawn, mm.           */
     bool grey_cone;                 /**< In place of orange. */

@@ -39,8 +39,8 @@ struct picture {
     float *opacity;    /**< [objects + 1] of surfaces; NULL where all are opaque. */
     uint8_t *areas;    /**< [objects + 1] of enum pathways_area: those that are drawn beside pathways. */
     uint8_t *emphasis; /**< [objects + 1] of enum emphasis, by the cone; NULL without one. */
-    bool *hidden;      /**< [objects + 1] What the camera cannot see, as it lies behind other areas; NULL = not known. */
-    float *rgba;       /**< [height * width * 4], bottom row first. */
+    bool *hidden; /**< [objects + 1] What the camera cannot see, as it lies behind other areas; NULL = not known. */
+    float *rgba;  /**< [height * width * 4], bottom row first. */
 };
 
 /** Lays the legend of the areas hit, a scale bar and the directions (R L A P S I) over @p image; with a font. */

@@ -92,8 +92,10 @@ static struct draw_box letter_box(const struct picture *picture, const struct di
     const double size = picture->em;
     const double half = font_width(picture->font, size, direction->letter) / 2;
     const double out = 0.75 * size / direction->flat;
-    const double x = centre[0] + CROSS * size * direction->x + out * (cos(turn) * direction->x - sin(turn) * direction->y);
-    const double y = centre[1] + CROSS * size * direction->y + out * (sin(turn) * direction->x + cos(turn) * direction->y);
+    const double x =
+        centre[0] + CROSS * size * direction->x + out * (cos(turn) * direction->x - sin(turn) * direction->y);
+    const double y =
+        centre[1] + CROSS * size * direction->y + out * (sin(turn) * direction->x + cos(turn) * direction->y);
     return (struct draw_box){x - half, y - 0.4 * size, x + half, y + 0.4 * size};
 }
 

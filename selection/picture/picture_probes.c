@@ -236,7 +236,8 @@ static void draw_line_of(conus_image *image, const struct picture *picture, size
     const double width = 0.3 * picture->em;
     double ends[2][3];
     double from[2], to[2];
-    if (!picture_probe_ends(ends, picture, index) || !project(from, picture, ends[0]) || !project(to, picture, ends[1])) {
+    if (!picture_probe_ends(ends, picture, index) || !project(from, picture, ends[0]) ||
+        !project(to, picture, ends[1])) {
         return;
     }
     draw_in_drawing(image, picture, from, to, width + fmax(2, 0.14 * picture->em), CASING);
@@ -271,8 +272,7 @@ static conus_status write_line_name(conus_image *image, const struct picture *pi
     const double length = fmax(hypot(from[0] - to[0], from[1] - to[1]), 1e-9);
     const double beyond[2] = {em * (from[0] - to[0]) / length - width / 2, em * (from[1] - to[1]) / length};
     const double away = from[1] > to[1] ? 1 : -1;
-    const double places[3][2] = {
-        {beyond[0], beyond[1]}, {-em - width, -0.7 * away * em}, {0.6 * em, -0.7 * away * em}};
+    const double places[3][2] = {{beyond[0], beyond[1]}, {-em - width, -0.7 * away * em}, {0.6 * em, -0.7 * away * em}};
     struct draw_box key[2];
     struct draw_box box;
     picture_key_boxes(key, picture);
