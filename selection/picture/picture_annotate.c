@@ -105,7 +105,8 @@ static struct draw_box place_letter(const struct picture *picture, const struct 
 {
     enum { TURNS = 12 };
     for (int n = 0; n < 2 * TURNS; n++) {
-        struct draw_box box = letter_box(picture, direction, centre, (n % 2 ? 1 : -1) * (n + 1) / 2 * MATH3_PI / TURNS);
+        const int turn = n % 2 ? (n + 1) / 2 : -(n / 2);
+        const struct draw_box box = letter_box(picture, direction, centre, turn * MATH3_PI / TURNS);
         const struct draw_box wide = {box.left - 0.2 * picture->em, box.top - 0.1 * picture->em,
                                       box.right + 0.2 * picture->em, box.bottom + 0.1 * picture->em};
         bool is_free = true;
