@@ -161,7 +161,7 @@ open_from() {
     [ "$(jq -r '.atlas, .objects' found.json)" = "$PWD/state/conus/sample/brain.atlas.json"$'\n12' ]
     mkdir -p data/mricron/templates
     cp mine/nested.nii.gz data/mricron/templates/aal.nii.gz
-    run -3 --separate-stderr page --script <(echo key s)
+    run -3 --separate-stderr page --script <(echo key 9)
     check_message 'key KEY is needed'
 }
 
@@ -461,9 +461,7 @@ END
     conus phantom nested -o .
     left_open "$PWD/nested.nii.gz"
     live --size 1000x640
-    xdotool key --window "$window" Tab
-    pass
-    xdotool type --window "$window" "$PWD/slabs.nii.gz"
+    xdotool type --window "$window" "$PWD/slabs.nii.gz" # without Tab: the first letter goes to the line, too
     pass
     xdotool keydown --window "$window" Return # it has to be down when a frame is drawn
     look '.objects == 2'
@@ -471,8 +469,13 @@ END
     tell "$AIM" 'save before.json'
     xdotool key --window "$window" ctrl+n
     pass
-    xdotool key --window "$window" v # no key of the page
-    xdotool key --window "$window" Escape
+    xdotool key --window "$window" v # no key of the brain, but typed
+    pass
+    xdotool keydown --window "$window" Escape # leaves the line
+    pass
+    xdotool keyup --window "$window" Escape
+    pass
+    xdotool key --window "$window" Escape # and the page
     pass
     tell 'save after.json'
     pass

@@ -13,6 +13,7 @@
 #include "viewer/window/window.h"
 
 #include <GLFW/glfw3.h>
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -582,11 +583,26 @@ static bool press_in_dialog(struct window *window, const char *key)
     return true;
 }
 
+/* Puts a letter into the line of the start page, which has the keys from then on. */
+static bool type_at_start(struct start *start, const char *key)
+{
+    size_t length = strlen(start->typed);
+    bool is_letter = key[0] && !key[1] && length + 1 < sizeof start->typed;
+    if (is_letter) {
+        memcpy(start->typed + length, key, 2);
+        start->takes_keys = start->is_set = true;
+    }
+    return is_letter;
+}
+
 /* Presses a key on the start page, where digits open the entries of its lists. */
 static bool press_at_start(struct window *window, const char *key)
 {
     struct start *start = &window->start;
     const char *path = key[0] >= '1' && key[0] <= '9' && !key[1] ? start_path(start, (size_t)(key[0] - '1')) : NULL;
+    if (start->is_set && type_at_start(start, key)) {
+        return true; /* typed before the line had the keys */
+    }
     if (path) {
         window_request_file(window, path);
     } else if (strcasecmp(key, "tab") == 0) {
@@ -606,7 +622,7 @@ static bool press_at_start(struct window *window, const char *key)
     } else if (strcasecmp(key, "escape") == 0 && window->viewer) {
         start->on = false;
     } else {
-        return press_anywhere(window, key);
+        return press_anywhere(window, key) || (!isdigit((unsigned char)key[0]) && type_at_start(start, key));
     }
     return true;
 }

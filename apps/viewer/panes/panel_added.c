@@ -77,7 +77,7 @@ static void draw_line(struct window *window, const json_t *words)
         ui_take_keys();
     }
     ui_width(ui_room());
-    ui_type_path("##file", form->text, sizeof form->text, "", false, &form->is_set);
+    ui_type_path("##file", form->text, sizeof form->text, "", "", false, &form->is_set);
     bool entered = ui_entered();
     ui_tint(theme_texts[THEME_HINT]);
     ui_text_wrapped(keys[form->kind]);

@@ -21,7 +21,7 @@ static void draw_line(struct window *window)
         ui_take_keys();
         dialog->takes_keys = false;
     }
-    ui_type_path("##path", dialog->text, sizeof dialog->text, dialog->prefilled, dialog->selects, &dialog->is_set);
+    ui_type_path("##path", dialog->text, sizeof dialog->text, "", dialog->prefilled, dialog->selects, &dialog->is_set);
     bool entered = ui_entered();
     int moved = ui_wants_keys() ? ui_arrow() : 0; /* else keys.c hears them */
     if (moved) {

@@ -26,7 +26,8 @@ static void draw_field(struct window *window)
         ui_take_keys();
         start->takes_keys = false;
     }
-    ui_type("##path", start->typed, sizeof start->typed, "search installed atlases, or ~/atlases/aal.nii.gz");
+    ui_type_path("##path", start->typed, sizeof start->typed, "search installed atlases, or ~/atlases/aal.nii.gz", "",
+                 false, &start->is_set);
     bool asked = ui_entered();
     int moved = ui_wants_keys() ? ui_arrow() : 0; /* else keys.c hears them */
     if (moved) {
@@ -210,7 +211,7 @@ static void draw_keys(const struct window *window)
     if (start_path(&window->start, 0)) {
         draw_key(window, "1, 2 ...", "open what has this number");
     }
-    draw_key(window, "Tab", "search or type a path; the arrow keys choose, Enter opens");
+    draw_key(window, "A-Z, Tab", "search or type a path; the arrow keys choose, Enter opens");
     draw_key(window, "Ctrl+O", "choose a file");
     if (window->files.session_waits) {
         draw_key(window, "Escape", "open atlases without the session");

@@ -427,13 +427,15 @@ static int take_text(ImGuiInputTextCallbackData *data)
     return 0;
 }
 
-bool ui_type_path(const char *label, char *text, size_t size, const char *folder, bool selects, bool *is_set)
+bool ui_type_path(const char *label, char *text, size_t size, const char *hint, const char *folder, bool selects,
+                  bool *is_set)
 {
     char wanted[4096]; // the line may write to text before it asks
     std::strncpy(wanted, text, sizeof wanted - 1);
     wanted[sizeof wanted - 1] = 0;
     path_line line = {wanted, folder, selects, is_set};
-    return ImGui::InputText(label, text, size, ImGuiInputTextFlags_CallbackAlways, take_text, &line);
+    audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
+    return ImGui::InputTextWithHint(label, hint, text, size, ImGuiInputTextFlags_CallbackAlways, take_text, &line);
 }
 
 bool ui_escaped(void)

@@ -97,14 +97,15 @@ bool ui_numbers(const char *label, double value[3], const char *format);
 void ui_take_keys(void);
 /** A line that is typed; true when it changed. */
 bool ui_type(const char *label, char *text, size_t size, const char *hint);
-/** A line for a path without a hint; where *is_set is true it takes over what @p text is, all of it selected or with
+/** A line for a path; where *is_set is true it takes over what @p text is, all of it selected or with
  * the mark at its end. A whole path that is pasted behind @p folder (ends in '/'; "" = none) takes its place. */
-bool ui_type_path(const char *label, char *text, size_t size, const char *folder, bool selects, bool *is_set);
+bool ui_type_path(const char *label, char *text, size_t size, const char *hint, const char *folder, bool selects,
+                  bool *is_set);
 bool ui_escaped(void);                          /**< Escape was pressed. */
 void ui_chip(const char *id, ui_colour colour); /**< A small square. */
 bool ui_can_write(const char *text);            /**< Whether the font has all its letters; others are shown as "?". */
-bool ui_row(const char *label, bool selected); /**< A line that can be clicked. */
-bool ui_section(const char *label, bool open); /**< A heading that folds what is below. */
+bool ui_row(const char *label, bool selected);  /**< A line that can be clicked. */
+bool ui_section(const char *label, bool open);  /**< A heading that folds what is below. */
 /** A node of a tree; true while it is open, to be ended by ui_tree_end(). */
 bool ui_tree(const char *label, enum ui_opening opening);
 void ui_tree_end(void);

@@ -24,6 +24,7 @@ enum { START_WHY = 512 };
 struct start {
     bool on;         /**< The window shows it, as it does as long as there is no atlas. */
     bool takes_keys; /**< From the next frame on what is typed goes into the path. */
+    bool is_set;     /**< The line has to take over what is typed below, which a letter began. */
     char typed[PATH_MAX];
     char why[START_WHY]; /**< Why the last one was not opened, plain; "" = there is nothing to say. */
     struct recent recent;

@@ -352,8 +352,8 @@ static GLFWwindow *make_window(const struct window_options *options, int api)
     return glfwCreateWindow(place->width, place->height, "conus", NULL, NULL);
 }
 
-/* Maps the window. GLFW waits for that: for 0.1 s where no event is queued, else without an end, which a window manager
- * that starts at the same moment and overlooks the window never ends. So the queue is emptied, and it is mapped again. */
+/* Maps the window. GLFW waits for that: for 0.1 s where no event is queued, else without an end, also for a window that
+ * a window manager overlooks which is just starting. So the queue is emptied first, and it is mapped again. */
 static void show(GLFWwindow *handle)
 {
     enum { TRIES = 50 };
