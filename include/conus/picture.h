@@ -141,7 +141,8 @@ typedef enum conus_side {
 /** Where a picture's legend is. */
 typedef enum conus_legend {
     CONUS_LEGEND_INSIDE = 0, /**< In a corner of the drawing, which leaves a margin for it: of its width or height at
-                                most 0.6. Where rows do not fit, the last ones behind others are counted in one. */
+                                most 0.6. Where rows do not fit, the last ones behind others are counted in one. Where
+                                all is opaque, first hits that the camera does not see are "(behind)". */
     CONUS_LEGEND_RIGHT, /**< Beside the drawing, of which it takes at most half the width; the picture is as large as
                            asked for. */
     CONUS_LEGEND_BELOW, /**< Below the drawing: the picture becomes higher by it, at most by half. */

@@ -30,6 +30,17 @@ static conus_status check_point(const double p[3], const char *what)
                : fail(CONUS_ERROR_ARGUMENT, "%s: %g,%g,%g, allowed are finite numbers", what, p[0], p[1], p[2]);
 }
 
+/* Of any length: squares of numbers near 1 neither vanish nor overflow, and powers of two round nothing. */
+static void find_unit(double out[3], const double a[3])
+{
+    int exponent;
+    frexp(fmax(fmax(fabs(a[0]), fabs(a[1])), fabs(a[2])), &exponent);
+    for (int i = 0; i < 3; i++) {
+        out[i] = ldexp(a[i], -exponent);
+    }
+    vec3_normalise(out, out);
+}
+
 /* Eq. 2: z = -d, x = normalise(up x z), y = z x x. */
 static conus_status make_frame(conus_pose *out, const double origin[3], const double d[3], const double up[3])
 {
@@ -38,9 +49,7 @@ static conus_status make_frame(conus_pose *out, const double origin[3], const do
     double z[3];
     double unit_up[3];
     vec3_scale(z, d, -1);
-    if (!vec3_normalise(unit_up, up)) {
-        return fail(CONUS_ERROR_ARGUMENT, "up: too long or too short a vector");
-    }
+    find_unit(unit_up, up);
     vec3_cross(x, unit_up, z);
     if (vec3_length(x) < NEARLY_ZERO) {
         return fail(CONUS_ERROR_ARGUMENT, "up: %g,%g,%g is parallel to the direction, another vector is needed", up[0],
@@ -63,9 +72,10 @@ conus_status conus_pose_along(conus_pose *out, const double origin[3], const dou
         return status;
     }
     bool is_unit = fabs(vec3_dot(direction, direction) - 1) < UNIT; /* as an axis is that was written and read back */
-    memcpy(d, direction, sizeof d);
-    if (!is_unit && !vec3_normalise(d, direction)) {
-        return fail(CONUS_ERROR_ARGUMENT, "direction: too long or too short a vector");
+    if (is_unit) {
+        memcpy(d, direction, sizeof d);
+    } else {
+        find_unit(d, direction);
     }
     bool along_z = fabs(d[2]) > 0.999; /* Eq. 2 */
     const double fallback[3] = {0, along_z, !along_z};
