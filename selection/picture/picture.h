@@ -63,6 +63,9 @@ conus_status picture_draw_bar(conus_image *image, const struct picture *picture,
 /** Whether letters at the edges of the drawing say where it is seen from; else a cross of directions does. */
 bool picture_is_across(const struct picture *picture);
 
+/** Whether none of the points, world mm, lies in the box as the picture's camera sees them. */
+bool picture_is_free(const struct picture *picture, const struct draw_box *box, const double *points, size_t count);
+
 /** Whether none of @p points, [count][3] in the world, lies under the scale and the directions in the lower right
  * corner. In @p size what these take of its width and height, pixels. */
 bool picture_key_is_free(double size[2], const struct picture *picture, const double *points, size_t count);
@@ -133,6 +136,9 @@ void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, cons
 
 /** The space that a drawing leaves free for a legend inside it, on the left or above, pixels; else 0. */
 void picture_legend_room(double out[2], const struct picture *picture);
+
+/** Width and height of a legend inside the drawing, pixels; else 0. */
+void picture_legend_size(double out[2], const struct picture *picture);
 
 /** Makes the drawing, and with it the sheet, as low as @p height, but not lower than a legend on its left or beside it.
  * A legend below follows. */

@@ -240,6 +240,18 @@ bool picture_overlaps(const struct draw_box *a, const struct draw_box *b)
     return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
 }
 
+bool picture_is_free(const struct picture *picture, const struct draw_box *box, const double *points, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        double x, y, depth;
+        if (camera_project(&x, &y, &depth, &picture->camera, &picture->frame, points + 3 * i) &&
+            picture_overlaps(&(struct draw_box){x - 1, y - 1, x + 1, y + 1}, box)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 bool picture_key_is_free(double size[2], const struct picture *picture, const double *points, size_t count)
 {
     struct key key;
@@ -247,18 +259,8 @@ bool picture_key_is_free(double size[2], const struct picture *picture, const do
     const double side = key.cross.right - key.cross.left + 2 * GAP * picture->em;
     size[0] = key.has_cross ? side : key.has_bar ? picture->drawing[0] - key.bar.box.left : 0;
     size[1] = key.has_cross ? side : key.has_bar ? picture->drawing[1] - key.bar.box.top : 0;
-    for (size_t i = 0; i < count; i++) {
-        double x, y, depth;
-        if (!camera_project(&x, &y, &depth, &picture->camera, &picture->frame, points + 3 * i)) {
-            continue;
-        }
-        const struct draw_box pixel = {x - 1, y - 1, x + 1, y + 1};
-        if ((key.has_cross && picture_overlaps(&pixel, &key.cross)) ||
-            (key.has_bar && picture_overlaps(&pixel, &key.bar.box))) {
-            return false;
-        }
-    }
-    return true;
+    return (!key.has_cross || picture_is_free(picture, &key.cross, points, count)) &&
+           (!key.has_bar || picture_is_free(picture, &key.bar.box, points, count));
 }
 
 /* In the lower right corner; where something is there, as a given camera may have it, in the one where it hides least.

@@ -141,15 +141,14 @@ static bool is_hidden(const struct picture *picture, uint32_t number)
     return hidden;
 }
 
-/* With its kind where another kind has that name, behind its number in the picture, and saying so where it is not seen;
+/* With its kind where another kind has that name, behind its number in the picture, and saying so where it is hidden;
  * without memory, too, the name alone. */
-static const char *name_of(struct picture_legend *legend, const struct picture *picture, uint32_t number)
+static const char *name_of(struct picture_legend *legend, const struct picture *picture, uint32_t number, bool hidden)
 {
     const char *name = picture->atlas->objects[number - 1].name;
     const char *word = conus_atlas_kind_word(picture->atlas, number);
     struct buffer *whole = &legend->names[legend->name_count];
     size_t tag = picture_tag(picture, number);
-    bool hidden = is_hidden(picture, number);
     if (!word[0] && !tag && !hidden) {
         return name;
     }
@@ -181,7 +180,7 @@ static void fill_row(struct picture_legend *out, size_t index, const struct pict
     row->hollow = !result->object;
     row->name = "unassigned";
     if (result->object) {
-        row->name = name_of(out, picture, result->object);
+        row->name = name_of(out, picture, result->object, result->pixels && is_hidden(picture, result->object));
         set_chip(row, picture, result->object);
         row->detail[1] = cells->distance;
     }
@@ -213,7 +212,7 @@ static size_t add_pathways(struct picture_legend *out, struct legend_row rows[PA
             bundles += atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE;
             if (others++ < PATHWAY_ROWS - 1) {
                 rows[count++] =
-                    (struct legend_row){.name = name_of(out, picture, (uint32_t)number), .detail = {"not hit"}};
+                    (struct legend_row){.name = name_of(out, picture, (uint32_t)number, false), .detail = {"not hit"}};
                 set_chip(&rows[count - 1], picture, (uint32_t)number);
             }
         }
@@ -415,7 +414,7 @@ static size_t add_listed(struct picture_legend *out, struct legend_row *rows, co
         uint32_t shown = selection && selection->group ? selection->group[number] : number;
         if (!done[shown] && is_listed(picture, number)) {
             done[shown] = true;
-            rows[count] = (struct legend_row){.name = name_of(out, picture, shown)};
+            rows[count] = (struct legend_row){.name = name_of(out, picture, shown, is_hidden(picture, shown))};
             rows[count].detail[0] = selection ? "not hit" : NULL;
             set_chip(&rows[count++], picture, shown);
         }
@@ -624,6 +623,14 @@ void picture_legend_room(double out[2], const struct picture *picture)
     double height = picture->drawing[1];
     bool above = size[0] > INSIDE * width && height - size[1] > width - size[0];
     out[above] = above ? fmin(size[1], ROOM * height) : fmin(size[0], ROOM * width);
+}
+
+void picture_legend_size(double out[2], const struct picture *picture)
+{
+    bool is_inside = picture->legend && picture->options.legend == CONUS_LEGEND_INSIDE;
+    for (int a = 0; a < 2; a++) {
+        out[a] = is_inside ? fmin(picture->drawing[a], picture->legend->size[a]) : 0;
+    }
 }
 
 void picture_lower(struct picture *picture, uint32_t height)

@@ -20,7 +20,9 @@ enum {
     SIDE_LIMIT = 16384,
     SLICE_LIMIT = 65536,
     DPI_LIMIT = 100000,
-    BALL_POINTS = 6
+    BALL_POINTS = 6,
+    AROUND = 24, /* a cone's axis */
+    WALL_POINTS = 8 * AROUND
 };
 
 /* Radius of the ball at the apex, as a part of the atlas's. */
@@ -201,19 +203,17 @@ static void add_cone(struct picture *picture)
     }
 }
 
-/* `letters`: there are some at the edges. */
-static void set_frame(struct picture *picture, bool letters)
+/* `letters`: there are some at the edges. `room`: left free on the left and above. */
+static void set_frame(struct picture *picture, bool letters, const double room[2])
 {
     uint32_t width = picture->drawing[0];
     uint32_t height = picture->drawing[1];
     uint32_t least = letters ? (uint32_t)lrint(2 * picture->em) : 0;
     uint32_t across = width / 28 > least ? width / 28 : least;
     uint32_t upward = height / 24 > least ? height / 24 : least;
-    double legend[2];
-    picture_legend_room(legend, picture);
     picture->frame = (struct camera_frame){.width = width, .height = height, .right = across, .bottom = upward};
-    picture->frame.left = across + (uint32_t)legend[0];
-    picture->frame.top = upward + (uint32_t)legend[1];
+    picture->frame.left = across + (uint32_t)room[0];
+    picture->frame.top = upward + (uint32_t)room[1];
     if (picture->frame.left + across >= width || picture->frame.top + upward >= height) { /* too small for margins */
         picture->frame = (struct camera_frame){.width = width, .height = height};
     }
@@ -223,31 +223,49 @@ static const double forwards[][3] = {
     [CONUS_SIDE_LEFT] = {1, 0, 0}, [CONUS_SIDE_RIGHT] = {-1, 0, 0}, [CONUS_SIDE_FRONT] = {0, -1, 0},
     [CONUS_SIDE_BACK] = {0, 1, 0}, [CONUS_SIDE_TOP] = {0, 0, -1},   [CONUS_SIDE_BOTTOM] = {0, 0, 1}};
 
+static double camera_distance(const struct picture *picture)
+{
+    return vec3_dot(picture->camera.world_from_camera + 8, picture->camera.world_from_camera + 12);
+}
+
+/* Points that a picture shows, and from where. */
+struct shown_points {
+    const double *xyz; /* [all * 3] */
+    size_t count;      /* The first ones, which lie in the frame. */
+    size_t all;        /* With those of the cone's walls, which may end beyond it. */
+    const double *forward;
+};
+
+static void frame_all(struct picture *picture, const struct shown_points *points)
+{
+    camera_frame_points(&picture->camera, points->xyz, points->count, points->forward, picture->options.field_of_view,
+                        &picture->frame);
+}
+
 /* From where all points are in the frame and none under the scale and the directions: these get room below, on the
- * right or both, whatever leaves the points largest. */
-static void frame_points(struct picture *picture, const double *points, size_t count, const double forward[3])
+ * right or both, whatever leaves the points largest. `legend`: the size of what lies in the upper left corner, where
+ * `room` is left for it; false if points lie there. */
+static bool frame_in_room(struct picture *picture, const struct shown_points *points, const double room[2],
+                          const double legend[2])
 {
     enum { BELOW = 1, RIGHT = 2, STEPS = 12 };
-    const double angle = picture->options.field_of_view;
+    const struct draw_box corner = {0, 0, legend[0] + picture->em, legend[1] + picture->em};
     double key[2];
-    set_frame(picture, false);
-    camera_frame_points(&picture->camera, points, count, forward, angle, &picture->frame);
+    set_frame(picture, picture->font && picture_is_across(picture), room);
+    frame_all(picture, points);
     if (!picture->font) {
-        return;
+        return true;
     }
-    if (picture_is_across(picture)) {
-        set_frame(picture, true);
-        camera_frame_points(&picture->camera, points, count, forward, angle, &picture->frame);
+    bool is_free = !legend[0] || picture_is_free(picture, &corner, points->xyz, points->all);
+    if (!is_free || picture_key_is_free(key, picture, points->xyz, points->count)) {
+        return is_free;
     }
     const struct camera_frame whole = picture->frame;
     const struct camera plain = picture->camera;
     struct camera_frame best = whole;
     double nearest = INFINITY;
-    if (picture_key_is_free(key, picture, points, count)) {
-        return;
-    }
     for (int way = BELOW; way <= (BELOW | RIGHT); way++) {
-        bool is_free = false;
+        is_free = false;
         for (int step = 1; step <= STEPS && !is_free; step++) {
             struct camera_frame *frame = &picture->frame;
             *frame = whole;
@@ -256,11 +274,11 @@ static void frame_points(struct picture *picture, const double *points, size_t c
             if (frame->left + frame->right >= frame->width || frame->top + frame->bottom >= frame->height) {
                 break;
             }
-            camera_frame_points(&picture->camera, points, count, forward, angle, frame);
-            is_free = picture_key_is_free(key, picture, points, count);
-            double away = vec3_dot(picture->camera.world_from_camera + 8, picture->camera.world_from_camera + 12);
-            if (is_free && away < nearest) {
-                nearest = away;
+            frame_all(picture, points);
+            is_free = picture_key_is_free(key, picture, points->xyz, points->count) &&
+                      (!legend[0] || picture_is_free(picture, &corner, points->xyz, points->all));
+            if (is_free && camera_distance(picture) < nearest) {
+                nearest = camera_distance(picture);
                 best = *frame;
             }
         }
@@ -268,7 +286,55 @@ static void frame_points(struct picture *picture, const double *points, size_t c
     picture->frame = best;
     picture->camera = plain;
     if (nearest < INFINITY) {
-        camera_frame_points(&picture->camera, points, count, forward, angle, &best);
+        frame_all(picture, points);
+    }
+    return nearest < INFINITY;
+}
+
+/* A legend inside gets all its width or height free, or less on the left, above or both where the points, which are
+ * round, stay beside it all the same: whatever leaves them largest. */
+static void frame_points(struct picture *picture, const struct shown_points *points)
+{
+    enum { LEFT = 1, ABOVE = 2, STEPS = 12 };
+    static const double none[2] = {0};
+    double room[2];
+    double legend[2];
+    picture_legend_room(room, picture);
+    picture_legend_size(legend, picture);
+    set_frame(picture, false, room);
+    frame_all(picture, points); /* which tells whether there are letters at the edges */
+    frame_in_room(picture, points, room, none);
+    struct camera camera = picture->camera;
+    struct camera_frame frame = picture->frame;
+    for (int way = LEFT; way <= (LEFT | ABOVE) && legend[0] > 0; way++) {
+        bool is_free = false;
+        for (int step = 0; step < STEPS && !is_free; step++) {
+            room[0] = way & LEFT ? legend[0] * step / STEPS : 0;
+            room[1] = way & ABOVE ? legend[1] * step / STEPS : 0;
+            is_free = frame_in_room(picture, points, room, legend);
+            if (is_free &&
+                camera_distance(picture) < vec3_dot(camera.world_from_camera + 8, camera.world_from_camera + 12)) {
+                camera = picture->camera;
+                frame = picture->frame;
+            }
+        }
+    }
+    picture->camera = camera;
+    picture->frame = frame;
+}
+
+/* On the walls of the cone that is drawn. */
+static void add_walls(double points[WALL_POINTS][3], const struct colour_view *view)
+{
+    const double *m = view->world_from_cone;
+    for (int n = 0; n < WALL_POINTS; n++) {
+        const int circle = n / AROUND + 1;
+        double along = view->cone_start + (view->cone_length - view->cone_start) * circle * AROUND / WALL_POINTS;
+        double turn = radians_from_degrees(360.0 / AROUND * (n % AROUND));
+        double away = view->cone_radius + along * view->cone_slope;
+        vec3_add_scaled(points[n], m + 12, -along, m + 8);
+        vec3_add_scaled(points[n], points[n], away * cos(turn), m);
+        vec3_add_scaled(points[n], points[n], away * sin(turn), m + 4);
     }
 }
 
@@ -283,7 +349,9 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         } else if (!status) {
             camera_from_pose(&picture->camera, &pose, options->field_of_view, picture->drawing[0], picture->drawing[1]);
         }
-        set_frame(picture, false);
+        double room[2];
+        picture_legend_room(room, picture);
+        set_frame(picture, false, room);
         return status ? fail_in(status, "camera") : CONUS_OK;
     }
     double forward[3];
@@ -295,7 +363,8 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
         cone_axis(axis, &options->selection->cone);
         camera_cone_forward(forward, axis);
     }
-    double(*points)[3] = memory_raw(pass->content_count + 2 * options->probe_count + BALL_POINTS, sizeof *points);
+    double(*points)[3] =
+        memory_raw(pass->content_count + 2 * options->probe_count + BALL_POINTS + WALL_POINTS, sizeof *points);
     if (!points) {
         return CONUS_ERROR_MEMORY;
     }
@@ -322,7 +391,11 @@ static conus_status place_camera(struct picture *picture, const struct colour_pa
             points[count++][n / 2] += (n % 2 ? 1 : -1) * DEVICE * picture->radius;
         }
     }
-    frame_points(picture, points[0], count, forward);
+    size_t walls = options->selection ? WALL_POINTS : 0;
+    if (walls) {
+        add_walls(points + count, &picture->view);
+    }
+    frame_points(picture, &(struct shown_points){points[0], count, count + walls, forward});
     memory_free(points);
     return CONUS_OK;
 }

@@ -392,12 +392,12 @@ static size_t drawn_in(const conus_image *image, const struct draw_box *box)
     return count;
 }
 
-/* Width and height of what is drawn, pixels. */
-static void find_extent(double out[2], const conus_image *image)
+/* The columns and rows of what is drawn. */
+static void find_drawn(uint32_t low[2], uint32_t high[2], const conus_image *image)
 {
     const float *opacity = conus_image_floats(image, "A");
-    uint32_t low[2] = {UINT32_MAX, UINT32_MAX};
-    uint32_t high[2] = {0, 0};
+    low[0] = low[1] = UINT32_MAX;
+    high[0] = high[1] = 0;
     for (size_t i = 0; i < (size_t)image->width * image->height; i++) {
         const uint32_t at[2] = {(uint32_t)(i % image->width), (uint32_t)(i / image->width)};
         for (int a = 0; a < 2 && opacity[i] > 0; a++) {
@@ -405,6 +405,14 @@ static void find_extent(double out[2], const conus_image *image)
             high[a] = at[a] > high[a] ? at[a] : high[a];
         }
     }
+}
+
+/* Width and height of what is drawn, pixels. */
+static void find_extent(double out[2], const conus_image *image)
+{
+    uint32_t low[2];
+    uint32_t high[2];
+    find_drawn(low, high, image);
     for (int a = 0; a < 2; a++) {
         out[a] = (double)high[a] - low[a] + 1;
     }
@@ -458,6 +466,60 @@ static void scale_and_directions_lie_on_nothing(void **state)
         }
     }
     conus_selection_destroy(selection);
+}
+
+static double all(const double p[3])
+{
+    (void)p;
+    return 1;
+}
+
+/* Seen from the front, a cube fills a square picture up to its margins: no corner is free, but the drawing makes room.
+ */
+static void a_cube_makes_room_for_them(void **state)
+{
+    (void)state;
+    need_font();
+    gl_context_destroy(test_gl_context(NULL, NULL));
+    conus_volume_info grid = picture_grid((size_t[]){40, 40, 40}, (double[]){1, 1, 1}, picture_identity);
+    struct scene scene = {.atlas = picture_atlas(&grid, all, NULL, NULL)};
+    assert_ok(conus_renderer_create(&scene.renderer, scene.atlas, NULL));
+    for (int side = CONUS_SIDE_OF_CONE; side <= CONUS_SIDE_BOTTOM; side++) {
+        conus_image *image = render_shapes(&scene, (conus_view){.width = 300, .height = 300, .side = (conus_side)side});
+        assert_nothing_is_under_shapes(image);
+        conus_image_destroy(image);
+    }
+    conus_renderer_destroy(scene.renderer);
+    conus_atlas_destroy(scene.atlas);
+}
+
+/* What is drawn of six balls, a cross or a square on a corner, leaves corners empty. In a square picture the legend
+ * needs neither a column nor a row for itself; nothing lies under it in any, neither the cone's wide walls. */
+static void a_legend_leaves_what_is_beside_it_large(void **state)
+{
+    static const uint32_t sizes[][2] = {{400, 300}, {400, 400}};
+    need_font();
+    struct scene scene = need_scene(state);
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        for (int side = CONUS_SIDE_OF_CONE; side <= CONUS_SIDE_BOTTOM; side++) {
+            conus_image *image = render_shapes(&scene, (conus_view){.width = sizes[i][0],
+                                                                    .height = sizes[i][1],
+                                                                    .side = (conus_side)side,
+                                                                    .selection = scene.selection});
+            struct draw_box panel = {0, 0, 0, 0};
+            for (size_t k = 0; k < image->shapes->count && panel.right == 0; k++) {
+                const struct draw_box box = box_of(&image->shapes->items[k]);
+                panel = image->shapes->items[k].kind == SHAPE_BOX && box.top < 20 ? box : panel;
+            }
+            uint32_t low[2];
+            uint32_t high[2];
+            find_drawn(low, high, image);
+            assert_true(panel.right > 100 && panel.bottom > 100);
+            assert_int_equal(drawn_in(image, &panel), 0);
+            assert_true(sizes[i][0] != sizes[i][1] || (low[0] < panel.right && low[1] < panel.bottom));
+            conus_image_destroy(image);
+        }
+    }
 }
 
 /* From the left, past the balls in front of it and above: they are in the lower right corner of the picture. */
@@ -724,6 +786,8 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(a_legend_outside_leaves_the_drawing_alone),
         cmocka_unit_test(what_is_behind_others_has_a_row_with_all_layers),
         cmocka_unit_test(scale_and_directions_lie_on_nothing),
+        cmocka_unit_test(a_cube_makes_room_for_them),
+        cmocka_unit_test(a_legend_leaves_what_is_beside_it_large),
         cmocka_unit_test(a_given_camera_has_them_where_nothing_is),
         cmocka_unit_test(where_nothing_is_free_they_have_patches),
         cmocka_unit_test(a_probe_is_a_line_in_the_colours_of_what_it_passes),
