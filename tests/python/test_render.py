@@ -223,14 +223,16 @@ def test_context_fades_and_a_draft_is_rough(aal, halved):
 def test_lines_of_the_documents_draw_pictures(aal, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (block,) = [block for block in page_blocks() if "render(" in block]
-    given = {"atlas": aal, "hits": aal.select(**CONE)}
+    os.symlink(AAL, "aal.nii.gz")
+    given = {"conus": conus, "atlas": aal, "hits": aal.select(**CONE)}
     if not os.environ.get("CONUS_TEST_LONG"):  # smaller pictures of the same lines
         for size, small in (("size=(700, 525)", "size=(140, 105)"), ("width_mm=85", "width_mm=17"), ("0, 0), t", "0, 0), size=(140, 105), t"),
-                            ("opacity=0.3)", "opacity=0.3, size=(140, 105))")):
+                            ("opacity=0.3)", "opacity=0.3, size=(140, 105))"), ("rows=3)", "rows=3, size=(140, 105))"),
+                            ("5, 10))", "5, 10), size=(300, 200))"), ("(0, 85))", "(0, 85), size=(300, 200))"), ("vectors=True)", "vectors=True, size=(140, 105))")):
             assert size in block
             block = block.replace(size, small)
     exec(block, given)
-    assert given["picture"].array.shape[1] in (140, 700) and os.listdir() == ["cone.png"]
+    assert given["picture"].array.shape[1] in (140, 700) and sorted(os.listdir()) == ["aal.nii.gz", "cone.png", "figure.svg"]
 
 
 # ---- What is drawn -------------------------------------------------------------------------------------------------
