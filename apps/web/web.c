@@ -39,11 +39,13 @@ static struct {
     float distances[SIDE_LIMIT * SIDE_LIMIT];
 } page;
 
+#ifdef __EMSCRIPTEN__ /* elsewhere it would call itself */
 /* The C library's own, which calloc() calls, stores words, in code that the browser has not optimised yet. */
 EMSCRIPTEN_KEEPALIVE void *memset(void *to, int byte, size_t size)
 {
     return __builtin_memset(to, byte, size); /* one instruction, for -mbulk-memory */
 }
+#endif
 
 static FILE *begin_text(void)
 {
