@@ -344,6 +344,8 @@ def load(
         check(lib.conus_atlas_show(raw, optional(utf8, "only", only), optional(utf8, "hide", hide)))
     if flag("safe_colours", safe_colours):
         lib.conus_atlas_use_safe_colours(raw)
+    if isinstance(palette, str):
+        raise ArgumentError(f"palette: {palette!r}, wanted is a list of colours")
     if palette:
         colours = b"".join(bytes(rgb_of("palette", colour)) for colour in palette)
         check(lib.conus_atlas_use_palette(raw, colours, len(palette)))

@@ -286,7 +286,7 @@ class Renderer:
         probe_range: Optional[Sequence[float]] = None,
         cuts: Sequence[str] = (),
         at: Any = None,
-        fill: float = 0.6,
+        fill: Optional[float] = None,
         radiological: bool = False,
     ) -> Picture:
         """Draws the atlas as ``conus render`` does.
@@ -357,7 +357,7 @@ class Renderer:
         at : (3,) array
             The point through which cuts go, RAS mm; needed unless each cut has a place.
         fill : float
-            Opacity of areas in cuts, 0 (outlines only) to 1.
+            Opacity of areas in cuts, 0 (outlines only) to 1; 0.6 if not given.
         radiological : bool
             Show the head's left on the right of axial and coronal cuts.
 
@@ -374,6 +374,11 @@ class Renderer:
             Where the driver fails.
         """
         pointer, options, out = self._mine(), ffi.new("conus_view *"), ffi.new("conus_image **")
+        _check_cuts(cuts, {"at": at, "fill": fill, "radiological": radiological or None},
+                    {"camera": camera, "camera_origin": camera_origin, "field_of_view": field_of_view,
+                     "frustum": frustum, "opacity": opacity, "unselected": unselected,
+                     "view": None if view == "cone" else view,
+                     "fade": fade or None, "draft": draft or None, "skipping": None if skipping else skipping}, probes)
         _set_size(options, size, width_mm, height_mm, dpi)
         alive = _camera_of(camera, camera_origin, camera_toward, camera_up)
         options.camera = alive or ffi.NULL
@@ -406,7 +411,7 @@ class Renderer:
             check(lib.conus_render(out, pointer, options))
             return Picture(out[0], self.device)
         planes, look = _planes_of(cuts, at, flag("radiological", radiological)), ffi.new("conus_cut_view *")
-        look.fill = real("fill", fill)
+        look.fill = 0.6 if fill is None else real("fill", fill)
         check(lib.conus_cuts_image(out, self.atlas._p, planes, len(planes), look,
                                    pointer if "3d" in cuts else ffi.NULL, options))
         return Picture(out[0], self.device)
@@ -535,6 +540,20 @@ def _set_background(view: Any, background: str) -> None:
         view.background = named[background]
     else:
         view.background, view.background_rgb = 1, rgb_of("background", background, "light", "transparent")
+
+
+def _check_cuts(cuts: Sequence[str], of_cuts: Mapping[str, Any], of_space: Mapping[str, Any], probes: Any) -> None:
+    """Refuses what would have no effect: what is None is not given."""
+    if isinstance(cuts, str):
+        raise ArgumentError(f"cuts: {cuts!r}, wanted is a list of cuts")
+    if cuts and probes:
+        raise ArgumentError("probes and cuts exclude each other")
+    if cuts and all(cut == "3d" for cut in cuts):
+        raise ArgumentError("cuts: 3d alone is the picture without cuts")
+    for name in (name for name, value in of_cuts.items() if value is not None and not cuts):
+        raise ArgumentError(f"{name}: has no effect without cuts")
+    for name in (name for name, value in of_space.items() if value is not None and cuts and "3d" not in cuts):
+        raise ArgumentError(f"{name}: has no effect on cuts; \"3d\" among them adds the view in space")
 
 
 def _ends_of(measured: Any) -> list[float]:
