@@ -2,7 +2,7 @@
 # desktop shows), devel (headers, static library, conus.pc, CMake's configuration), doc (documents and examples).
 include(CMakePackageConfigHelpers)
 
-# ---- Libraries ------------------------------------------------------------------------------------------------------
+# Libraries
 install(TARGETS conus EXPORT conus-targets LIBRARY COMPONENT runtime NAMELINK_COMPONENT devel
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS conus_static EXPORT conus-static-targets COMPONENT devel INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
@@ -22,7 +22,7 @@ string(REGEX REPLACE "/$" "" CONUS_PC_TO_PREFIX "${CONUS_PC_TO_PREFIX}")
 configure_file(cmake/conus.pc.in conus.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/conus.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT devel)
 
-# ---- Programs -------------------------------------------------------------------------------------------------------
+# Programs
 # Each that has tables of options writes its man pages and completions.
 foreach(program IN ITEMS conus_cli conus-view conus-mpi conus-mesh conus-hdf5)
   if(NOT TARGET ${program})
@@ -45,7 +45,7 @@ foreach(program IN ITEMS conus_cli conus-view conus-mpi conus-mesh conus-hdf5)
 endforeach()
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/pages)
 
-# ---- Desktop --------------------------------------------------------------------------------------------------------
+# Desktop
 if(TARGET conus-view)
   set(desktop packaging/desktop)
   install(FILES ${desktop}/conus-view.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT runtime)
@@ -54,13 +54,13 @@ if(TARGET conus-view)
   install(FILES ${desktop}/conus-view.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps COMPONENT runtime)
 endif()
 
-# ---- Documents ------------------------------------------------------------------------------------------------------
+# Documents
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 install(FILES README.md CHANGELOG.md SECURITY.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT doc)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/docs COMPONENT doc PATTERN Doxyfile EXCLUDE)
 install(DIRECTORY examples/ DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT doc FILES_MATCHING PATTERN "*.c" PATTERN "*.py")
 
-# ---- Away again -----------------------------------------------------------------------------------------------------
+# Away again
 if(PROJECT_IS_TOP_LEVEL)
   add_custom_target(uninstall COMMAND ${CMAKE_COMMAND} -DBUILD=${PROJECT_BINARY_DIR} -P ${PROJECT_SOURCE_DIR}/cmake/uninstall.cmake
     COMMENT "Removing what was installed" VERBATIM)

@@ -57,7 +57,7 @@ Labels = Union[Mapping[int, str], "pandas.DataFrame", None]
 _SCALARS = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
 
 
-# ---- Atlases from files and arrays ---------------------------------------------------------------------------------
+# Atlases from files and arrays
 
 
 def _fill_voxels(data: Any, affine: Any, name: str, space_code: int) -> tuple[Any, list[Any]]:
@@ -489,7 +489,7 @@ def _region(source: Any, threshold: float, max_memory: int, cache: bool) -> Any:
     return region
 
 
-# ---- Asking --------------------------------------------------------------------------------------------------------
+# Asking
 
 
 class _Collector:
@@ -1471,7 +1471,7 @@ class Atlas:
         return self._selector(options).overlap(roi, threshold, max_memory=max_memory, cache=cache)
 
 
-# ---- Pickling ------------------------------------------------------------------------------------------------------
+# Pickling
 
 
 def _aligned(size: int) -> Array:

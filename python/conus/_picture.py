@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from ._atlas import Atlas, Path
 
 
-# ---- OpenGL --------------------------------------------------------------------------------------------------------
+# OpenGL
 
 
 class _Process:
@@ -78,7 +78,7 @@ class GLOwner:
         return lambda p: None if _Process.forked or threading.get_ident() != thread else destroy(p)
 
 
-# ---- Pictures ------------------------------------------------------------------------------------------------------
+# Pictures
 
 _SRGB = (np.arange(255) + 0.5) / 255
 _STEPS = np.where(_SRGB <= 0.04045, _SRGB / 12.92, ((_SRGB + 0.055) / 1.055) ** 2.4).astype(np.float32)

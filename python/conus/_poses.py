@@ -107,7 +107,7 @@ class PoseArray:
         return float(self.struct.angle[index]) or default if self.struct.angle else default
 
 
-# ---- What looks wrong ----------------------------------------------------------------------------------------------
+# Poses that look wrong
 
 
 class Aims:

@@ -43,7 +43,7 @@ let rowsKey = "";
 let edition = 0; // of the atlas, its image and colours
 const isInside = location.protocol === "about:"; // of another page, which has the address
 
-// ---- The worker: one message at a time -----------------------------------------------------------------------------
+// The worker: one message at a time
 
 /** @type {Worker} */
 let worker;
@@ -75,7 +75,7 @@ async function startWorker() {
   return files;
 }
 
-// ---- Words ---------------------------------------------------------------------------------------------------------
+// Words
 
 /** Shows an error; "" takes it away. @param {string} words */
 function say(words) {
@@ -120,7 +120,7 @@ function describeAnswer() {
   speaking = window.setTimeout(() => { $("#said").textContent = words; }, $("#said").textContent ? SPEAK : 0);
 }
 
-// ---- Table ---------------------------------------------------------------------------------------------------------
+// Table
 
 const body = $("tbody");
 const emptyRow = document.createElement("tr");
@@ -176,7 +176,7 @@ function compare(text) {
       : `These rows are NOT those that conus ${given.version} wrote into this page: ${given.rows}`;
 }
 
-// ---- Drawing: at most one question under way; the newest waits ------------------------------------------------------
+// Drawing: at most one question under way; the newest waits
 
 let busy = false;
 let again = false; // after the question under way
@@ -257,7 +257,7 @@ function fillRows(text) {
   compare(text);
 }
 
-// ---- Fields --------------------------------------------------------------------------------------------------------
+// Fields
 
 function fillFields() {
   const write = (/** @type {string} */ name, /** @type {string} */ text) => {
@@ -298,7 +298,7 @@ form.addEventListener("input", (/** @type {Event} */ event) => {
 });
 form.addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
 
-// ---- Pointers and keys ---------------------------------------------------------------------------------------------
+// Pointers and keys
 
 /** @param {"origin" | "toward" | "cut"} which @param {import("./state.js").Point} position */
 function put(which, position) {
@@ -418,7 +418,7 @@ function key(event, pane, number) {
   return true;
 }
 
-// ---- Tabs of a narrow screen ---------------------------------------------------------------------------------------
+// Tabs of a narrow screen
 
 ["Axial", "Coronal", "Sagittal", "3-D"].forEach((name, number) => {
   const tab = document.createElement("button");
@@ -445,7 +445,7 @@ function layOut() {
 }
 new ResizeObserver(() => { layOut(); redraw(true); }).observe($("#panes"));
 
-// ---- Files ---------------------------------------------------------------------------------------------------------
+// Files
 
 /** One of the files that are offered. @param {string} name */
 async function open(name) {
@@ -527,7 +527,7 @@ addEventListener("drop", (event) => {
   attempt(async () => take(await dropped(/** @type {DataTransfer} */ (event.dataTransfer))));
 });
 
-// ---- Saving --------------------------------------------------------------------------------------------------------
+// Saving
 
 /** @param {string} name @param {Blob} blob */
 function download(name, blob) {
@@ -593,7 +593,7 @@ for (const button of document.querySelectorAll("[data-save]")) {
   /** @type {HTMLElement} */ (button).onclick = () => save(/** @type {HTMLElement} */ (button).dataset.save ?? "");
 }
 
-// ---- Start ---------------------------------------------------------------------------------------------------------
+// Start
 
 function readLink() {
   const link = fromFragment(location.hash);
