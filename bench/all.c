@@ -41,7 +41,7 @@ static struct bench_options options_for(const struct bench *bench, const struct 
     return options;
 }
 
-/* What the child wrote; NULL, with a message, if it did not get so far. */
+/* Reads the child's result; NULL, with a message, if the child wrote none. */
 static json_t *read_result(int in, pid_t pid)
 {
     int how = 0;
@@ -88,7 +88,7 @@ static json_t *run_apart(struct bench *bench, const struct bench_scenario *scena
     return result;
 }
 
-/* Adds what a scenario has measured. */
+/* Adds the measurements of a scenario. */
 static conus_status take_result(struct bench *bench, json_t *settings, const char *name, const json_t *result)
 {
     int error = json_array_extend(bench->runs, json_object_get(result, "runs"));

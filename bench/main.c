@@ -21,7 +21,7 @@ enum { EXIT_CHECK = 1, EXIT_USAGE = 2, EXIT_DATA = 3 };
 enum { DEFAULT_POSES = 64, DEFAULT_SLICES = 362, DEFAULT_REPEATS = 9 };
 enum { CHECK_POSES = 4, CHECK_SLICES = 45, CHECK_REPEATS = 1, CHECK_EDGE = 32 /* of the phantom */ };
 
-/* The last three numbers are for when all are run: poses, rounds, and seconds for one measurement. */
+/* The last three numbers are used when all scenarios are run: poses, rounds, and seconds for one measurement. */
 static const struct bench_scenario scenarios[] = {
     {"volume", "256 rays through a labelled volume: plain traversal against the rays engine", bench_volume, 64, 31, 10},
     {"batch", "poses as text in, rows as text out, on one thread and two, against plain traversal", bench_batch, 4000,
@@ -171,7 +171,7 @@ static int remove_entry(const char *path, const struct stat *about, int kind, st
     return remove(path);
 }
 
-/* Fills in what was not given. In a check the atlas and its context are a small phantom in the bench's folder. */
+/* Fills in missing options. In a check the atlas and its context are a small phantom in the bench's folder. */
 static conus_status fill_in(struct bench *bench, char *phantom, size_t size)
 {
     struct bench_options *options = &bench->options;
@@ -238,7 +238,7 @@ static int run_benchmark(const struct arguments *arguments)
 int main(int argc, char **argv)
 {
     setvbuf(stdout, NULL, _IOLBF, 0);
-    setenv("CONUS_CACHE", "off", 1); /* what loading is measured, it is of files; startup has its own */
+    setenv("CONUS_CACHE", "off", 1); /* loading is measured from files; the scenario startup measures the cache */
     struct arguments arguments = {.options = {.angle = 5}};
     conus_status status = parse_arguments(&arguments, argc, argv);
     if (status) {

@@ -36,7 +36,7 @@ static void find_cpu_model(char *out, size_t size)
     }
 }
 
-/* "none: why" where there is no OpenGL. */
+/* "none: " and the reason, without OpenGL. */
 static void find_gl(char *renderer, char *version, size_t size)
 {
     struct gl_context *context = NULL;

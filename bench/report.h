@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What conus-bench writes: where and how it was measured, what is held, and whether all of it is as it should.
- */
+/** @file The JSON of conus-bench: machine, settings, measurements, and whether each ratio keeps its bound. */
 #ifndef CONUS_BENCH_REPORT_H
 #define CONUS_BENCH_REPORT_H
 
 #include "bench/support/bench.h"
 
-/** The JSON of everything measured: docs/benchmarks.md, "What is written". @p load is what it was at the start;
- * @p scenarios {name: settings} of each that ran, borrowed. NULL if memory runs out. */
+/** The JSON of everything measured: docs/benchmarks.md, "What is written". @p load is the load at the start; @p
+ * scenarios is {name: settings} of each that ran, borrowed. NULL if memory runs out. */
 json_t *report_create(const struct bench *bench, const json_t *scenarios, double load);
 
 /** Settings of one scenario as they go into the JSON; NULL if memory runs out. */
@@ -18,11 +17,11 @@ double report_load(void);
 
 conus_status report_write(const json_t *root, const char *path);
 
-/** Prints which ratios are what they are held to. */
+/** Prints which ratios keep their bounds. */
 void report_print_holds(const json_t *root);
 
-/** Prints, to stderr, what is not as --check wants it: answers that differ without being meant to, ratios that are
- * null, a crash. Returns how many there are. */
+/** Prints failures of --check to stderr: answers that differ without being meant to, ratios that are null, a crash.
+ * Returns their number. */
 size_t report_check(const json_t *root);
 
 #endif

@@ -16,7 +16,7 @@ struct peer_selector {
     vtkNew<vtkRenderer> renderer;
     vtkSmartPointer<vtkRenderWindow> window;
     vtkNew<vtkHardwareSelector> selector;
-    std::unordered_map<const vtkProp *, uint32_t> numbers; /* of the actors */
+    std::unordered_map<const vtkProp *, uint32_t> numbers; /* number of each actor */
     double range[2];
 };
 

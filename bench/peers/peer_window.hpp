@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the peers share: off-screen windows, cameras, exceptions as statuses.
+// Shared by the peers: off-screen windows, cameras, exceptions as statuses.
 #ifndef CONUS_BENCH_PEERS_PEER_WINDOW_HPP
 #define CONUS_BENCH_PEERS_PEER_WINDOW_HPP
 

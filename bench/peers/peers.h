@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * What people use today for the same questions: VTK's selector, picker, locators and volume mappers, each as its
- * documentation shows it. C++ stays behind this border; nothing here is part of the library.
- *
- * What draws needs a display (X, or Xvfb): CONUS_ERROR_GL where there is none. No context of VTK's stays current. */
+/** @file The VTK classes that people use today for the same questions: selector, picker, locators and volume mappers,
+ * each as its documentation shows it. C++ stays behind this header; nothing here is part of the library. Drawing needs
+ * a display (X, or Xvfb): CONUS_ERROR_GL without one. No context of VTK's stays current. */
 #ifndef CONUS_BENCH_PEERS_PEERS_H
 #define CONUS_BENCH_PEERS_PEERS_H
 
@@ -16,7 +14,7 @@
 extern "C" {
 #endif
 
-/** Pixels along the edge of what a selector or picker is asked about. */
+/** Pixels along the edge of the square that a selector or picker is asked for. */
 enum { PEER_RESOLUTION = 16 };
 
 /** "VTK 9.1.0". */
@@ -50,8 +48,8 @@ conus_status peer_surface_create(struct peer_surface **out, const struct mesh_ob
                                  double reach);
 void peer_surface_destroy(struct peer_surface *surface); /**< NULL is fine. */
 
-/** Builds a vtkCellLocator or vtkStaticCellLocator, with VTK's defaults; on all processors where VTK does so. Does
- * nothing where there is one, or none is wanted. */
+/** Builds a vtkCellLocator or vtkStaticCellLocator with VTK's defaults, on all processors if VTK does so. Does nothing
+ * if there is one already, or none is wanted. */
 conus_status peer_surface_build(struct peer_surface *surface, enum peer_locator kind);
 
 /** Objects of the pixels, by IntersectWithLine() of a locator that has been built. */

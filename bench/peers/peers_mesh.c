@@ -13,15 +13,15 @@ enum { MOST_CONES = 16, ANGLE = 5, ROWS = 8 };
 /* The ways to answer cones. ACTORS is missing where there is no display. */
 enum way { RAYS, RAYS_PLACED, LONE_PICKER, CELL_LOCATOR, CELL_PICKER, STATIC_LOCATOR, STATIC_PICKER, ACTORS, WAYS };
 
-/* What VTK's rays search with. */
+/* The locator that each way of casting rays with VTK searches with. */
 static const enum peer_locator locators[WAYS] = {[LONE_PICKER] = PEER_NO_LOCATOR,
                                                  [CELL_LOCATOR] = PEER_CELL_LOCATOR,
                                                  [CELL_PICKER] = PEER_CELL_LOCATOR,
                                                  [STATIC_LOCATOR] = PEER_STATIC_LOCATOR,
                                                  [STATIC_PICKER] = PEER_STATIC_LOCATOR};
 
-/* A scenario: each row answers the same cones, with as many rays along their edge, as row `over` of the table does,
- * over whose time its own is a ratio. Rows are over what has the same in memory: triangles for each torus, or one torus
+/* A scenario: each row answers the same cones, with as many rays along their edge, as row `over` of the table does; the
+ * ratio is its time over that of row `over`. Both rows have the same in memory: triangles for each torus, or one torus
  * for all places. */
 struct question {
     const char *scenario;
@@ -101,7 +101,7 @@ static void scene_finish(struct scene *scene)
     torus_scene_finish(&scene->tori);
 }
 
-/* Makes what the way needs and no row before it has made. */
+/* Makes whatever the way needs and no row before it has made. */
 static conus_status make_way(struct scene *scene, enum way way, const struct cone *cone)
 {
     size_t count = scene->tori.count;

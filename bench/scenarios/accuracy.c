@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How wrong slices are (Eq. 7): labels of an atlas, and thin tubes, by a fifth of the slices, all of them, and exactly;
- * and what that costs. */
+/* The errors of slices (Eq. 7) and their cost: labels of an atlas, and thin tubes, by a fifth of the slices, by all of
+ * them, and exactly. */
 #include "bench/support/bench.h"
 #include "bench/support/trace.h"
 #include "conus/phantom.h"
@@ -12,7 +12,7 @@ enum { SEED = 72 };
 
 enum { PLAIN, EXACT, ALL_SLICES, FIFTH, WAYS };
 
-/* Pixels that hit something, and those in which a way differs from the exact one. */
+/* Pixels that hit something, and those in which a way of tracing differs from the exact one. */
 struct faults {
     size_t hits, missed, invented, other; /* nothing instead of an object, the other way round, another object */
 };
@@ -32,7 +32,7 @@ static void count_faults(struct faults *out, const struct trace *trace, const st
     }
 }
 
-/* The plain traversal is the truth. An engine takes a fifth of the given number of slices. */
+/* The plain traversal is the truth. Engines with slices take a fifth of the given number. */
 static conus_status add_ways(struct contest *contest, const char *what)
 {
     static const char *const names[WAYS] = {"plain", "exact", "slices", "slices, a fifth"};

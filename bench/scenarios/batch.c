@@ -43,7 +43,7 @@ struct contender {
     conus_status status;
 };
 
-/* A selector that takes over `engine` in the place of its own. */
+/* Creates a selector with `engine` in the place of its own. */
 static conus_status create_with(conus_selector **out, const conus_atlas *atlas, const conus_selector_options *options,
                                 struct engine *engine)
 {
@@ -84,7 +84,7 @@ static bool keep_rows(void *user, const conus_batch_block *block)
     return true;
 }
 
-/* Nothing but the evidence, of the rays that the selector has traced. */
+/* Traces the evidence only, with the rays of the selector. */
 static conus_status trace_all_poses(struct contender *contender)
 {
     conus_selector *selector = contender->way->selector;
@@ -145,7 +145,8 @@ static conus_status contender_init(struct contender *out, const struct scene *sc
     return status;
 }
 
-/* Byte for byte; of objects in pixels, which Embree alone finds in single precision, one in a thousand may differ. */
+/* Compares byte for byte; of the counts of pixels, which Embree alone finds in single precision, one in a thousand may
+ * differ. */
 static bool is_alike(const struct contender *a, const struct contender *b)
 {
     size_t differences = 0;
@@ -214,7 +215,8 @@ conus_status bench_batch(struct bench *bench)
     return status;
 }
 
-/* What a batch may be asked, and the ratio of its time to that of another of these questions. */
+/* The questions asked of a batch. A question may be compared with another one: `ratio` names its time over that of
+ * question `over`. */
 static const struct question {
     const char *name;
     conus_selector_options options;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The paper's second experiment: frames with 1 to 45 copies of a volume of 256^3 bytes, blended in 362 slices, without
- * and with a selection by 72 slices in each; against ray casting that skips what is empty, and exact selection. */
+ * and with a selection by 72 slices in each; against ray casting that skips empty space, and exact selection. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "bench/support/bench.h"
@@ -26,7 +26,7 @@ enum { BYTES_PER_VOXEL = 8 };
 /* The most by which pictures may differ (rms, white is 1): one step of the 8 bits in which slices are blended. */
 #define PICTURE_RMS_LIMIT (1 / 255.0)
 
-/* Ways to select. GL's slices are compared with the slices of the CPU, which is why they are here. */
+/* Ways to select. The CPU's slices are here because GL's slices are compared with them. */
 enum { GL_SLICES, GL_EXACT, RAYS_EXACT, RAYS_SLICES, ENGINES };
 
 /* Ways to draw. */
@@ -36,7 +36,7 @@ struct scene {
     const struct bonsai *bonsai;
     size_t copies;
     double (*places)[3]; /* [copies] of their middles, farthest from the camera first */
-    conus_atlas *one;    /* a context: what is drawn at each place */
+    conus_atlas *one;    /* a context: the volume that is drawn at each place */
     conus_renderer *renderer;
     struct gl_current previous;
     bool is_current; /* the renderer's context; what was current before it is `previous` */
@@ -45,7 +45,7 @@ struct scene {
     struct frame frame;
     struct colour_volume at_home; /* the renderer's context */
     struct slicing slicing;
-    conus_atlas *atlas; /* of all copies, a pathway each: what is selected from */
+    conus_atlas *atlas; /* a pathway for each copy: the atlas that is selected from */
     struct engine *engines[ENGINES];
     struct cone cones[CONES];
     struct trace traces[ENGINES];
@@ -57,7 +57,7 @@ static const conus_transfer_point transfer[] = {
     {60, {0.3, 0.6, 0.15, 0.4}}, {90, {0.45, 0.3, 0.15, 0.5}}, {150, {0.6, 0.4, 0.2, 0.8}},
     {200, {0.6, 0.6, 0.65, 1}},  {255, {0.9, 0.9, 0.9, 1}}};
 
-/* The context as if it lay around `place`. */
+/* Moves the context to `place`. */
 static void move_to(struct scene *scene, const double place[3])
 {
     struct colour_volume *context = &scene->renderer->colour.context;
@@ -71,7 +71,7 @@ static void move_to(struct scene *scene, const double place[3])
     mat4_multiply(context->texture_from_world, scene->at_home.texture_from_world, back);
 }
 
-/* Limits drawing to the pixels of the copy's box; what lies behind the camera is all of the frame. */
+/* Limits drawing to the pixels of the copy's box; a box that reaches behind the camera takes the whole frame. */
 static void limit_to(const struct scene *scene, const double place[3])
 {
     const struct camera_frame whole = {scene->view.width, scene->view.height, 0, 0, 0, 0};
@@ -128,7 +128,7 @@ static conus_status wait_for(void *scene)
     return gl_check("bonsai");
 }
 
-/* On a cubic grid around the world's origin. */
+/* Places copies on a cubic grid around the world's origin. */
 static conus_status make_places(struct scene *scene)
 {
     size_t edge = (size_t)ceil(cbrt((double)scene->copies) - 1e-9);
@@ -168,7 +168,7 @@ static double depth_of(const struct scene *scene, const double place[3])
     return -vec3_dot(from, scene->camera.world_from_camera + 8);
 }
 
-/* Farthest first, as blending wants it. */
+/* Sorts the places farthest first, as blending needs it. */
 static void sort_places(struct scene *scene)
 {
     for (size_t i = 1; i < scene->copies; i++) {
@@ -288,7 +288,7 @@ static void scene_finish(struct scene *scene)
     memory_free(scene->places);
 }
 
-/* Whether rays give the same picture with and without skipping, and slices one that is as good as the same. */
+/* Whether rays give the same picture with and without skipping, and slices one that is nearly the same. */
 static conus_status compare_pictures(bool equal[PICTURES], double *sliced_ms, struct scene *scene)
 {
     float *pictures[PICTURES] = {NULL};
@@ -338,7 +338,8 @@ static conus_status measure_copies(struct bench *bench, struct scene *scene, str
     double sliced_ms = 0;
     conus_status status = compare_pictures(equal, &sliced_ms, scene);
     size_t frames = sliced_ms > SLOW_MS ? SLOW_FRAMES : FRAMES;
-    /* Slices are right if they are the other engine's slices; how often they name something else is said beside. */
+    /* Slices are right if they equal the other engine's slices. The run says how often they name another object than
+     * exact tracing. */
     struct trace *traces = scene->traces;
     for (int e = 0; e < TRACES; e++) {
         int like = e == GL_SLICES ? RAYS_SLICES : RAYS_EXACT;

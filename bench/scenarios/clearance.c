@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How far needles of 60 mm through the middle of an atlas stay from its areas: every cell, one by one, against the
- * search, of all areas and of one. */
+/* The clearance of needles of 60 mm through the middle of an atlas from its areas: by every cell, one by one, against
+ * the search, for all areas and for one. */
 #include "selection/measure/clearance.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -11,7 +11,7 @@ static const double LIMIT = 10;  /* mm */
 static const double MIDDLE = 20; /* mm: so far from the middle of the atlas that of a needle may be, along each axis */
 static const double FARTHEST = 1e6;
 
-/* Needles and, of each, how far all areas are. */
+/* Needles and, for each, its distances from all areas. */
 struct way {
     const struct volume *volume;
     struct clearance_question question;
@@ -21,7 +21,7 @@ struct way {
     double *distances; /* [count][object_count + 1] */
 };
 
-/* Every cell whose centre is near enough. */
+/* Tries every cell whose centre is near enough. */
 static void measure_cells(void *data)
 {
     struct way *way = data;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Curves: what something costs at several sizes, and the exponent with which it grows. Cones into the paper's scene
+/* Curves: the cost of a query at several sizes, and the exponent with which it grows. Cones into the paper's scene
  * against the number of its tori and the angle, and into a labelled volume against the number of its voxels. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -30,13 +30,13 @@ static struct growth_curve growth_begin(struct bench *bench, const char *name, d
     return (struct growth_curve){.bench = bench, .name = name, .angle_deg = angle_deg, .equal = true};
 }
 
-/* How many of `count` sizes to measure: in a check only the first ones. */
+/* The number of sizes to measure: all `count`, or in a check only the first ones. */
 static size_t growth_sizes(const struct bench *bench, size_t count)
 {
     return bench->options.check && count > CHECK_SIZES ? CHECK_SIZES : count;
 }
 
-/* Makes `variant`, which is to be measured, the curve's point at `x`; writes its name to `name`. */
+/* Prepares `variant` as the curve's next point at `x`, still to be measured; writes its name to `name`. */
 static void growth_name(char name[GROWTH_NAME], const struct growth_curve *curve, double x,
                         struct bench_variant *variant)
 {
@@ -93,11 +93,11 @@ static conus_status growth_end(struct growth_curve *curve)
 
 enum { SIZES = 7, ANGLES = 8, ANGLE_TORI = 20000 };
 
-/* Rays at so many tori. */
+/* Rays at a number of tori. */
 struct tori {
     struct torus_scene scene;
     struct mesh_rays *rays; /* at one torus in all places */
-    struct contest contest; /* what is measured, and single rays at the shared torus */
+    struct contest contest; /* the engines that are measured, and single rays at the shared torus */
     bool equal;
 };
 
@@ -108,8 +108,8 @@ static void tori_finish(struct tori *tori)
     torus_scene_finish(&tori->scene);
 }
 
-/* Takes @p engine over, which cones into @p all are asked of. The vertices of an atlas's triangles are rounded when
- * they are moved, so that a ray in thousands differs from those at the shared torus. */
+/* Takes @p engine over, and cones into @p all as its questions. The vertices of an atlas's triangles are rounded when
+ * they are moved, so that one ray in thousands differs from those at the shared torus. */
 static conus_status tori_ask(struct tori *out, const struct tori *all, struct engine *engine, size_t count,
                              double angle_deg)
 {
@@ -197,8 +197,8 @@ static conus_status growth_torus_angle(struct bench *bench)
 
 enum { SEED = 2010 };
 
-/* Labels of the parcellation with other numbers of voxels along its axes, by nearest neighbour, plane by plane, so that
- * nothing is in memory but what the atlas keeps. */
+/* The parcellation's labels with other numbers of voxels along its axes, by nearest neighbour, plane by plane, so that
+ * only the atlas's own memory is needed. */
 static conus_status enlarge_labels(struct label_voxels *out, const conus_atlas *atlas, const size_t dim[3])
 {
     const struct volume *volume = atlas_parcellation(atlas);
@@ -254,7 +254,7 @@ static conus_status enlarge_atlas(conus_atlas **out, const conus_atlas *atlas, d
     return status;
 }
 
-/* An atlas of some size, and cones that are asked of it. */
+/* An atlas of some size, and the cones to answer. */
 struct work {
     conus_atlas *atlas;
     conus_selector *selector; /* of all layers */
@@ -285,7 +285,7 @@ static conus_status work_init(struct work *work, const struct bench_options *opt
     return status ? status : trace_init(&work->trace, work->selector->engine, work->cones, work->count);
 }
 
-/* Whether the engine's first hits are those of a plain walk from voxel to voxel, and the first of all layers, too. */
+/* Compares first hits with those of a plain walk from voxel to voxel, and the first of all layers, too. */
 static conus_status work_compare(bool equal[2], struct work *work)
 {
     struct engine *plain = NULL;
@@ -322,8 +322,8 @@ static void make_engine(void *data)
     engine_destroy(engine);
 }
 
-/* First hits and all layers in turn, so that what disturbs one round of a short measurement is not in all of them. The
- * distance map is made before there is a selector, which has one. */
+/* Measures first hits and all layers in turn, so that a disturbance of one round of a short measurement is not in all
+ * of them. The distance map is timed first, while there is no selector, which makes another. */
 static conus_status measure_work(struct growth_curve curves[3], struct work *work)
 {
     double voxels = (double)atlas_parcellation(work->atlas)->voxel_count;
@@ -349,7 +349,7 @@ static conus_status measure_work(struct growth_curve curves[3], struct work *wor
     return status ? status : work->status;
 }
 
-/* One size after the other: there is no memory for all. */
+/* Measures one size after the other: there is no memory for all. */
 static conus_status growth_voxels(struct bench *bench)
 {
     static const double times[] = {0.52, 0.76, 1.12, 1.64, 2.41, 3.54, 5};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What opening a large labelled volume costs: the atlas enlarged by nearest neighbour, and conus query on it, whose
- * memory is that of a process of its own. */
+/* The cost of opening a large labelled volume, which is the atlas enlarged by nearest neighbour, and of conus query on
+ * it. The memory is that of a separate process. */
 #include "base/memory.h"
 #include "bench/support/program.h"
 
@@ -12,7 +12,7 @@
 
 enum { PATH_SIZE = 512, ENLARGED = 3, KILOBYTE = 1024 };
 
-/* The atlas with each of its voxels `times` times along each axis, in the same place. */
+/* The atlas with each voxel repeated `times` times along each axis, in the same place. */
 struct enlarged {
     const conus_atlas *atlas;
     const struct volume *volume;
@@ -40,7 +40,7 @@ static void write_header(FILE *file, const struct enlarged *enlarged)
     fprintf(file, "\nspace origin: (%.17g,%.17g,%.17g)\n\n", origin[0], origin[1], origin[2]);
 }
 
-/* Plane by plane, so that this process stays small: its memory counts as the start of the one that is measured. */
+/* Plane by plane, so that this process stays small: the measured process starts with the memory of this one. */
 static bool write_voxels(gzFile file, const struct enlarged *enlarged, uint8_t *plane)
 {
     const size_t *dim = enlarged->volume->info.dim;
@@ -89,7 +89,7 @@ static void run_query(void *data)
     enlarged->status = enlarged->status ? enlarged->status : status;
 }
 
-/* Whether each area has times^3 of its voxels, and its volume, in what is read back. */
+/* Whether each area that is read back has times^3 as many voxels, and the same volume. */
 static bool same_areas(const struct enlarged *enlarged)
 {
     conus_atlas *atlas = NULL;

@@ -14,7 +14,7 @@ extern char **environ;
 
 enum { PATH_SIZE = 512, MANY = 0, BATCH, BATCH_READ, WAYS };
 
-/* A Python that has imported conus, and what conus batch needs. */
+/* A Python that has imported conus, and the arguments of conus batch. */
 struct scene {
     pid_t python;
     FILE *to, *from;
@@ -23,7 +23,7 @@ struct scene {
     conus_status status;
 };
 
-/* A socket to a child, which keeps its end as standard input and output. */
+/* Starts a child with a socket as its standard input and output. */
 static bool spawn_python(struct scene *scene, char *const arguments[])
 {
     int ends[2];
@@ -43,7 +43,7 @@ static bool spawn_python(struct scene *scene, char *const arguments[])
     return began && scene->to && scene->from;
 }
 
-/* Whether the line that Python says next is @p wanted. */
+/* Whether Python's next line is @p wanted. */
 static bool hears(struct scene *scene, const char *wanted)
 {
     char line[64];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From nothing to an answer: loading an atlas, making what selects from it, and the whole program. */
+/* From nothing to an answer: loading an atlas, making a selector, and the whole program. */
 #include "bench/support/program.h"
 #include "conus/cache.h"
 #include "conus/phantom.h"
@@ -11,7 +11,7 @@
 
 enum { PATH_SIZE = 512, QUERIES = 5 };
 
-/* An atlas, and what is asked of it. */
+/* An atlas, and the question to it. */
 struct job {
     const char *path;
     const char *program; /* of conus, for a whole process */
@@ -63,7 +63,7 @@ static void clear_cache(void *data)
     keep_first_error(data, conus_cache_clear());
 }
 
-/* Runs them all once, for what is wrong with them. */
+/* Runs all variants once, to find errors. */
 static void try_all(struct bench_variant *variants, size_t count)
 {
     for (size_t v = 0; v < count; v++) {

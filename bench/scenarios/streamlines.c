@@ -18,7 +18,7 @@ enum { SIZES = 4, SMALLEST = 1000, POINTS = 100 /* of each streamline */, SEED =
  * alike. All are in world mm about the origin. */
 enum kind { WALKS, HELICES, KINDS };
 
-/* How much a step of 1 mm of a walk may turn away from that before. */
+/* The most by which a step of 1 mm of a walk turns away from the one before. */
 #define TURN 0.15
 
 /* How far streamlines reach from the origin, mm: the half axes of a brain, and those of a box round the helices. */
@@ -42,7 +42,7 @@ static void random_direction(double out[3], uint64_t *random)
     } while (!vec3_normalise(out, out));
 }
 
-/* A step of 1 mm, about straight on; where that leaves the brain, to anywhere. */
+/* A step of 1 mm, nearly straight on; a step that would leave the brain goes in any direction. */
 static void step(double point[3], double direction[3], uint64_t *random)
 {
     double turned[3];
@@ -78,7 +78,7 @@ static void make_walk(float *points, uint64_t *random)
     }
 }
 
-/* Number k of `count`: all are spread evenly over the disc, each a golden angle after the one before. */
+/* Helix number k of `count`: all are spread evenly over the disc, each a golden angle after the one before. */
 static void make_helix(float *points, size_t k, size_t count)
 {
     const double golden = 2.399963229728653;
@@ -122,7 +122,7 @@ struct rays {
     double direction[3][TRACT_RAYS_LIMIT]; /* ray k is that of column aperture_column(k) and row aperture_row(k) */
 };
 
-/* Cones of 16 x 16 rays, from 150 to 200 mm away, at what is within the inner half of all streamlines. */
+/* Cones of 16 x 16 rays, from 150 to 200 mm away, at points within the inner half of all streamlines. */
 static conus_status aim_rays(struct rays *out, size_t count, enum kind kind, double degrees)
 {
     uint64_t random = SEED + 1;
@@ -177,9 +177,9 @@ static void walk_all(void *data)
     }
 }
 
-/* The cost of making a tree. */
+/* The cost of making trees of streamlines. */
 struct growth {
-    double seconds, bytes; /* of processor time; that lie in memory afterwards and did not before */
+    double seconds, bytes; /* of processor time; resident afterwards and not before */
 };
 
 static json_t *facts(const struct tractogram *tractogram, const struct growth *growth)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Times the variants of a scenario in turn, and keeps runs, ratios and what is left out. */
+/* Times the variants of a scenario in turn, and keeps runs, ratios and the reasons for those left out. */
 #include "bench/support/bench.h"
 
 #include "base/memory.h"
@@ -13,10 +13,11 @@
 #include <malloc.h>
 #endif
 
-/* Milliseconds from which on it makes no difference what a run found in the caches. */
+/* Milliseconds from which on the contents of the caches make no difference to a run. */
 #define LONG_RUN 250.0
 
-/* Milliseconds up to which other programs on the machine may spoil a run altogether, so that it is made AGAIN. */
+/* Milliseconds up to which other programs on the machine may spoil a run altogether, so that it is repeated AGAIN
+ * times. */
 #define SHORT_RUN 50.0
 enum { AGAIN = 3 };
 
@@ -48,7 +49,7 @@ double bench_resident(void)
     char *resident = NULL; /* the second number, pages */
     FILE *file = fopen("/proc/self/statm", "re");
 #ifdef __GLIBC__
-    malloc_trim(0); /* what was freed does not count */
+    malloc_trim(0); /* freed memory does not count */
 #endif
     if (file && fgets(line, sizeof line, file)) {
         (void)strtoull(line, &resident, 10);
@@ -96,7 +97,7 @@ static double median(const double *sorted, size_t count)
     return 0.5 * (sorted[(count - 1) / 2] + sorted[count / 2]);
 }
 
-/* Times of one variant: of every round its first run, and the one that counts. */
+/* Times of one variant: in every round its first run, and the run that counts. */
 struct times {
     double *cold, *warm;
     double *cpu;   /* of all threads, of the one that counts */

@@ -18,7 +18,7 @@ struct bench_options {
     size_t slices;  /**< Planes of the colour pass.               */
     size_t repeats; /**< Rounds in which every variant runs once. */
     double seconds; /**< No measurement begins another round when it has taken so long; 0 = never mind. */
-    bool check;     /**< Everything small: what counts is whether answers are equal. */
+    bool check;     /**< Everything small: only equality of answers counts. */
 };
 
 /** Everything measured, as it goes into the JSON. */
@@ -27,10 +27,10 @@ struct bench {
     const char *folder; /**< For files that a scenario makes; removed in the end. */
     json_t *runs;
     json_t *ratios;
-    json_t *left_out; /**< {what: why} of what could not be run. */
+    json_t *left_out; /**< {what: why} for everything that could not be run. */
     size_t crashed;   /**< Scenarios among these whose process ended without a word. */
     char driver[512]; /**< Engine or GL renderer in use.                                              */
-    const char *note; /**< What a reader of the figures must know; NULL = nothing. A literal. */
+    const char *note; /**< A fact that a reader of the figures must know; NULL = none. A literal. */
     bool one_thread;  /**< Set by a scenario whose variants all run on the calling thread: then its CPU
                            time is taken, which other programs on the machine hardly disturb.        */
 };
@@ -46,27 +46,27 @@ struct bench_variant {
     bool other_by_design;             /**< It answers something else (slices, say): no failure.            */
     json_t *more;                     /**< Object of further keys for its run; taken over. May be NULL.    */
     double median_ms, min_ms, p90_ms; /**< Out: one run / `per`.                                           */
-    double cold_ms;                   /**< Out: the median of first runs, behind the other variants; NAN where the
-                                           first run is what counts.                                       */
+    double cold_ms; /**< Out: the median of first runs, behind the other variants; NAN if the first run is the one that
+                       counts. */
 };
 
 /** Times the variants in turn, options.repeats times or as long as options.seconds allows, and adds them to the runs.
- * What is timed is a run behind another of its own, as in a batch that goes on: of short ones the median of three, of
- * one that takes longer than caches matter the first. Times are those of one run divided by @p per (queries in a run,
- * say); @p angle_deg 0 where there is no cone. */
+ * The timed run follows another one of its own variant, as in a batch that goes on: of short runs the median of three
+ * counts, of a run that takes longer than caches matter the first. Times are those of one run divided by @p per
+ * (queries in a run, say); @p angle_deg is 0 without a cone. */
 conus_status bench_measure(struct bench *bench, const char *scenario, struct bench_variant *variants, size_t count,
                            size_t per, double angle_deg);
 
-/** Adds ratio @p key = @p above / @p below, by medians; null with the reason where their answers differ. */
+/** Adds ratio @p key = @p above / @p below, by medians; null with the reason if their answers differ. */
 conus_status bench_ratio(struct bench *bench, const char *key, const struct bench_variant *above,
                          const struct bench_variant *below);
-/** Adds a number that is no ratio; null with the reason where @p equal is false. */
+/** Adds a number that is no ratio; null with the reason if @p equal is false. */
 conus_status bench_value(struct bench *bench, const char *key, double value, bool equal);
 
 /** Notes that @p what is left out, because of conus_message(). */
 conus_status bench_leave_out(struct bench *bench, const char *what);
 
-/** Mesa's llvmpipe stays on the calling thread, whose time is taken. Call it before anything draws. */
+/** Keeps Mesa's llvmpipe on the calling thread, whose time is taken. Call it before anything draws. */
 void bench_draw_on_this_thread(void);
 
 /** Seconds of the wall clock. */
@@ -75,8 +75,8 @@ double bench_wall(void);
 /** Seconds of processor time, of all threads of this process. */
 double bench_cpu(void);
 
-/** Bytes of this process that lie in memory now, without what it has freed where the C library gives that back; 0 where
- * the system does not tell. */
+/** Resident memory of this process, bytes, without freed memory where the C library gives that back; 0 if the system
+ * does not tell. */
 double bench_resident(void);
 
 /** A deterministic generator (SplitMix64); uniform in [low, high). */

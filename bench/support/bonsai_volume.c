@@ -70,7 +70,7 @@ static const double clouds[][4] = {{0.24, 0.56, 0.62, 0.15},
                                    {0.60, 0.72, 0.80, 0.13},
                                    {0.56, 0.48, 0.78, 0.16}};
 
-/* Leaves are grains of noise in clouds that thin out. */
+/* Leaves are grains of noise, in clouds that become thinner outwards. */
 static double leaves(const double p[3], double noise)
 {
     double nearest = 2;

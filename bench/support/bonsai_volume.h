@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The volume of the paper's second experiment, or something like it. */
+/** @file The volume of the paper's second experiment, or a similar one. */
 #ifndef CONUS_BENCH_SUPPORT_BONSAI_VOLUME_H
 #define CONUS_BENCH_SUPPORT_BONSAI_VOLUME_H
 
 #include "atlas/atlas.h"
 
-/** Where the wood, the leaves and the pot begin: below it is air and noise. */
+/** Grey value at which wood, leaves and pot begin: below it are air and noise. */
 enum { BONSAI_EDGE = 256, BONSAI_AIR = 28 };
 
 struct bonsai {
@@ -15,7 +15,7 @@ struct bonsai {
 };
 
 /** Reads the 256^3 bytes of the paper's volume from a file of just these, or of any format that a context may have.
- * CONUS_ERROR_DATA, naming both sums, if they are others. */
+ * CONUS_ERROR_DATA, naming both checksums, if the bytes are others. */
 conus_status bonsai_read(struct bonsai *out, const char *path);
 
 /** Makes a stand-in with @p edge voxels along each axis: a pot of soil, a trunk with branches, clouds of leaves. */
@@ -23,7 +23,7 @@ conus_status bonsai_make(struct bonsai *out, size_t edge);
 
 void bonsai_finish(struct bonsai *bonsai);
 
-/** The grid, its middle at @p centre, of a context, or of a pathway from @p threshold on if that is not 0. */
+/** A grid with its middle at @p centre: of a context, or of a pathway from @p threshold on if that is not 0. */
 void bonsai_info(conus_volume_info *out, const struct bonsai *bonsai, const double centre[3], double threshold);
 
 /** A copy of the values. NULL without memory. */

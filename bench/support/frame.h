@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A frame as screens have it, 8 bits a channel and a depth, which needs a current context throughout; and what
- * scenarios with pictures share. */
+/** @file A frame buffer as screens have it, 8 bits a channel and a depth, which needs a current context throughout; and
+ * helpers of the scenarios with pictures. */
 #ifndef CONUS_BENCH_SUPPORT_FRAME_H
 #define CONUS_BENCH_SUPPORT_FRAME_H
 
@@ -19,20 +19,20 @@ struct frame {
 /** The paper's size, or in a check a tenth of its edges. */
 void frame_size(uint32_t size[2], bool check);
 
-/** Gives it that size, if it has another. Zeroed is a frame without any. */
+/** Gives the frame that size, if it has another. A zeroed frame has none. */
 conus_status frame_resize(struct frame *frame, const uint32_t size[2]);
 void frame_finish(struct frame *frame);
 
-/** Lets drawing go to it, whatever state was left behind, and clears it. */
+/** Directs drawing to the frame, whatever state was left behind, and clears it. */
 void frame_begin(const struct frame *frame, bool depth_test);
 
 /** Bottom row first, RGBA, 0 to 1. @p pixels [width * height][4]. */
 conus_status frame_read(const struct frame *frame, float *pixels);
 
-/** Part of its pixels that show something. */
+/** Part of the frame's pixels that show something. */
 conus_status frame_coverage(double *out, const struct frame *frame);
 
-/** Least part that the subject of a frame must cover, or something is wrong with it. */
+/** Least part of a frame that its subject must cover; less means that something is wrong. */
 #define FRAME_COVERAGE 0.05
 
 /** Points the camera at @p points [count] from the default direction, so that they fill @p frame. */

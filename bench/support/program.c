@@ -68,7 +68,7 @@ conus_status program_run(char *const arguments[])
     return CONUS_OK;
 }
 
-/* The poses of cones_round_grid(), each as a place and a point at which the device points. */
+/* Writes the poses of cones_round_grid(), each as a position and a point at which the device points. */
 conus_status program_write_poses(const char *path, size_t count, const conus_volume_info *info, double angle_deg)
 {
     struct buffer text = {0};

@@ -103,7 +103,7 @@ static void cut_plane(struct slicing_vertex out[SLICE_CORNERS], const double cor
 }
 
 /* Corners of the box around both volumes, along the axes of the areas' grid, or around the context alone, along its
- * own: to the right, up and ahead of the eye. Corner n differs from corner 0 along the axes whose bits n has. */
+ * own: to the right, up and ahead of the eye. Corner n differs from corner 0 along the axes whose bits are set in n. */
 static void find_box(double out[8][3], const struct colour_pass *pass, const struct camera *camera)
 {
     double low[3] = {0, 0, 0};
@@ -152,7 +152,7 @@ void slicing_draw(struct slicing *slicing, const struct colour_pass *pass, const
     glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
     glUseProgram(slicing->program);
     glUniform2f(0, (float)view->camera->slope[0], (float)view->camera->slope[1]);
-    /* A new store: the last frame may still be read. */
+    /* A new buffer each frame: the last frame may still be read. */
     glNamedBufferData(slicing->buffer,
                       (GLsizeiptr)((size_t)slicing->slices * SLICE_CORNERS * sizeof *slicing->polygons),
                       slicing->polygons, GL_STREAM_DRAW);

@@ -102,7 +102,8 @@ size_t trace_differences(const struct trace *a, const struct trace *b)
 /* Pixels by which a driver's vertex grid may move an edge. */
 #define EDGE_PIXELS (1 / 128.0)
 
-/* Whether a ray within EDGE_PIXELS of the pixel's centre hits the object: nine rays of a tiny cone round it. */
+/* Whether a ray within EDGE_PIXELS of the pixel's centre hits the object: tries the nine rays of a tiny cone around
+ * it. */
 static bool is_near(struct engine *rays, const struct cone *cone, uint32_t pixel, uint32_t object)
 {
     struct cone tiny = {.resolution = 3};

@@ -8,8 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The ways at one number of tori: one torus at all places, by single rays, packets and the engine's rule, then an atlas
- * of tori with triangles of their own, of up to FLAT_LIMIT. */
+/* The ways at one number of tori: one torus at all places, by single rays, by packets and by the engine's rule; then an
+ * atlas of up to FLAT_LIMIT tori with triangles of their own. */
 enum { SINGLE, PACKETS, BY_RULE, FLAT, WAYS, FLAT_LIMIT = 20000 };
 
 struct round {
@@ -49,8 +49,8 @@ static conus_status round_init(struct round *out, size_t tori, const struct benc
     return status;
 }
 
-/* An atlas has moved vertices, which are rounded: its tori are not quite the placed ones, and a ray in thousands
- * tells. */
+/* An atlas has moved vertices, which are rounded: its tori are not quite the placed ones, so that one ray in thousands
+ * differs. */
 static struct bench_variant compare(struct round *round, size_t way)
 {
     struct bench_variant out = contest_variant(&round->contest, way);
@@ -66,7 +66,7 @@ static struct bench_variant compare(struct round *round, size_t way)
 static const size_t sizes[] = {1000, 5000, 20000, 200000};
 enum { SIZES = sizeof sizes / sizeof sizes[0] };
 
-/* All sizes side by side, since their ratio is wanted. */
+/* Measures all sizes side by side, since their ratio is wanted. */
 static conus_status measure_sizes(struct bench *bench, struct round rounds[SIZES])
 {
     struct bench_variant variants[SIZES * WAYS];
@@ -88,7 +88,7 @@ enum { TORI = 20000, CONES = 4 };
 static const double angles[] = {1, 2, 5, 10, 20, 40};
 enum { ANGLES = sizeof angles / sizeof angles[0], NARROW = 2, WIDE = 4 /* of 5 and 20 degrees */ };
 
-/* All ways at one angle. The rays come first, with which the others are compared. */
+/* Measures all ways at one angle. The rays come first; the others are compared with them. */
 static conus_status measure_angle(struct bench *bench, struct torus_round *round, double angle,
                                   struct bench_variant variants[TORUS_WAYS])
 {

@@ -58,8 +58,8 @@ static void scene_finish(struct scene *scene)
     torus_round_finish(&scene->round);
 }
 
-/* Measures one number of tori, and fills in those of `out` that it has: with more tori than the paper's there is no
- * frame with a selection. */
+/* Measures one number of tori, and fills in the variants that it has: with more tori than the paper's there is no frame
+ * with a selection. */
 static conus_status measure_scene(struct bench *bench, struct scene *scene, struct bench_variant out[VARIANTS])
 {
     struct shot shots[1 + TORUS_WAYS] = {{.draw = draw_frame, .wait = wait_for, .scene = scene}};

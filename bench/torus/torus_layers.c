@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The torus scene in all layers (Eq. 10), against what is visible. */
+/* The torus scene with all layers (Eq. 10), against first hits. */
 #include "base/memory.h"
 #include "bench/support/bench.h"
 #include "bench/support/trace.h"
@@ -13,7 +13,7 @@ enum { TORI = 20000 };
 struct layer_round {
     struct torus_scene scene;
     struct contest contest; /* of the rays engine */
-    struct trace first;     /* whose answers are the first of all hits */
+    struct trace first;     /* the first of all hits */
     struct layers all_hits; /* of the last cone */
 };
 

@@ -59,7 +59,7 @@ static const char identify_frag[] = "in vec3 place;\n"
                                     "    contact = vec4(place, 1.0);\n"
                                     "}\n";
 
-/* Phong, the light in the eye; a colour per torus. */
+/* Phong shading with the light at the eye; a colour per torus. */
 static const char paint_frag[] = "in vec3 place;\n"
                                  "in vec3 normal;\n"
                                  "flat in uint number;\n"

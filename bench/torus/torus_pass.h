@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * The torus scene as the paper draws it: every torus, into a frame and into the device's buffer, nothing left out; and
- * what it is set beside, all on one number of tori. */
+/** @file The torus scene as the paper draws it, every torus into a frame and into the device's buffer; and the engines
+ * that are compared with it, all on one number of tori. */
 #ifndef CONUS_BENCH_TORUS_TORUS_PASS_H
 #define CONUS_BENCH_TORUS_TORUS_PASS_H
 

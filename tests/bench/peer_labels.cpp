@@ -35,7 +35,7 @@ namespace
 constexpr uint32_t size[2] = {PEER_RESOLUTION, PEER_RESOLUTION};
 constexpr double range[2] = {1, 2000}; /* mm before the eye */
 
-/* A mask: VTK's pickers interpolate values, and between labels there are others. */
+/* VTK gets a mask: its pickers interpolate values, and between two labels there are others. */
 vtkSmartPointer<vtkImageData> image_of(const struct volume &volume)
 {
     auto image = vtkSmartPointer<vtkImageData>::New();
@@ -126,7 +126,7 @@ void pick(peer_labels &labels, peer_contact *contacts, const cone &cone, peer_pi
     }
 }
 
-/* VTK counts voxels in a grid of one less along each axis. */
+/* VTK numbers voxels in a grid of one less along each axis. */
 peer_contact contact_of_index(const struct volume &volume, vtkIdType index)
 {
     const size_t *dim = volume.info.dim;

@@ -20,13 +20,13 @@ struct peer_contact {
 
 struct peer_labels;
 
-/** Shows the voxels of all objects of @p volume, clear elsewhere and with @p opacity per mm; whose a voxel is that VTK
- * names, the labels tell. @p window: whether it is to be drawn, too. Eyes are within 2 m. */
+/** Shows the voxels of all objects of @p volume with @p opacity per mm, and nothing elsewhere. The labels tell to which
+ * object a voxel belongs that VTK names. @p window: whether it is to be drawn, too. Eyes are within 2 m. */
 conus_status peer_labels_create(struct peer_labels **out, const struct volume *volume, double opacity, bool window);
 void peer_labels_destroy(struct peer_labels *labels); /**< NULL is fine. */
 
-/** What a picker's 16 * 16 rays through the pixels' centres hit. @p isovalue is VolumeOpacityIsovalue, VTK's default
- * being 0.05. */
+/** The hits of a picker's 16 * 16 rays through the pixels' centres. @p isovalue is VolumeOpacityIsovalue; VTK's default
+ * is 0.05. */
 conus_status peer_labels_pick(struct peer_labels *labels, struct peer_contact *contacts, const struct cone *cone,
                               enum peer_picker kind, double isovalue);
 

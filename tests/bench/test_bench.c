@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the scenarios of conus-bench share: which runs count, when a ratio is null, and that one scenario's failure is
- * its own. No time is asserted. */
+/* Tests of the code that the scenarios of conus-bench share: which runs count, when a ratio is null, and that one
+ * failing scenario leaves the others alone. No time is asserted. */
 #include "bench/all.h"
 #include "bench/report.h"
 #include "test.h"
@@ -221,8 +221,8 @@ static void what_one_scenario_does_is_its_own(void **state)
     finish_bench(&bench);
 }
 
-/* In the logarithms to base 10 the bent curve has the points (0, 0), (1, 0), (2, 1), with means 1 and 1/3; so its slope
- * is (-1 * -1/3 + 0 + 1 * 2/3) / (1 + 0 + 1) = 1/2. */
+/* In logarithms to base 10 the bent curve has the points (0, 0), (1, 0), (2, 1), with means 1 and 1/3; so its slope is
+ * (-1 * -1/3 + 0 + 1 * 2/3) / (1 + 0 + 1) = 1/2. */
 static void an_exponent_is_the_slope_of_the_logarithms(void **state)
 {
     (void)state;

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What VTK's pickers and its selector answer about a labelled volume, and what conus answers, on two slabs across the y
- * axis: voxels of 1 mm, y from 6 to 12 mm ("Slab anterior") and from -12 to -6 mm ("Slab posterior").
- *
- * From y = -100 mm along +y the posterior slab begins at a depth of 88 mm, with the voxel whose centre lies at 88.5 mm.
- */
+/* VTK's pickers and its selector against conus, on a labelled volume of two slabs across the y axis: voxels of 1 mm, y
+ * from 6 to 12 mm ("Slab anterior") and from -12 to -6 mm ("Slab posterior"). From y = -100 mm along +y the posterior
+ * slab begins at a depth of 88 mm, with the voxel whose centre lies at 88.5 mm. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "selection/engine/engine.h"
@@ -38,13 +36,13 @@ static const struct volume *volume_of(const struct view *view)
     return atlas_parcellation(view->atlas);
 }
 
-/* Of a point on a pixel's ray, along the axis. */
+/* Depth along the axis of the point at `distance` on a pixel's ray. */
 static double depth_of(const struct view *view, size_t pixel, double distance)
 {
     return distance / cone_per_depth(&view->cone, (uint32_t)pixel % PEER_RESOLUTION, (uint32_t)pixel / PEER_RESOLUTION);
 }
 
-/* Index along y. */
+/* Index of a voxel along y. */
 static uint64_t row_of(const struct view *view, uint64_t voxel)
 {
     const size_t *dim = volume_of(view)->info.dim;
@@ -71,9 +69,9 @@ static void conus_answers_with_the_first_contact(void **state)
     close_view(&view);
 }
 
-/* They interpolate between the centre of the last empty voxel, at 87.5 mm, and of the first of the slab, and stop where
- * the opacity in between reaches the isovalue; the voxel that they name is the one whose centre is nearest. With VTK's
- * default, 0.05, that is one of the background. */
+/* Pickers interpolate between the centre of the last empty voxel, at 87.5 mm, and of the first of the slab, and stop
+ * where the opacity in between reaches the isovalue. They name the voxel whose centre is nearest to that point: with
+ * VTK's default, 0.05, one of the background. */
 static void pickers_stop_between_voxels(void **state)
 {
     static const double isovalues[] = {0.05, 0.25, 0.75, 0.95};
@@ -98,14 +96,14 @@ static void pickers_stop_between_voxels(void **state)
     close_view(&view);
 }
 
-/* Samples, 1 mm apart, until less than 1/255 of what is behind shines through. */
+/* Number of samples, 1 mm apart, until less than 1/255 of the light from behind is left. */
 static uint64_t samples_until_opaque(double opacity)
 {
     return (uint64_t)ceil(log(1 / 255.0) / log(1 - opacity));
 }
 
-/* It names where the ray ended: one sample behind the one that made it opaque. Its number counts a grid of one voxel
- * less, so that rows of the grid's far half come out one lower. */
+/* The selector names the sample after the one that made the ray opaque. Its voxel number counts a grid of one voxel
+ * less, so that rows in the far half of the grid come out one lower. */
 static uint64_t ending_row(uint64_t samples, uint64_t rows)
 {
     enum { SLAB_ROWS = 6, GAP_ROWS = 12 };
