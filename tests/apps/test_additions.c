@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Words that add files to an atlas, and numbers of objects while files come and go. */
+/* Options that add files to an open atlas, and the numbers of objects while files are added and removed. */
 #include "viewer/session/session_fit.h"
 
 #include "conus/file.h"
@@ -66,7 +66,7 @@ static void a_volume_takes_the_place_of_another_as_context(void **state)
     assert_int_equal(additions_index(words, "/l"), 3);
     assert_null(additions_with(words, ADD_CONTEXT, "\xff"));
     json_decref(words);
-    /* a surface's opacity goes with the last of them */
+    /* removing the last surface removes the opacity of surfaces, too */
     words = json_pack("[s, s]", "--context-opacity=0.5", "--streamlines=/s.trk");
     assert_words(additions_without(words, 1), "[]");
     json_decref(words);
@@ -74,7 +74,7 @@ static void a_volume_takes_the_place_of_another_as_context(void **state)
 
 enum { OWN = 5, FILES = 6 };
 
-/* A file of the model: which, how many objects, and how often its options were changed. */
+/* An added file of the model: its name, its number of objects, and how often its options were changed. */
 struct file {
     int name, count, version;
 };
@@ -84,7 +84,8 @@ struct model {
     int count;
 };
 
-/* What each object is: its own number, or file and ordinal. Areas first, then files in their order. */
+/* The tag of an object: an area's number, or file and ordinal of an added one. Areas come first, then files in
+ * order. */
 static int tag_of(const struct model *model, int number)
 {
     if (number <= OWN) {
@@ -128,7 +129,7 @@ static json_t *opened_of(const struct model *model)
     return json_pack("{s: o}", "added", added);
 }
 
-/* A file comes, goes, or has other options, which put it at the end. */
+/* Adds a file, removes one, or changes the options of one, which puts it at the end. */
 static void step(struct model *model, uint64_t *seed)
 {
     int at = (int)test_random(seed, 0, FILES);
@@ -149,7 +150,8 @@ static void step(struct model *model, uint64_t *seed)
     model->files[model->count++] = file;
 }
 
-/* A session of `then`, in which every second object is hidden; those that are chosen, by their tags. */
+/* A session of `then` in which a random half of the objects is hidden and has an opacity; `chosen` marks these by their
+ * tags. */
 static json_t *session_of(const struct model *then, bool chosen[100 * (FILES + 1) + 4], uint64_t *seed)
 {
     json_t *hidden = json_array();
@@ -166,7 +168,7 @@ static json_t *session_of(const struct model *then, bool chosen[100 * (FILES + 1
                      hidden, "look", "opacities", opacities);
 }
 
-/* Those that are there still, and no others. */
+/* Asserts that the fitted session names the chosen objects that are still there, and no others. */
 static void assert_fits(const json_t *root, const struct model *now, const bool *chosen, const bool *was)
 {
     const json_t *hidden = json_object_get(root, "hidden");
@@ -215,7 +217,7 @@ static void numbers_go_with_their_files(void **state)
     }
 }
 
-/* A session that contradicts itself stays what it is, and is refused by who reads it. */
+/* A session whose list of files contradicts itself is not changed; reading it fails later. */
 static void what_a_session_says_of_files_is_not_trusted(void **state)
 {
     static const char *const added[] = {
@@ -249,7 +251,7 @@ static void what_a_session_says_of_files_is_not_trusted(void **state)
     json_decref(window.files.opened);
 }
 
-/* JSON has no such bytes; the folder that the session was moved to may. */
+/* JSON cannot hold such bytes, but the folder to which the session was moved may have them in its name. */
 static void a_file_is_found_in_a_folder_that_is_no_utf8(void **state)
 {
     char folder[512];

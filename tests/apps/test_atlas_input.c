@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Loading as the options say, one atlas or several, and its end before all is loaded. */
+/* Loading one atlas or several as the options say, and cancelling a load. */
 #include "conus/phantom.h"
 #include "options/messages.h"
 #include "settings/atlas_input.h"
@@ -23,8 +23,8 @@ static bool hear(void *user, const char *path, size_t done, size_t total)
     return patience->calls++ < patience->allowed;
 }
 
-/* The scene has 11 surfaces, a pathway and a context; --pathway twice makes
- * two more of the callback's calls. Whichever of them cancels is the last, and nothing is said. */
+/* The scene has 11 surfaces, a pathway and a context; --pathway twice makes two more calls of the callback. A call that
+ * cancels is the last one, and nothing is printed. */
 static void whoever_cancels_hears_no_more(void **state)
 {
     enum { FILES = 11 + 1 + 1 + 2 };
@@ -56,7 +56,7 @@ static void whoever_cancels_hears_no_more(void **state)
     fclose(said);
 }
 
-/* Runs `say` with stderr in a file, and gives what it wrote there; the caller frees it. */
+/* Runs `say` with stderr in a file, and returns its output; the caller frees it. */
 static char *words_of(void (*say)(void *user), void *user)
 {
     char *words = calloc(1, 4096);
@@ -125,8 +125,8 @@ static const char *write_voxels(const char *name, double x, int code)
     return path;
 }
 
-/* The file's name without folder and ending, a folder's whole; who comes later is counted on, past names that files
- * have already: two files "one", one "one-2" and one more "one" are one, one-2, one-2-2 and one-3. */
+/* An atlas is named after its file, without folder and ending, or after its folder. A name that is taken gets the next
+ * free number: two files "one", one "one-2" and one more "one" are one, one-2, one-2-2 and one-3. */
 static void atlases_have_different_names(void **state)
 {
     static const char *const wanted[] = {"one", "one-2", "one-2-2", "brain.v2", "lh.x", "a b", "s", "one-3"};
@@ -162,8 +162,8 @@ static void atlases_have_different_names(void **state)
     }
 }
 
-/* Area 1 is hidden in the first atlas alone: its box begins where area 2 does, at y = 0.5 mm. A single atlas has no
- * name. */
+/* --hide is for the first atlas alone: the box of that one begins where area 2 does, at y = 0.5 mm. A single atlas has
+ * no name. */
 static void some_options_are_of_the_first_atlas(void **state)
 {
     const char *hidden = "1";
@@ -186,7 +186,7 @@ static void some_options_are_of_the_first_atlas(void **state)
     atlases_finish(&loading.atlases);
 }
 
-/* A file that is not there, and areas without left and right, which cannot be merged: the words name the file. */
+/* A missing file, and areas without left and right, which cannot be merged: the message names the file. */
 static void errors_name_the_atlas(void **state)
 {
     (void)state;

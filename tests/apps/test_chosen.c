@@ -64,8 +64,8 @@ static void cells_lie_at_the_surface(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Balls of 24, 16 and 8 mm, each in the one before: all of them are the outermost; the outermost alone has a hollow of
- * 16 mm; what is hidden has no cells. */
+/* Balls of 24, 16 and 8 mm, one in the other: together they have the shape of the outermost; the outermost alone has a
+ * hollow of 16 mm; hidden objects have no cells. */
 static void several_are_one_shape_and_hidden_ones_none(void **state)
 {
     conus_atlas *atlas = load("nested");
@@ -94,7 +94,7 @@ static void several_are_one_shape_and_hidden_ones_none(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* One voxel of 1 mm in a grid of 200: the first look passes it by, but not its middle. */
+/* One voxel of 1 mm in a grid of 200: the first, coarse pass misses it, but the area's middle is tried, too. */
 static void a_small_area_is_found(void **state)
 {
     enum { SIDE = 200 };
@@ -159,7 +159,7 @@ static void a_ball_casts_a_disc(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* 1 = bright, 2 = dark, . = as it was. */
+/* Compares the pixels with `wanted`: 1 = bright, 2 = dark, . = unchanged. */
 static void check_lines(const uint8_t *rgba, const char *wanted)
 {
     for (size_t pixel = 0; wanted[pixel]; pixel++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How the window asks, and studies, without a window. */
+/* The window's settings for queries and studies, without a window. */
 #include "viewer/commands/keys.h"
 #include "viewer/model/query_settings.h"
 #include "viewer/model/studies.h"
@@ -28,7 +28,7 @@ static void load(struct viewer *out)
     assert_ok(viewer_create(out, &(struct view_source){.atlas = atlas, .path = "nested"}, 1, NULL, NULL, NULL));
 }
 
-/* The names in the rows of the table that the window copies, which the library sorts. */
+/* Asserts that the rows of the list are those of the table that the window copies, which the library sorts. */
 static void assert_listed_as_in_table(struct viewer *viewer)
 {
     const conus_selection *selection = viewer_selection(viewer);
@@ -49,8 +49,8 @@ static void assert_listed_as_in_table(struct viewer *viewer)
     free(table);
 }
 
-/* With all layers what is occluded has no distance, but an entry. By this score it ranks before the outer ball, which
- * is hit first, in the order of depth behind it. */
+/* With all layers an occluded object has an entry but no distance. This score ranks it before the outer ball, which is
+ * hit first; by depth it comes after it. */
 static void lists_are_sorted_as_tables_are(void **state)
 {
     struct viewer viewer;
@@ -71,7 +71,7 @@ static void lists_are_sorted_as_tables_are(void **state)
     viewer_finish(&viewer);
 }
 
-/* Of the tree Ball > Shell > Outer, Inner; Ball > Core, the first hit is in Outer. */
+/* In the tree Ball > (Shell > (Outer, Inner), Core) the first hit is in Outer. */
 static void levels_go_round(void **state)
 {
     static const char tree[] = "index\tname\tparent_id\n1\tOuter\t20\n300\tInner\t20\n20\tShell\t40\n"
@@ -130,7 +130,7 @@ static void what_cannot_be_asked_changes_nothing(void **state)
 static const struct study_settings two_angles = {STUDY_SWEEP, {10, 40, 30}, 2, 1.5, 64};
 static const struct study_settings shaken = {STUDY_JITTER, {10, 40, 30}, 2, 1.5, 64};
 
-/* Until there is an answer to what the viewer asks now; the thread gives one without being asked again. */
+/* Waits for the study of the current question; the thread finishes it without being asked again. */
 static void await_study(struct viewer *viewer)
 {
     do {
@@ -139,7 +139,7 @@ static void await_study(struct viewer *viewer)
     } while (studies_is_old(viewer));
 }
 
-/* The shares of each angle, and the chances, are those of the library asked for each alone. */
+/* The shares at each angle and the probabilities equal those of the library, asked for each of them alone. */
 static void studies_answer_as_the_library_does(void **state)
 {
     struct viewer viewer;
@@ -166,7 +166,7 @@ static void studies_answer_as_the_library_does(void **state)
             assert_true(curve->shares[angle] == share && curve->most >= share);
         }
     }
-    assert_false(studies_is_old(&viewer)); /* a sweep has angles of its own */
+    assert_false(studies_is_old(&viewer)); /* a sweep has angles of its own, so the cone's angle does not count */
     assert_true(studies_use(&viewer, &shaken));
     await_study(&viewer);
     const struct study_table *table = viewer.study.answer->tables;
@@ -182,7 +182,7 @@ static void studies_answer_as_the_library_does(void **state)
     viewer_finish(&viewer);
 }
 
-/* Whatever the answer depends on makes it old. */
+/* A change of the pose, the range or the hidden objects makes the answer old. */
 static void what_changes_makes_a_study_old(void **state)
 {
     struct viewer viewer;
@@ -216,8 +216,8 @@ static void what_changes_makes_a_study_old(void **state)
     viewer_finish(&viewer);
 }
 
-/* 2^20 poses take minutes; hiding an area, and closing, wait for one of them at most. The area that is hidden then is
- * not in the answer. */
+/* 2^20 poses take minutes. Hiding an area and closing wait for one pose at most, and an area that is hidden then is not
+ * in the answer. */
 static void the_atlas_does_not_wait_for_a_long_study(void **state)
 {
     struct viewer viewer;
@@ -283,7 +283,7 @@ static void studies_have_limits(void **state)
 
 static void without_an_atlas_a_key_means_nothing(void **state)
 {
-    struct window window = {.press = NULL}; /* as while one is loaded */
+    struct window window = {.press = NULL}; /* no atlas is loaded yet */
     (void)state;
     assert_false(window_press(&window, "a"));
 }
@@ -316,7 +316,7 @@ static void a_session_has_the_study(void **state)
     viewer_finish(&viewer);
 }
 
-/* One key, one thing; the arrows do either what the wand or what a view does. */
+/* Each key has one meaning, but arrows, which move the wand where that is chosen and the view otherwise. */
 static void no_key_does_two_things(void **state)
 {
     const struct key *key;

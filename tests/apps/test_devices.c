@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A SpaceMouse behind a fake spacenavd, and a fake gamepad, as sources and as what moves a tool. */
+/* A SpaceMouse behind a fake spacenavd and a fake gamepad, as sources and moving a tool. */
 #include "viewer/devices/devices.h"
 #include "viewer/tools/inputs.h"
 
@@ -14,7 +14,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-static struct gamepad_reading reading; /* what the fake one is like */
+static struct gamepad_reading reading; /* the state of the fake gamepad */
 
 static void read_fake(struct gamepad_reading *out)
 {
@@ -132,7 +132,7 @@ static void a_gamepad_moves_the_first_tool(void **state)
     (void)state;
     open_window(&window, &viewer);
     reading = (struct gamepad_reading){.presence = GAMEPAD_THERE};
-    assert_true(isinf(inputs_idle_s(&window.inputs, window.viewer))); /* nobody is asked whom nobody chose */
+    assert_true(isinf(inputs_idle_s(&window.inputs, window.viewer))); /* a device that nobody chose is not polled */
     tool_choose(window.viewer, FIRST_TOOL, POINT_BY_GAMEPAD);
     inputs_step(&window.inputs, window.viewer, 1);
     assert_near(inputs_idle_s(&window.inputs, window.viewer), 0.02, 1e-12);
@@ -177,7 +177,7 @@ static void a_gamepad_moves_the_first_tool(void **state)
 
 enum { MOTION = 0, PRESS = 1, RELEASE = 2, DEVICE = 3, PATH_SIZE = 108 };
 
-/* Instead of spacenavd: it listens, and says nothing to what it is asked, as the oldest ones do. */
+/* Stands for spacenavd: it listens, and never answers a request, as the oldest versions do. */
 struct daemon {
     int listener, peer;
     char path[PATH_SIZE];
@@ -197,7 +197,7 @@ static void start_daemon(struct daemon *out)
     out->peer = -1;
 }
 
-/* The first of two connections was to see whether somebody answers. */
+/* Accepts two connections: the first only tested whether spacenavd answers. */
 static void welcome(struct daemon *daemon)
 {
     close(accept(daemon->listener, NULL, NULL));
@@ -225,8 +225,8 @@ static void say(const struct daemon *daemon, int type, const int values[7])
     assert_int_equal(send(daemon->peer, data, sizeof data, MSG_NOSIGNAL), sizeof data);
 }
 
-/* The same move by libspnav's own example of how an object is moved, which is a thousandth a unit: the directions are
- * those, the amounts 40 mm/s and 40 degrees/s of 350 units. */
+/* libspnav's own function for moving an object gives the directions; it moves by a thousandth a unit. The amounts are
+ * 40 mm/s and 40 degrees/s for 350 units. */
 static void check_move(struct spacemouse *mouse, const struct daemon *daemon, const int axes[6], double now_s)
 {
     const struct spnav_event_motion motion = {
@@ -300,7 +300,7 @@ static void a_cap_moves_and_turns(void **state)
     spacemouse_finish(&mouse);
 }
 
-/* One that sends the same for ever is stuck, and moves nothing any more. */
+/* A device that keeps sending the same motion is stuck; after 5 s it moves nothing any more. */
 static void a_spacemouse_moves_the_second_tool(void **state)
 {
     struct daemon daemon;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The page on which a file is chosen, without a window: what it lists, and what Enter answers. */
+/* The page for choosing a file, without a window: its list, and the answer to Enter. */
 #include "viewer/window/dialog.h"
 
 #include "conus/file.h"
@@ -74,7 +74,7 @@ static void show(struct dialog *dialog, enum dialog_purpose purpose, const char 
     dialog_show(dialog, purpose, text, &start);
 }
 
-/* That Enter answers the file, of the folder. */
+/* Asserts that Enter answers with that file of the folder. */
 static void assert_answers(struct dialog *dialog, const char *folder, const char *name)
 {
     char path[PATH_MAX];
@@ -100,7 +100,7 @@ static void the_arrow_keys_go_into_a_folder_and_take_a_file(void **state)
     dialog_move(&dialog, -1); /* C.json, the last */
     dialog_move(&dialog, -1);
     dialog_move(&dialog, 1);
-    dialog_move(&dialog, 1); /* there is none behind it */
+    dialog_move(&dialog, 1); /* the list ends here */
     assert_answers(&dialog, folder, "C.json");
     show(&dialog, DIALOG_OPEN, folder, "nii");
     dialog_move(&dialog, 1); /* the first that fits */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* OpenIGTLink's messages: what is written is read again, whatever pieces it arrives in; what is broken or hostile is
- * counted and never a pose. */
+/* OpenIGTLink's messages: a written message is read again in whatever pieces it arrives; a broken or hostile one is
+ * counted and never makes a pose. */
 #include "link/igtl.h"
 #include "test.h"
 
@@ -9,7 +9,7 @@
 
 enum { CAPACITY = 4096 };
 
-/* What a listener heard last. */
+/* The last message that a listener received. */
 struct heard {
     struct igtl_poses poses;
     unsigned messages;
@@ -145,7 +145,7 @@ static struct heard read_one(const char *type, uint64_t version, const uint8_t *
     return heard;
 }
 
-/* A quarter turn about z, at (1, 2, 3), in every type and both versions. */
+/* A quarter turn about z, at (1, 2, 3), is the same pose in every type and both versions. */
 static void all_types_say_the_same(void **state)
 {
     (void)state;
@@ -255,11 +255,11 @@ static void broken_messages_are_counted_and_passed(void **state)
     assert_true(igtl_read(reader, bytes, size, hear, &heard));
     assert_int_equal(heard.messages, 1);
     assert_int_equal(reader->counts.broken, 1);
-    assert_int_equal(reader->valid, 1); /* of the two */
+    assert_int_equal(reader->valid, 1); /* one of the two messages was valid */
     assert_int_equal(read_one("TRANSFORM", 1, bytes, 47).messages, 0);
     assert_int_equal(read_one("TRANSFORM", 1, bytes, 0).messages, 0);
     assert_int_equal(read_one("QTDATA", 1, bytes, 51).messages, 0);
-    assert_int_equal(read_one("POSITION", 2, bytes, 152).messages, 0); /* what pyigtl sends */
+    assert_int_equal(read_one("POSITION", 2, bytes, 152).messages, 0); /* pyigtl sends such messages */
 }
 
 static void hostile_headers_end_the_connection(void **state)
@@ -303,7 +303,7 @@ static void extended_headers_must_fit(void **state)
     }
 }
 
-/* An image of 10 MB is passed over, and the pose behind it found. */
+/* An image of 10 MB is skipped, and the pose after it is found. */
 static void big_messages_of_other_kinds_are_passed_over(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Whether what the window says can be read: contrast of its colours, and texts that are cut, at usual sizes. */
+/* The window's texts can be read: contrast of its colours, and no text cut off, at usual sizes of window. */
 #include "viewer/commands/keys.h"
 #include "viewer/model/columns.h"
 #include "viewer/model/studies.h"
@@ -50,8 +50,8 @@ static double contrast_of(ui_colour a, ui_colour b)
     return fmax(first, second) / fmin(first, second);
 }
 
-/* Pairs that are known: black on white has 21, #767676 is the lightest grey that passes on white, #777777 fails. Grey
- * 0x76 = 118 by hand: ((118 / 255 + 0.055) / 1.055)^2.4 = 0.18116, (1.05) / (0.23116) = 4.542. */
+/* Known pairs: black on white has 21, #767676 is the lightest grey that passes on white, #777777 fails. Grey 0x76 = 118
+ * by hand: ((118 / 255 + 0.055) / 1.055)^2.4 = 0.18116, (1.05) / (0.23116) = 4.542. */
 static void contrast_is_that_of_wcag(void **state)
 {
     const ui_colour white = {255, 255, 255, 255};
@@ -110,7 +110,8 @@ static void every_text_can_be_read(void **state)
     theme_use(THEME_DARK);
 }
 
-/* Hidden areas, old answers: not on knobs; what is chosen or a heading, only on panels. */
+/* Pale texts are used for hidden areas and old answers, which are not on knobs, and in the colour of chosen areas and
+ * headings, which are only on panels. */
 static void pale_texts_can_be_read(void **state)
 {
     (void)state;
@@ -140,7 +141,8 @@ static bool begins_with_one_of(const char *name, const char *const *beginnings)
     return found;
 }
 
-/* The colours that the widgets really have: plain text on all that a widget with text fills, and marks on fields. */
+/* Checks the colours that the widgets really have: plain text on everything that a widget with text fills, and marks on
+ * fields. */
 static void the_widgets_of_a_theme_have_its_colours(enum theme theme)
 {
     static const char *const filled[] = {"WindowBg", "PopupBg",       "FrameBg",       "TitleBg",    "Button",
@@ -237,7 +239,7 @@ static void draw(struct window *window)
     ui_audit_end();
 }
 
-/* And every widget has a tip. */
+/* Asserts that no text is cut off, and that every widget has a tip. */
 static void nothing_is_cut(struct window *window, const char *where)
 {
     for (int i = 0; i < 4; i++) { /* columns find their widths */
@@ -253,7 +255,8 @@ static void nothing_is_cut(struct window *window, const char *where)
     }
 }
 
-/* Tables of studies have room for their numbers in the frame that first shows them: nothing draws a second one. */
+/* Tables of studies have room for their numbers in the first frame that shows them; it is not followed by a second
+ * one. */
 static void numbers_of_studies_are_seen_at_once(struct window *window)
 {
     struct viewer *viewer = window->viewer;
@@ -275,7 +278,7 @@ static void numbers_of_studies_are_seen_at_once(struct window *window)
     studies_use(viewer, &(struct study_settings){.kind = STUDY_NONE, .angles = {2, 40, 2}, .samples = 16});
 }
 
-/* Every setting in turn, with all that it adds to the panels. */
+/* Shows every setting in turn, with the widgets that it adds to the panels. */
 static void look_at_all(struct window *window)
 {
     struct viewer *viewer = window->viewer;
@@ -357,7 +360,7 @@ static void nothing_is_cut_at_usual_sizes(void **state)
     viewer_finish(&viewer);
 }
 
-/* The test itself notices. */
+/* The audit finds texts that are cut off. */
 static void what_is_cut_is_found(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How an atlas looks: grey values, opacities, haze, colours of the context and the background, without a window. */
+/* The appearance of an atlas: grey values, opacities, haze, colours of the context and the background, without a
+ * window. */
 #include "viewer/commands/script.h"
 #include "viewer/commands/script_words.h"
 #include "viewer/model/picker.h"
@@ -73,7 +74,7 @@ static void grey_values_move_by_their_own_width(void **state)
     assert_near(grey[1], 700, 1e-9);
 }
 
-/* What the cuts show says nothing of where the head begins. */
+/* The grey values shown in the cuts do not change where the head begins. */
 static void the_apex_stays_where_it_was(void **state)
 {
     struct viewer viewer;
@@ -108,7 +109,7 @@ static void atlases_of_one_context_have_the_same_grey_values(void **state)
 
 enum { SIDE = 24 };
 
-/* The finest picture of the viewer's drawn atlas; its middle pixel, sRGB. */
+/* Paints the viewer's drawn atlas at the finest resolution; @p rgb becomes the middle pixel, sRGB. */
 static void paint(uint8_t rgb[3], struct viewer *viewer)
 {
     struct painting what = {.width = SIDE, .height = SIDE, .backdrop = viewer->display.backdrop};
@@ -230,7 +231,7 @@ static void the_window_draws_haze_and_presets_as_render_does(void **state)
     close_window(&window);
 }
 
-/* A command of a script with its arguments. */
+/* Runs a command of a script with its arguments. */
 static bool does(struct window *window, char *name, char *const *arguments, size_t count)
 {
     char *words[SCRIPT_WORDS] = {name};
@@ -238,8 +239,7 @@ static bool does(struct window *window, char *name, char *const *arguments, size
     return script_do(window, words, 1 + count);
 }
 
-/* In the session of the window as it is, @p from stands once; with @p to in its place it is refused, and nothing
- * changes. */
+/* The session of the window has the text @p from once. With @p to in its place it is refused, and nothing changes. */
 static void assert_refused(struct window *window, const char *from, const char *to, const char *why)
 {
     char reason[PROPERTY_REASON] = "";
@@ -256,7 +256,7 @@ static void assert_refused(struct window *window, const char *from, const char *
     free(text);
 }
 
-/* Adds one straight up through the middle of the balls, with a number from 0.2 below to 0.8 above. */
+/* Adds a bundle straight up through the middle of the balls, with a number per point from 0.2 below to 0.8 above. */
 static void add_bundle(conus_atlas *atlas)
 {
     static const float points[3][3] = {{0, 0, -60}, {0, 0, 0}, {0, 0, 60}};
@@ -284,7 +284,7 @@ static void open_with_bundle(struct window *out, struct viewer *viewer)
     undo_note(out);
 }
 
-/* Areas that are not hit are not drawn beside a bundle: in the picture it is the first that is met. */
+/* Areas that are not hit are not drawn beside a bundle, so a ray of the picture meets the bundle first. */
 static void the_bundle_is_named_where_the_picture_has_it(void **state)
 {
     struct viewer viewer;
@@ -311,11 +311,11 @@ static void streamlines_have_the_colours_of_their_files(void **state)
     assert_int_equal(tract_colour_count(atlas), 0);
     assert_int_equal(tract_colour_find(atlas, "bundle"), TRACT_COLOUR_LIMIT);
     add_bundle(atlas);
-    assert_int_equal(tract_colour_count(atlas), 4); /* what has three numbers is no colour */
+    assert_int_equal(tract_colour_count(atlas), 4); /* a number of three components is no colour */
     assert_string_equal(tract_colour_name(atlas, TRACT_BY_NUMBER + 1), "count");
     assert_int_equal(tract_colour_find(atlas, "FA"), TRACT_BY_NUMBER);
     assert_int_equal(tract_colour_find(atlas, "tensor"), TRACT_COLOUR_LIMIT);
-    assert_false(tract_colour_range(range, atlas, "count")); /* whose only value is not known */
+    assert_false(tract_colour_range(range, atlas, "count")); /* its only value is not known */
     assert_near(range[0], 1, 0);
     assert_true(tract_colour_range(range, atlas, "FA"));
     assert_near(range[0], 0.2, 1e-7);
@@ -454,7 +454,7 @@ static void words_that_cannot_be_change_nothing(void **state)
                  does(&window, "grey", outer, 2));
     assert_false(does(&window, "opacity", outer, 2) || does(&window, "opacity", core, 2));
     assert_false(does(&window, "opacity", numbers + 2, 1) || does(&window, "opacity", numbers + 3, 1));
-    assert_false(does(&window, "opacity", outer + 2, 1)); /* what the cone does not hit has no name */
+    assert_false(does(&window, "opacity", outer + 2, 1)); /* only an area's opacity can be reset */
     assert_false(does(&window, "haze", (char *[]){outer[0], outer[4]}, 2) || does(&window, "haze", core, 2));
     assert_false(does(&window, "preset", core + 1, 1) || does(&window, "background", core + 1, 1));
     char *after = session_text(&window);
@@ -487,8 +487,8 @@ static void a_file_is_replaced_when_it_is_said_twice(void **state)
     form->pane = AXIAL;
     figure_form_save(&window);
     assert_string_equal(strrchr(form->name, '.'), ".png");
-    figure_form_step(&window); /* of the frame in which it is asked, */
-    figure_form_step(&window); /* and of the one that says so */
+    figure_form_step(&window); /* the frame in which the sheet is asked for, */
+    figure_form_step(&window); /* and the one that reports it */
     assert_true(access(form->name, F_OK));
     finish_figure(&window);
     assert_false(access(form->name, F_OK));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The values of options, and names that were meant. */
+/* Values of options, and suggestions for misspelled names. */
 #include "options/messages.h"
 #include "options/options.h"
 #include "test.h"
@@ -122,20 +122,20 @@ static void the_closest_name_is_suggested(void **state)
     assert_string_equal(closest_name("angel", name_at, names), "angle");
     assert_string_equal(closest_name("apert", name_at, names), "aperture");
     assert_string_equal(closest_name("towards", name_at, names), "toward");
-    /* Of those that begin with the word and those of few edits, the one of the fewest edits. */
+    /* The name with the fewest edits wins, also against longer names that begin with the word. */
     static const char *const alike[] = {"poses-format", "pose", "up", "output", NULL};
     assert_string_equal(closest_name("poses", name_at, alike), "pose");  /* 1 edit, against 7 */
     assert_string_equal(closest_name("poses-", name_at, alike), "pose"); /* 2 edits, against 6 */
     assert_string_equal(closest_name("poses-f", name_at, alike), "poses-format");
     assert_string_equal(closest_name("out", name_at, alike), "output"); /* 3 edits; "up" has 2, and 1 is allowed */
-    /* Of equally many edits, the first. */
+    /* Among names with equally many edits the first one wins. */
     assert_string_equal(closest_name("abz", name_at, (const char *const[]){"abx", "aby", NULL}), "abx");
     assert_null(closest_name("layers", name_at, names));
     assert_null(closest_name("x", name_at, names));
     assert_null(closest_name("", name_at, names));
 }
 
-/* A command with as many options as there may be: --x0 to --x125, and the last two, whose names are their own. */
+/* A command with as many options as are allowed: --x0 to --x125, and two more with other names. */
 static void each_option_counts_for_itself(void **state)
 {
     (void)state;
@@ -165,7 +165,7 @@ static void each_option_counts_for_itself(void **state)
     options_finish(fields, &arguments);
 }
 
-/* Complaints are part of what is exercised, not of this program's output. */
+/* Messages are part of the test, not of this program's output. */
 static int silence(void **state)
 {
     (void)state;

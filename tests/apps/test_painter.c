@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Pictures of a view that moves: drawn with fewer pixels, and yet without steps at edges. */
+/* Pictures of a moving view: drawn with fewer pixels, and yet without steps at edges. */
 #include "viewer/pictures/edges.h"
 #include "viewer/pictures/painter.h"
 
@@ -13,10 +13,11 @@
 
 enum { PANE = 600, DISC = 100 };
 
-/* An edge that is known to a whole pixel only is off by up to half a pixel: 1 / sqrt(12) in the mean of squares. */
+/* The error of an edge that is known to a whole pixel only is up to half a pixel, and 1 / sqrt(12) in the root mean
+ * square. */
 static const double rough = 0.2887, smooth = 0.8 * 0.2887;
 
-/* Green at a place of the pane, as a texture that is filtered linearly shows a picture of `size` x `size` pixels. */
+/* Green at a place of the pane when a picture of `size` x `size` pixels is drawn as a texture with linear filtering. */
 static double green_at(const uint8_t *rgba, long size, long column, long row)
 {
     double place[2] = {((double)column + 0.5) * (double)size / PANE - 0.5,
@@ -37,7 +38,8 @@ static double green_at(const uint8_t *rgba, long size, long column, long row)
     return sum;
 }
 
-/* Where the row, which begins dark, has half of the light that it has 16 pixels inside the edge; pane pixels. */
+/* Position, in pixels of the pane, at which a row that begins dark has half of the light that it has 16 pixels inside
+ * the edge. */
 static double edge_of(const uint8_t *rgba, long size, long row)
 {
     long column = 0;
@@ -68,7 +70,7 @@ static void draw_disc(uint8_t rgba[4 * DISC * DISC], double radius)
     }
 }
 
-/* How far the disc's edge is off on the left, pixels of the picture. */
+/* Error of the disc's left edge (root mean square), pixels of the picture. */
 static double disc_error(const uint8_t *rgba, double radius)
 {
     const double enlarged = (double)PANE / DISC;
@@ -99,7 +101,7 @@ static void edges_have_no_steps(void **state)
     }
 }
 
-/* What is the same along the edge is its own mean. */
+/* The mean along an edge is the pixel itself where all pixels along the edge are the same. */
 static void straight_edges_and_planes_stay(void **state)
 {
     enum { SIDE = 16 };
@@ -119,7 +121,7 @@ static void straight_edges_and_planes_stay(void **state)
     assert_memory_equal(after, before, sizeof after);
 }
 
-/* The next picture that is not the last one, or is. */
+/* The next picture that is new; with @p fine the next one at full resolution. */
 static struct painted next_picture(struct painter *painter, bool fine)
 {
     struct painted picture = {0};
@@ -134,7 +136,7 @@ static struct painted next_picture(struct painter *painter, bool fine)
     return picture;
 }
 
-/* A ball before black, while it turns, and when it rests. */
+/* A ball before black, while the view turns and when it rests. */
 static void a_moving_view_has_no_steps(void **state)
 {
     struct orbit orbit;

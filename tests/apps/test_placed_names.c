@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Names in a pane: none lies on another, whatever the places, and each object has one. */
+/* Names in a pane: no name lies on another, whatever the places, and each object has one name. */
 #include "viewer/window/labels.h"
 
 #include "test.h"

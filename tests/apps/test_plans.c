@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The window's plan without a window: what it says of the tool, the list, rows that the tool goes to.
+/* The window's plan without a window: its judgement of the tool, its list, and rows that move the tool.
  *
- * The U of u-shape: an axis from x = 40 along -x at z = 5 passes its one arm at the depths 18 to 28 and the ball at 35
- * to 45 (tests/cli/plan.bats). So a needle of radius 1 mm that ends at depth F is in the U by F - 18, at most 10 mm,
- * and has 35 - F - 1 mm of clearance from the ball. */
+ * The U of u-shape: an axis from x = 40 along -x at z = 5 passes through one arm at the depths 18 to 28 and through the
+ * ball at 35 to 45 (tests/cli/plan.bats). So a needle of radius 1 mm that ends at depth F is in the U by F - 18, at
+ * most 10 mm, and has 35 - F - 1 mm of clearance from the ball. */
 #include "viewer/model/plans.h"
 #include "viewer/opening/view_words.h"
 #include "viewer/session/undo.h"
@@ -19,7 +19,7 @@
 static const double start[3] = {40, 0, 5};
 static const double along[3] = {-1, 0, 0};
 
-/* The plan of these options, as the command line or a session has them; [count]. */
+/* Opens a plan with these options, as the command line or a session has them; [count]. */
 static int open_plan(struct viewer *viewer, const char *const *words, size_t count)
 {
     const struct view_settings none = {.depth = 0};
@@ -58,8 +58,8 @@ static void says(struct viewer *viewer, double depth, const char *text, const ch
                                                                        : PLAN_UNKNOWN);
 }
 
-/* Leeways as in tests/cli/plan.bats: the reach of 5 mm has that d with 10 - 2 d = 5, the ball its clearance less 3.
- * What is asked at least is rounded down, so that nothing looks better than it is. */
+/* Leeways as in tests/cli/plan.bats: for the reach of 5 mm the d with 10 - 2 d = 5, for the ball its clearance less 3.
+ * A measure that has to be at least something is rounded down, so that nothing looks better than it is. */
 static void the_tool_is_judged_where_it_is(void **state)
 {
     struct viewer viewer;
@@ -122,7 +122,7 @@ static void all_kinds_of_constraints_are_worded(void **state)
         {{"--reach=U,tip"}, "breaks: not the tip in U"},
         {{"--reach=U,crossed"}, "holds, through U"},
         {{"--reach=Ball"}, "breaks: not in Ball"},
-        {{"--reach=U,share=0.5"}, "holds, 100.0 % of the cone on U"}, /* whose arm is wider than the needle */
+        {{"--reach=U,share=0.5"}, "holds, 100.0 % of the cone on U"}, /* the arm of the U is wider than the needle */
         {{"--avoid=U,share=0.5"}, "breaks: 100.0 of at most 50 % of the cone on U"},
         {{"--reach=Ball,pierced=0.5"}, "breaks: 0.00 of 50 % of the pixels through Ball"},
         {{"--reach=U,length=11", "--avoid=Ball,margin=9"}, "breaks: 10.0 of 11 mm in U, and 1 more"},
@@ -155,7 +155,7 @@ static void unknown_names_are_refused(void **state)
     viewer_finish(&viewer);
 }
 
-/* Until the list is there: the thread makes it without being asked again. */
+/* Waits until the list is there: the thread makes it without being asked again. */
 static const struct plan_list *await_list(struct viewer *viewer, const char **why)
 {
     do {
@@ -200,7 +200,7 @@ static void rows_move_the_tool_and_are_taken_back(void **state)
     tool_aim_along(&viewer, FIRST_TOOL, (double[]){0, 0, 80}, (double[]){0, 0, -1});
     viewer.tools[FIRST_TOOL].held = true;
     undo_note(&window);
-    viewer.tools[FIRST_TOOL].held = false; /* as while the mouse points */
+    viewer.tools[FIRST_TOOL].held = false; /* the mouse points */
     assert_true(plans_go(&viewer, 1));
     undo_note(&window);
     assert_int_equal(plans_at(&viewer), 1);
@@ -240,7 +240,7 @@ static void without_a_feasible_pose_the_nearest_misses_are_listed(void **state)
     viewer_finish(&viewer);
 }
 
-/* Changes of the atlas end a run; the list is made again of the atlas as it is then. */
+/* A change of the atlas ends a run; the list is made again for the new atlas. */
 static void a_list_follows_the_atlas_and_the_radius(void **state)
 {
     struct viewer viewer;

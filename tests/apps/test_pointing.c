@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The mouse's cone without a window: where it begins, when it stays, what is said of it. */
+/* The mouse's cone without a window: where it begins, when it stays, which notices it has. */
 #include "viewer/model/picker.h"
 #include "viewer/session/property.h"
 #include "viewer/tools/inputs.h"
@@ -96,7 +96,8 @@ static void without_a_context_the_atlas_is_the_surface(void **state)
 }
 
 /* Between the centres at y = 40 (100) and 41 (0) the grey falls to 20, a fifth of the cuts' window of 0 to 100, at y =
- * 40.8: 49.2 mm from the eye. The noise is no skin, though it is brighter than that for 1.6 mm: two voxels are 2 mm. */
+ * 40.8: 49.2 mm from the eye. The noise is brighter than that for only 1.6 mm, less than the two voxels, 2 mm, that a
+ * skin needs. */
 static void a_context_is_the_surface_where_its_skin_is(void **state)
 {
     struct viewer viewer;
@@ -108,7 +109,7 @@ static void a_context_is_the_surface_where_its_skin_is(void **state)
     assert_near(viewer.drawn->found_grey[1], 100, 1e-4);
     assert_near(point_depth(&viewer, eye, back), 49.2, 0.02);
     assert_near(point_depth(&viewer, (double[]){5, 200, 5}, back), 159.2, 0.02);
-    for (int tenth = 0; tenth < 10; tenth++) { /* wherever steps of a voxel meet the noise */
+    for (int tenth = 0; tenth < 10; tenth++) { /* whatever the distance at which the steps of a voxel meet the noise */
         assert_near(point_depth(&viewer, (double[]){0, 50 + 0.1 * tenth, 0}, back), 9.2 + 0.1 * tenth, 0.02);
     }
     viewer.display.fade = 1; /* a head that is not drawn is a head still */
@@ -128,7 +129,7 @@ static void the_nearest_atlas_is_the_surface(void **state)
     viewer_finish(&viewer);
 }
 
-/* As the command `point` of scripts. */
+/* Aims as the command `point` of scripts does. */
 static bool aim_through(struct viewer *viewer, const double from[3], const double direction[3])
 {
     conus_pose pose;
@@ -203,7 +204,7 @@ static void one_ray_names_one_area(void **state)
     viewer.tools[FIRST_TOOL].angle = 30;
     viewer.cone.options.layers = CONUS_LAYERS_ALL;
     tool_aim_along(&viewer, FIRST_TOOL, from, back);
-    assert_int_equal(conus_selection_count(viewer_selection(&viewer)), 3); /* with what is unassigned */
+    assert_int_equal(conus_selection_count(viewer_selection(&viewer)), 3); /* two areas and `unassigned` */
     property_set(&window, PROPERTY_ONE_RAY, true);
     const conus_selection *selection = viewer_selection(&viewer);
     assert_int_equal(conus_selection_count(selection), 2);
@@ -211,7 +212,7 @@ static void one_ray_names_one_area(void **state)
     assert_near(conus_selection_result(selection, 0)->share, 1, 1e-12);
     assert_near(conus_selection_result(selection, 0)->distance, 70, 1e-6);
     assert_near(conus_selection_result(selection, 0)->contact[0], -1, 1e-6);
-    viewer.cone.options.radius = 5; /* nor is it a cylinder */
+    viewer.cone.options.radius = 5; /* a single ray is no cylinder either */
     tool_reselect(&viewer);
     assert_int_equal(conus_selection_result(viewer_selection(&viewer), 0)->pixels, 1);
     viewer.cone.options.radius = 0;
@@ -220,7 +221,7 @@ static void one_ray_names_one_area(void **state)
     viewer_finish(&viewer);
 }
 
-/* The tip is in front of the block, the contact on its face at 20.5; where nothing is hit the crosshair stays. */
+/* The tip is in front of the block, the contact on its face at 20.5. Where nothing is hit the crosshair stays. */
 static void the_cuts_follow_what_they_are_told_to(void **state)
 {
     struct viewer viewer;
@@ -248,8 +249,7 @@ static void the_cuts_follow_what_they_are_told_to(void **state)
     viewer_finish(&viewer);
 }
 
-/* What is said in each state of each source; an answer is old where the tracker, whose it was, does not see its tool.
- */
+/* The notice for each state of each source. An answer is old if its tracker no longer sees the tool. */
 static void what_is_wrong_with_the_cone_is_said(void **state)
 {
     static const struct {

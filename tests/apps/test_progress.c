@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* What `update` and the end say on standard error, which is a file. */
+/* Takes the lines of two updates and of the end from standard error, which is redirected to a file. */
 static void take_lines(char out[512], struct progress *progress, double ago_ms, uint64_t done, uint64_t errors)
 {
     const char *path = test_scratch("said");
@@ -50,7 +50,7 @@ static void a_log_gets_a_line_now_and_then(void **state)
     assert_said(PROGRESS_NONE, false, 1e6, 1000, "");
 }
 
-/* What is answered for another process is shown on that one's terminal, or nowhere. */
+/* A process that answers for another one shows its progress on that one's terminal, or nowhere. */
 static void redirected_progress_is_in_no_log(void **state)
 {
     (void)state;

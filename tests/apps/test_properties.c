@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The table of the window's state, row by row: sessions have each value, older sessions have numbers for names, and the
- * documents list what is there. */
+ * documents list every row. */
 #include "viewer/commands/keys.h"
 #include "viewer/commands/script.h"
 #include "viewer/session/session.h"
@@ -30,7 +30,7 @@ static void replace(json_t *root, const struct property *property, json_t *value
     json_object_set_new(property->object ? json_object_get(root, property->object) : root, property->name, value);
 }
 
-/* The session of the window as it is, with another value there. */
+/* Reads the session of the window as it is, with another value in that row. */
 static bool opens_with(struct window *window, const struct property *property, json_t *value)
 {
     char why[PROPERTY_REASON] = "";
@@ -111,7 +111,7 @@ static void what_no_row_allows_is_refused(void **state)
     viewer_finish(&viewer);
 }
 
-/* Those that the session has to say are missed, the others stay as they are. */
+/* A session without a value that is needed is refused; without any other value it is read. */
 static void what_a_session_does_not_say(void **state)
 {
     struct viewer viewer;
@@ -151,7 +151,7 @@ static void read_document(void)
     flowing[used] = '\0';
 }
 
-/* How many lines of a section, up to the next heading, begin with this. */
+/* Counts the lines of a section, up to the next heading, that begin with this. */
 static size_t count_lines(const char *heading, const char *beginning)
 {
     size_t count = 0;
@@ -206,7 +206,7 @@ static void the_document_lists_the_keys(void **state)
     assert_int_equal(count_lines("## All keys", "* `"), count);
 }
 
-/* The section about scripts names each command where it begins a piece of code, and no other one. */
+/* The section about scripts has each command at the beginning of a piece of code, and no other command. */
 static void the_document_lists_the_commands_of_scripts(void **state)
 {
     const char *arguments;

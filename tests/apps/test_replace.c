@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What was done to areas, carried over to an atlas with other hemispheres; one side only. */
+/* Changes made to areas in the window are carried over to an atlas with another choice of hemispheres; showing one side
+ * only. */
 #include "viewer/model/hemispheres.h"
 #include "viewer/opening/replace.h"
 
@@ -50,7 +51,7 @@ static uint32_t number_of(const struct viewer *viewer, const char *name)
     return number;
 }
 
-/* Names of what is hidden, with commas between; the atlas agrees. */
+/* Names of the hidden areas, with commas between; asserts that the atlas hides the same. */
 static const char *hidden(const struct viewer *viewer)
 {
     static char text[256];
@@ -90,7 +91,7 @@ static void halves_are_as_the_whole_was(void **state)
     assert_near(viewer.drawn->appearance.opacity[0], 0.5, 0);
     assert_int_equal(viewer.drawn->appearance.haze[number_of(&viewer, "Tract")], HAZE_OWN);
     assert_int_equal(viewer.drawn->shown.chosen, number_of(&viewer, "A_R"));
-    /* and back */
+    /* joined again */
     change(&viewer, CONUS_HEMISPHERES_SPLIT, CONUS_HEMISPHERES_AS_IS);
     assert_string_equal(hidden(&viewer), "Four");
     assert_near(opacity(&viewer, "Nine"), 0.25, 0);
@@ -112,11 +113,11 @@ static void a_whole_is_as_both_halves_were(void **state)
     assert_true(isnan(opacity(&viewer, "Four")));
     assert_int_equal(viewer.drawn->shown.chosen, number_of(&viewer, "Four"));
     change(&viewer, CONUS_HEMISPHERES_AS_IS, CONUS_HEMISPHERES_SPLIT);
-    assert_int_equal(viewer.drawn->shown.chosen, 0); /* of two none is chosen */
+    assert_int_equal(viewer.drawn->shown.chosen, 0); /* a chosen area that becomes two is not chosen */
     viewer_finish(&viewer);
 }
 
-/* From split areas at once, where the pair was not one. */
+/* Split areas are merged at once, without the pair of the file between. */
 static void a_pair_is_as_both_areas_were(void **state)
 {
     struct viewer viewer;
@@ -153,7 +154,7 @@ static void what_was_confirmed_keeps_its_name(void **state)
     viewer_finish(&viewer);
 }
 
-/* A pathway's threshold, colours, and an answer that is asked for anew. */
+/* A pathway's threshold and the colours are kept; the query is answered again. */
 static void the_rest_goes_on(void **state)
 {
     struct viewer viewer;
@@ -219,7 +220,7 @@ static void one_side_is_shown(void **state)
     viewer_finish(&viewer);
 }
 
-/* Where all areas of both sides are hidden, no side is shown, and any can be. */
+/* With all areas of both sides hidden no side counts as shown, and either can be shown. */
 static void hidden_sides_are_shown_again(void **state)
 {
     struct viewer viewer;

@@ -35,7 +35,7 @@ static void load(struct viewer *out, const char *kind, const char *tract, const 
     assert_ok(viewer_create(out, &(struct view_source){.atlas = atlas, .path = "phantom"}, 1, NULL, NULL, NULL));
 }
 
-/* From a ball around the brain towards points near its middle. */
+/* Aims from a ball around the brain towards points near its middle. */
 static void aim_anywhere(struct viewer *viewer, unsigned *seed)
 {
     double from[3];
@@ -55,7 +55,7 @@ static void aim_anywhere(struct viewer *viewer, unsigned *seed)
 
 enum { CELLS = 64 };
 
-/* Ends the cells of a line of TSV, in place; gives the next line. */
+/* Splits a line of TSV into cells, in place; returns the next line. */
 static char *cut(char *cells[CELLS], size_t *count, char *line)
 {
     char *end = line + strcspn(line, "\n");
@@ -85,7 +85,7 @@ static void check_row(const struct viewer *viewer, const conus_result *result, c
     assert_int_equal(found, conus_atlas_tractogram_count(viewer->drawn->atlas) ? RESULT_COLUMNS : RESULT_STREAMLINES);
 }
 
-/* All digits are those of the library's TSV, in the same rows. */
+/* The cells have all digits of the library's TSV, in the same rows. */
 static void check_against_tsv(struct viewer *viewer)
 {
     char *names[CELLS];
@@ -104,7 +104,7 @@ static void check_against_tsv(struct viewer *viewer)
     free(text);
 }
 
-/* The digits shown are those of the table for people, whose columns come in this order. */
+/* The cells show the digits of the table for people, whose columns come in this order. */
 static void check_against_table(struct viewer *viewer, const size_t *columns, size_t count)
 {
     conus_report *report = NULL;
@@ -157,7 +157,8 @@ static void cells_are_those_of_conus_query(void **state)
     viewer_finish(&viewer);
 }
 
-/* Of a bundle through the slabs the streamlines that come in, their length and place; of areas n/a. */
+/* A bundle through the slabs has cells for its streamlines in the cone, their length and place; an area has n/a
+ * there. */
 static void cells_of_bundles_are_those_of_conus_query(void **state)
 {
     static const double points[4][3] = {{-40, 0, 0}, {40, 0, 0}, {0, -40, 0}, {0, 40, 0}};
@@ -193,7 +194,7 @@ static const conus_result *row_at(const struct viewer *viewer, size_t place)
     return result;
 }
 
-/* With all layers what is occluded has no contact: it comes last both ways round, but before what is unassigned. */
+/* With all layers an occluded object has no contact: it comes last in both directions, but before `unassigned`. */
 static void rows_have_the_order_of_a_column(void **state)
 {
     struct viewer viewer;
@@ -248,7 +249,7 @@ static void columns_are_chosen(void **state)
     viewer.cone.options.score = "centre";
     assert_true(has(&viewer, RESULT_SCORE));
     result_show(&viewer, RESULT_X, false);
-    viewer.cone.options.score = "share"; /* what was shown when one was taken away stays */
+    viewer.cone.options.score = "share"; /* the columns shown when one was removed stay */
     assert_true(!has(&viewer, RESULT_X) && has(&viewer, RESULT_Y) && has(&viewer, RESULT_SCORE));
     assert_true(result_choose(&viewer, wanted, 2));
     assert_true(has(&viewer, RESULT_NAME) && has(&viewer, RESULT_PIXELS) && !has(&viewer, RESULT_SHARE));

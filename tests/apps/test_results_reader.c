@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What `conus diff` reads. */
+/* Tests of the tables that `conus diff` reads. */
 #include "cli/answers/results_reader.h"
 #include "options/messages.h"
 #include "test.h"
@@ -40,7 +40,7 @@ static void rows_are_found_by_their_key(void **state)
     results_finish(&other);
 }
 
-/* Of several atlases the name is a part of the key, which a file of one atlas has not. */
+/* The key of a row of several atlases contains the atlas; the key of a row of one atlas does not. */
 static void rows_of_several_atlases_are_found_by_their_atlas(void **state)
 {
     (void)state;
@@ -59,7 +59,7 @@ static void rows_of_several_atlases_are_found_by_their_atlas(void **state)
     results_finish(&alone);
 }
 
-/* The cells of RFC 4180, section 2, rules 5 to 7; what was written by R, with marks around all texts, too. */
+/* Cells after RFC 4180, section 2, rules 5 to 7, and as R writes them, with quotation marks around all texts. */
 static void commas_separate_where_there_is_no_tab(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The order in which the list of areas finds them. */
+/* The order of areas that a search finds. */
 #include "viewer/model/search.h"
 
 #include "conus/arrays.h"
@@ -47,7 +47,7 @@ static void assert_found(const conus_atlas *atlas, const char *text, const uint3
     free(found);
 }
 
-/* By hand: a whole name, a beginning, a word's beginning, anywhere, the label. */
+/* By hand: first a whole name, then a beginning, then the beginning of a word, then anywhere, then the label. */
 static void names_come_before_numbers(void **state)
 {
     conus_atlas *atlas = make_atlas();

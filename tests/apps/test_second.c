@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The window's second tool without a window: its answers, what moves and holds it, its cone's lines, sessions. */
+/* The second tool without a window: its answers, the devices that move it, holding it, its cone's lines, sessions. */
 #include "options/clock.h"
 #include "viewer/commands/script.h"
 #include "viewer/session/session.h"
@@ -42,7 +42,7 @@ static void aim(struct window *window, const double origin[3], const double dire
     tool_aim(window->viewer, SECOND_TOOL, &pose);
 }
 
-/* As a selector of its own answers, which knows nothing of the first tool. */
+/* Compares the second tool's answer with that of another selector, which knows nothing of the first tool. */
 static void check_answer(struct window *window)
 {
     conus_selector *selector = NULL;
@@ -122,7 +122,7 @@ static void its_table_is_that_of_its_answers(void **state)
     close_window(&window);
 }
 
-/* A cylinder and a single ray are both tools'; the angle is each one's own. */
+/* The first tool's shape, a cylinder or a single ray, is the second tool's, too; each has its own angle. */
 static void shapes_are_shared(void **state)
 {
     struct viewer viewer;
@@ -199,7 +199,7 @@ static void step(struct window *window)
     inputs_step(&window->inputs, window->viewer, 0);
 }
 
-/* Until the second tool is so; a test that waits for ever is ended from outside. */
+/* Waits until the second tool is in that state; a test that hangs is ended from outside. */
 static void step_until(struct window *window, enum station_state wanted)
 {
     do {
@@ -207,7 +207,7 @@ static void step_until(struct window *window, enum station_state wanted)
     } while (window->inputs.devices.trackers[SECOND_TOOL].tool.state != wanted);
 }
 
-/* Sends it until it has arrived and is seen: on a busy machine half a second may pass in between. */
+/* Sends the pose until it has arrived and is seen: on a busy machine half a second may pass in between. */
 static void send_until_seen(struct window *window, int peer, const char *name, double y)
 {
     const struct station_tool *tool = &window->inputs.devices.trackers[SECOND_TOOL].tool;
@@ -277,7 +277,7 @@ static void one_tracker_moves_two_tools(void **state)
     close_window(&window);
 }
 
-/* And the mouse the first tool, which has no tracker. */
+/* The second tool has a tracker for itself, while the mouse moves the first one. */
 static void the_second_tool_has_a_tracker_of_its_own(void **state)
 {
     struct viewer viewer;
@@ -384,7 +384,7 @@ static void the_wall_is_cut_by_planes(void **state)
     for (size_t i = 0; i < SHELL_POINTS; i++) {
         turns += shell_turns(&shell, i, (double[]){300, 0, -50});
     }
-    assert_int_equal(turns, 2); /* from the side a cone has two outlines */
+    assert_int_equal(turns, 2); /* seen from the side a cone has two outlines */
 }
 
 /* A quarter turn to the left about its +y takes -z, where it points, to -x; the way before that is along its own axes.

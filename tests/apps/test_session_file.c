@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a session says of its atlas, and how that is found again. */
+/* Tests of how a session describes its atlas and finds it again. */
 #include "viewer/model/session_file.h"
 
 #include "conus/file.h"
@@ -40,7 +40,7 @@ static void no_prefix_of_a_session_is_one(void **state)
     session_file_finish(&file);
 }
 
-/* Neither a manifest nor what has other types; what older ones lack is unknown. */
+/* Manifests and objects with values of other types are refused; values that older sessions lack are unknown. */
 static void other_json_is_no_session(void **state)
 {
     static const char *const bad[] = {"[]",
@@ -87,7 +87,8 @@ static void assert_found(const struct session_file *file, const char *session, c
     }
 }
 
-/* Where it was, beside the session by name and then by its bytes, elsewhere by its bytes alone. */
+/* The atlas is looked for at its old place, beside the session by name and then by its bytes, elsewhere by its bytes
+ * alone. */
 static void an_atlas_is_looked_for_in_this_order(void **state)
 {
     char sum[SHA256_TEXT];
@@ -110,7 +111,7 @@ static void an_atlas_is_looked_for_in_this_order(void **state)
     assert_found(&file, "elsewhere/s.json", paths[2], paths[2]);
     assert_found(&file, paths[0], NULL, paths[2]);
     put(moved, "a.nii", "other");
-    assert_found(&file, paths[0], NULL, paths[1]); /* of that name; whether it is the same is said once it is open */
+    assert_found(&file, paths[0], NULL, paths[1]); /* by its name; its bytes are compared once it is open */
     put(was, "a.nii", "other");
     assert_found(&file, paths[0], NULL, paths[4]);
     file.atlas = "a.nii,volume=2";

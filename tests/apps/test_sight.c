@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the window's 3-D pane shows: of its own eye, and of a tracked head's (Eq. 1). */
+/* Cameras of the window's 3-D pane: the orbit of the mouse, and the eye of a tracked head (Eq. 1). */
 #include "viewer/pictures/camera.h"
 
 #include "test.h"
@@ -50,7 +50,7 @@ static struct head make_head(void)
     return head;
 }
 
-/* The place of the screen at a part of its width and height, and so far before it. */
+/* A place in front of the screen: at a part of its width and height, and so many mm before it. */
 static void place_on(double out[3], const struct head *head, double right, double up, double before)
 {
     const double *m = head->screen.world_from_device;
@@ -80,7 +80,7 @@ static void what_is_drawn_is_hit_by_the_mouse(void **state)
     }
 }
 
-/* A place of the screen is at its pixel of whatever part of the screen the pane is, wherever the eye is. */
+/* A point of the screen is drawn at its own pixel, whichever part of the screen the pane is and wherever the eye is. */
 static void the_pane_is_its_part_of_the_screen(void **state)
 {
     (void)state;
@@ -103,7 +103,7 @@ static void the_pane_is_its_part_of_the_screen(void **state)
     }
 }
 
-/* Nothing that is no view is shown: the last one is kept, and it is said. */
+/* An eye that is not before the screen gives no view: the last one is kept, and a text says so. */
 static void the_last_view_is_kept(void **state)
 {
     (void)state;
@@ -146,7 +146,7 @@ static void the_last_view_is_kept(void **state)
     assert_false(head.on);
 }
 
-/* What was in the middle goes with the mouse, pixel by pixel, and the view does not turn. */
+/* Panning moves the point in the middle with the mouse, pixel by pixel, and does not turn the view. */
 static void what_is_held_goes_with_the_mouse(void **state)
 {
     (void)state;
@@ -166,7 +166,7 @@ static void what_is_held_goes_with_the_mouse(void **state)
     }
 }
 
-/* By 3.5 radians for a pane's height; what is nearer than the middle goes down with the mouse. */
+/* The view turns by 3.5 radians for a pane's height; points nearer than the middle go down with the mouse. */
 static void the_view_turns_about_the_middle(void **state)
 {
     (void)state;
@@ -198,7 +198,7 @@ static void the_view_turns_about_the_middle(void **state)
     }
 }
 
-/* A click of the wheel leaves 9 tenths of the way; nobody comes nearer than 1 mm or goes farther than 100 m. */
+/* A click of the wheel leaves 9 tenths of the distance, which is limited to 1 mm and 100 m. */
 static void the_wheel_comes_nearer(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The connection to a station, over real sockets of this machine. */
+/* Tests of stations over real sockets of this machine. */
 #include "link/station.h"
 #include "options/clock.h"
 #include "test.h"
@@ -83,7 +83,7 @@ static void a_pose_arrives(void **state)
     station_stop(station);
 }
 
-/* Whatever the axis, the device's -z is the tool's axis, and its frame stays right-handed. */
+/* Whichever axis of the tool is chosen, the device's -z is that axis, and its frame stays right-handed. */
 static void the_axis_becomes_the_devices(void **state)
 {
     (void)state;
@@ -105,7 +105,7 @@ static void the_axis_becomes_the_devices(void **state)
     }
 }
 
-/* The pointer in the head's frame: inv(head) pointer; from LPS; in the world. */
+/* The pointer in the head's frame is inv(head) pointer; then from LPS, and in the world. */
 static void frames_are_joined(void **state)
 {
     (void)state;
@@ -135,7 +135,7 @@ static void frames_are_joined(void **state)
     station_stop(station);
 }
 
-/* Asks until the head's state is what is awaited: nobody waits for heads. */
+/* Polls until the head is in that state: a head does not wake anybody. */
 static struct station_update wait_for_head(struct station *station, enum station_state state)
 {
     struct station_update update;
@@ -159,7 +159,7 @@ static struct station_update see_head(struct station *station, int peer, const d
     return update;
 }
 
-/* Eye, screen and tool in one frame, and all of them nearer where the brain is shown larger; no head ever points. */
+/* Eye, screen and tool are in one frame, and all come nearer where the brain is shown larger. A head never points. */
 static void a_head_looks_at_the_screen(void **state)
 {
     (void)state;
@@ -201,7 +201,7 @@ static void a_lost_head_is_none(void **state)
     send_pose(peer, "Cart", cart);
     struct station_update update = see_head(station, peer, turned);
     assert_near(update.head.eye[0], 6, 1e-9);
-    assert_near(update.head.screen.world_from_device[12], -4, 1e-9); /* which stands still: the cart moves */
+    assert_near(update.head.screen.world_from_device[12], -4, 1e-9); /* the screen stands still: the cart moves */
     send_pose(peer, "GlassesToTracker", identity);
     wait_for_head(station, STATION_LOST);
     see_head(station, peer, turned);
@@ -230,7 +230,7 @@ static void lost_and_stale_tools_are_no_poses(void **state)
     station_stop(station);
 }
 
-/* One that sends nonsense is shown out; the other is still heard, and it may come again. */
+/* A peer that sends nonsense is disconnected. The other one is still heard, and the first may connect again. */
 static void nonsense_ends_one_connection_only(void **state)
 {
     (void)state;
@@ -261,7 +261,7 @@ static bool is_closed(int peer)
     return size == 0 || (size < 0 && errno != EAGAIN);
 }
 
-/* A pose that may meet a closed door. */
+/* Sends a pose to a connection that may be closed. */
 static void try_pose(int peer, const char *tool)
 {
     uint8_t bytes[CAPACITY];
@@ -269,7 +269,7 @@ static void try_pose(int peer, const char *tool)
     (void)sent;
 }
 
-/* Comes again until it is let in and heard, while peers[0] goes on sending. */
+/* Connects again until it is let in and heard, while `talker` goes on sending. */
 static int be_heard(struct station *station, int talker)
 {
     struct station_update update = {0};
@@ -301,7 +301,7 @@ static void connect_all(int peers[PLACES], struct station *station, struct stati
     }
 }
 
-/* Four that say nothing do not keep a tracker out: the one that is silent longest goes, and no other. */
+/* Four silent peers do not keep a tracker out: the one that was silent longest is disconnected, and no other. */
 static void idle_peers_give_way(void **state)
 {
     (void)state;
@@ -328,7 +328,8 @@ static void idle_peers_give_way(void **state)
     station_stop(station);
 }
 
-/* Two send a message byte by byte that has a wrong checksum, two one of a kind that is not read: none is ever valid. */
+/* Sends a byte from each peer: two send a message with a wrong checksum, two a message of an unknown kind. None is ever
+ * valid. */
 static void drip(const int peers[PLACES], size_t n)
 {
     uint8_t bytes[2][CAPACITY];
@@ -341,7 +342,7 @@ static void drip(const int peers[PLACES], size_t n)
     }
 }
 
-/* Four that send bytes, and never a valid message, do not keep a tracker out. */
+/* Four peers that send bytes, but never a valid message, do not keep a tracker out. */
 static void peers_that_drip_bytes_give_way(void **state)
 {
     (void)state;
@@ -369,8 +370,8 @@ static void peers_that_drip_bytes_give_way(void **state)
     station_stop(station);
 }
 
-/* Sends from all until one is shown out; whether that was the newcomer. @p pause becomes the longest time, s, in which
- * nothing was sent. */
+/* All peers send until one of them or the newcomer is disconnected; true if it is the newcomer. @p pause becomes the
+ * longest time, s, in which nothing was sent. */
 static bool newcomer_is_shown_out(const int peers[PLACES], int newcomer, double *pause)
 {
     bool is_out = false;
@@ -390,7 +391,8 @@ static bool newcomer_is_shown_out(const int peers[PLACES], int newcomer, double 
     }
 }
 
-/* Of four that send, none gives way to one more; once again where this thread was not let run for that long. */
+/* All places are taken by peers that send, and none gives way to one more. The test repeats if this thread was paused
+ * for longer than the time after which a silent peer gives way. */
 static void peers_that_send_keep_their_places(void **state)
 {
     (void)state;
@@ -468,7 +470,7 @@ static void sent_selection_arrives(void **state)
     station_stop(station);
 }
 
-/* As a client it asks for tracking data, and asks again after the server was gone. */
+/* A client asks for tracking data, and asks again after the server was gone. */
 static void as_a_client_it_comes_again(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables on a terminal: where they are cut, what is bold, what stays. Columns are counted by hand. */
+/* Tables on a terminal: where lines are cut, which words are bold, which lines stay whole. Columns are counted by
+ * hand. */
 #include "options/table_fit.h"
 #include "test.h"
 
@@ -34,7 +35,7 @@ static void columns_are_left_out_whole(void **state)
                               "the end\n"
                               "1 column left out: contact x; -o FILE\n";
     assert_fits(0, false, text);
-    assert_fits(38, false, text); /* as wide as it is */
+    assert_fits(38, false, text); /* as wide as the table */
     assert_fits(37, false, cut);
     assert_fits(25, false, cut);
     assert_fits(24, false, text); /* names would be cut, and ranks alone say nothing */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the window's title says. */
+/* Tests of the window's title. */
 #include "viewer/window/window.h"
 
 #include "conus/phantom.h"
@@ -16,7 +16,7 @@ static void assert_titled(const struct window *window, const char *wanted)
     assert_string_equal(title, wanted);
 }
 
-/* The list of what was confirmed, and the same as a table. */
+/* Asserts the name of the confirmed object in the list and in the table. */
 static void assert_pinned(const struct viewer *viewer, const char *wanted)
 {
     char title[VIEW_ATLAS_TITLE];
@@ -57,7 +57,7 @@ static void names_of_two_kinds_are_told_apart(void **state)
     viewer_finish(&viewer);
 }
 
-/* From y = 90 towards the balls of "nested" the outermost is met first. */
+/* A ray from y = 90 towards the balls of "nested" meets the outermost first. */
 static void the_title_says_what_is_open_and_hit(void **state)
 {
     struct window window = {.screen.enlarged = -1};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is taken back and done again, without a window. */
+/* Tests of undo and redo, without a window. */
 #include "viewer/session/session.h"
 #include "viewer/session/undo.h"
 
@@ -30,7 +30,7 @@ static void a_history_goes_back_and_forth(void **state)
     assert_string_equal(changes_step(&changes, -1), "a");
     assert_null(changes_step(&changes, -1));
     assert_string_equal(changes_step(&changes, 1), "b");
-    add(&changes, "b"); /* nor is this, so that c is there still */
+    add(&changes, "b"); /* nor does this one drop c */
     assert_string_equal(changes_step(&changes, 1), "c");
     assert_null(changes_step(&changes, 1));
     assert_string_equal(changes_step(&changes, -1), "b");
@@ -83,7 +83,7 @@ static void set_angle(struct window *window, double angle)
     undo_note(window);
 }
 
-/* Each kind of change by itself, and in the order in which they were made. */
+/* Each kind of change is taken back by itself, in the reverse order. */
 static void each_change_is_taken_back(void **state)
 {
     struct viewer viewer;
@@ -117,7 +117,7 @@ static void each_change_is_taken_back(void **state)
     undo_step(&window, -1);
     assert_near(viewer.tools[FIRST_TOOL].angle, 5, 1e-12);
     undo_step(&window, -1);
-    assert_int_equal(viewer.tools[FIRST_TOOL].pointer, POINT_BY_MOUSE); /* whose cone is where the mouse is */
+    assert_int_equal(viewer.tools[FIRST_TOOL].pointer, POINT_BY_MOUSE); /* the mouse's cone is where the mouse is */
     undo_step(&window, -1);
     assert_string_equal(viewer.message, "nothing to undo");
     for (int i = 0; i < 6; i++) {
@@ -131,7 +131,7 @@ static void each_change_is_taken_back(void **state)
     close_window(&window);
 }
 
-/* How the window is divided is a change by itself; a session without it leaves it. */
+/* A change of the panes is a change by itself; a session without their sizes leaves them. */
 static void borders_are_put_back(void **state)
 {
     struct viewer viewer;
@@ -178,7 +178,7 @@ static void borders_are_put_back(void **state)
     close_window(&window);
 }
 
-/* Back to when the device was nowhere, nothing is left of its answer. */
+/* Undoing the first pose removes its answer, too. */
 static void without_a_device_there_is_no_answer(void **state)
 {
     struct viewer viewer;
@@ -207,7 +207,7 @@ static void views_and_what_moves_by_itself_stay(void **state)
     set_angle(&window, 12);
     viewer.orbit.azimuth = 1;
     viewer_cross(&viewer, (double[]){1, 2, 3});
-    tool_aim_along(&viewer, FIRST_TOOL, eye, back); /* as the mouse does */
+    tool_aim_along(&viewer, FIRST_TOOL, eye, back); /* the mouse's cone */
     undo_note(&window);
     undo_step(&window, -1);
     assert_near(viewer.tools[FIRST_TOOL].angle, 5, 1e-12);
@@ -233,7 +233,7 @@ static void views_and_what_moves_by_itself_stay(void **state)
     close_window(&window);
 }
 
-/* As the window is opened again with a file that has no objects here. */
+/* Adds a file that has no objects here, as opening the window again with it does. */
 static void add_file(struct window *window)
 {
     static const char word[] = "--streamlines=/nowhere/two.tck";
@@ -244,7 +244,7 @@ static void add_file(struct window *window)
     undo_renew(window);
 }
 
-/* That a file is added is no change, so it is in none's way. */
+/* Adding a file is no change of its own, and does not prevent older changes from being taken back. */
 static void changes_before_a_file_was_added_are_all_taken_back(void **state)
 {
     struct viewer viewer;
@@ -261,9 +261,9 @@ static void changes_before_a_file_was_added_are_all_taken_back(void **state)
     for (int i = 0; i < 3; i++) {
         undo_step(&window, -1);
         assert_near(viewer.tools[FIRST_TOOL].angle, i == 2 ? 5 : 13 - i, 1e-12);
-        undo_note(&window); /* as after each frame */
+        undo_note(&window); /* called after each frame */
     }
-    assert_true(json_equal(opened, window.files.opened)); /* what a state says of files is not what is open */
+    assert_true(json_equal(opened, window.files.opened)); /* files in a state do not say which files are open */
     json_decref(opened);
     undo_step(&window, -1);
     assert_string_equal(viewer.message, "nothing to undo");
@@ -276,7 +276,7 @@ static void changes_before_a_file_was_added_are_all_taken_back(void **state)
     close_window(&window);
 }
 
-/* The atlas is to be opened again for a state, of which nothing comes. */
+/* To reach the state the atlas has to be opened again, which does not happen here. */
 static void a_state_that_is_not_reached_stays(void **state)
 {
     struct viewer viewer;

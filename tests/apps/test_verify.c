@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What conus verify reads and compares: command lines, sidecars, places of files, rows and settings. */
+/* Tests of the parts of conus verify: command lines, sidecars, places of files, rows and settings. */
 #include "cli/verify/differ.h"
 #include "cli/verify/find_file.h"
 #include "cli/verify/record.h"
@@ -122,13 +122,13 @@ static void a_sidecar_is_read_whole(void **state)
     record_finish(&record);
 }
 
-/* Every prefix but the whole text is none. */
+/* Every prefix but the whole text is refused. */
 static void no_prefix_of_a_sidecar_is_one(void **state)
 {
     (void)state;
     struct record record;
     for (size_t size = 0; size < strlen(good); size++) {
-        char *exact = malloc(size + 1); /* so that a byte too far is found */
+        char *exact = malloc(size + 1); /* exact, so that reading past it is noticed */
         memcpy(exact, good, size);
         assert_non_null(record_parse(&record, exact, size));
         assert_null(record.root);
@@ -198,7 +198,7 @@ static void a_sidecar_is_read_or_refused_with_any_allocation_failing(void **stat
     json_set_alloc_funcs(malloc, free);
 }
 
-/* A seal fits what it was made of, whatever is added to it that is not conus's. */
+/* A seal stays intact when foreign keys are added, and breaks when one of conus's is changed. */
 static void a_seal_breaks_with_what_it_is_of(void **state)
 {
     (void)state;
@@ -254,7 +254,8 @@ static void put_file(const char *path, const char *text)
     fclose(file);
 }
 
-/* One of the right length and name, one of another length, and the one: by length first, and links are no way. */
+/* Candidates: a file of the right length and name, one of another length, and the right one under another name. Links
+ * are not followed. */
 static void files_are_found_by_length_and_checksum(void **state)
 {
     (void)state;
@@ -292,7 +293,7 @@ static void files_are_found_by_length_and_checksum(void **state)
     free(found.path);
 }
 
-/* The paths of a sidecar are links below the folder, whatever they are. */
+/* Every path of a sidecar becomes a link below the staging folder. */
 static void a_stage_holds_every_path(void **state)
 {
     (void)state;
@@ -359,7 +360,7 @@ static void the_cell_that_differs_is_named(void **state)
     assert_int_equal(found.count, 1);
     assert_string_equal(found.items[0].before, "\"a, b\"\r");
     differences_finish(&found);
-    /* A quotation mark in a table of tabs is a letter: the tab behind it ends the cell. */
+    /* In a table with tabs a quotation mark is a letter: the next tab ends the cell. */
     find(&found, "query\tname\tpixels\n1\t5\" A\t5\n", "query\tname\tpixels\n1\t5\" A\t6\n");
     assert_string_equal(found.items[0].where, "query 1, 5\" A: pixels");
     assert_string_equal(found.items[0].before, "5");
@@ -451,7 +452,7 @@ static void the_setting_that_differs_is_named(void **state)
     }
 }
 
-/* Terms that let values differ, and only these. */
+/* Each term lets certain values differ, and no others. */
 static void only_what_follows_from_the_terms_may_differ(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the window does, without a window. */
+/* Tests of the viewer's model, without a window. */
 #include "atlas/warp/warp.h"
 #include "base/memory.h"
 #include "viewer/model/file_watch.h"
@@ -30,7 +30,7 @@ static conus_atlas *phantom(const char *kind, const char *file)
     return atlas;
 }
 
-/* From here on the painter's thread reads the atlas. */
+/* Creates the viewer. From here on the painter's thread reads the atlas. */
 static void view(struct viewer *out, conus_atlas *atlas)
 {
     assert_ok(viewer_create(out, &(struct view_source){.atlas = atlas, .path = "phantom"}, 1, NULL, NULL, NULL));
@@ -44,7 +44,7 @@ static void load(struct viewer *out, const char *kind, const char *file)
 static const double eye[3] = {0, 90, 0};
 static const double back[3] = {0, -1, 0};
 
-/* Balls of 24, 16 and 8 mm: what is hidden is not under the mouse, what is behind it is. */
+/* Balls of 24, 16 and 8 mm: the mouse hits the outermost that is shown. */
 static void the_mouse_hits_what_is_shown(void **state)
 {
     struct viewer viewer;
@@ -74,8 +74,8 @@ static uint32_t best_of(const struct viewer *viewer)
     return conus_selection_result(viewer_selection(viewer), 0)->object;
 }
 
-/* Balls one in the other, aimed at from outside: the cone hits the outermost that is shown, whatever is hidden when,
- * without being aimed anew. */
+/* Nested balls, and a device outside: the cone hits the outermost that is shown, whichever are hidden, without being
+ * aimed again. */
 static void what_is_hidden_is_not_selected(void **state)
 {
     struct viewer viewer;
@@ -99,7 +99,7 @@ static void what_is_hidden_is_not_selected(void **state)
     viewer_finish(&viewer);
 }
 
-/* What was hidden when the atlas came, by --hide, say, can be shown. */
+/* Objects that are hidden when the atlas is loaded, for instance by --hide, can be shown. */
 static void what_comes_hidden_can_be_shown(void **state)
 {
     struct viewer viewer;
@@ -120,7 +120,7 @@ static void what_comes_hidden_can_be_shown(void **state)
     viewer_finish(&viewer);
 }
 
-/* The brain's pathway is the last object; on its surface the value is about the threshold, within it more. */
+/* The brain's pathway is the last object; on its surface the value is about the threshold, inside it is larger. */
 static void a_pathway_has_a_value(void **state)
 {
     struct viewer viewer;
@@ -191,7 +191,7 @@ static void a_long_atlas_is_in_its_cuts(void **state)
     viewer_finish(&viewer);
 }
 
-/* In front of the face, looking back through the middle, wherever it was. */
+/* The device is put in front of the face, looking back through the middle, wherever it was. */
 static void a_device_is_put_in_front(void **state)
 {
     struct viewer viewer;
@@ -235,7 +235,7 @@ static void colours_go_and_come_back(void **state)
     viewer_finish(&viewer);
 }
 
-/* Opaque from 1 on, the brain phantom's context hides all in it; thinned, less and less. */
+/* A context that is opaque from 1 on hides everything in it; thinned, it hides less and less. */
 static void an_opaque_context_is_hit_before_what_it_hides(void **state)
 {
     static const conus_transfer_point opaque[] = {
@@ -304,7 +304,7 @@ static void what_was_selected_is_a_table(void **state)
     viewer_finish(&viewer);
 }
 
-/* Of a file that is gone, and of one that is another, it is said once. */
+/* A file that was deleted, and one that was replaced, is reported once each. */
 static void files_are_watched(void **state)
 {
     struct viewer viewer;
@@ -341,7 +341,7 @@ static void load_two_pathways(struct viewer *out)
     assert_ok(viewer_create(out, &(struct view_source){.atlas = atlas, .path = "phantom"}, 1, NULL, NULL, NULL));
 }
 
-/* A threshold that is no number cannot be set: what was set before it goes back. */
+/* A threshold that is no number cannot be set; the settings before it are restored. */
 static void settings_of_the_atlas_are_all_set_or_none(void **state)
 {
     struct viewer viewer;
@@ -372,7 +372,7 @@ static void settings_of_the_atlas_are_all_set_or_none(void **state)
     viewer_finish(&viewer);
 }
 
-/* Changes of the atlas start another painter, which draws with the same points. */
+/* A change of the atlas starts another painter, which draws with the same transfer function. */
 static void edited_points_outlive_other_changes(void **state)
 {
     struct viewer viewer;
@@ -396,9 +396,9 @@ static void edited_points_outlive_other_changes(void **state)
     viewer_finish(&viewer);
 }
 
-/* Spaces of people have a tenth of a mm, the CCF whole micrometres, bregma a thousandth of a mm; what is written as 0
- * has no sign. The frames' matrices are the identity, so that the numbers are those given; LPS turns the first two
- * round. */
+/* Places have a tenth of a mm in spaces of human brains, whole micrometres in the CCF, a thousandth of a mm from
+ * bregma; a value that rounds to 0 has no sign. The frames' matrices are the identity, so that the numbers are those
+ * given; LPS negates the first two. */
 static void places_are_written_in_their_space(void **state)
 {
     static const struct {
@@ -420,7 +420,7 @@ static void places_are_written_in_their_space(void **state)
     viewer_finish(&viewer);
 }
 
-/* One ray sees first hits only, without a radius; the level is of the first atlas. */
+/* A single ray has first hits only and no radius. The level applies to the first atlas. */
 static void a_question_follows_from_the_cone(void **state)
 {
     struct viewer viewer;
@@ -445,7 +445,7 @@ static void a_question_follows_from_the_cone(void **state)
     viewer_finish(&viewer);
 }
 
-/* Of one pin more than there is room for, the first leaves and all others stay in their order. */
+/* One pin too many drops the oldest; all others stay in their order. */
 static void the_oldest_pin_makes_room(void **state)
 {
     struct viewer viewer;
@@ -486,7 +486,8 @@ static void a_pin_says_how_far_the_one_before_is(void **state)
     viewer_finish(&viewer);
 }
 
-/* Cone and pins would be of other places: the atlas has moved by 7 mm since. */
+/* A session of an atlas that has been moved since, here by 7 mm, is refused: its cone and pins would be at other
+ * places. */
 static void a_session_is_of_where_the_atlas_lay(void **state)
 {
     struct viewer viewer;
@@ -510,7 +511,8 @@ static void a_session_is_of_where_the_atlas_lay(void **state)
     viewer_finish(&viewer);
 }
 
-/* Positions for points with x from 10 to 70 mm, `shift` to the right; of the origin the field says nothing. */
+/* The nested balls moved by a field that has positions for points with x from 10 to 70 mm, `shift` to the right; it has
+ * none at the origin. */
 static conus_atlas *warped_phantom(double shift)
 {
     const conus_volume_info grid = {
@@ -537,7 +539,7 @@ static conus_atlas *warped_phantom(double shift)
     return atlas;
 }
 
-/* The same where a field has moved the atlas, which says nothing of some of the points that are compared. */
+/* The same for an atlas that a field has moved. The field has no positions for some of the points that are compared. */
 static void a_session_is_of_the_field_that_moved_the_atlas(void **state)
 {
     struct viewer viewer;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Several atlases in the window, without a window: all are asked the same, one of them is drawn. */
+/* Several atlases in the window, without a window: all answer the same queries, one of them is drawn. */
 #include "viewer/model/picker.h"
 #include "viewer/opening/loader.h"
 #include "viewer/session/session.h"
@@ -44,7 +44,7 @@ static void load_two(struct viewer *out)
     assert_ok(viewer_create(out, sources, 2, NULL, NULL, NULL));
 }
 
-/* Every digit; the caller frees it. */
+/* The table of a selection with every digit; the caller frees it. */
 static char *table_of(const conus_selector *selector, const conus_selection *selection)
 {
     const conus_report_options options = {.format = CONUS_FORMAT_TSV};
@@ -59,7 +59,7 @@ static char *table_of(const conus_selector *selector, const conus_selection *sel
     return copy;
 }
 
-/* As conus query does it: a selector of its own for one question. */
+/* Compares with conus query's way: a new selector for each question. */
 static void assert_answers(const struct viewer *viewer, size_t index)
 {
     const struct view_atlas *on = &viewer->atlases[index];
@@ -84,7 +84,7 @@ static void assert_all_answer(const struct viewer *viewer)
     }
 }
 
-/* Whatever moves or changes the cone, and whichever atlas is drawn. */
+/* All atlases answer, whatever moves or changes the cone, and whichever of them is drawn. */
 static void all_atlases_are_asked_the_same(void **state)
 {
     struct viewer viewer;
@@ -108,7 +108,7 @@ static void all_atlases_are_asked_the_same(void **state)
     viewer_finish(&viewer);
 }
 
-/* Each differs from the one before in one thing, for which the selectors have to be made anew. */
+/* Each row differs from the one before in one option, for which the selectors have to be made again. */
 static void each_option_alone_changes_the_answers(void **state)
 {
     static const conus_selector_options changes[] = {
@@ -145,7 +145,7 @@ static void each_option_alone_changes_the_answers(void **state)
     viewer_finish(&viewer);
 }
 
-/* Hidden areas, what is chosen and what is taken back are each atlas's own; colours are all atlases'. */
+/* Each atlas has its own hidden, chosen and confirmed areas; the colours are common to all. */
 static void what_is_drawn_is_what_is_hidden_and_confirmed(void **state)
 {
     struct viewer viewer;
@@ -203,7 +203,7 @@ static void colours_are_those_of_all_atlases(void **state)
     viewer_finish(&viewer);
 }
 
-/* An atlas that cannot answer shows nothing, least of all what it answered before: a cone of 180 degrees is none. */
+/* An atlas that cannot answer shows nothing, not even its last answer. A cone of 180 degrees is invalid. */
 static void no_answer_outlives_its_question(void **state)
 {
     struct viewer viewer;
@@ -216,15 +216,15 @@ static void no_answer_outlives_its_question(void **state)
     assert_null(view_atlas_selection(&viewer.atlases[0], FIRST_TOOL));
     assert_null(view_atlas_selection(&viewer.atlases[1], FIRST_TOOL));
     assert_true(viewer.tools[FIRST_TOOL].answer_number != before);
-    assert_memory_equal(viewer.message, "slabs: ", 7); /* the last that was asked */
+    assert_memory_equal(viewer.message, "slabs: ", 7); /* the atlas that was asked last */
     viewer.tools[FIRST_TOOL].angle = 10;
     tool_reselect(&viewer);
     assert_all_answer(&viewer);
     viewer_finish(&viewer);
 }
 
-/* What a place is called: in the middle of the balls the innermost, 20 mm to the left the outermost (from 16 to 24 mm),
- * and outside nothing. A ray from 90 mm before them meets a ball of 24 mm after 66 mm, to a voxel. */
+/* The object at a place: the innermost ball in the middle, the outermost 20 mm to the left (it is from 16 to 24 mm),
+ * none outside. A ray from 90 mm before the balls meets the outermost, of 24 mm, after 66 mm, to a voxel. */
 static void places_have_a_name_in_each_atlas(void **state)
 {
     struct viewer viewer;
@@ -246,8 +246,8 @@ static void places_have_a_name_in_each_atlas(void **state)
     viewer_finish(&viewer);
 }
 
-/* In 3-D, the mouse on the ray of `eye`: the first voxels of the ball and of the anterior slab begin at y = 24 and 12.
- */
+/* The mouse is in 3-D, on the ray of `eye`: the first voxels of the ball and of the anterior slab begin at y = 24 and
+ * 12. */
 static void point(struct window *window)
 {
     struct hover *hover = &window->frame.hover;
@@ -286,9 +286,8 @@ static void names_of_all_atlases_are_said(void **state)
     viewer_finish(&viewer);
 }
 
-/* Of the same question, each atlas's rows in a column of their own name; of an atlas that could not answer that is
- * said.
- */
+/* The rows of all atlases are one table, with a column for the atlas. An atlas that could not answer has a row that
+ * says so. */
 static void all_answers_are_one_table(void **state)
 {
     struct viewer viewer;
@@ -344,7 +343,7 @@ static bool load_besides(struct atlases *out, const char *first, const char *mor
     return loader_finish(loader, out, why);
 }
 
-/* The name of the file that is drawn around an atlas; "" = none. */
+/* The name of the file of the context that is drawn around an atlas; "" = none. */
 static const char *context_of(const struct atlases *atlases, size_t index)
 {
     const struct view_atlas on = {.atlas = atlases->items[index].atlas};
@@ -352,7 +351,7 @@ static const char *context_of(const struct atlases *atlases, size_t index)
     return info ? strrchr(info->path, '/') + 1 : "";
 }
 
-/* Whichever is drawn, there is a context around it: that of --context or of the first atlas, unless it has its own. */
+/* Each atlas is drawn with a context: its own, otherwise that of --context or of the first atlas. */
 static void all_atlases_have_a_context(void **state)
 {
     static const char own[] = "{\"conus_atlas\": 1, \"parcellation\": {\"file\": \"slabs.nii.gz\"},"
@@ -469,7 +468,7 @@ static char *replaced(const char *text, const char *old, const char *by)
     return out;
 }
 
-/* Each is refused for what is wrong, and changes nothing. */
+/* A session that does not fit is refused with the reason, and changes nothing. */
 static void a_session_that_does_not_fit_changes_no_atlas(void **state)
 {
     static const struct {
@@ -510,7 +509,7 @@ static void a_session_that_does_not_fit_changes_no_atlas(void **state)
     viewer_finish(&viewer);
 }
 
-/* A threshold that is no number cannot be set: those of the atlas before go back. */
+/* A threshold that is no number cannot be set; those of the atlases before it are restored. */
 static void thresholds_of_all_atlases_are_set_or_none(void **state)
 {
     struct viewer viewer;
@@ -532,7 +531,7 @@ static void thresholds_of_all_atlases_are_set_or_none(void **state)
     viewer_finish(&viewer);
 }
 
-/* JSON has no place for it: no session, rather than one without that atlas. */
+/* JSON cannot hold the path: no session is written, rather than one without that atlas. */
 static void a_path_that_is_not_utf8_makes_no_session(void **state)
 {
     struct viewer viewer;
@@ -545,7 +544,7 @@ static void a_path_that_is_not_utf8_makes_no_session(void **state)
     viewer_finish(&viewer);
 }
 
-/* It says nothing of atlases that it did not have; they stay as they are. */
+/* A session of one atlas leaves all further atlases as they are. */
 static void a_session_of_one_atlas_is_that_of_the_first(void **state)
 {
     struct viewer one;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the window keeps from one run to the next: its place, the texts' size, what was opened; and its start page. */
+/* Tests of the state that the window keeps from one run to the next (its place, the size of its text, the files that
+ * were opened last), and of its start page. */
 #include "base/memory.h"
 #include "viewer/window/desktop.h"
 #include "viewer/window/place.h"
@@ -17,7 +18,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Of a file that the window keeps, in a folder of this run. */
+/* Finds the path of a file of the window's state, in a folder of this run. */
 static void find_state(char path[PATH_MAX], const char *name)
 {
     char here[512];
@@ -110,9 +111,9 @@ static void assert_divides(const struct layout *layout, float width, const float
     }
 }
 
-/* Of 1280 pixels the left rail has 60 and the right panel three tenths, 384: 836 are left, of which 3-D has four
- * fifths, 668, and the first cut a third of 800. So 3-D has 668 x 800 of 1280 x 800, more than a half. A panel of the
- * user's has two fifths at most: 512 of 1280. */
+/* The widths of panes at 1280 pixels: the left rail takes 60, the right panel three tenths, 384. 836 are left, of which
+ * 3-D takes four fifths, 668, and the first cut a third of the height, 266 of 800. So 3-D has 668 x 800 of 1280 x 800,
+ * more than a half. A panel that the user widens has two fifths at most: 512 of 1280. */
 static void panes_and_panels_are_as_the_user_left_them(void **state)
 {
     struct layout layout = {.panels = {0}};
@@ -123,7 +124,7 @@ static void panes_and_panels_are_as_the_user_left_them(void **state)
     layout_move(&layout, BORDER_COLUMN, 300 + 145, 1280, 800, 1);
     layout_move(&layout, BORDER_ROW, 600, 1280, 800, 1);
     assert_divides(&layout, 1280, (const float[]){300, 400, 580, 800, 145, 600});
-    assert_divides(&layout, 500, (const float[]){200, 200, 100, 800, 25, 600}); /* of a smaller window two fifths */
+    assert_divides(&layout, 500, (const float[]){200, 200, 100, 800, 25, 600}); /* a panel has two fifths at most */
     assert_true(layout_is_fine(&layout));
     layout_reset(&layout, BORDER_COLUMN);
     layout_reset(&layout, BORDER_RIGHT);
@@ -152,7 +153,7 @@ static void panels_fold(void **state)
     assert_false(layout_is_fine(&layout));
 }
 
-/* By keys: a twentieth of the middle, 20 pixels of each open panel. */
+/* A key moves the border of the middle by a twentieth, and that of each open panel by 20 pixels. */
 static void keys_divide_the_window(void **state)
 {
     struct layout layout = {.panels = {0}};
@@ -185,7 +186,8 @@ static void texts_are_as_large_as_the_screen_is_dense(void **state)
 
 static const char three[] = "{\"conus_recent\": 1, \"atlases\": [\"/a\", \"/b/\\u001b.nii\", \"/c,volume=2\"]}";
 
-/* Nothing but what was written: no piece of it, no other form, no path that is relative or too long. */
+/* A list is read only as it was written: a part of it, another form, and a path that is relative or too long are
+ * refused. */
 static void only_a_whole_list_is_read(void **state)
 {
     static const char *const bad[] = {
@@ -285,7 +287,7 @@ static void the_start_page_shows_no_escapes(void **state)
     start_finish(&start);
 }
 
-/* Of the atlases of $CONUS_ATLAS_PATH: nested, slabs and sphere, in this order, and no others. */
+/* The start page finds the atlases of $CONUS_ATLAS_PATH: nested, slabs and sphere, in this order, and no others. */
 static void look_for_three(struct start *start)
 {
     static const char *const kinds[] = {"nested", "slabs", "sphere"};
@@ -326,13 +328,13 @@ static void what_is_typed_finds_an_installed_atlas(void **state)
     start_move(&start, -1);
     assert_opens(&start, "e", "nested"); /* the first stays the first */
     assert_opens(&start, "own:slabs", "slabs");
-    assert_opens(&start, "no such atlas", "no such atlas"); /* so that it is said why not */
+    assert_opens(&start, "no such atlas", "no such atlas"); /* so that opening it reports the reason */
     assert_opens(&start, "./e", "./e");
     assert_opens(&start, "/e", "/e");
     start_finish(&start);
 }
 
-/* slabs are the same in both folders, nested is not. */
+/* The two files of slabs are equal, those of nested differ. */
 static void an_atlas_in_two_places_is_offered_once(void **state)
 {
     struct start start = {.on = true};
@@ -362,7 +364,7 @@ static void an_atlas_in_two_places_is_offered_once(void **state)
     start_finish(&start);
 }
 
-/* Where a file of this folder hides the name, the source is said, too. */
+/* The source is written before the name where a file of that name is in the working folder. */
 static void an_atlas_of_the_list_is_opened_and_no_file_of_its_name(void **state)
 {
     struct start start = {.on = true};
@@ -378,13 +380,13 @@ static void an_atlas_of_the_list_is_opened_and_no_file_of_its_name(void **state)
     assert_ok(conus_write_file("own:slabs", "", 0));
     assert_true(installed_words(words, start.catalogue, slabs));
     assert_string_equal(words, slabs->path);
-    assert_opens(&start, "slabs", "slabs"); /* what is typed is the file */
+    assert_opens(&start, "slabs", "slabs"); /* a typed name means the file */
     remove("slabs");
     remove("own:slabs");
     start_finish(&start);
 }
 
-/* By a link one file lies in two places, beside which other files may lie: the name alone means the first. */
+/* A link puts one file into two places, beside which other files may lie. The name alone means the first place. */
 static void a_link_to_an_atlas_is_opened_where_it_is(void **state)
 {
     struct start start = {.on = true};
@@ -449,7 +451,7 @@ static void without_an_atlas_a_phantom_is_the_sample(void **state)
     start_finish(&start);
 }
 
-/* Answers of the portal as gdbus prints them; it prints none where it fails. */
+/* Answers of the desktop portal as gdbus prints them; it prints none if it fails. */
 static void the_theme_is_the_desktops(void **state)
 {
     static const struct {
@@ -457,7 +459,7 @@ static void the_theme_is_the_desktops(void **state)
         enum theme theme;
     } cases[] = {{"'(<<uint32 1>>,)'", THEME_DARK},
                  {"'(<<uint32 2>>,)'", THEME_LIGHT},
-                 {"'(<<uint32 0>>,)'", THEME_LIGHT}, /* so says GNOME where it is light */
+                 {"'(<<uint32 0>>,)'", THEME_LIGHT}, /* GNOME says this where it is light */
                  {"", THEME_DARK},
                  {"nonsense", THEME_DARK}};
     char path[PATH_MAX];
@@ -480,7 +482,7 @@ static void the_theme_is_the_desktops(void **state)
         assert_int_equal(desktop_theme(), cases[i].theme);
     }
     unsetenv("DBUS_SESSION_BUS_ADDRESS");
-    assert_int_equal(desktop_theme(), THEME_DARK); /* without a bus nobody is asked */
+    assert_int_equal(desktop_theme(), THEME_DARK); /* without a bus the portal is not asked */
     setenv("PATH", kept, 1);
     free(both);
     free(kept);

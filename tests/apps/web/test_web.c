@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * The functions that the web page calls, on this machine, with the files that stand for OpenGL and pictures
- * (CONUS_GL=OFF). Whoever makes answers or cuts need what draws learns it here.
- */
+/* The functions that the web page calls, on this machine, linked with the stubs for OpenGL and pictures (CONUS_GL=OFF).
+ * A change that makes answers or cuts need drawing code fails here. */
 #include "web/web.c" // NOLINT: linked with what stands for OpenGL, so not in the room's program
 
 #include "test.h"
@@ -91,8 +89,8 @@ static void test_view_is_lit_from_the_eye(void **state)
     assert_in_range(rgba[4 * (32 * 64 + 32)], 95, 97);
 }
 
-/* Of each folder that draws, something that all of it needs. Weak: a name here does not bring its file into the
- * program, and is NULL unless another file has. */
+/* One symbol of each folder that draws. They are weak: a name here does not link its file into the program, and is NULL
+ * unless another file has done so. */
 extern char gl_context_create[] __attribute__((weak)), font_destroy[] __attribute__((weak)),
     renderer_include[] __attribute__((weak)), id_pass_create[] __attribute__((weak)),
     picture_legend_finish[] __attribute__((weak));
