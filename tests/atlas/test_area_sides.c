@@ -10,7 +10,7 @@
 static const size_t dim[3] = {8, 2, 1};
 static const uint32_t labels[16] = {1, 1, 1, 2, 1, 2, 2, 2, 3, 3, 3, 3, 4, 4, 0, 0};
 
-/* A character for each object, '-' for none, behind the one that stands for no object. */
+/* The side of each object, '-' for none; object 0, which stands for no object, is left out. */
 static const char *sides_of(const conus_atlas *atlas)
 {
     static char text[64];
@@ -36,11 +36,11 @@ static const char *sides_of_rows(const struct area_row *rows)
     return text;
 }
 
-/* Voxels have labels 1 to 4, so there are four areas and then those that only group others, by label. */
+/* Voxels have labels 1 to 4, so there are four areas, followed by those that only group others, by label. */
 static void each_way_of_saying_it_counts(void **state)
 {
     (void)state;
-    /* the table, which comes before the name; B is no side */
+    /* the table comes before the name; B is no side */
     assert_string_equal(sides_of_rows((const struct area_row[]){
                             {1, "A", 0, NULL, 'L'}, {2, "A left", 0, NULL, 'R'}, {3, "A right", 0, NULL, 'B'}, {0}}),
                         "LR--");
@@ -49,7 +49,7 @@ static void each_way_of_saying_it_counts(void **state)
         sides_of_rows((const struct area_row[]){
             {1, "A_L", 0, NULL, 0}, {2, "A_R", 0, NULL, 0}, {3, "B_R", 0, NULL, 0}, {4, "rh.C", 0, NULL, 0}, {0}}),
         "LR-R");
-    /* the tree: the nearest above that says so, and B ends the search */
+    /* the tree: the nearest ancestor with a side counts, and B ends the search */
     assert_string_equal(sides_of_rows((const struct area_row[]){{1, "A", 9, NULL, 0},
                                                                 {2, "B", 8, NULL, 0},
                                                                 {3, "C left", 8, NULL, 0},
@@ -61,8 +61,8 @@ static void each_way_of_saying_it_counts(void **state)
                         "LRL--RL");
 }
 
-/* Halves have sides, whatever they were called; those of a merged pair keep theirs, the pair has none; and what is no
- * area has none. */
+/* Halves have sides, whatever their names were. The areas of a merged pair keep theirs; the pair has none, nor has a
+ * pathway. */
 static void split_and_merged_areas_have_sides(void **state)
 {
     static const struct area_row rows[] = {

@@ -93,7 +93,7 @@ static void oddities_are_noted(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Area k of `count` is in area k + step, the last one in none. */
+/* Makes a chain: the parent of area k is area k + step, and the last area has none. */
 static conus_status make_chain(conus_atlas **out, uint32_t count, bool down)
 {
     static const uint32_t labels[1] = {1};
@@ -114,7 +114,8 @@ static conus_status make_chain(conus_atlas **out, uint32_t count, bool down)
     return status;
 }
 
-/* Of a chain of n areas one has n - 1 above it. A walk up from each of the last ones would take 10^10 steps. */
+/* In a chain of n areas the last has n - 1 above it. A walk up from every area of the longest chain here would take
+ * 10^10 steps. */
 static void trees_are_not_deeper_than_allowed(void **state)
 {
     (void)state;
@@ -130,7 +131,7 @@ static void trees_are_not_deeper_than_allowed(void **state)
     }
 }
 
-/* A circle is broken at its last area while it is within the limit, as always; a longer one is refused. */
+/* A circle within the depth limit is broken at its last area; a longer one is refused. */
 static void circles_are_broken_or_refused(void **state)
 {
     (void)state;
@@ -159,7 +160,7 @@ static void circles_are_broken_or_refused(void **state)
     }
 }
 
-/* Ten parents that are nowhere: eight are named, two are counted. */
+/* Ten missing parents: eight are named, two are counted. */
 static void many_missing_parents_are_counted(void **state)
 {
     (void)state;
@@ -183,7 +184,8 @@ static void many_missing_parents_are_counted(void **state)
     label_table_finish(&table);
 }
 
-/* What is exactly one object's is found as area_find() finds it; all else is left to that. */
+/* The index finds exact names and labels of one object, the same as area_find() does, and leaves all else to
+ * area_find(). */
 static void exact_names_are_found_by_an_index(void **state)
 {
     (void)state;

@@ -9,7 +9,8 @@
 
 #include <string.h>
 
-/* Three streamlines: 3-4-5 steps along x and y, one of a single point, one along z. Lengths 7, 0 and 12 mm. */
+/* Three streamlines: two steps of 3 and 4 mm along x and y, a single point, one step along z. Lengths 7, 0 and 12
+ * mm. */
 static const float corners[] = {0, 0, 0, 3, 0, 0, 3, 4, 0, 50, 60, 70, 0, 0, -5, 0, 0, 7};
 static const uint64_t first[] = {0, 3, 4, 6};
 
@@ -85,7 +86,7 @@ static void test_two_bundles_of_one_name_are_refused(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Of the second file's groups one has the name of a group, and its rest has a name of its own. */
+/* The second file has a group of the same name, which becomes "two ends"; the rest of its streamlines is "two". */
 static void test_groups_of_one_name_are_told_apart_by_their_tractogram(void **state)
 {
     (void)state;
@@ -136,7 +137,7 @@ static void test_bounds_hold_the_radius_and_the_centre_is_the_mean_of_points(voi
     conus_atlas_destroy(atlas);
 }
 
-/* Twice as large and 10 mm along x: lengths double, the radius is where poses are and stays. */
+/* Twice as large and 10 mm along x: lengths double; the radius is in mm of the poses and stays. */
 static void test_a_move_takes_points_along_and_measures_anew(void **state)
 {
     (void)state;
@@ -203,7 +204,7 @@ static conus_status add_and_move(void *user)
     conus_atlas *atlas = NULL;
     conus_status status = atlas_create_empty(&atlas, "none");
     status = status ? status : add_three(atlas, "rest");
-    status = status ? status : add_three(atlas, "more"); /* whose group is called "more ends" */
+    status = status ? status : add_three(atlas, "more"); /* its group is called "more ends" */
     status = status ? status : conus_atlas_move(atlas, turn);
     conus_atlas_destroy(atlas);
     return status;

@@ -48,8 +48,8 @@ static void fill(struct scene *scene, uint64_t *random, size_t count, double siz
     }
 }
 
-/* Whether the middle of a box is so near to a ray, at @p limit or before, that a ball in the box holds a point of the
- * ray: a way to know without slabs that the box is hit. */
+/* Whether a ray, at @p limit or before, comes so near to the middle of a box that it meets a ball inside the box: a
+ * test without slabs that the box is surely hit. */
 static bool is_surely_hit(const struct bvh_box *box, const double origin[3], const double direction[3], double limit)
 {
     double to[3];
@@ -114,7 +114,7 @@ static void every_box_on_the_ray_is_found_once(void **state)
     assert_true(hits > 10000);
 }
 
-/* Boxes without a length, each hit where a ray at it ends. */
+/* Boxes of length 0, each hit by a ray that ends at it. */
 static void boxes_that_are_points_are_found_too(void **state)
 {
     (void)state;

@@ -67,7 +67,8 @@ static void closed_forms(void **state)
     }
 }
 
-/* Of a point from a segment, by another way: the least of a convex function, by halving. */
+/* Distance of a point from a segment, computed another way: it is convex along the segment, so halving finds the
+ * least. */
 static double distance(const double point[3], const double a[3], const double b[3])
 {
     long double low = 0;
@@ -104,8 +105,8 @@ static void random_direction(double out[3], uint64_t *random)
     } while (!vec3_normalise(out, out));
 }
 
-/* Towards the capsule or nearly so: near, inside or 1e5 mm away; now and then a ball, and at an angle of 1e-2 to 1e-15
- * to the axis. */
+/* A ray towards the capsule or nearly so: from near, from inside or from 1e5 mm away; now and then to a ball, or at an
+ * angle of 1e-2 to 1e-15 to the axis. */
 static struct random_ray random_ray(uint64_t *random)
 {
     struct random_ray ray;
@@ -133,8 +134,8 @@ static struct random_ray random_ray(uint64_t *random)
     return ray;
 }
 
-/* At both ends of the interval the distance from the segment is the radius, and nowhere between is it more. Where the
- * line misses, it is never less. */
+/* At both ends of the interval the distance from the segment is the radius, and between them never more. A line that
+ * misses is never nearer than the radius. */
 static void ends_are_a_radius_away(void **state)
 {
     (void)state;
@@ -167,7 +168,7 @@ static void ends_are_a_radius_away(void **state)
     assert_true(hits > 10000 && hits < 19500);
 }
 
-/* The same after a turn about the axis (2, 3, 6)/7 by an angle with the sine 0.6 and a shift: entries move by rounding,
+/* After a turn about the axis (2, 3, 6)/7 by an angle with the sine 0.6 and a shift, entries move by rounding only,
  * unless the line grazes. */
 static void a_rigid_motion_changes_nothing(void **state)
 {
@@ -196,7 +197,7 @@ static void a_rigid_motion_changes_nothing(void **state)
         mat4_point(turned.a, turn, ray.a);
         mat4_point(turned.b, turn, ray.b);
         if (!capsule_interval(got, ray.origin, ray.direction, ray.a, ray.b, thin)) {
-            continue; /* of the hits none is a tangent */
+            continue; /* so that no hit is a tangent */
         }
         assert_true(capsule_interval(got, ray.origin, ray.direction, ray.a, ray.b, ray.radius));
         assert_true(capsule_interval(again, turned.origin, turned.direction, turned.a, turned.b, turned.radius));

@@ -41,7 +41,7 @@ static struct made *make(void (*way)(double out[3], const double p[3]))
     return made;
 }
 
-/* Linear: what is between nodes is exact. (x, y, z) goes to (1.25 x + 0.5 y + 1, y - 0.25 z, z + 3). */
+/* Linear, so that values between nodes are exact. (x, y, z) goes to (1.25 x + 0.5 y + 1, y - 0.25 z, z + 3). */
 static void shear(double out[3], const double p[3])
 {
     out[0] = 0.25 * p[0] + 0.5 * p[1] + 1;
@@ -111,7 +111,7 @@ static void a_point_between_two_nodes_has_a_part_of_both(void **state)
     free(made);
 }
 
-/* A rest is what a double has beyond its float: 0.1 is 1.5e-9 more as a float. */
+/* The rest is the difference between a double and its float: 0.1 is 1.5e-9 more as a float. */
 static void doubles_are_whole(void **state)
 {
     (void)state;
@@ -133,7 +133,7 @@ static void doubles_are_whole(void **state)
     free(made);
 }
 
-/* before, then the field, then after; outside of the field before, then after. And back. */
+/* An affine before the field, the field, an affine after it; outside of the field only the two affines. And back. */
 static void affines_become_parts_of_a_field(void **state)
 {
     (void)state;
@@ -174,7 +174,7 @@ static void affines_become_parts_of_a_field(void **state)
     free(made);
 }
 
-/* Back through two fields is back through one, then the other. */
+/* The way back through two fields is the way back through one, then through the other. */
 static void several_fields_are_gone_back_through_in_turn(void **state)
 {
     (void)state;
@@ -221,7 +221,7 @@ static void the_grid_ends_half_a_step_outside_of_its_nodes(void **state)
     free(made);
 }
 
-/* What lies between a node with a value and one without has none; the node itself has. */
+/* A point between a node with a value and one without a value has none. The node with a value has its own. */
 static void nodes_without_a_value_take_points_nowhere(void **state)
 {
     (void)state;
@@ -454,7 +454,7 @@ static void splines_end_at_the_last_node_but_one(void **state)
     assert_int_equal(facts.folds, 0);
     assert_near(facts.farthest, 1, 1e-12);
     double out[3];
-    const double gap[3] = {2.5, 5, 5}; /* what was there is 1 mm further, and nothing came */
+    const double gap[3] = {2.5, 5, 5}; /* the point there moved 1 mm further, and none came in its place */
     assert_int_equal(deformation_find(out, &field, gap), DEFORMATION_OUTSIDE);
     assert_true(isnan(out[0]));
     const double away[3] = {-9, 5, 5};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The head in a context, where a moved atlas lies, and what is said about that. */
+/* The head in a context, the place of a moved atlas in it, and the notes about that. */
 #include "atlas/fit/fit.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -65,8 +65,8 @@ static conus_status add_head(conus_atlas *atlas, const double centre[3])
     return conus_atlas_set_context_values(atlas, &voxels, NULL);
 }
 
-/* The shell has two values, so that any threshold above 0 parts them best; the first of 256 classes holds the 0s. What
- * the shell encloses along two axes is the head: 8^3 voxels. Between the specks is none. */
+/* The shell has two values, so that any threshold above 0 separates them best from the 0s in the first of 256 classes.
+ * The head is everything that the shell encloses along two axes: 8^3 voxels. Between the specks there is none. */
 static void a_skull_encloses_a_head(void **state)
 {
     (void)state;
@@ -88,7 +88,8 @@ static void a_skull_encloses_a_head(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Three voxels of a grid of 300 are a cell: a bar from voxel 150 on is seen from voxel 150 on, as 150 is a cell's. */
+/* In a grid of 300 each cell is three voxels: a bar from voxel 150 on is found from voxel 150 on, as a cell begins
+ * there. */
 static void of_large_grids_every_third_voxel_counts(void **state)
 {
     (void)state;
@@ -117,7 +118,7 @@ static void of_large_grids_every_third_voxel_counts(void **state)
     volume_finish(&context);
 }
 
-/* By x' = 2 x + 8, y' = y - 4, which leads from here to the atlas: the cube is 12 mm wide about x = -4, y = 4. */
+/* The transform x' = 2 x + 8, y' = y - 4 leads from here to the atlas: the cube is 12 mm wide about x = -4, y = 4. */
 static void a_placement_says_where_the_areas_are(void **state)
 {
     (void)state;
@@ -199,7 +200,7 @@ static conus_status add_box(conus_atlas *atlas, const double centre[3], bool clo
 }
 
 /* The cube's voxels have their centres at -10, -6, -2, 2, 6, 10 along each axis. A box that ends at x = 0 holds half of
- * them; the box around it and one more that begins at x = 4 holds five sixths, three and two of which are in them. */
+ * them. The box around them and one more that begins at x = 4 hold five sixths: three in the one, two in the other. */
 static void closed_surfaces_show_a_head(void **state)
 {
     (void)state;
@@ -224,8 +225,8 @@ static void closed_surfaces_show_a_head(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Two boxes around the cube, of one surface, from z = -16 to 4 and from -4 to 16: where they overlap, it winds twice
- * around the voxels, which are in the head as those of one box are. */
+/* Two boxes of one surface around the cube, from z = -16 to 4 and from -4 to 16. Where they overlap, the surface winds
+ * twice around the voxels, which are in the head just as those in one box. */
 static void a_surface_may_wind_twice_around_a_head(void **state)
 {
     (void)state;
@@ -249,7 +250,7 @@ static void surfaces_tell_of_other_readings(void **state)
     assert_ok(conus_atlas_move(atlas, (const double[16]){1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 60, 24, 8, 1}));
     size_t before = conus_atlas_note_count(atlas);
     assert_ok(add_box(atlas, (const double[]){60, 24, 8}, true, 'L'));
-    assert_ok(fit_note_surfaces(atlas)); /* of a left half, what is right of it is no wonder */
+    assert_ok(fit_note_surfaces(atlas)); /* with a left half alone, points right of it are not suspicious */
     assert_int_equal(conus_atlas_note_count(atlas), before);
     assert_ok(add_box(atlas, (const double[]){60, 24, 8}, true, 'R'));
     atlas->context_surfaces[1].mesh.path = memory_text("rh.pial", 7);
@@ -260,7 +261,7 @@ static void surfaces_tell_of_other_readings(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Nearer of both walls, from either side; a ray that looks away meets none. */
+/* The nearer wall is hit, from either side; a ray that points away hits none. */
 static void a_ray_meets_a_surface_around(void **state)
 {
     (void)state;
@@ -275,7 +276,7 @@ static void a_ray_meets_a_surface_around(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* What is said of a cube that was moved by `atlas_from_world`, when a head lies at `centre`; "" for nothing. */
+/* The note about a cube that was moved by `atlas_from_world`, with a head at `centre`; "" if there is none. */
 static const char *said_of(const double atlas_from_world[16], const double centre[3])
 {
     static char line[256];
@@ -292,7 +293,7 @@ static const char *said_of(const double atlas_from_world[16], const double centr
     return line;
 }
 
-/* The head is 60 mm to the right, 24 mm in front and 8 mm up; points are less by that in the atlas. */
+/* The head is 60 mm to the right, 24 mm in front and 8 mm up; the transform to the atlas subtracts that. */
 static void other_readings_are_told(void **state)
 {
     (void)state;
@@ -333,13 +334,14 @@ static void what_is_hardly_better_is_not_told(void **state)
     assert_string_equal(said_of(nearly, (const double[]){-4, 0, 0}),
                         "83 % of the atlas is in the head of array; in the other direction it would be 100 %");
     assert_string_equal(said_of(nearly, (const double[]){0, 0, 0}), "");
-    /* without a better reading four fifths are enough: of the layers, 4 mm each from -12 to 12 along y, a head from -8
-     * to 24 holds five of six, one from -4 to 28 four */
+    /* without a better transform four fifths inside are enough: the cube's layers, 4 mm each, reach from -12 to 12
+     * along y; a head from -8 to 24 holds five of six, one from -4 to 28 four */
     const double aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -2, 0, 0, 1};
     assert_string_equal(said_of(aside, (const double[]){0, 8, 0}), "");
     assert_string_equal(said_of(aside, (const double[]){0, 12, 0}),
                         "67 % of the atlas is in the head of array: is the transform of another image?");
-    /* half as much outside is needed, too: one layer is in the head, and two would be the other way round */
+    /* a better transform must also leave at most half as much outside: one layer is in the head, and two would be in
+     * the other direction */
     const double far[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 2, 0, 0, 1};
     assert_string_equal(said_of(far, (const double[]){22, 0, 0}),
                         "17 % of the atlas is in the head of array: is the transform of another image?");

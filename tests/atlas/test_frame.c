@@ -45,7 +45,7 @@ static conus_atlas *atlas_of(const size_t dim[3], const double m[16])
     return atlas;
 }
 
-/* The CCF as a volume whose axis `order[a]` runs along CCF's axis a, from its end where `back[a]`. */
+/* The CCF as a volume whose axis `order[a]` runs along CCF's axis a, from its end if `back[a]`. */
 static conus_atlas *layout(const int order[3], const bool back[3])
 {
     static const int rows[3] = {1, 2, 0}; /* world axes of AP, DV, ML */
@@ -86,8 +86,7 @@ static void every_layout_of_the_grid_is_one_place(void **state)
     }
 }
 
-/* Axes that call AP x, DV y and ML z, as the Allen Institute's own arrays have them: each counts from its first voxel.
- */
+/* Axes that call AP x, DV y and ML z, as the Allen Institute's own arrays do: each counts from its first voxel. */
 static void plain_axes_count_from_the_first_voxel(void **state)
 {
     (void)state;
@@ -101,7 +100,8 @@ static void plain_axes_count_from_the_first_voxel(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Another size, micrometres that are called mm, axes that are neither anatomy nor the Allen Institute's, no voxels. */
+/* Refused: another size, micrometres that are called mm, axes that are neither anatomical nor the Allen Institute's, no
+ * voxels. */
 static void other_atlases_are_refused(void **state)
 {
     (void)state;
@@ -191,7 +191,7 @@ static void people_have_right_and_left(void **state)
     expect_near(p, (double[3]){-1, 2, 3}, 3);
 }
 
-/* An atlas that was moved takes the CCF with it: what was at p is then at (p - shift) / 2. */
+/* An atlas that was moved takes the CCF with it: the point p is now at (p - shift) / 2. */
 static void a_moved_atlas_moves_its_positions(void **state)
 {
     (void)state;

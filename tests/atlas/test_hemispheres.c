@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Left and right areas: what names say, pairs, merging and splitting (Eq. 10). */
+/* Left and right areas: words for sides in names, pairs, merging and splitting (Eq. 10). */
 #include "atlas/areas/level.h"
 #include "atlas/areas/sides.h"
 #include "base/geometry/math3.h"
@@ -103,19 +103,19 @@ static void pairs_are_sure_or_none(void **state)
                         "1|2");
     assert_string_equal(pairs_of((const struct area_row[]){{1, "A_R", 0, NULL, 0}, {2, "A_L", 0, NULL, 0}, {0}}),
                         "2|1");
-    /* by the table's column, whatever the order */
+    /* by the table's column, in either order */
     assert_string_equal(pairs_of((const struct area_row[]){{1, "A", 0, NULL, 'R'}, {2, "A", 0, NULL, 'L'}, {0}}),
                         "2|1");
     assert_string_equal(pairs_of((const struct area_row[]){{1, "A", 0, NULL, 'L'}, {2, "A", 0, NULL, 0}, {0}}), "");
     assert_string_equal(pairs_of((const struct area_row[]){{1, "A", 0, NULL, 'L'}, {2, "A", 0, NULL, 'L'}, {0}}), "");
-    /* a name that is there twice */
+    /* a name that occurs twice */
     assert_string_equal(pairs_of((const struct area_row[]){
                             {1, "A_L", 0, NULL, 0}, {2, "A_R", 0, NULL, 0}, {3, "A_R", 0, NULL, 0}, {0}}),
                         "");
-    /* the table says otherwise */
+    /* the table contradicts the name */
     assert_string_equal(pairs_of((const struct area_row[]){{1, "A_L", 0, NULL, 'R'}, {2, "A_R", 0, NULL, 0}, {0}}), "");
     assert_string_equal(pairs_of((const struct area_row[]){{1, "A_L", 0, NULL, 0}, {2, "A_R", 0, NULL, 'B'}, {0}}), "");
-    /* two words: either would do */
+    /* two words for sides: either could be the one */
     assert_string_equal(pairs_of((const struct area_row[]){
                             {1, "L_A_L", 0, NULL, 0}, {2, "R_A_L", 0, NULL, 0}, {3, "L_A_R", 0, NULL, 0}, {0}}),
                         "");
@@ -150,7 +150,7 @@ static void pairs_have_the_same_place_in_the_tree(void **state)
                         "");
 }
 
-/* What each voxel is reported as: names, with bars between. */
+/* The name under which each voxel is reported, with bars between. */
 static const char *reported(const conus_atlas *atlas, const char *spec)
 {
     static char text[1024];
@@ -306,7 +306,7 @@ static void areas_of_both_sides_are_cut(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Whoever asks for the area of before gets both halves of it. */
+/* A name from before the cut means both halves. */
 static void a_level_keeps_the_sides_apart(void **state)
 {
     (void)state;
@@ -334,8 +334,8 @@ static void a_level_keeps_the_sides_apart(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* With an odd number of voxels there is one in the middle, at x = 0, also of an atlas that was turned and moved by 35
- * mm, whatever rounding makes of that. */
+/* An odd number of voxels has one in the middle, at x = 0, which counts as right; also after a turn and a move by 35
+ * mm, whatever the rounding. */
 static void the_middle_is_right(void **state)
 {
     (void)state;
@@ -355,7 +355,7 @@ static void the_middle_is_right(void **state)
     }
 }
 
-/* Splitting and merging again gives back what was there. */
+/* Merging undoes a split. */
 static void merging_undoes_splitting(void **state)
 {
     (void)state;
@@ -431,7 +431,7 @@ static void surfaces_are_not_cut(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* More than 65535 objects: pathways' masks become wide, and the parcellation's. */
+/* With more than 65535 objects the masks of pathways become wide, and the parcellation. */
 static void many_areas_need_wider_numbers(void **state)
 {
     (void)state;
@@ -513,7 +513,7 @@ static void real_atlases_are_merged(void **state)
     }
 }
 
-/* A table of all conventions at once. */
+/* A table with all of FreeSurfer's conventions. */
 static void freesurfer_has_pairs(void **state)
 {
     (void)state;
@@ -530,7 +530,7 @@ static void freesurfer_has_pairs(void **state)
             fail_msg("no pair %s", pairs[i]);
         }
     }
-    assert_true(area_rows_number(atlas, "Left-Amygdala + Right-Amygdala") != 0); /* there is an Amygdala, too */
+    assert_true(area_rows_number(atlas, "Left-Amygdala + Right-Amygdala") != 0); /* Amygdala exists, too */
     conus_atlas_destroy(atlas);
 }
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Labels of voxels as places in a list, against the labels themselves. */
+/* Voxels that store places in a list of labels, against the labels themselves. */
 #include "atlas/labels/label_voxels.h"
 #include "base/memory.h"
 #include "test.h"
 
 #include <string.h>
 
-enum { COUNT = 180000, MANY = 80000 /* different labels, more than places of 2 bytes tell apart */ };
+enum { COUNT = 180000, MANY = 80000 /* different labels, more than 2 bytes can tell apart */ };
 
 /* Label n of a volume of `different` labels, far apart and out of order; every eighth voxel has none. */
 static uint32_t label_of(size_t n, uint32_t different)
@@ -51,7 +51,7 @@ static void labels_come_back_in_two_or_four_bytes(void **state)
     }
 }
 
-/* 65,535 labels and 0 are as many as 2 bytes tell apart; one more takes 4 bytes. */
+/* 65,535 labels and 0 fit into 2 bytes; one more takes 4 bytes. */
 static void the_last_place_of_two_bytes_is_used(void **state)
 {
     (void)state;
@@ -97,7 +97,7 @@ static void a_tally_counts_the_voxels_of_each_label(void **state)
     memory_free(labels);
 }
 
-/* What the first has stays, whatever the second has there; a label that was made 0 is none. */
+/* Labels of the first volume stay; those of the second fill its voxels of label 0, also where a label was set to 0. */
 static void merging_fills_what_is_empty(void **state)
 {
     (void)state;
@@ -108,7 +108,7 @@ static void merging_fills_what_is_empty(void **state)
         struct label_voxels from = {0};
         assert_non_null(second);
         for (size_t i = 0; i < COUNT; i++) {
-            second[i] = i % 16 ? (uint32_t)(i % different) * 2U + 2U : 0; /* even: labels of their own */
+            second[i] = i % 16 ? (uint32_t)(i % different) * 2U + 2U : 0; /* even: labels that `first` lacks */
         }
         assert_ok(label_voxels_of(&to, first, COUNT));
         assert_ok(label_voxels_of(&from, second, COUNT));
@@ -128,7 +128,7 @@ static void merging_fills_what_is_empty(void **state)
     }
 }
 
-/* In 2 bytes and in 4, whichever the places had. */
+/* Numbers replace places in 2 bytes and in 4, whichever the places had. */
 static void numbers_take_the_place_of_places(void **state)
 {
     (void)state;
@@ -153,7 +153,7 @@ static void numbers_take_the_place_of_places(void **state)
     }
 }
 
-/* Pieces of voxels come last first, and one of them never: its voxels have label 0. */
+/* Parts of the voxels come in reverse order, and one of them never: its voxels have label 0. */
 static void voxels_come_in_any_order(void **state)
 {
     (void)state;
@@ -189,7 +189,7 @@ static void voxels_come_in_any_order(void **state)
     }
 }
 
-/* Each block of voxels that has a label is renumbered, those with label 0 in front and behind stay 0. */
+/* A block of voxels with a label is renumbered; blocks of label 0 before and behind it stay 0. */
 static void empty_blocks_stay_empty(void **state)
 {
     (void)state;
@@ -238,7 +238,7 @@ static void what_does_not_fit_is_refused(void **state)
     assert_fails(code_and_finish(&coder, labels, COUNT), CONUS_ERROR_MEMORY);
     assert_string_equal(conus_message(), "labels: found 70000 different ones, which take 512 bytes each, and 180000 "
                                          "voxels with 4, allowed are 36559999 bytes (--max-memory)");
-    /* The 65,536th label widens the voxels: here it is that which does not fit. */
+    /* The 65,536th label widens the voxels: here the wider voxels do not fit. */
     assert_ok(label_coder_init(&coder, COUNT, 4 * COUNT + 65536 * (uint64_t)LABEL_BYTES - 1, NULL, 0));
     assert_fails(code_and_finish(&coder, labels, COUNT), CONUS_ERROR_MEMORY);
     assert_non_null(strstr(conus_message(), "found 65536 different ones"));

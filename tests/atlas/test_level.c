@@ -36,7 +36,7 @@ static int close_atlas(void **state)
     return 0;
 }
 
-/* What `spec` reports the areas of these voxels as, in the order of `labels`: names, with bars between. */
+/* The names under which `spec` reports the areas of these voxels, in the order of `labels`, with bars between. */
 static const char *rolled(const char *spec)
 {
     static char names[512];
@@ -150,7 +150,7 @@ static void bad_levels_are_explained(void **state)
     refuse(write_list("V1\n\nBrian\n"), CONUS_ERROR_ARGUMENT, "areas.txt: line 3: no area has the name");
 }
 
-/* Whatever a spec is cut to, the answer is a level or one line. */
+/* Every prefix of a spec gives a level or a message of one line. */
 static void every_prefix_is_answered(void **state)
 {
     (void)state;
@@ -197,7 +197,7 @@ static void every_allocation_may_fail(void **state)
     test_every_allocation(make_level, (void *)write_list("V1\nBrain\n"));
 }
 
-/* A chain of a hundred thousand areas, in an order that makes each step the first. */
+/* A chain of a hundred thousand areas, each listed before its parent. */
 static void a_deep_tree_is_quick(void **state)
 {
     (void)state;

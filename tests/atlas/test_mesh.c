@@ -100,7 +100,7 @@ static void put(struct mesh *mesh, const float (*positions)[3], size_t vertices,
     memcpy(mesh->triangles, triangles, 3 * count * sizeof *mesh->triangles);
 }
 
-/* Checks and measures a mesh of these triangles; gives how many were left out. */
+/* Checks and measures a mesh of these triangles; returns how many were left out. */
 static size_t examine(struct mesh_shape *shape, const float (*positions)[3], size_t vertices,
                       const uint32_t (*triangles)[3], size_t count)
 {
@@ -173,7 +173,7 @@ static void triangles_without_area_close_what_they_join(void **state)
     assert_false(shape.closed);
 }
 
-/* A triangle of one corner or two does not matter, wherever it is. */
+/* A triangle that repeats a vertex changes nothing, wherever it is. */
 static void triangles_of_two_corners_change_nothing(void **state)
 {
     (void)state;
@@ -199,8 +199,8 @@ static void an_open_surface_has_the_centroid_of_its_area(void **state)
     assert_near(shape.centroid[2], 18. / 27, 1e-12);
 }
 
-/* A triangle from z = 10 to 20, whose plane the ray along z beside it meets elsewhere: (b - a) x (c - a) is
- * (10, 0, -0.001), so that t is (10 (0 - x) - 0.01) / -0.001, 10 + 10,000 x. Eq. 9 holds it from 10 to 20. */
+/* A triangle from z = 10 to 20. The ray along z beside it meets its plane elsewhere: (b - a) x (c - a) is (10, 0,
+ * -0.001), so that t is (10 (0 - x) - 0.01) / -0.001, 10 + 10,000 x. Eq. 9 limits it to 10 to 20. */
 static void crossings_stay_within_the_triangle_s_reach(void **state)
 {
     (void)state;
@@ -326,7 +326,7 @@ static conus_status make_cubes(struct mesh *out, double size, double by, bool tu
     return status;
 }
 
-/* Whether the volume of the two cubes is known; it is then `volume`. */
+/* Asserts that the volume of the two cubes is `volume`, if it is known; returns whether it is. */
 static bool volume_is_known(double size, double by, bool turned, double volume)
 {
     struct mesh mesh;
@@ -341,9 +341,10 @@ static bool volume_is_known(double size, double by, bool turned, double volume)
     return shape.has_volume;
 }
 
-/* Two solids beside each other and a solid with a cavity have the volumes 1000 + 1000 and 1000 - 216. Where the second
- * cube is turned inside out beside the first, the signed sum is 0, where it lies in the first as it is, 1000 + 216,
- * where it overlaps the first by 5 x 5 x 5, 2000 for 1875, where it is the first one again, 2000 for 1000. */
+/* Two solids beside each other and a solid with a cavity have the volumes 1000 + 1000 and 1000 - 216. In all other
+ * cases the signed sum is wrong: it is 0 where the second cube is turned inside out beside the first; 1000 + 216 where
+ * it lies in the first without being turned; 2000 for 1875 where it overlaps the first by 5 x 5 x 5; 2000 for 1000
+ * where it equals the first. */
 static void the_volume_of_parts_is_known_where_they_wind_once(void **state)
 {
     (void)state;
@@ -357,7 +358,7 @@ static void the_volume_of_parts_is_known_where_they_wind_once(void **state)
     assert_true(volume_is_known(1, 9.5, false, 1001));
 }
 
-/* All of it turned: -1000 + 216, a solid whose triangles face inwards. */
+/* All triangles are turned: -1000 + 216, a solid whose triangles face inwards. */
 static void a_solid_that_faces_inwards_has_a_volume(void **state)
 {
     (void)state;

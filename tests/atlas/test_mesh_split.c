@@ -34,8 +34,8 @@ static void label_rows(uint32_t labels[SIDE * SIDE])
     }
 }
 
-/* Rows of labels: of each square between two rows, one triangle has two corners in the lower row and one in the upper,
- * the other the reverse, so that each row wins as many. */
+/* Rows of labels: of the two triangles of a square between two rows, one has two vertices in the lower row and one in
+ * the upper, the other the reverse. So each row gets as many triangles. */
 static void most_corners_decide(void **state)
 {
     (void)state;
@@ -74,7 +74,7 @@ static void most_corners_decide(void **state)
     mesh_finish(&mesh);
 }
 
-/* One triangle, every way to label its corners with 0, 1, 2 and 3. */
+/* One triangle, with every choice of labels 0, 1, 2 and 3 for its vertices. */
 static void every_triangle_follows_the_rule(void **state)
 {
     (void)state;
@@ -112,7 +112,7 @@ static bool same_triangle(const struct mesh *a, size_t i, const struct mesh *b, 
     return same;
 }
 
-/* How many of a part's triangles are in the whole, in the same order. */
+/* Counts the triangles of a part that are in the whole, in the same order. */
 static size_t count_found(const struct mesh *part, const struct mesh *whole)
 {
     size_t found = 0;
@@ -122,7 +122,7 @@ static size_t count_found(const struct mesh *part, const struct mesh *whole)
     return found;
 }
 
-/* Whatever the labels, every labelled triangle is in one part, where it was. */
+/* Whatever the labels, every labelled triangle is in exactly one part, unmoved. */
 static void nothing_is_lost_or_moved(void **state)
 {
     (void)state;

@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-/* What of the cuboid `box`, taken to index coordinates, is in a voxel. */
+/* Part of the cuboid `box`, taken to index coordinates, that is in a voxel. */
 static double part_of_voxel(struct convex_stack *stack, const struct convex *box, const double m[16],
                             const size_t at[3])
 {
@@ -30,7 +30,7 @@ static double part_of_voxel(struct convex_stack *stack, const struct convex *box
     return part.volume;
 }
 
-/* What was measured of a voxel; 0 outside of the box. */
+/* The measured part in a voxel; 0 outside of the box. */
 static double inside(const struct voxel_box *voxels, const size_t at[3])
 {
     bool there = voxels->inside != NULL;

@@ -113,7 +113,7 @@ static void tubes_grow_with_their_diameter(void **state)
     phantom_drawing_finish(&drawing);
 }
 
-/* Every grid sees the same shapes: a voxel's label is what the shapes say about its centre, in world mm. */
+/* Every grid shows the same shapes: the label of a voxel is that of its centre, in world mm. */
 static void every_voxel_follows_the_shapes(void **state)
 {
     (void)state;

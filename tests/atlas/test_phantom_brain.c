@@ -38,7 +38,7 @@ static void surfaces_are_closed_and_as_many_triangles_as_stated(void **state)
     assert_int_equal(triangles, PHANTOM_BRAIN_TRIANGLES);
 }
 
-/* Where the straight space's bisectors keep the vertices of two areas apart, no two areas meet. */
+/* The vertices of two areas are on different sides of the bisector between them, so no two areas meet. */
 static void areas_keep_to_their_own_cells(void **state)
 {
     (void)state;
@@ -62,7 +62,7 @@ static void areas_keep_to_their_own_cells(void **state)
     }
 }
 
-/* Some vertex lies clearly outside the plane of some triangle that faces outwards. */
+/* In every area some vertex lies clearly outside the plane of some triangle that faces outwards. */
 static void no_area_is_convex(void **state)
 {
     (void)state;

@@ -15,7 +15,7 @@ static bool alike(const conus_atlas *atlas, uint32_t a, uint32_t b)
     return memcmp(atlas->objects[a - 1].rgb, atlas->objects[b - 1].rgb, 3) == 0;
 }
 
-/* Precentral_L and Precentral_R. */
+/* Whether two areas are a pair such as Precentral_L and Precentral_R. */
 static bool is_pair(const conus_atlas *atlas, uint32_t a, uint32_t b)
 {
     const char *one = atlas->objects[a - 1].name;
@@ -47,8 +47,8 @@ static void areas_in_a_ring_differ(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Three colours are enough for a ring of 22, and stay plain; two are, too, since their number is even. Own colours come
- * back also after two palettes. */
+/* Three colours are enough for a ring of 22 areas, and stay unchanged; so are two, since 22 is even. The atlas's own
+ * colours come back also after two palettes. */
 static void a_palette_has_the_colours_that_are_given(void **state)
 {
     (void)state;
@@ -122,7 +122,7 @@ static void surfaces_in_a_ring_differ(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Of the tree below, only 1 to 4 have voxels: 1 touches 2, and 3 touches 4. Groups 11 (1, 3) and 12 (2, 4) touch. */
+/* Only areas 1 to 4 of this tree have voxels: 1 touches 2, and 3 touches 4. So groups 11 (1, 3) and 12 (2, 4) touch. */
 static void groups_differ_where_what_is_below_them_touches(void **state)
 {
     (void)state;
@@ -144,7 +144,7 @@ static void groups_differ_where_what_is_below_them_touches(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Of every two voxels with a common face. */
+/* Looks at every two voxels with a common face. */
 static void no_two_areas_of_aal_that_touch_are_alike(void **state)
 {
     (void)state;

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Pairs A to E: a row of voxels along x has the areas of one, one voxel each, at x = -3.5 and 2.5. */
+/* Pairs A to E: along x each row of voxels has the two areas of one pair, one voxel each, at x = -3.5 and 2.5. */
 static const struct area_row rows[] = {{1, "A_L", 0, NULL, 0},
                                        {2, "A_R", 0, NULL, 0},
                                        {3, "B_L", 0, NULL, 0},
@@ -41,7 +41,7 @@ static conus_atlas *atlas_of(size_t pairs, size_t swapped)
     return atlas;
 }
 
-/* What is said of an atlas, "" where nothing is; the atlas ends. */
+/* The note about an atlas, or "". Destroys the atlas. */
 static const char *said(conus_atlas *atlas)
 {
     static char text[400];
@@ -66,7 +66,7 @@ static void three_quarters_of_three_pairs_are_told(void **state)
     assert_string_equal(said(atlas_of(0, 0)), "");
 }
 
-/* Right is right of left, also where all is on one side of x = 0. */
+/* Right areas need only be right of left ones, also if all are on one side of x = 0. */
 static void the_midline_does_not_matter(void **state)
 {
     (void)state;
@@ -78,7 +78,7 @@ static void the_midline_does_not_matter(void **state)
     assert_non_null(strstr(said(atlas), "4 of 4 pairs"));
 }
 
-/* Of 128 x 128 rows of 64 voxels every second along y and z is enough for means. */
+/* A grid of 128 x 128 rows of 64 voxels is sampled: every second row along y and z is enough for means. */
 static void large_grids_are_sampled(void **state)
 {
     (void)state;
@@ -96,7 +96,7 @@ static void large_grids_are_sampled(void **state)
     assert_non_null(strstr(said(atlas), "4 of 4 pairs"));
 }
 
-/* The phantom's five pairs of surfaces are right; a mirror makes them wrong. Loading says nothing. */
+/* The phantom's five pairs of surfaces are right; a mirror swaps them. Loading gives no note. */
 static void surfaces_have_sides(void **state)
 {
     (void)state;
@@ -112,7 +112,7 @@ static void surfaces_have_sides(void **state)
     assert_non_null(strstr(said(atlas), "5 of 5 pairs"));
 }
 
-/* mricron's JHU labels call areas right that lie at negative x, which its header says is left; its AAL does not. */
+/* mricron's JHU labels call areas right that lie at negative x, which is left by its header; its AAL does not. */
 static void real_atlases_are_told(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Trees of streamlines: they have every segment once, and a walk finds what a loop over all runs finds. */
+/* Trees of streamlines: they have every segment once, and a walk finds the same runs as a loop over all. */
 #include "atlas/tracts/tract_node.h"
 #include "atlas/tracts/tractogram.h"
 #include "base/geometry/math3.h"
@@ -38,7 +38,7 @@ static struct tractogram random_walks(uint64_t *random, size_t streamlines, unsi
 /* [point_count] The number of the run that begins at a point. */
 static size_t numbers[POINTS];
 
-/* More than 45 degrees. */
+/* Whether a streamline turns by more than 45 degrees at a point. */
 static bool turns_sharply(const struct tractogram *tractogram, uint64_t at)
 {
     double before[3];
@@ -52,8 +52,8 @@ static bool turns_sharply(const struct tractogram *tractogram, uint64_t at)
     return vec3_normalise(before, before) && vec3_normalise(behind, behind) && vec3_dot(before, behind) < sqrt(0.5);
 }
 
-/* Streamlines are cut every 3 segments, or 5 where points are halves, or a point before or behind such a place, if they
- * turn sharply there and not at it. */
+/* Streamlines are cut every 3 segments, or 5 in half precision; or one point before or behind such a place, if they
+ * turn sharply there and not at the place itself. */
 static bool is_cut(const struct tractogram *tractogram, uint64_t begin, uint64_t end, uint64_t point)
 {
     const uint64_t every = tractogram->halves ? 5 : 3;
@@ -70,7 +70,7 @@ static bool is_cut(const struct tractogram *tractogram, uint64_t begin, uint64_t
     return point == begin || point + 1 == end;
 }
 
-/* Every segment is in one run, every single point is one, and a run is from one cut to the next. */
+/* Every segment is in one run, every single point is a run, and a run reaches from one cut to the next. */
 static void check_runs(const struct tractogram *tractogram)
 {
     static unsigned char seen[POINTS];
@@ -98,7 +98,7 @@ static void check_runs(const struct tractogram *tractogram)
     assert_int_equal(segments, wanted);
 }
 
-/* The streamline of a point is found with marks as it is without them. */
+/* The streamline of a point is the same whether it is found by marks or without them. */
 static void check_marks(const struct tractogram *tractogram)
 {
     struct tractogram bare = *tractogram;
@@ -128,7 +128,8 @@ static struct bounds bounds_of(const struct tractogram *tractogram, uint64_t fro
     return bounds;
 }
 
-/* What is visited has to be, as often as it has to be, and in order. */
+/* State of a walk: runs must be visited in order, none twice, and only those that are not outside of `wanted` may
+ * be. */
 struct walk {
     const struct tractogram *tractogram;
     struct bounds wanted;
@@ -170,9 +171,10 @@ static double size_of(const struct bounds *bounds)
     return sum;
 }
 
-/* No box is larger than that round the run's points, grown. A byte moves each end by at most a step, 1/255 of the
- * leaf's size. So points are no farther from the segment between the ends than the run's size and two steps. That is
- * rounded up by at most 1/31 of what is the largest such distance in the leaf, which is no more than its size. */
+/* Compares a run with the wanted box, enlarged by the error of the tree. No box of the tree is larger than that around
+ * the run's points, grown as follows. A byte moves each end by at most a step, 1/255 of the leaf's size. So points are
+ * no farther from the segment between the ends than the run's size and two steps. That is rounded up by at most 1/31 of
+ * the largest such distance in the leaf, which is no more than the leaf's size. */
 static enum tract_answer compare_loosely(struct walk *walk, size_t number)
 {
     size_t leaf = number / TRACT_LEAF * TRACT_LEAF;
@@ -209,7 +211,7 @@ static void take(void *user, const struct tract_run *run, bool inside)
     walk->found++;
 }
 
-/* What touches a box is found, and nothing else but runs that are near to it. Returns how many are found. */
+/* A walk finds every run that touches the box, and no run that is far from it. Returns the number of runs found. */
 static size_t check_walk(const struct tractogram *tractogram, const struct bounds *wanted)
 {
     struct walk walk = {.tractogram = tractogram, .wanted = *wanted};
@@ -225,7 +227,8 @@ static double coordinate_of(const struct tract_leaf *leaf, size_t lane, int end,
     return (double)leaf->low[axis] + (double)leaf->step[axis] * leaf->ends[end][axis][lane];
 }
 
-/* Of a point from 257 points of a lane's segment; that is at most half a step more than from the segment. */
+/* Distance of a point from the nearest of 257 points of a lane's segment. It exceeds that from the segment by at most
+ * half a step. */
 static double distance_from(const struct tract_leaf *leaf, size_t lane, const double point[3], double *step)
 {
     double least = INFINITY;
@@ -245,8 +248,8 @@ static double distance_from(const struct tract_leaf *leaf, size_t lane, const do
     return least;
 }
 
-/* Runs are no farther than their thickness from the segments between their ends, and these are no farther from where
- * the runs end than that and what rounding does. */
+/* Points of a run are no farther than its thickness from the segment between its ends. That segment ends no farther
+ * than the thickness and the rounding from the run's own ends. */
 static void check_capsules(const struct tractogram *tractogram)
 {
     for (size_t r = 0; r < tractogram->tree.run_count; r++) {
@@ -269,7 +272,7 @@ static void check_capsules(const struct tractogram *tractogram)
     }
 }
 
-/* Where an item's box is cut along a diagonal, and how much a cut may be too small. */
+/* The two cuts of an item's box along a diagonal; returns by how much a cut may be too small. */
 static double find_cuts(double cut[2], const struct tract_node *node, size_t lane, int d)
 {
     static const int diagonals[4][3] = {{1, 1, 1}, {-1, 1, 1}, {1, -1, 1}, {1, 1, -1}};
@@ -287,7 +290,7 @@ static double find_cuts(double cut[2], const struct tract_node *node, size_t lan
     return length / 256;
 }
 
-/* All points of an item's runs are between its cuts, and near both ones of a leaf. */
+/* All points of an item's runs are between its cuts; in a leaf they reach near to both cuts. */
 static void check_item(const struct tractogram *tractogram, const struct tract_node *node, unsigned level, size_t item)
 {
     size_t begin = (item << TRACT_WIDTH_BITS * level) * TRACT_LEAF;
@@ -335,7 +338,7 @@ static void check_walks(uint64_t *random, const struct tractogram *tractogram)
     }
 }
 
-/* Trees of up to two levels and one run, of nodes that are full to the last lane, and of many levels. */
+/* Trees of one run, of up to two levels, with nodes that are full to the last lane, and with many levels. */
 static void a_walk_finds_what_a_loop_finds(void **state)
 {
     (void)state;
@@ -358,7 +361,7 @@ static void a_walk_finds_what_a_loop_finds(void **state)
     }
 }
 
-/* All points are one, or all but one that is far away: no median separates them. */
+/* All points are equal, or all but one that is far away: no median separates them. */
 static void equal_points_make_a_tree(void **state)
 {
     (void)state;
@@ -378,7 +381,7 @@ static void equal_points_make_a_tree(void **state)
     }
 }
 
-/* Points of one octave, as near as halves come. */
+/* A copy in half precision: points of one octave, as near as half precision comes. */
 static struct tractogram as_halves(uint64_t *random, const struct tractogram *tractogram)
 {
     struct tractogram out = *tractogram;
@@ -416,9 +419,9 @@ static void a_tree_follows_from_the_points(void **state)
     }
 }
 
-/* Walks of up to 20 mm in a cube of 120 mm: 300 leaves have about a quarter of its edge each. One point so far away
- * that all others are at one place beside it leaves them so. Only the lowest node that it is in, of 16 leaves, has runs
- * from anywhere. */
+/* Walks of up to 20 mm in a cube of 120 mm: 300 leaves have about a quarter of the cube's edge each. A point so far
+ * away that all others are one place beside it does not change that. Only the lowest node above it, with 16 leaves, has
+ * runs from anywhere. */
 static void a_point_far_away_spoils_no_order(void **state)
 {
     (void)state;
@@ -449,7 +452,8 @@ static void check_size(struct tractogram *tractogram, size_t runs, size_t leaves
     tract_tree_finish(&tractogram->tree);
 }
 
-/* Streamlines of 100 points have 33 runs, or 20 where points are halves. Half of what the points take is allowed. */
+/* Streamlines of 100 points have 33 runs, or 20 in half precision. The tree may take half as much memory as the
+ * points. */
 static void a_tree_is_small(void **state)
 {
     (void)state;
@@ -465,8 +469,8 @@ static void a_tree_is_small(void **state)
     check_size(&tractogram, 20 * (size_t)COUNT, 375, 24 + 2 + 1);
 }
 
-/* An arc one high is no farther than a half from a segment at half its height. Where a streamline turns round beside a
- * cut, it is cut there, and its runs are straight. */
+/* An arc of height 1 is no farther than 0.5 from a segment at half its height. A streamline that turns round beside a
+ * cut is cut at the turn, and its runs are straight. */
 static void runs_are_slim(void **state)
 {
     (void)state;
@@ -491,7 +495,7 @@ static void runs_are_slim(void **state)
 }
 
 /* Enough streamlines for three threads, of 0 to 6 points; the first ones have more, so that threads have unequal work.
- * On one processor there is one thread: its tree is what any number of threads makes. */
+ * With one processor there is one thread, whose tree any number of threads must make. */
 static void threads_make_the_same_tree(void **state)
 {
     (void)state;
@@ -532,7 +536,7 @@ static void threads_make_the_same_tree(void **state)
     assert_memory_equal(together.tree.marks, alone.tree.marks, tract_mark_count(count) * sizeof(uint32_t));
     assert_memory_equal(together.low, alone.low, sizeof alone.low);
     assert_memory_equal(together.high, alone.high, sizeof alone.high);
-    for (uint32_t s = 0; s < MANY; s += 777) { /* those that are kept are those that are added up */
+    for (uint32_t s = 0; s < MANY; s += 777) { /* the kept runs are those that were summed */
         struct tractogram bare = alone;
         bare.tree.lengths = NULL;
         assert_true(tractogram_length(&alone, s) == tractogram_length(&bare, s));

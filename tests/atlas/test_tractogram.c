@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a tractogram may hold, and what is asked of its streamlines. */
+/* Tests of tractograms: the limits of their contents, and measures of their streamlines. */
 #include "atlas/tracts/tractogram.h"
 #include "base/memory.h"
 #include "test.h"
@@ -124,7 +124,7 @@ static void points_beyond_the_limit_are_refused(void **state)
     halves[3][1] = 0x4880;
 }
 
-/* Points are looked at in blocks; the last one of the first block and the first of the second. */
+/* Points are checked in blocks: tried are the last one of the first block and the first of the second. */
 static void points_are_looked_at_to_the_last(void **state)
 {
     (void)state;
@@ -176,7 +176,7 @@ static void a_radius_is_above_0_and_at_most_100(void **state)
     }
 }
 
-/* All of it on the heap; the sanitizers see what is left, or ended twice. */
+/* All of it is on the heap; the sanitizers find leaks and double frees. */
 static conus_status make_owned(struct tractogram *out)
 {
     *out = example;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sparse maps of values against the arrays that they are made of, bit by bit. */
+/* Sparse maps of values against the arrays from which they are made, bit by bit. */
 #include "atlas/value_map.h"
 
 #include "base/memory.h"
@@ -11,7 +11,7 @@
 
 enum { MOST = 3 * VALUE_PAGE };
 
-/* Runs of random length, some of nothing, with values that are hard to keep. */
+/* Runs of random length, some of them background, with values that are hard to keep. */
 static void make_values(float *values, size_t count, double full, uint64_t *random)
 {
     static const float odd[] = {0.0F, -0.0F, NAN, -3.5F, INFINITY, -INFINITY, 1e-45F, 0.25F};
@@ -33,7 +33,7 @@ static uint32_t bits_of(float value)
     return bits;
 }
 
-/* The count of an array's runs of which a voxel is not like the first, by definition. */
+/* Counts the runs of an array with a voxel that differs from the first one: the definition. */
 static size_t count_runs(const float *values, size_t count)
 {
     size_t runs = 0;
@@ -86,14 +86,14 @@ static void a_map_holds_what_it_was_made_of(void **state)
     }
 }
 
-/* Codes of bytes, of which `user` says how many were asked for. */
+/* Copies bytes as codes, and adds to `user` how many were asked for. */
 static void copy_bytes(void *user, void *codes, const uint8_t *stored, size_t count)
 {
     *(size_t *)user += count;
     memcpy(codes, stored, count);
 }
 
-/* Most voxels of 100 x 100 x 100 are nothing: a box of 10 x 10 x 10 takes at most two runs of each of its rows. */
+/* A box of 10 x 10 x 10 voxels in a background of 100 x 100 x 100 takes at most two runs of each of its rows. */
 static void nothing_takes_no_memory(void **state)
 {
     (void)state;
@@ -192,8 +192,8 @@ static void every_allocation_may_fail(void **state)
     test_every_allocation(make_and_copy, values);
 }
 
-/* The box and the counts of steps, and the objects of a part, against a look at every voxel: also where the background
- * belongs to a step. */
+/* Box, counts of steps and objects of a part against a loop over every voxel, also where the background belongs to a
+ * step. */
 static void steps_are_counted_where_they_are(void **state)
 {
     (void)state;

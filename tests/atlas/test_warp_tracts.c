@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Streamlines moved by a deformation field whose way back is known in closed form; those with a point that has no place
- * are left out whole, with their numbers and their places in groups. */
+/* Streamlines moved by a deformation field whose inverse is known in closed form. A streamline with a point that has no
+ * place is left out whole, with its numbers and its places in groups. */
 #include "atlas/bundles.h"
 #include "atlas/warp/warp.h"
 #include "base/geometry/math3.h"
@@ -13,8 +13,7 @@
 
 enum { NX = 11, NY = 13, NZ = 15, NODES = NX * NY * NZ, STREAMLINES = 4, POINTS = 9 };
 
-/* Nodes 2 mm apart from (-10, -12, -14) on; what is displaced by (0.25 x + 0.5 y + 1, -0.25 z, 3) is exact between
- * them. */
+/* Nodes 2 mm apart from (-10, -12, -14) on; the displacement (0.25 x + 0.5 y + 1, -0.25 z, 3) is exact between them. */
 static struct deformation make_field(bool stays_outside)
 {
     struct deformation field = {.dim = {NX, NY, NZ}, .stays_outside = stays_outside};
@@ -39,7 +38,7 @@ static struct deformation make_field(bool stays_outside)
     return field;
 }
 
-/* The point that the field moves to (x, y, z): of x' = 1.25 x + 0.5 y + 1, y' = y - 0.25 z, z' = z + 3. */
+/* The point that the field moves to (x, y, z): the inverse of x' = 1.25 x + 0.5 y + 1, y' = y - 0.25 z, z' = z + 3. */
 static void way_back(double out[3], const double p[3])
 {
     out[2] = p[2] - 3;
@@ -54,7 +53,7 @@ static double distance(const double a[3], const double b[3])
     return vec3_length(way);
 }
 
-/* Nothing on the grid goes to x = 400. */
+/* No point of the grid goes to x = 400. */
 static const float near_points[3 * POINTS] = {0, 0, 0, 3, 0, 0, 3, 4, 0, 1, 1,  1, 2, 2,
                                               2, 0, 0, 3, 0, 5, 3, 5, 5, 3, -4, 2, 6};
 static const uint64_t first[STREAMLINES + 1] = {0, 3, 5, 5, 9};
@@ -100,7 +99,7 @@ static bool says(const conus_atlas *atlas, const char *note)
     return found;
 }
 
-/* Point `index` of the atlas is where `given` goes back to. */
+/* Asserts that point `index` of the atlas is the point that the field moves to `given`. */
 static void assert_went_back(const conus_atlas *atlas, uint64_t index, const float given[3])
 {
     double expected[3];
@@ -132,7 +131,7 @@ static void points_go_back_through_the_field(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Streamline 1 has a point that nothing goes to. */
+/* Streamline 1 has a point to which no point of the grid goes. */
 static void a_streamline_with_a_lost_point_is_left_out(void **state)
 {
     (void)state;
@@ -170,7 +169,7 @@ static void a_streamline_with_a_lost_point_is_left_out(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* What lies outside of a grid where points stay is where it was. */
+/* ANTs leaves points outside of the field's grid where they are. */
 static void outside_of_a_field_of_ants_points_stay(void **state)
 {
     (void)state;

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/* Between two doubles whose last bits may differ a little. */
+/* The tolerance between two doubles whose last bits may differ a little. */
 static const double BITS = 6e-16;
 
 static void sines_have_the_digits_of_more(void **state)
@@ -50,7 +50,7 @@ static void arc_tangents_have_the_digits_of_more(void **state)
     assert_true(isnan(arc_tangent(NAN, 1)) && isnan(arc_tangent(1, NAN)) && isnan(arc_tangent(1, INFINITY)));
 }
 
-/* All around the circle, in steps that are no part of it. */
+/* All around the circle, in steps that do not divide it. */
 static void are_those_of_the_library_but_for_the_last_bits(void **state)
 {
     (void)state;

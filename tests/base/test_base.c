@@ -46,8 +46,8 @@ static void empty_fields_are_fields(void **state)
     assert_false(text_field(&rest, '\t', &more, &field));
 }
 
-/* Fields between marks may hold separators and doubled marks; what is wrong with the marks is told, and no byte lost.
- */
+/* Fields between quotation marks may hold separators and doubled marks. Wrong marks are reported, and no byte is
+ * lost. */
 static void quoted_fields_are_fields(void **state)
 {
     (void)state;
@@ -88,7 +88,7 @@ static void distances_ignore_case(void **state)
     assert_false(text_contains(text_from("in"), text_from("inf")));
 }
 
-/* Whatever digits a number has, it is the double that the C library reads. */
+/* A number is the double that the C library reads, whatever its digits. */
 static void numbers_are_read_to_the_bit(void **state)
 {
     (void)state;
@@ -321,7 +321,7 @@ static void files_appear_whole(void **state)
     assert_fails(file_write("/nowhere/at all", "x", 1), CONUS_ERROR_IO);
 }
 
-/* What happens behind the reader's back, once, after its next read(). */
+/* Called once, after the reader's next read(): it changes the file while it is being read. */
 static void (*behind)(void);
 
 ssize_t __real_pread(int descriptor, void *data, size_t size, off_t at);
@@ -368,7 +368,7 @@ static void changes_are_noticed(void **state)
     assert_non_null(strstr(conus_message(), "changed while it was read"));
     assert_fails(file_state_check(&before, changed), CONUS_ERROR_IO);
     assert_ok(file_state_find(&before, changed));
-    behind = put_another_in_its_place; /* what was opened is read whole, or it is an error */
+    behind = put_another_in_its_place; /* the file that was opened is read whole, or reading fails */
     if (!file_read(&bytes, changed, 100)) {
         assert_memory_equal(bytes.data, "three!", 6);
         bytes_finish(&bytes);
@@ -389,8 +389,8 @@ static void *write_again_and_again(void *path)
     return NULL;
 }
 
-/* What others left behind under names made of this process's number, as those of older versions, and what other threads
- * write at the same time. */
+/* Leftovers with the names that this process or older versions would use, and other threads that write at the same
+ * time, do no harm. */
 static void writers_do_not_collide(void **state)
 {
     (void)state;
@@ -454,7 +454,7 @@ static void open_files_are_written_to(void **state)
     snprintf(open_file, sizeof open_file, "/dev/fd/%d", descriptor);
     assert_ok(file_write(open_file, "two", 3));
     snprintf(open_file, sizeof open_file, "/proc/self/fd/%d", descriptor);
-    assert_ok(file_write(open_file, ", three", 7)); /* behind what is there, not in its place */
+    assert_ok(file_write(open_file, ", three", 7)); /* it is appended, not written over the text before */
     close(descriptor);
     check_file(path, "one, two, three");
 }
@@ -532,7 +532,7 @@ static void binary_bytes_are_not_readable(void **state)
     assert_false(text_is_readable(text_from("")));
 }
 
-/* A piece marks the items from its beginning to the next one's. */
+/* Each piece marks the items from its beginning to the next one's. */
 struct dealt {
     size_t pieces, count, step;
     int marks[1000];

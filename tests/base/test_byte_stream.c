@@ -9,17 +9,17 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Bytes with a long period, so that a block in the wrong place is another. */
+/* Bytes with a long period, so that a block in the wrong place is noticed. */
 static void fill(struct buffer *out, size_t size)
 {
-    buffer_append(out, NULL, 0); /* so that it has an address */
+    buffer_append(out, NULL, 0); /* gives it an address */
     for (size_t i = 0; i < size; i++) {
         uint8_t byte = (uint8_t)(i * i / 7 + i % 5);
         buffer_append(out, &byte, 1);
     }
 }
 
-/* Reads all, by steps of @p step bytes, and compares. */
+/* Reads everything, in steps of @p step bytes, and compares. */
 static conus_status read_all(struct byte_stream *stream, const struct buffer *plain, size_t step, char sum[65])
 {
     conus_status status = CONUS_OK;
@@ -65,7 +65,7 @@ static void assert_reads(const struct buffer *stored, const struct buffer *plain
     assert_string_equal(sum[1], wanted);
 }
 
-/* Around the sizes of a block of either kind; members of gzip of which each ends at another place. */
+/* Sizes around those of a plain and of a packed block, and gzip members that end at different places. */
 static void files_of_all_sizes(void **state)
 {
     (void)state;
@@ -109,7 +109,7 @@ static void how_much_is_left_is_known(void **state)
     struct buffer zeros = {0};
     struct buffer packed = {0};
     fill(&zeros, plain.size);
-    memset(zeros.data, 0, zeros.size); /* which pack best: no more than what can be left */
+    memset(zeros.data, 0, zeros.size); /* zeros pack best: no more than the greatest possible rest */
     append_gzip(&packed, zeros.data, zeros.size);
     assert_ok(byte_stream_of(&stream, (const uint8_t *)packed.data, packed.size));
     assert_true(stream.is_packed);
@@ -150,7 +150,7 @@ static void damage_is_found(void **state)
     buffer_append(&packed, "\0\0x", 3);
     assert_fails_with(&packed, &plain, "gzip: 3 bytes after the end of the packed data, allowed are zeros");
     packed.size -= 3;
-    while (packed.size > 3) { /* with fewer bytes it is no gzip */
+    while (packed.size > 3) { /* with fewer bytes it is not gzip */
         packed.size--;
         assert_fails_with(&packed, &plain, "gzip: cut off after ");
     }

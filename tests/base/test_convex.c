@@ -10,7 +10,7 @@
 static const double ZERO[3] = {0, 0, 0};
 static const double ONE[3] = {1, 1, 1};
 
-/* Volume of what the plane leaves on each side. */
+/* Checks the volumes on the two sides of a plane. */
 static void check_cut(struct convex_stack *stack, const struct convex *convex, int axis, double at, double below)
 {
     for (int above = 0; above < 2; above++) {
@@ -87,7 +87,7 @@ static void a_cube_on_its_corner_is_cut(void **state)
     convex_finish(&stack);
 }
 
-/* Cut at z = 1 and x = 1/2 the corner x + y + z <= 1 of a cube leaves (1/2)^3 / 6 beyond. */
+/* The cuts at z = 1 and x = 1/2 of the corner x + y + z <= 1 of a cube leave (1/2)^3 / 6 beyond. */
 static void what_was_cut_is_cut_again(void **state)
 {
     (void)state;
@@ -106,8 +106,8 @@ static void what_was_cut_is_cut_again(void **state)
     convex_finish(&stack);
 }
 
-/* Random parallelepipeds cut again and again, also through their corners: the parts sum to the whole, and few edges are
- * left of what is far away. */
+/* Random parallelepipeds are cut again and again, also through their corners: the parts sum to the whole, and faraway
+ * parts have few edges. */
 static void parts_sum_to_the_whole(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is asked of the file system is kept, and found out to be the same or not. */
+/* A trace records questions to the file system with their answers, and tells whether the answers would be the same
+ * now. */
 #include "base/files/file_trace.h"
 #include "base/memory.h"
 #include "test.h"
@@ -12,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* A question of each kind, about test_in(). */
+/* Asks one question of each kind, about test_in(). */
 static void ask_everything(struct file_trace *trace)
 {
     struct bytes bytes = {0};
@@ -157,7 +158,7 @@ static void every_change_is_found(void **state)
     }
 }
 
-/* Names that nobody asked for, and other changes of the folder. */
+/* Names that were never asked for, and other changes of the folder. */
 static void what_nobody_asked_for_does_not_count(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Files that are written whole or not at all, and the names that they have on the way. */
+/* Files that are written whole or not at all, and their temporary names. */
 #include "base/files/file.h"
 #include "test.h"
 
@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* How often the next random numbers are 7. */
+/* The next so many random numbers are 7. */
 static size_t sevens;
 
 int __real_getentropy(void *out, size_t size);
@@ -28,7 +28,7 @@ int __wrap_getentropy(void *out, size_t size)
     return failed;
 }
 
-/* Whether files without a name cannot be named, as where there is no /proc. */
+/* Whether files without a name cannot be named, as on a system without /proc. */
 static bool all_have_names;
 
 int __real_access(const char *path, int how);
@@ -39,7 +39,7 @@ int __wrap_access(const char *path, int how)
     return all_have_names && strncmp(path, "/proc/", 6) == 0 ? -1 : __real_access(path, how);
 }
 
-/* A name that is taken is passed over, and what has it stays. */
+/* A temporary name that is taken is passed over, and its file stays. */
 static void pass_over_a_taken_name(void)
 {
     char left[300];
@@ -74,7 +74,7 @@ static void a_taken_name_is_passed_over(void **state)
     all_have_names = false;
 }
 
-/* Of a process that ends while it writes nothing is left, and what was there stays. */
+/* A process that is killed while it writes leaves no partial file, and the old file stays. */
 static void nothing_is_left_of_what_is_killed(void **state)
 {
     (void)state;

@@ -149,7 +149,7 @@ static void sizes_must_agree_with_the_header(void **state)
     buffer_finish(&packed);
 }
 
-/* What inflates far beyond the header's claim is stopped; up to GZIP_EXTRA_LIMIT it is only extra. */
+/* Data that inflate far beyond the size in the header are refused; up to GZIP_EXTRA_LIMIT bytes more are ignored. */
 static void bombs_are_stopped(void **state)
 {
     (void)state;
@@ -170,8 +170,8 @@ static void bombs_are_stopped(void **state)
     buffer_finish(&packed);
 }
 
-/* A flipped bit anywhere but in the fields that gzip itself does not check (time, system, flags of no effect) is an
- * error, or changes nothing. */
+/* A flipped bit is an error or changes nothing, except in the fields that gzip itself does not check (time, system,
+ * flags of no effect). */
 static void flipped_bits_are_found(void **state)
 {
     (void)state;
@@ -197,7 +197,8 @@ static void flipped_bits_are_found(void **state)
     buffer_finish(&packed);
 }
 
-/* RFC 1952: flag FHCRC, and behind the header the low two bytes of its CRC-32. Checked though the fast way does not. */
+/* RFC 1952: flag FHCRC, and behind the header the low two bytes of its CRC-32. It is checked, though the fast way does
+ * not. */
 static void a_header_may_have_a_checksum(void **state)
 {
     (void)state;
@@ -273,7 +274,7 @@ static void every_prefix_is_refused(void **state)
     buffer_finish(&packed);
 }
 
-/* Without being told the size: one member or two, padded with zeros, and nothing else behind them. */
+/* Files of unknown size: one member or two, padded with zeros, and nothing else behind them. */
 static void a_whole_of_unknown_size(void **state)
 {
     (void)state;
@@ -325,7 +326,7 @@ static void a_whole_with_failing_allocations_and_prefixes(void **state)
     for (size_t size = 0; size < packed.size; size++) {
         assert_fails(gzip_unpack_all(&bytes, (const uint8_t *)packed.data, size, 1 << 30), CONUS_ERROR_DATA);
     }
-    packed.data[packed.size - 5] ^= 1; /* of the checksum */
+    packed.data[packed.size - 5] ^= 1; /* a byte of the checksum */
     assert_fails(gzip_unpack_all(&bytes, (const uint8_t *)packed.data, packed.size, 1 << 30), CONUS_ERROR_DATA);
     buffer_finish(&packed);
 }

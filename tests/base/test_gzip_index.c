@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Indexes of gzip files: what they lead to is what gzip_unpack() gives, or they are found out. */
+/* Indexes of gzip files: ranges unpacked with them equal those of gzip_unpack(), or the index is refused. */
 #include "base/formats/gzip_index.h"
 
 #include "base/memory.h"
@@ -13,7 +13,7 @@
 
 enum { SIZE = 240000, SPACING = 16000 };
 
-/* Runs, copies from afar and noise, so that windows matter and blocks are many. */
+/* Runs, distant copies and noise, so that windows matter and there are many blocks. */
 static void fill(struct buffer *out)
 {
     uint64_t random = 7;
@@ -28,7 +28,7 @@ static void fill(struct buffer *out)
     }
 }
 
-/* A member of zlib's making; a header with a name where `named`. */
+/* Appends a member made by zlib, with a file name in its header if `named`. */
 static void append_member(struct buffer *out, const char *data, size_t size, int level, int strategy, bool named)
 {
     z_stream z = {0};
@@ -47,7 +47,7 @@ static void append_member(struct buffer *out, const char *data, size_t size, int
     free(packed);
 }
 
-/* A packed file, what is in it, and its index. */
+/* A packed file, its plain bytes, and its index. */
 struct indexed {
     struct buffer plain, packed, bytes;
     struct gzip_index index; /* in bytes */
@@ -62,7 +62,7 @@ static int file_of(const void *data, size_t size)
     return file;
 }
 
-/* Unpacks the range with an indexer, which changes nothing, and gives the index's bytes. */
+/* Unpacks the range with an indexer, which must not change it, and keeps the index's bytes. */
 static void make_index(struct indexed *indexed, struct gzip_range range)
 {
     struct gzip_indexer indexer;
@@ -100,7 +100,7 @@ static void finish(struct indexed *indexed)
     close(indexed->descriptor);
 }
 
-/* How the same bytes may be packed. */
+/* Packs the same bytes in one of PACKINGS ways. */
 static void pack(struct indexed *out, int how)
 {
     static const uint8_t zeros[100];
@@ -131,7 +131,7 @@ static conus_status keep_slab(void *user, const uint8_t *data, size_t size)
     return CONUS_OK;
 }
 
-/* Whether the range is given as it is in the file, kept and to a sink alike; else it fails both times. */
+/* Whether the range is unpacked as in the plain file, kept and to a sink alike; otherwise it must fail both times. */
 static bool gives(const struct indexed *indexed, const struct gzip_index *index, size_t from, size_t count)
 {
     struct buffer got = {0};
@@ -208,7 +208,7 @@ static void the_head_and_what_is_not_there(void **state)
     finish(&indexed);
 }
 
-/* A limit on the points, whatever the file: about total / 512 apart, never nearer than 1 MiB. */
+/* Access points are limited in number, whatever the file: about total / 512 apart, but never nearer than 1 MiB. */
 static void points_are_not_too_many(void **state)
 {
     (void)state;
@@ -221,7 +221,7 @@ static void points_are_not_too_many(void **state)
     }
 }
 
-/* The whole of it, span by span: where the checks let something through, it is right. */
+/* Counts the spans that are unpacked; gives() asserts that they are right. */
 static size_t count_right(const struct indexed *indexed, const struct gzip_index *index)
 {
     size_t right = 0;
@@ -289,7 +289,7 @@ static void a_changed_window_gives_nothing_wrong(void **state)
         found_out += !gives(&indexed, &index, (size_t)index.points[i].unpacked, 1);
         memcpy(windows + at, indexed.index.windows + at, 100);
     }
-    assert_true(found_out > index.count / 2); /* what no later byte copies may be anything */
+    assert_true(found_out > index.count / 2); /* bytes that no later byte copies may be anything */
     memset(windows, 0, index.windows_size);
     assert_int_equal(count_right(&indexed, &index), 1); /* the first point needs none */
     memory_free(windows);
@@ -303,7 +303,7 @@ static void another_file_is_found_out(void **state)
     struct indexed other;
     pack(&indexed, 0);
     pack(&other, 1);                                                          /* the same bytes, packed otherwise */
-    assert_true(count_right(&indexed, &other.index) < other.index.count / 2); /* what is alike is right */
+    assert_true(count_right(&indexed, &other.index) < other.index.count / 2); /* equal spans are right */
     for (size_t i = 0; i < indexed.packed.size; i += 4001) {
         uint8_t changed = (uint8_t)(indexed.packed.data[i] ^ 0x10);
         assert_int_equal(pwrite(indexed.descriptor, &changed, 1, (off_t)i), 1);
@@ -342,7 +342,7 @@ static void every_prefix_and_byte(void **state)
     finish(&indexed);
 }
 
-/* Where the numbers of an index are in its bytes. */
+/* Places of the index's numbers in its bytes. */
 enum {
     HEAD_UNPACKED = 0,
     HEAD_PACKED = 8,
@@ -421,7 +421,7 @@ static conus_status attempt(void *data)
     return status;
 }
 
-/* Without memory for an index the unpacking goes on. */
+/* Without memory for an index unpacking goes on. */
 static conus_status attempt_making(void *data)
 {
     const struct indexed *indexed = data;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What conus-hdf5 writes, whole, cut off and wrong; and what is found in it. */
+/* Tests of the reader of conus-hdf5's stream, whole, cut off and damaged, and of the search for objects in it. */
 #include "base/child/hdf5.h"
 
 #include "base/memory.h"
@@ -86,7 +86,7 @@ static void attributes_are_those_of_their_object(void **state)
     buffer_finish(&builder.bytes);
 }
 
-/* Alphabetically 10 comes before 2. */
+/* Alphabetically 10 would come before 2. */
 static void numbers_are_in_the_order_of_numbers(void **state)
 {
     (void)state;
@@ -109,7 +109,7 @@ static void numbers_are_in_the_order_of_numbers(void **state)
     buffer_finish(&builder.bytes);
 }
 
-/* 9 < 10 as numbers, and 10 < 1a < 9 as letters: numbers are put first, so that there is one order. */
+/* 9 < 10 as numbers, and 10 < 1a < 9 as letters: numbers come first, so that there is one order. */
 static void there_is_one_order_of_names(void **state)
 {
     (void)state;
@@ -263,7 +263,7 @@ static void an_empty_answer_is_one(void **state)
     buffer_finish(&builder.bytes);
 }
 
-/* A block for the user, as of MATLAB's files, comes before the file. */
+/* A block of the user's, as in MATLAB's files, may come before the file. */
 static void the_mark_is_at_powers_of_two(void **state)
 {
     (void)state;

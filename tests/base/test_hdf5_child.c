@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The process of conus-hdf5, played by shell scripts: what it is asked, and what becomes of its answer. What all
- * children have in common is in tests/loaders/child/test_mesh_child.c. */
+/* The process of conus-hdf5, played by shell scripts: its request, and the handling of its answer.
+ * tests/loaders/child/test_mesh_child.c has what all children have in common. */
 #include "base/child/hdf5.h"
 #include "builders/hdf5_builder.h"
 #include "test.h"
@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
-/* Lets $CONUS_HDF5 be a program of these lines. */
+/* Makes $CONUS_HDF5 a shell script of these lines. */
 static void play(const char *lines)
 {
     struct buffer script = {0};
@@ -23,7 +23,7 @@ static void play(const char *lines)
     buffer_finish(&script);
 }
 
-/* Lets it write an answer with the group /a. */
+/* Makes it a script that writes an answer with the group /a. */
 static void play_answer(void)
 {
     char line[300];

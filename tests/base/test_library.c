@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Libraries that are loaded when they are needed, and those that are not there. */
+/* Libraries that are loaded on demand, and missing ones. */
 #include "base/library.h"
 
 #include "test.h"

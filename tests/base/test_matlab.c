@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* MATLAB's files of level 5: what they hold, in both byte orders, packed and not; and files that lie. */
+/* MATLAB's files of level 5 in both byte orders, packed and plain; and files with wrong sizes. */
 #include "base/formats/matlab.h"
 
 #include "builders/matlab_builder.h"
@@ -26,7 +26,8 @@ static void refuse(struct matlab_builder *builder, conus_status wanted, const ch
     buffer_finish(&builder->bytes);
 }
 
-/* Numbers are what their type says, whatever the class of the array: MATLAB stores whole doubles as small integers. */
+/* Numbers are read by their stored type, whatever the class of the array: MATLAB stores whole doubles as small
+ * integers. */
 static void numbers_of_every_type(void **state)
 {
     (void)state;
@@ -124,7 +125,7 @@ static void structures_cells_and_texts(void **state)
         struct text plain = matlab_text(text, sizeof text, matlab_variable(&matlab, "plain"));
         assert_int_equal(plain.size, 4);
         assert_memory_equal(plain.data, "b\xc3\xa9t", 4);
-        assert_int_equal(matlab_text(text, 6, matlab_field(&matlab, s, 0, "name")).size, 3); /* what fits */
+        assert_int_equal(matlab_text(text, 6, matlab_field(&matlab, s, 0, "name")).size, 3); /* as much as fits */
         assert_int_equal(matlab_text(text, sizeof text, s).size, 0);
         matlab_finish(&matlab);
         buffer_finish(&builder.bytes);
@@ -137,7 +138,7 @@ static void begin_array(struct matlab_builder *builder, uint32_t kind, int rows,
     matlab_open(builder, kind, rows, columns, "x");
 }
 
-/* An array whose values are an element of @p size zeros. */
+/* Refuses an array whose values are an element of @p size zeros. */
 static void refuse_values(uint32_t kind, int rows, int columns, uint32_t type, size_t size, const char *part)
 {
     static const char zeros[256];
@@ -243,7 +244,7 @@ static void bombs_are_refused(void **state)
     refuse(&builder, CONUS_ERROR_MEMORY, "unpacks to more than");
     free(zeros);
 
-    enum { CELLS = LIMIT / (sizeof(struct matlab_array) + 4) }; /* cells fit, cells and what was unpacked do not */
+    enum { CELLS = LIMIT / (sizeof(struct matlab_array) + 4) }; /* cells fit, but not with unpacked bytes */
     matlab_begin(&builder, false);
     matlab_open(&builder, MX_CELL, 1, CELLS, "x");
     for (int i = 0; i < CELLS; i++) {
@@ -291,7 +292,7 @@ static void complex_numbers_are_none(void **state)
     buffer_finish(&builder.bytes);
 }
 
-/* Cut anywhere, a file is refused, but between its variables. */
+/* A file cut off anywhere but between its variables is refused. */
 static void every_prefix_is_refused(void **state)
 {
     (void)state;
@@ -300,7 +301,7 @@ static void every_prefix_is_refused(void **state)
         size_t whole = 0;
         build_all(&builder, i % 2, i / 2);
         for (size_t size = 0; size < builder.bytes.size; size++) {
-            char *exact = malloc(size + !size); /* so that a sanitizer sees one byte too many */
+            char *exact = malloc(size + !size); /* so that a sanitizer notices one byte too many */
             struct matlab matlab = {0};
             memcpy(exact, builder.bytes.data, size);
             if (matlab_parse(&matlab, (struct text){exact, size}, LIMIT) == CONUS_OK) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* MATLAB's files of level 7.3, as conus-hdf5 gives them: what they hold; and files that lie. */
+/* MATLAB's files of level 7.3 as conus-hdf5 gives them; and files with wrong sizes and references. */
 #include "base/formats/matlab.h"
 #include "base/memory.h"
 
@@ -12,7 +12,7 @@
 
 enum { LIMIT = 1 << 20 };
 
-/* What an array of MATLAB is in HDF5. The last of its dimensions is MATLAB's first. */
+/* A MATLAB array as HDF5 stores it: the last dimension in HDF5 is MATLAB's first. */
 struct built_array {
     const char *path, *matlab_class; /* NULL = it has none */
     enum hdf5_class class;
@@ -98,7 +98,7 @@ static void build(struct hdf5_builder *builder)
     hdf5_end(builder);
 }
 
-/* The builder's bytes are released. */
+/* Parses, and releases the builder's bytes. */
 static conus_status parse(struct matlab *out, struct hdf5_builder *builder, uint64_t limit)
 {
     struct hdf5 *hdf5 = NULL;
@@ -166,7 +166,7 @@ static void all_that_is_read(void **state)
     matlab_finish(&matlab);
 }
 
-/* A file of the root and these arrays. */
+/* Refuses a file with these arrays. */
 static void refuse(const struct built_array *arrays, size_t count, conus_status wanted, const char *part)
 {
     struct hdf5_builder builder;
@@ -224,8 +224,8 @@ static void structures_that_lie(void **state)
     refuse((const struct built_array[]){group, two, plain}, 3, CONUS_ERROR_DATA, "/s/b: another number of structures");
 }
 
-/* Cells that are parts of themselves, alone or in a circle, end in a refusal; so do two that lead twice to the next,
- * and it to the next: memory is as large as the file. */
+/* Cells that are parts of themselves, alone or in a circle, are refused. So are two cells that both lead to the next
+ * two, and so on: memory is limited to the size of the file. */
 static void circles_have_an_end(void **state)
 {
     (void)state;
@@ -245,7 +245,7 @@ static void circles_have_an_end(void **state)
     refuse(arrays, LEVELS, CONUS_ERROR_DATA, "arrays that are parts of several");
 }
 
-/* 33 cells, each in the next. */
+/* 33 cells, each in the one before. */
 static void nests_have_an_end(void **state)
 {
     (void)state;
@@ -280,7 +280,7 @@ static void memory_has_a_limit(void **state)
     assert_null(matlab.arrays);
 }
 
-/* A prefix of the text is no file of MATLAB, or its header, or what is behind it is no HDF5. */
+/* Refused: a prefix of the text, or of the header, and a header that no HDF5 follows. */
 static void headers_are_checked(void **state)
 {
     (void)state;

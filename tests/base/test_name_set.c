@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Names, put in one by one, against a list of them. */
+/* Sets of names against a list of the same names. */
 #include "base/name_set.h"
 
 #include "test.h"
@@ -9,7 +9,7 @@
 
 enum { COUNT = 1000 };
 
-/* Each name is there from when it was added on, with its own value, in whatever order they come. */
+/* Each name is found with its own value once it was added, in any order. */
 static void what_was_added_is_found(void **state)
 {
     (void)state;
@@ -48,7 +48,7 @@ static void one_name_may_be_there_twice(void **state)
     name_set_finish(&set);
 }
 
-/* A list that is looked through would take 3 * 10^10 comparisons, which hangs. */
+/* Searching a list would take 3 * 10^10 comparisons, and the test would hang. */
 static void a_quarter_of_a_million_is_quick(void **state)
 {
     (void)state;

@@ -3,9 +3,9 @@
 #include "base/text.h"
 #include "test.h"
 
-/* 1 + 2^-24 is the middle between 1 and the next float, 1 + 2^-23. What lies above it by less than a double can tell
- * goes up, although the double is the middle, which goes down. 2^-150 = 0.70064923216240853546186...e-45 is the middle
- * between 0 and the smallest float. */
+/* 1 + 2^-24 is the middle between 1 and the next float, 1 + 2^-23. A number that lies above it by less than a double
+ * can tell is rounded up, although the nearest double is the middle, which is rounded down. 2^-150 =
+ * 0.70064923216240853546186...e-45 is the middle between 0 and the smallest float. */
 static void floats_are_rounded_once(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Zip archives: stored, packed, ZIP64, streamed; records that lie, names that lead elsewhere, bombs. */
+/* Zip archives: stored, packed, ZIP64, streamed; contradicting records, names that lead elsewhere, bombs. */
 #include "base/formats/zip.h"
 
 #include "base/memory.h"
@@ -83,7 +83,7 @@ static void an_empty_archive_and_no_archive(void **state)
     assert_fails(zip_parse(&zip, (const uint8_t *)text, TEXT_BYTES), CONUS_ERROR_DATA);
 }
 
-/* A remark behind the record is the archive's; anything else there is not. */
+/* A comment behind the end record belongs to the archive; other bytes there do not. */
 static void remarks(void **state)
 {
     (void)state;
@@ -102,7 +102,7 @@ static void remarks(void **state)
 
 enum place { IN_HEADER, IN_CENTRAL, IN_END, IN_END64 };
 
-/* One archive of one file, with these bytes of it bent. Zip or unpacking fails with this message. */
+/* Changes these bytes of an archive of two files. Parsing or unpacking must fail with this message. */
 static void assert_bent(struct zip_builder builder, bool packed, enum place place, size_t at, const char *bytes,
                         size_t size, const char *part)
 {
@@ -209,7 +209,7 @@ static void names(void **state)
     assert_refused("a", "folder/", "folder/: a folder with bytes");
 }
 
-/* Two entries of the directory lead to the same header: a bomb unpacks it again and again. */
+/* Two entries of the directory share one header: a bomb that is unpacked again and again. */
 static void files_that_overlap(void **state)
 {
     (void)state;
@@ -236,7 +236,7 @@ static void every_prefix(void **state)
         struct zip zip;
         build(&builder);
         for (size_t size = 0; size < builder.bytes.size; size++) {
-            uint8_t *exact = memory_copy(builder.bytes.data, size, 1); /* so that a sanitizer sees one byte too many */
+            uint8_t *exact = memory_copy(builder.bytes.data, size, 1); /* sanitizers notice one byte too many */
             assert_fails(zip_parse(&zip, exact, size), CONUS_ERROR_DATA);
             memory_free(exact);
         }
