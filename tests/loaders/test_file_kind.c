@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a message says that a file is. Each sample begins as the format's specification says, or as its usual writer. */
+/* Tests of file_kind_of(), which names a file's kind for messages. Each sample begins as the format's specification or
+ * its usual writer has it. */
 #include "builders/nifti_builder.h"
 #include "conus/atlas.h"
 #include "conus/file.h"
@@ -83,7 +84,7 @@ static const struct {
     {"x.bin", BYTES("\1\2\3\4"), NULL, NULL},
 };
 
-/* What the first `size` bytes of sample `i` are said to be; they end where the memory does. */
+/* The kind found in the first `size` bytes of sample `i`. They are copied, so that reading past them is noticed. */
 static const struct file_kind *kind_of_sample(size_t i, size_t size)
 {
     uint8_t *exact = malloc(size ? size : 1);
@@ -231,7 +232,7 @@ static void each_place_says_what_it_takes(void **state)
         "volume (NIfTI, MGH, NRRD, MetaImage, AFNI, TIFF, MINC or OME-Zarr) or an FSL atlas XML of type Label");
 }
 
-/* FreeSurfer writes values of vertices as volumes of N x 1 x 1. */
+/* FreeSurfer stores values of vertices as volumes of N x 1 x 1. */
 static void rows_of_vertices_are_no_volumes(void **state)
 {
     (void)state;

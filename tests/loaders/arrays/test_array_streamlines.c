@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Streamlines from arrays: what is given comes back, what is out of range is refused, and a note tells where they
+/* Streamlines from arrays: they are kept bit for bit, values out of range are refused, and a note says where they
  * hardly lie in the atlas's space. */
 #include "atlas/atlas.h"
 #include "test.h"
@@ -25,7 +25,7 @@ static conus_polylines three_streamlines(void)
     return three;
 }
 
-/* Without voxels and areas. */
+/* An atlas without voxels and areas. */
 static conus_atlas *empty_atlas(void)
 {
     conus_atlas *atlas = NULL;
@@ -232,7 +232,7 @@ static void a_failing_allocation_changes_nothing(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* One streamline of so many points. */
+/* Adds one streamline of so many points. */
 static void assert_line_note(conus_atlas *atlas, const float *points, size_t count, const char *note)
 {
     const uint64_t ends[] = {0, count};
@@ -257,8 +257,8 @@ static void assert_note(const float points[9], const char *note)
     conus_atlas_destroy(atlas);
 }
 
-/* The areas are from -10 to 10 mm. Index 5 is at 1 mm, 9 at 9 mm: (9, 9, 9), (9, 5, 0) and (0, 0, 9) are in the box as
- * they are and as indices, so they may be either; -1 is no index; 12 is beyond the grid. */
+/* The areas are from -10 to 10 mm. Index 5 is at 1 mm, 9 at 9 mm: (9, 9, 9), (9, 5, 0) and (0, 0, 9) are in the box
+ * both as mm and as indices, so they may be either; -1 is no index; 12 is beyond the grid. */
 static void another_space_is_noted(void **state)
 {
     (void)state;
@@ -287,7 +287,7 @@ static void another_unit_is_noted(void **state)
                 "bundle line: 0.07 mm long, beside areas of 20 mm: is one of the two in metres, not mm?");
 }
 
-/* The atlas goes 30 mm along x, so that areas are from 20 to 40 mm and were from -10 to 10. One of 20 points is a
+/* The atlas is moved by 30 mm along x: its areas were from -10 to 10 and are from 20 to 40 mm. One of 20 points is a
  * twentieth of them. */
 static void what_lay_better_before_a_move_is_noted(void **state)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Atlases from arrays: they are what the same numbers in a file are; what is out of range is refused. */
+/* Atlases from arrays: they equal those of files with the same numbers; values out of range are refused. */
 #include "test.h"
 
 #include "conus/overlap.h"
@@ -38,7 +38,7 @@ static conus_voxels voxels_of(const void *data, conus_scalar type)
     return voxels;
 }
 
-/* Label of the first hit of a thin cone along +x through the middle; 0 = nothing. */
+/* Label of the first hit of a thin cone along +x through the middle; 0 = none. */
 static uint32_t label_ahead(const conus_atlas *atlas, double x)
 {
     conus_selector *selector = NULL;
@@ -54,7 +54,7 @@ static uint32_t label_ahead(const conus_atlas *atlas, double x)
     return label;
 }
 
-/* By the pattern: from x = -50 the plate of 300 comes first, from within the plate of 7 that one, behind it nothing. */
+/* By the pattern: from x = -50 the plate of 300 comes first; from inside the plate of 7 that one; behind it nothing. */
 static void check_plates(const conus_atlas *atlas)
 {
     assert_int_equal(label_ahead(atlas, -50), 300);
@@ -138,7 +138,7 @@ static void store(uint8_t *at, conus_scalar type, uint32_t value)
 
 static const size_t sizes[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
 
-/* 300 does not fit into a byte: there it is 100. */
+/* The label that fits: 300 becomes 100 in a byte. */
 static uint32_t fitting(conus_scalar type, uint32_t label)
 {
     return sizes[type] == 1 && label == 300 ? 100 : label;
@@ -219,7 +219,7 @@ static void what_is_out_of_range(void **state)
     conus_voxels bad = good;
     bad.data = NULL;
     refuse(&bad, NULL, 0, CONUS_ERROR_ARGUMENT, "data: NULL");
-    /* One more than the table holds; only their number is looked at. */
+    /* One more than the table holds; only the count is read. */
     refuse(&good, &(conus_label){.number = 1}, ((size_t)1 << 20) + 1, CONUS_ERROR_ARGUMENT, "labels: 1048577");
     bad = good;
     bad.type = 0;
@@ -249,7 +249,7 @@ static void what_is_out_of_range(void **state)
     refuse(NULL, (conus_label[]){{.number = 7}}, 1, CONUS_ERROR_ARGUMENT, "labels without voxels");
 }
 
-/* A ramp with noise is what the files' test calls an image; labels_anyway takes it. */
+/* A ramp with noise, which the loader of files takes for an image; labels_anyway accepts it. */
 static void an_image_is_no_atlas(void **state)
 {
     (void)state;
@@ -394,7 +394,7 @@ static void matrices_are_affine(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Everything above in one go. */
+/* Makes everything above at once. */
 static conus_status make_all(void *data_unused)
 {
     (void)data_unused;

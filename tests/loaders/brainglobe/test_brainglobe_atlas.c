@@ -82,7 +82,7 @@ static void write_file(const char *folder, const char *name, const void *data, s
     assert_ok(file_write(test_scratch(path), data, size));
 }
 
-/* A store of one level, called fine, whose only chunk holds `voxels`, 2 x 3 x 4 of them; NULL = it is not there. */
+/* A store of one level, called fine, whose only chunk holds `voxels`, 2 x 3 x 4 of them; NULL = without that chunk. */
 static void write_store(const char *folder, const void *voxels)
 {
     static const char group[] =
@@ -102,7 +102,7 @@ static void write_store(const char *folder, const void *voxels)
         write_file(path, "0", voxels, 24);
         return;
     }
-    static const char *const parts[] = {"c/0/0/0", "c/0/0", "c/0", "c"}; /* of the test before */
+    static const char *const parts[] = {"c/0/0/0", "c/0/0", "c/0", "c"}; /* left by the test before */
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
         snprintf(path, sizeof path, "%s/fine/%s", folder, parts[i]);
         remove(test_scratch(path));

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* metadata.json, and where a stack of each of the 48 orientations lies. */
+/* metadata.json, and the placement of a stack of each of the 48 orientations. */
 #include "loaders/brainglobe/brainglobe_metadata.h"
 
 #include "test.h"
 
 #include <string.h>
 
-/* Letter: the side at which an axis starts, hence the way in which it goes. */
+/* A letter is the side at which an axis starts; from it follows the axis's direction. */
 static const struct {
     char letter;
     double way[3];

@@ -36,7 +36,7 @@ static void write_volume(const char *name, int intent)
     buffer_finish(&file.bytes);
 }
 
-/* An empty folder, which is the only place and the home. */
+/* Makes an empty folder the only place for atlases and the home. */
 static void use_folder(const char *name)
 {
     test_folder(name);
@@ -118,7 +118,7 @@ static void paths_are_no_names(void **state)
     assert_int_equal(chdir(before), 0);
 }
 
-/* The rule of names: as it is written before what is alike, and only what separates words makes no difference. */
+/* The rule of names: an exact name comes before similar ones, and only separators between words make no difference. */
 static void names_may_be_written_otherwise(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The cache of meshes: what is kept is found; what is damaged or open to others is not read. */
+/* The cache of meshes: a kept mesh is found; a damaged one, and one that others can write, is not read. */
 #include "base/cache/cache_folder.h"
 #include "base/memory.h"
 #include "loaders/child/mesh_cache.h"
@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-static struct notes noted; /* of the last search */
+static struct notes noted; /* notes of the last search */
 
 static void key_of(char key[MESH_CACHE_KEY_SIZE], const char *recipe)
 {
@@ -35,7 +35,7 @@ static conus_status keep(const char *recipe, const char *content, size_t size, u
     return status;
 }
 
-/* Whether the entry of `recipe` is there, and holds `content`. */
+/* Whether the entry of `recipe` exists and holds `content`. */
 static bool holds(const char *recipe, const char *content)
 {
     char key[MESH_CACHE_KEY_SIZE];
@@ -112,7 +112,7 @@ static void what_was_not_used_for_longest_leaves_first(void **state)
     age("one", 1000);
     age("two", 2000);
     age("three", 3000);
-    assert_false(holds("one", "x")); /* which is a use of it */
+    assert_false(holds("one", "x")); /* reading counts as a use */
     assert_ok(keep("four", content, SIZE, 3 * (SIZE + HEAD)));
     assert_int_equal(access(entry_path("one"), F_OK), 0);
     assert_int_equal(access(entry_path("two"), F_OK), -1);
@@ -123,7 +123,7 @@ static void what_was_not_used_for_longest_leaves_first(void **state)
     assert_int_equal(access(entry_path("one"), F_OK), 0);
 }
 
-/* A process that writes `content` again and again. */
+/* Starts a process that writes `content` again and again. */
 static pid_t start_writer(const char *content, size_t size, int times)
 {
     pid_t pid = fork();
@@ -138,7 +138,7 @@ static pid_t start_writer(const char *content, size_t size, int times)
     return pid;
 }
 
-/* Two writers and a reader: the reader sees one content or the other, or none, never a mixture. */
+/* Two writers and a reader: the reader sees one of the two contents, or none, never a mixture. */
 static void processes_do_not_disturb_each_other(void **state)
 {
     (void)state;
@@ -204,7 +204,7 @@ static char *folder_path(void)
     return path;
 }
 
-/* Others could have put anything there. What belongs to someone else can only be tried as root. */
+/* An entry that others can write is not read. Files of another owner can only be made by root. */
 static void what_others_can_write_is_not_read(void **state)
 {
     (void)state;
@@ -252,7 +252,7 @@ static void links_and_pipes_are_not_read(void **state)
     free(elsewhere);
 }
 
-/* Nor is anything put where others could exchange it. */
+/* Nothing is written to a folder in which others could exchange it. */
 static void nothing_is_kept_where_others_can_write(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The process of conus-mesh, played by shell scripts: what it may do, and what becomes of it. */
+/* The process of conus-mesh, played by shell scripts: its limits, and the handling of its output and end. */
 #include "base/files/file.h"
 #include "base/memory.h"
 #include "builders/mesh_builder.h"
@@ -15,7 +15,7 @@
 
 static const struct child_limits limits = {.memory = UINT64_C(1) << 30, .seconds = 20, .wait = 100};
 
-/* Lets $CONUS_MESH be a program of these lines. */
+/* Makes $CONUS_MESH a shell script of these lines. */
 static void play(const char *lines)
 {
     struct buffer script = {0};
@@ -27,7 +27,7 @@ static void play(const char *lines)
     buffer_finish(&script);
 }
 
-/* Lets it write these bytes and end with 0. */
+/* Makes it a script that writes these bytes and ends with 0. */
 static void play_bytes(const struct buffer *bytes)
 {
     char line[300];
@@ -180,7 +180,7 @@ static void limits_hold_the_process(void **state)
     fails_with("ulimit -t >&2; exit 1", "conus-mesh: 20 (exit code 1)");
 }
 
-/* What the system kills for want of memory has not taken too long. */
+/* A child that the system kills because memory is short is not reported as too slow. */
 static void a_killed_program_is_told_from_a_slow_one(void **state)
 {
     (void)state;
@@ -192,7 +192,7 @@ static void a_killed_program_is_told_from_a_slow_one(void **state)
     check_no_process_is_left();
 }
 
-/* It can write to no file, gain no rights, and does not see what else is open here. */
+/* The process can write to no file and gain no rights, and has none of this process's other open files. */
 static void the_process_is_confined(void **state)
 {
     (void)state;

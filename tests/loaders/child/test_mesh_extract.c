@@ -44,9 +44,9 @@ static conus_atlas *draw(const char *kind, const conus_phantom_options *options,
     return atlas;
 }
 
-/* A ball of 20 mm in voxels of 1 mm. Painted, its volume differs by what the voxels on its border hold; flying edges
- * cut their corners and smoothing rounds them: 3 % of the volume, and 0.05 mm of the centroid, hold both with room to
- * spare. */
+/* A ball of 20 mm in voxels of 1 mm. As voxels its volume is off by a part of those on its border; flying edges cut
+ * their corners, and smoothing rounds them. 3 % of the volume and 0.05 mm of the centroid are generous limits for all
+ * of that. */
 static void a_ball_is_one_wherever_the_voxels_point(void **state)
 {
     (void)state;
@@ -102,8 +102,8 @@ static conus_atlas *one_sided(bool flip, double voxels_on_the_right)
     return atlas;
 }
 
-/* Unsmoothed, a slab that reaches the volume's borders is closed there, half a voxel outside its outermost centres,
- * on its own side. Edges and corners are cut: 12 edges and 8 corners of less than a voxel's width. */
+/* Without smoothing, a slab that reaches the volume's borders is closed there, half a voxel outside its outermost
+ * centres, on the same side. Edges and corners are cut: 12 edges and 8 corners of less than a voxel's width. */
 static void right_stays_right_and_borders_are_closed(void **state)
 {
     (void)state;
@@ -139,7 +139,7 @@ static void decimation_removes_what_it_is_told_to(void **state)
     phantom_drawing_finish(&drawing);
 }
 
-/* Voxels' volume and centroid of every area. */
+/* Volume and centroid of every area by its voxels. */
 static void add_up_voxels(double (*centroids)[3], const conus_atlas *atlas)
 {
     const struct volume *volume = &atlas->volumes[0];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* CIFTI files of labels: what is read, and every contradiction. Expected values are those of cifti_builder.h. */
+/* CIFTI files of labels: reading, and every contradiction. Expected values are those of cifti_builder.h. */
 #include "loaders/cifti/cifti_file.h"
 
 #include "base/memory.h"
@@ -220,7 +220,7 @@ static void voxels_of_two_sides_have_none(void **state)
     buffer_finish(&bytes);
 }
 
-/* One change each, and what the message says. */
+/* A change of one field, and a part of the message about it. */
 static const struct bend {
     struct cifti_spec spec;
     const char *message;
@@ -369,21 +369,21 @@ static void labels_must_be_whole_and_in_the_table(void **state)
         if (!strstr(conus_message(), cases[i].message)) {
             fail_msg("wanted \"%s\", found \"%s\"", cases[i].message, conus_message());
         }
-        assert_ok(read_bytes(&choice, &bytes, "1", &notes)); /* of another map that is no matter */
+        assert_ok(read_bytes(&choice, &bytes, "1", &notes)); /* for another map this does not matter */
         cifti_choice_finish(&choice);
         notes_finish(&notes);
         buffer_finish(&bytes);
     }
 }
 
-/* Every byte is needed: the values are the last. */
+/* Every byte is needed: the file ends with the values. */
 static void every_prefix_is_refused(void **state)
 {
     (void)state;
     struct buffer bytes = {0};
     cifti_build(&bytes, &(struct cifti_spec){0});
     for (size_t size = 0; size < bytes.size; size++) {
-        char *exact = malloc(size + !size); /* so that a sanitizer sees one byte too many */
+        char *exact = malloc(size + !size); /* so that a sanitizer notices one byte too many */
         struct buffer prefix = {.data = exact, .size = size};
         struct cifti_choice choice = {0};
         struct notes notes = {0};
@@ -396,7 +396,7 @@ static void every_prefix_is_refused(void **state)
     buffer_finish(&bytes);
 }
 
-/* Where the XML ends early, its elements are not closed, whatever follows. */
+/* XML that ends early has unclosed elements, whatever follows. */
 static void every_prefix_of_the_xml_is_refused(void **state)
 {
     (void)state;
@@ -485,8 +485,7 @@ static void files_are_plain_or_packed(void **state)
     buffer_finish(&bytes);
 }
 
-/* Of CIFTI files only labels are areas: the others are called by their name wherever they are given. */
-/* The first version calls labels by the code of connections. */
+/* The first version of CIFTI gives files of labels the code of connections. */
 static void the_first_version_is_named(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tables in a volume's folder under another name: which are taken, and the false friends that must not be. */
+/* Tables with another name in a volume's folder: those that belong to it are taken, similar ones that do not are
+ * not. */
 #include "base/files/file.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
@@ -159,7 +160,7 @@ static void a_table_of_another_volume_is_not_taken(void **state)
     test_folder("several");
     row_write("v.nii", COUNT, 1, NULL);
     row_write("w.nii", COUNT, 1, NULL);
-    row_text(test_in("labels.txt"), ten); /* of which? */
+    row_text(test_in("labels.txt"), ten); /* it is unknown which one it belongs to */
     assert_row("3", 3, "none found", NULL);
     assert_row_of("w.nii", "3", 3, "none found", NULL);
     unlink(test_in("labels.txt"));
@@ -192,7 +193,7 @@ static void a_volume_without_words_has_the_table_without_words(void **state)
     row_text(test_in("labels.csv"), ten);
     assert_row_of("atlas.nii", "c", 3, "MRIcron text in labels.csv", "taken for the label table of atlas.nii");
     assert_row_of("t1.nii", "3", 3, "none found", NULL);
-    row_write("parcellation.nii", COUNT, 1, NULL); /* of which? */
+    row_write("parcellation.nii", COUNT, 1, NULL); /* it is unknown which one it belongs to */
     assert_row_of("atlas.nii", "3", 3, "none found", NULL);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* FreeSurfer's volumes away from their colour table, and what is only called so. */
+/* FreeSurfer's volumes away from their colour table, and other volumes with such names. */
 #include "base/buffer.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
@@ -90,7 +90,7 @@ static void the_table_may_lie_in_other_places(void **state)
     assert_row_of("subjects/one/mri/aseg.nii", "Mine", 3, "MRIcron text in aseg.txt", NULL);
 }
 
-/* Each has a name for all labels in FreeSurfer's table, and none is FreeSurfer's. */
+/* Every label of each volume has a name in FreeSurfer's table, but no volume is FreeSurfer's. */
 static void what_is_not_freesurfers_keeps_its_numbers(void **state)
 {
     (void)state;
@@ -130,7 +130,7 @@ static void a_table_in_the_folder_is_of_freesurfers_volumes_only(void **state)
     assert_row_of("wmparc.nii", "Left-Hippocampus", 17, source, NULL);
 }
 
-/* The real table: labels of a made volume at places of a real one. */
+/* The real table, with labels of a made-up volume, in the places where it is installed. */
 static void the_real_table_is_found(void **state)
 {
     (void)state;

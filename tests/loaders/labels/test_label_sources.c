@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which number a name belongs to: the points of FSL atlas XMLs, and tables that contradict each other. */
+/* The number to which a name belongs: the points of FSL atlas XMLs, and tables that contradict each other. */
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "builders/label_row.h"
@@ -58,7 +58,8 @@ enum { AWAY = 99 };
 static const int by_index[] = BY_INDEX;
 static const int nowhere[] = NOWHERE;
 
-/* The row holds label x at voxel x: a point at voxel k says that index k is the number, one at k + 1 that k + 1 is. */
+/* The row has label x at voxel x. A point at voxel k means that index k is the label; one at k + 1 that the label is k
+ * + 1. */
 static void points_decide_between_index_and_the_next(void **state)
 {
     (void)state;
@@ -91,8 +92,8 @@ static void points_decide_between_index_and_the_next(void **state)
     }
 }
 
-/* Voxel k of the first image, of 2 mm, is at 2k mm: where the row of 1 mm holds label 2k. Written as its own voxels the
- * points of index k would be label k. */
+/* Voxel k of the first image, of 2 mm, is at 2k mm, where the row of 1 mm has label 2k. Read as voxels of the row
+ * itself, the point of index k would be at label k. */
 static void points_are_voxels_of_the_first_image(void **state)
 {
     (void)state;
@@ -162,7 +163,7 @@ static void contradictions_are_never_silent(void **state)
     write_xml("a.xml", "Label", "v", by_index);
     write_xml("b.xml", "Probabilistic", "v", nowhere);
     assert_row("area 1", 1, "FSL atlas XML in a.xml", "used is the XML, whose x y z agree with the volume");
-    write_xml("b.xml", "Probabilistic", "v", by_index); /* as the labels say, both agree */
+    write_xml("b.xml", "Probabilistic", "v", by_index); /* both atlases agree with the labels */
     assert_row("area 1", 1, "FSL atlas XML in a.xml", NULL);
     unlink(test_in("b.xml"));
     row_text(test_in("v.txt"), "1 area_1\n2 Area 2\n3 AREA-3\n");
@@ -221,7 +222,7 @@ static void an_atlas_is_compared_with_its_volume(void **state)
     assert_row_of("a.xml", "area 3", 2, "FSL atlas XML in a.xml", "v.nii: two label tables contradict each other");
 }
 
-/* Nothing proves either: X.xml is that of X-2mm.nii. */
+/* Without a proof for either the XML with the volume's own name counts: X.xml is that of X-2mm.nii. */
 static void a_volumes_own_name_comes_first(void **state)
 {
     (void)state;
@@ -267,7 +268,7 @@ static void two_atlases_of_the_same_volumes_are_compared(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* An index of SPM is the voxel's value whatever else is said: no points, no type. */
+/* An index of SPM is the voxel's value, whatever the rest of the file: it has no points and no type. */
 static void an_atlas_of_spm_names_its_image(void **state)
 {
     (void)state;
@@ -305,7 +306,7 @@ static void an_atlas_of_spm_names_its_image(void **state)
     buffer_finish(&xml);
 }
 
-/* FSLeyes's colours name nothing: they must not keep a table with names away, nor be taken for one. */
+/* A table of FSLeyes has colours without names: it neither keeps away a table with names nor counts as one. */
 static void colours_without_names_only_colour(void **state)
 {
     (void)state;
@@ -334,12 +335,12 @@ static void an_embedded_table_counts_as_one(void **state)
     assert_row("A", 1, "Workbench label table inside v.nii", NULL);
     row_text(test_in("v.txt"), "2 A\n3 B\n");
     assert_contradiction("\"A\" is label 1 in Workbench label table inside v.nii, 2 in MRIcron text in v.txt");
-    row_text(test_in("FreeSurferColorLUT.txt"), "2 A 0 0 0 0\n3 B 0 0 0 0\n"); /* of all volumes */
+    row_text(test_in("FreeSurferColorLUT.txt"), "2 A 0 0 0 0\n3 B 0 0 0 0\n"); /* a table for all volumes */
     unlink(test_in("v.txt"));
     assert_row("A", 1, "Workbench label table inside v.nii", NULL);
 }
 
-/* --labels FILE,label=COLUMN,name=COLUMN, and a manifest that says the same. */
+/* --labels FILE,label=COLUMN,name=COLUMN, and the same in a manifest. */
 static void columns_of_a_given_table_are_named(void **state)
 {
     (void)state;
@@ -443,7 +444,7 @@ static void real_atlases_have_no_contradictions(void **state)
     }
 }
 
-/* FSL's own: every image of labels agrees with its XML, on either grid. */
+/* FSL's own files: every image of labels agrees with its XML, on either grid. */
 static void real_fsl_atlases_are_proved(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Names of the volumes of a 4-D file from a table beside it; which volume the first number means is never guessed. */
+/* Names of the volumes of a 4-D file from a table beside it. The number of the first volume is never guessed. */
 #include "base/buffer.h"
 #include "builders/label_row.h"
 #include "builders/nifti_builder.h"
@@ -76,7 +76,7 @@ static void what_does_not_decide_names_nothing(void **state)
     static const char *const refused[] = {
         "1 AF\n2 CST\n",               /* too few: from 0 or from 1? */
         "1 AF\n2 CST\n4 UF\n",         /* a gap */
-        "2 AF\n3 CST\n4 UF\n",         /* from 2 */
+        "2 AF\n3 CST\n4 UF\n",         /* numbers from 2 on */
         "0 AF\n1 CST\n2 UF\n3 SLF\n",  /* 0 is no background: one too many */
         "1 AF\n2 CST\n3 UF\n4 SLF\n",  /* one too many */
         "1 AF\n2 AF\n3 UF\n",          /* one name twice */
@@ -100,7 +100,7 @@ static void what_does_not_decide_names_nothing(void **state)
     }
     assert_string_equal(names_beside("p.txt", "1 AF\n2.5 CST\n3 UF\n", note), "-/-/-");
     assert_non_null(strstr(note, "p.txt: passed over: MRIcron text: line 2: label \"2.5\""));
-    assert_string_equal(names_beside("q.txt", "1 AF\n2 CST\n3 UF\n", note), "-/-/-"); /* of another file */
+    assert_string_equal(names_beside("q.txt", "1 AF\n2 CST\n3 UF\n", note), "-/-/-"); /* the table is of another file */
 }
 
 static void every_prefix_is_read_or_refused(void **state)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The manifest's parser, and what loading one gives and refuses. */
+/* The manifest's parser, and loading scenes. */
 #include "base/files/file.h"
 #include "builders/nifti_builder.h"
 #include "conus/file.h"
@@ -350,7 +350,7 @@ static void a_scene_is_loaded_in_one_piece(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* What is heard while an atlas loads. */
+/* Calls of the progress callback during a load. */
 struct heard {
     char files[16][64];
     size_t count, done, total;
@@ -399,7 +399,8 @@ static void progress_is_reported_file_by_file(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Whatever comes next: a parcellation, surfaces, a pathway, a context. What was there before is untouched. */
+/* A load can be cancelled before each file: a parcellation, surfaces, a pathway, a context. The output stays
+ * untouched. */
 static void a_load_can_be_cancelled_at_each_file(void **state)
 {
     (void)state;

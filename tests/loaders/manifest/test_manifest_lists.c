@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lists of a manifest: how long they may be. */
+/* Limits on the lists of a manifest. */
 #include "base/buffer.h"
 #include "loaders/manifest/manifest.h"
 #include "test.h"
 
 #include <stdio.h>
 
-/* Each entry costs a look at all others: 64 of what are few, 4096 of files of their own; of areas any number. */
+/* Each entry is compared with all others. Therefore lists of things that are few have at most 64 entries, those of
+ * separate files 4096, and those of areas any number. */
 static void long_lists_are_refused(void **state)
 {
     (void)state;

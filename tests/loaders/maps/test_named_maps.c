@@ -38,7 +38,7 @@ static double masks(size_t volume, const double at[3])
     return blobs(volume, at) > 60;
 }
 
-/* Slabs of labels 30, 31, ...: other ones in each volume, and none in two at one place. */
+/* Slabs of labels 30, 31, ...: different ones in each volume, at no place in two of them. */
 static double labels(size_t volume, const double at[3])
 {
     size_t slab = (size_t)at[2] / 2;
@@ -158,7 +158,7 @@ static void a_given_table_does_so(void **state)
     (void)state;
     test_folder("given");
     write_volumes("maps.nii", UINT8, VOLUMES, blobs);
-    row_text(test_in("maps.txt"), "x\ny\nz\n"); /* not asked */
+    row_text(test_in("maps.txt"), "x\ny\nz\n"); /* this table is not read */
     row_text(test_in("names.tsv"), "index\tname\tabbreviation\tcolor\n1\tA\ta\t#010203\n2\tB\tb\t#040506\n"
                                    "3\tC\tc\t#070809\n");
     row_text(test_in("two.txt"), "1 A\n2 B\n");
@@ -237,7 +237,8 @@ static void what_is_something_else_is_refused(void **state)
     }
 }
 
-/* The user says so, or the file's name. What no probability can be is refused all the same. */
+/* The user or the file's name says that it holds probabilities. Values that cannot be probabilities are refused all the
+ * same. */
 static void what_is_stated_is_believed(void **state)
 {
     (void)state;

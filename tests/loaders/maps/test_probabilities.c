@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* In percent: A reaches 25 % in voxels 2 and 3, B in 1 and 2, C nowhere, and its values alone would pass for 0 to 1. */
+/* In percent: A reaches 25 % in voxels 2 and 3, B in 1 and 2, C nowhere; C's values alone could be taken for 0 to 1. */
 static const double percent[3][4] = {{10, 24, 25, 80}, {0, 60, 90, 0}, {0, 0, 1, 0}};
 
 static const char *xml(const char *type)
@@ -150,8 +150,8 @@ static void scales_are_told_apart(void **state)
     }
 }
 
-/* One map of 0, 1, half of the largest value, and that: what stands for certainty follows from the largest value and
- * from how it is stored; NULL = nothing does, and the message names the value as it is after slope and intercept. */
+/* A map of 0, 1, half of the largest value, and that value. The value of certainty follows from the largest value and
+ * from its type; NULL = from nothing, and the message names the largest value after slope and intercept. */
 static void the_largest_value_decides_about_the_scale(void **state)
 {
     (void)state;
@@ -190,7 +190,8 @@ static void the_largest_value_decides_about_the_scale(void **state)
     }
 }
 
-/* Volume k holds 0 and the label's number k, so k of 25 and less are no percent. Volume 0 is empty and no area. */
+/* Each volume but the empty first one, which is no area, holds 0 and one other value. As percent, 1 and 2 would be
+ * below the threshold of 25. */
 static const double numbers[4][4] = {{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 2, 2, 0}, {0, 0, 30, 30}};
 
 static const char masks_xml[] =
@@ -244,7 +245,7 @@ static void masks_of_any_value_are_areas(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The default threshold of percent, 25, is above 2: without the rule of masks there is none. */
+/* The default threshold of percent, 25, is above 2: without the rule of masks there would be no pathway. */
 static void a_mask_is_a_pathway(void **state)
 {
     (void)state;
@@ -410,7 +411,7 @@ static void what_needs_labels_is_refused(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* In percent: of 60 and more A has one voxel and B two; 0.6 as a float is below 0.6, and so is the value. */
+/* In percent: A has one voxel of 60 and more, B two. 0.6 as a float is below 0.6, and so is the value. */
 static void the_threshold_is_asked_for(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Meshes of SimNIBS as conus-hdf5 gives them: volumes in closed form, and files bent in every fact. */
+/* Meshes of SimNIBS as conus-hdf5 gives them: volumes in closed form, and files with one wrong value each. */
 #include "loaders/maps/simnibs.h"
 
 #include "base/memory.h"
@@ -10,14 +10,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Corners of a cube of 6 mm; what is left 0 or NULL stays as it is in the plain file. */
+/* Changes to the plain file, a cube with edges of 6 mm; 0 or NULL leaves a value as it is. */
 struct bent {
     const char *missing; /* an object that is left out */
     const char *twice;   /* a field that another mesh has */
-    const char *field;   /* of vectors, in place of magnE */
+    const char *field;   /* name of a vector field, in place of magnE */
     int32_t corner;      /* in place of a corner of tetrahedron 2 */
     int32_t types;       /* all elements are of this one */
-    double node, value;  /* of node 1 along x; of tetrahedron 2 */
+    double node, value;  /* x of node 1; value of tetrahedron 2 */
     bool few_tags, pairs, real_corners, wide_nodes;
 };
 
@@ -196,7 +196,7 @@ static void what_is_refused(void **state)
          "from which on a tetrahedron"},
         {{0}, {0}, 4, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold 4, but its values are from 1 to 3"},
         {{0}, {0}, NAN, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold nan"},
-        {{0}, {0}, 2.5, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold 2.5"}, /* only what is flat */
+        {{0}, {0}, 2.5, CONUS_ERROR_ARGUMENT, "mesh.hdf5: threshold 2.5"}, /* only the flat one remains */
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_roi *roi = NULL;
@@ -209,7 +209,7 @@ static void what_is_refused(void **state)
     }
 }
 
-/* The mesh is another kind of file without its elements. */
+/* Without elements the file is not a mesh, but a file of another kind. */
 static void what_is_no_mesh(void **state)
 {
     (void)state;

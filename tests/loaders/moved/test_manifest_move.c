@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The transforms of a manifest: what they move, and which of them comes first. */
+/* The transforms of a manifest: the files that they move, and their order. */
 #include "base/files/file.h"
 #include "conus/atlas_info.h"
 #include "conus/file.h"
@@ -26,8 +26,8 @@ static double first_x(const conus_atlas *atlas, size_t index)
     return conus_atlas_volume(atlas, index)->world_from_voxel[12];
 }
 
-/* A point x of the poses is at 2 x + 7 in the areas' space, by the first file and then the second. So what was at X
- * lies at (X - 7) / 2, and nothing else has moved. The option's x + 4 on top: a pose's x is then x + 4 in the scene. */
+/* The first file and then the second take a point x of the poses to 2 x + 7 in the areas' space. So a point at X comes
+ * to (X - 7) / 2, and nothing else moves. The option's x + 4 comes on top: a pose's x is then x + 4 in the scene. */
 static void a_transform_moves_the_areas_and_what_is_said_to_move(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Written phantoms: the same bytes each time, and what numpy and nibabel read in them. */
+/* Written phantoms: the same bytes each time, also as read by numpy and nibabel. */
 #include "atlas/phantom/phantom.h"
 #include "base/buffer.h"
 #include "base/files/file.h"
@@ -95,7 +95,7 @@ static void the_same_phantom_is_the_same_bytes(void **state)
     const char *again = test_scratch("again");
     assert_ok(conus_phantom_write("nested", once, &options));
     assert_ok(conus_phantom_write("nested", again, &options));
-    assert_ok(conus_phantom_write("nested", again, &options)); /* over what is there */
+    assert_ok(conus_phantom_write("nested", again, &options)); /* overwrites the first files */
     const char *const names[] = {"nested.nii.gz", "nested.tsv", "nested.json"};
     for (size_t i = 0; i < 3; i++) {
         struct bytes a;
@@ -195,8 +195,8 @@ static void assert_sample(const char *made, const char *name)
     bytes_finish(&a);
 }
 
-/* The sample that we ship is what its README says; the packed bytes may depend on libdeflate's version, the voxels not.
- */
+/* The sample in this repository is the one that its README describes; the packed bytes may depend on libdeflate's
+ * version, the voxels may not. */
 static void the_sample_can_be_made_again(void **state)
 {
     (void)state;

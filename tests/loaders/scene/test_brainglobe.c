@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* BrainGlobe folders with stacks: what is the parcellation, what the context, what a manifest of them says. All of AAL
- * in several orientations: tests/oracles/compare_brainglobe.py. */
+/* BrainGlobe folders with stacks: parcellation, context and manifest. tests/oracles/compare_brainglobe.py has all of
+ * AAL in several orientations. */
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 #include "base/files/file.h"
@@ -15,7 +15,7 @@
 
 enum { PAGES = 6, ROWS = 3, COLUMNS = 4 };
 
-/* Six pages of 4 x 3; labels 1 and 2 each fill half, or grey values that are no labels. */
+/* Six pages of 4 x 3: labels 1 and 2 fill a half each, or grey values that are no labels. */
 static void write_stack(const char *name, bool grey)
 {
     struct tiff_builder b;
@@ -127,7 +127,7 @@ static void a_manifest_of_it_loads(void **state)
     remove(test_in("mouse/made.atlas.json"));
 }
 
-/* A stack in a folder of its own, with nothing beside it. */
+/* A stack in a separate folder, with nothing beside it. */
 static void a_manifest_may_say_where_a_stack_lies(void **state)
 {
     (void)state;
@@ -148,7 +148,7 @@ static void a_manifest_may_say_where_a_stack_lies(void **state)
                  CONUS_ERROR_ARGUMENT);
 }
 
-/* Without a stack that can be placed, what conus manifest takes is the meshes, as where there is no stack. */
+/* Without a stack that can be placed, conus manifest takes the meshes, as it does without any stack. */
 static void what_cannot_be_placed_is_left_out(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Atlases from files: where names come from, FSL atlases, pathways and contexts. */
+/* Atlases from files: the source of names, FSL atlases, pathways and contexts. */
 #include "base/files/file.h"
 #include "conus/atlas_info.h"
 #include "conus/file.h"
@@ -24,7 +24,7 @@ static void put16(uint8_t *at, uint16_t value)
     memcpy(at, &value, sizeof value);
 }
 
-/* A NIfTI-1 file of four voxels 1, 2, 2, 9 along i, of `edge` mm each; `between` stands before the voxels, in an
+/* A NIfTI-1 file of four voxels 1, 2, 2, 9 along i, of `edge` mm each. `between` comes before the voxels, in an
  * extension of code `code`, or plain if that is 0. */
 static conus_status write_volume(const char *path, float edge, uint16_t code, const char *between)
 {
@@ -84,7 +84,7 @@ static void the_aal_atlas_has_its_names_and_colours(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Each labelled volume of mricron: areas, and where their names come from. */
+/* Each labelled volume of mricron: its areas, and the source of their names. */
 static void every_mricron_atlas_finds_its_table(void **state)
 {
     (void)state;
@@ -149,7 +149,7 @@ static void tables_inside_the_file_come_first(void **state)
     assert_source(test_in("v.nii"), "MRIcron text in v.txt", "beside");
 }
 
-/* Each file in turn is taken away: the next one in the documented order takes its place. */
+/* Each table is removed in turn: the next one in the documented order is used. */
 static void tables_beside_the_file_follow_in_order(void **state)
 {
     (void)state;
@@ -324,7 +324,7 @@ static void pathways_know_their_scale(void **state)
     size_t notes = conus_atlas_note_count(atlas);
     options.threshold = NAN;
     assert_fails(conus_atlas_add_pathway(atlas, test_in("v.nii"), &options), CONUS_ERROR_ARGUMENT);
-    options.threshold = 9 + 1e-9; /* 9 in float32, as the values are kept */
+    options.threshold = 9 + 1e-9; /* 9 in float32, the type of the values in memory */
     assert_ok(conus_atlas_add_pathway(atlas, test_in("v.nii"), &options));
     options.threshold = 9.5;
     assert_fails(conus_atlas_add_pathway(atlas, test_in("v.nii"), &options), CONUS_ERROR_ARGUMENT);

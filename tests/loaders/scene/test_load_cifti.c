@@ -12,7 +12,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* conus_write_file() would wait for the disk. */
+/* conus_write_file() would wait for the disk, which takes long. */
 static void write_file(const char *name, const void *data, size_t size)
 {
     FILE *stream = fopen(test_in(name), "wb");
@@ -40,8 +40,8 @@ static void write_labels(const char *name, const struct cifti_spec *spec)
     write_buffer(name, &bytes);
 }
 
-/* A tetrahedron, 4 vertices or with one that no triangle has, whose metadata say structure, layer and type, as far as
- * they are given. Its edges are `mm` long. */
+/* A tetrahedron with edges of `mm`, with 4 vertices or one more that no triangle has. Its metadata are structure, layer
+ * and type, unless NULL. */
 static void write_surface(const char *name, const char *structure, const char *layer, const char *type, double mm,
                           size_t vertices)
 {
@@ -110,8 +110,8 @@ static void assert_refused(const char *path, const char *message)
     assert_null(strchr(conus_message(), '\n'));
 }
 
-/* Of the left all corners but vertex 3 are 5's, so all four triangles are. Of the right, labels 5 5 8 8, triangles
- * (0 2 1) and (0 1 3) have two corners of 5, the others two of 8. 5 is of both sides. */
+/* On the left all vertices but 3 have label 5, so all four triangles are area 5. On the right, with labels 5 5 8 8,
+ * triangles (0 2 1) and (0 1 3) have two vertices of label 5, the others two of 8. Label 5 is on both sides. */
 static void surfaces_and_voxels_are_one_atlas(void **state)
 {
     (void)state;
@@ -122,7 +122,7 @@ static void surfaces_and_voxels_are_one_atlas(void **state)
     assert_true(test_has_note(atlas, "x.dlabel.nii: map 0: labels of CortexLeft are on l.surf.gii (of no known kind)"));
     assert_true(test_has_note(atlas, "labels of CortexRight are raised by 10000, since others have them, too"));
     assert_true(test_has_note(atlas, "2 maps: number 0 (from 0) was used, \"one\""));
-    static const uint8_t red[3] = {255, 0, 0}; /* of A, in the file's table */
+    static const uint8_t red[3] = {255, 0, 0}; /* colour of A in the file's table */
     assert_memory_equal(conus_atlas_object(atlas, 2)->rgb, red, 3);
     assert_memory_equal(conus_atlas_object(atlas, 3)->rgb, red, 3);
     const conus_volume_info *info = conus_atlas_volume(atlas, 0);
@@ -136,7 +136,7 @@ static void surfaces_and_voxels_are_one_atlas(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Map two has 8 on the left, where no other has it, and nothing else: the right needs no surface. */
+/* Map two has label 8 on the left, where map one does not have it, and nothing else: the right needs no surface. */
 static void a_map_is_chosen(void **state)
 {
     (void)state;
@@ -175,7 +175,7 @@ static void pack_file(const char *name, const char *packed)
     assert_int_equal(remove(test_in(name)), 0);
 }
 
-/* *.surf.gii.gz, and where there is none *.gii.gz; each is looked at once. */
+/* *.surf.gii.gz is preferred to *.gii.gz; each file is read once. */
 static void packed_files_are_found(void **state)
 {
     (void)state;
@@ -198,8 +198,8 @@ static size_t count_notes(const conus_atlas *atlas, const char *part)
     return count;
 }
 
-/* Label 0 of map one is called "Sulcus", and one vertex has -1: said once, though the file is read for each of
- * the surfaces and for the voxels, and not of another map. */
+/* Label 0 of map one is called "Sulcus", and one vertex has -1. Both are noted once, though the file is read for each
+ * of the surfaces and for the voxels; map two has no such notes. */
 static void notes_of_the_file_are_given_once(void **state)
 {
     (void)state;
@@ -217,7 +217,7 @@ static void notes_of_the_file_are_given_once(void **state)
     }
 }
 
-/* Labels 5 8 7 of one place each: they stay as they are. */
+/* Labels 5, 8 and 7 are each in one structure only, and stay. */
 static void labels_of_one_structure_stay(void **state)
 {
     (void)state;
@@ -227,8 +227,8 @@ static void labels_of_one_structure_stay(void **state)
     assert_areas_with(test_in("x.dlabel.nii"), NULL, "7 Thalamus L v2; 5 A L 4; 8 B R 4");
 }
 
-/* Of a label of voxels and of both sides the voxels keep the number, the left has it at 10000, the right at the next
- * step above 10005, since 10005 is taken. */
+/* Label 5 is on voxels and on both sides: the voxels keep it, the left becomes 10005, and the right 20005, since 10005
+ * is taken. */
 static void labels_of_all_structures_are_three_areas(void **state)
 {
     (void)state;
@@ -252,7 +252,8 @@ static void labels_may_be_too_large_to_be_raised(void **state)
                                             "others have its labels, is above 4294967295");
 }
 
-/* The best kind that is there, by the file's own words first, else by its name. Edges of 10 mm: 1000/6 mm^3. */
+/* The best kind of surface is used, by the file's own metadata first, otherwise by its name. Edges of 10 mm: 1000/6
+ * mm^3. */
 static void the_kind_of_surface_is_chosen(void **state)
 {
     (void)state;
@@ -332,7 +333,7 @@ static void as_labels_of_a_surface(void **state)
     assert_non_null(strstr(conus_message(), "lh.obj does not say which structure it is (AnatomicalStructurePrimary)"));
 }
 
-/* By the surface's own word, or by "hemisphere"; the voxels as the parcellation. */
+/* The structure is that of the surface's metadata, or of "hemisphere"; voxels come from the parcellation. */
 static void in_a_manifest(void **state)
 {
     (void)state;
@@ -370,11 +371,11 @@ static void a_first_manifest_of_a_folder(void **state)
     assert_ok(conus_manifest_write(test_in("m.atlas.json"), NULL));
     assert_areas_with(test_in("m.atlas.json"), NULL, "7 Thalamus L v2; 5 A L 4; 10005 A R 2; 10008 B R 2");
     write_labels("y.dlabel.nii", &(struct cifti_spec){0});
-    assert_ok(conus_manifest_write(test_in("n.atlas.json"), NULL)); /* which of the two is not known */
+    assert_ok(conus_manifest_write(test_in("n.atlas.json"), NULL)); /* it is unknown which one is used */
     assert_areas_with(test_in("n.atlas.json"), NULL, "1 l.inflated L 4; 2 l L 4; 3 r R 4");
 }
 
-/* Voxels alone need no surface; those of a folder inside, which are areas of their own, get labels above 8. */
+/* A file of voxels alone needs no surface. A surface in a folder inside becomes an area, with a label above 8. */
 static void a_first_manifest_of_voxels(void **state)
 {
     (void)state;

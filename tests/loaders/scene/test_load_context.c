@@ -17,7 +17,7 @@
 static const double low[3] = {-20, -30, -40};
 static const double high[3] = {25, 35, 45};
 
-/* Writes a box as a file of the test's folder; gives its path. */
+/* Writes a box as a file of the test's folder; returns its path. */
 static const char *write_box(const char *name, conus_mesh_format format)
 {
     struct mesh box = mesh_scene_box(low, high);
@@ -39,7 +39,7 @@ static void put_big(struct buffer *out, const void *value)
     buffer_append(out, turned, 4);
 }
 
-/* FreeSurfer's: mark, comment, two line feeds, counts, positions, indices; big-endian. */
+/* FreeSurfer's format: magic number, comment, two line feeds, counts, positions, indices; big-endian. */
 static const char *write_freesurfer(const char *name)
 {
     struct mesh box = mesh_scene_box(low, high);
@@ -221,7 +221,7 @@ static const char *write_scaled(const char *name, double scale, double shift)
     return path;
 }
 
-/* What is said about a context, but for the path; NULL if nothing is. */
+/* The note about a context's place, without the path; NULL if there is none. */
 static const char *place_note(const conus_atlas *atlas)
 {
     const char *found = NULL;
@@ -344,7 +344,7 @@ static void every_failing_allocation_leaves_the_atlas(void **state)
     }
 }
 
-/* Writes as many numbers as the box has vertices, or others, 0 but for the first two: 3 and -2. */
+/* Writes as many numbers as the box has vertices, or another count: all 0 but the first two, 3 and -2. */
 static const char *write_map(const char *name, size_t count, const char *structure)
 {
     float values[16] = {3, -2};

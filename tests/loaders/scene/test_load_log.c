@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The callback that hears what is noticed while an atlas is loaded: each note once, when it is made, with its severity
- * and the file that it is about, also where the load fails afterwards. */
+/* The callback for notes of a load: each note comes once, when it is made, with its severity and the file that it is
+ * about, also if the load fails afterwards. */
 #include "atlas/atlas.h"
 #include "builders/nifti_builder.h"
 #include "conus/arrays.h"
@@ -39,7 +39,7 @@ struct wanted {
     const char *part; /* of the line */
 };
 
-/* What was heard is what is wanted, in that order. */
+/* Asserts that the wanted notes were heard, in that order. */
 static void assert_heard(const struct heard *heard, const struct wanted *wanted, size_t count)
 {
     for (size_t i = 0; i < heard->count; i++) {
@@ -53,7 +53,7 @@ static void assert_heard(const struct heard *heard, const struct wanted *wanted,
     }
 }
 
-/* The atlas has what was heard, each line as often. */
+/* Asserts that the atlas has the notes that were heard, each line as often. */
 static void assert_kept(const struct heard *heard, const conus_atlas *atlas)
 {
     assert_int_equal(conus_atlas_note_count(atlas), heard->count);
@@ -89,7 +89,7 @@ static void write_volume(const char *name, int datatype, const double values[4],
     buffer_finish(&builder.bytes);
 }
 
-/* One triangle is open. */
+/* Writes a surface of one open triangle. */
 static void write_triangle(const char *name)
 {
     conus_atlas *atlas = NULL;
@@ -106,7 +106,7 @@ static void write_triangle(const char *name)
 
 enum { UINT8 = 2, FLOAT32 = 16 };
 
-/* Files about which there is something to say. */
+/* Writes files that give notes; returns how many. */
 static int write_files(void **state)
 {
     (void)state;
@@ -142,7 +142,7 @@ static void a_volume(void **state)
     assert_ok(conus_atlas_load(&atlas, test_in("v.nii"), &options));
     assert_heard(&heard, of_volume, OF_VOLUME);
     assert_kept(&heard, atlas);
-    /* The callback is of the load only. */
+    /* The callback is used during the load only. */
     assert_null(atlas->notes.sink);
     assert_ok(conus_atlas_add_pathway(atlas, test_in("p.nii"), NULL));
     assert_int_equal(heard.count, OF_VOLUME);
@@ -207,7 +207,7 @@ static void a_scene_names_the_file_of_each_note(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Of the image once, though it has two pathways. */
+/* The image has two pathways, but its own note is given once. */
 static void an_fsl_atlas(void **state)
 {
     (void)state;
@@ -330,7 +330,7 @@ static void objects_of_one_file_say_it_once(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* An attached atlas has the notes of the packed one, and gets more. */
+/* An attached atlas has the notes of the packed one, and may get more. */
 static void an_attached_atlas(void **state)
 {
     (void)state;
@@ -351,7 +351,7 @@ static void an_attached_atlas(void **state)
     conus_atlas_destroy(attached);
 }
 
-/* NULL is silent, and so is the smaller struct of a caller that knows of no callback. */
+/* Without a callback notes are silent, and so they are for a caller with an older, smaller struct. */
 static void without_a_callback(void **state)
 {
     (void)state;
@@ -379,7 +379,7 @@ static conus_status load_scene(void *user)
     return status;
 }
 
-/* What is found out when all files have been read is about the atlas that was asked for. */
+/* Notes that need all files to have been read are about the atlas that was asked for. */
 static void what_is_said_of_all_areas(void **state)
 {
     (void)state;

@@ -54,7 +54,7 @@ static void a_surface_is_an_area(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Vertex 3 is label 3's; three triangles have it as one corner of three, so that nothing of label 3 is left. */
+/* Vertex 3 has label 3. Three triangles have it as one vertex of three, so that no triangle has label 3. */
 static void labels_inside_or_beside_cut_it(void **state)
 {
     (void)state;
@@ -81,7 +81,7 @@ static void labels_inside_or_beside_cut_it(void **state)
     }
 }
 
-/* A file that grows after the n-th close() from now on, between two readings; 0 = none does. */
+/* A file that grows after the n-th close() from now on, between two readings; 0 = never. */
 static char growing[256];
 static size_t closes_left;
 
@@ -100,7 +100,7 @@ int __wrap_close(int descriptor)
     return closed;
 }
 
-/* The checksum that an atlas tells must be that of the bytes that it was made of. */
+/* The checksum of the atlas must be that of the bytes from which it was made. */
 static void a_surface_that_changes_is_an_error(void **state)
 {
     (void)state;
@@ -120,7 +120,7 @@ static void a_surface_that_changes_is_an_error(void **state)
             assert_ok(status);
             break;
         }
-        if (status) { /* else it grew while only its kind was looked for, before any of it was kept */
+        if (status) { /* otherwise the file grew while only its kind was detected, before any of it was kept */
             assert_fails(status, CONUS_ERROR_IO);
             assert_non_null(strstr(conus_message(), "growing.gii: changed while it was read"));
             noticed++;
@@ -160,7 +160,7 @@ static void every_failing_allocation(void **state)
     }
 }
 
-/* What people have: a surface without labels, and FreeSurfer's annotation. */
+/* The usual case: a surface without labels, and FreeSurfer's annotation. */
 static void fsaverage_by_its_annotation(void **state)
 {
     (void)state;

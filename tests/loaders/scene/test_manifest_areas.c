@@ -139,7 +139,7 @@ static void patterns_number_by_file_name(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* 100 + 4294967290, counted round, would be 94. */
+/* 100 + 4294967290 would overflow to 94. */
 static void parents_of_patterns_are_raised_or_refused(void **state)
 {
     (void)state;
@@ -204,7 +204,7 @@ static void a_surface_may_replace_voxels(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The manifest's word counts before the table's, where it says one. */
+/* The side that the manifest states has priority over the table's. */
 static void a_side_is_the_manifests(void **state)
 {
     (void)state;
@@ -369,7 +369,7 @@ static void a_folder_of_surfaces_is_an_atlas(void **state)
     assert_int_equal(conus_atlas_object(atlas, 2)->label, 7);
     assert_int_equal(atlas->files.count, 2);
     assert_int_equal(strlen(atlas->files.items[1].sha256), 64);
-    assert_string_equal(atlas_path(atlas), test_in("set")); /* as it was asked for, not its first surface */
+    assert_string_equal(atlas_path(atlas), test_in("set")); /* the path of the request, not that of its first surface */
     conus_atlas_destroy(atlas);
     atlas = loaded("\"areas\": [{\"file\": \"a.gii\", \"label\": 4}]");
     assert_int_equal(atlas->files.count, 2);
@@ -461,7 +461,7 @@ static void brainglobe_folders_are_placed_and_grouped(void **state)
     write_text("globe/metadata.json", "{\"orientation\": [\"lpi\"]}");
     assert_fails(load(&atlas, "\"areas\": [{\"brainglobe\": \"globe\"}]"), CONUS_ERROR_DATA);
     assert_non_null(strstr(conus_message(), "globe/metadata.json: orientation: a text of three letters is needed"));
-    atlas = loaded("\"areas\": [{\"brainglobe\": \"globe\", \"orientation\": \"asr\"}]"); /* then it is not asked */
+    atlas = loaded("\"areas\": [{\"brainglobe\": \"globe\", \"orientation\": \"asr\"}]"); /* stated: not read */
     conus_atlas_destroy(atlas);
 }
 

@@ -119,11 +119,11 @@ static void an_annotation_beside_it_cuts_a_surface(void **state)
     assert_areas("", "1 alpha L; 10001 beta R");
     unlink(test_in("rh.aparc.annot"));
     assert_areas("", "1 alpha L; 10001 gamma R");
-    write_annotation("rh.vis.annot", 4, "delta"); /* which of the two? */
+    write_annotation("rh.vis.annot", 4, "delta"); /* it is unknown which of the two is wanted */
     assert_areas("", "1 alpha L; 10001 rh.pial -");
 }
 
-/* Content decides the format: these are FreeSurfer's under GIFTI's ending. */
+/* The content decides the format: these are FreeSurfer's surfaces with GIFTI's ending. */
 static void two_surfaces_of_a_side_are_not_cut(void **state)
 {
     (void)state;
@@ -131,7 +131,7 @@ static void two_surfaces_of_a_side_are_not_cut(void **state)
     write_surface("lh.pial.gii", -20);
     write_annotation("lh.aparc.annot", 4, "alpha");
     assert_areas("", "1 alpha L");
-    write_surface("lh.white.gii", -20); /* which of the two? */
+    write_surface("lh.white.gii", -20); /* it is unknown which of the two is wanted */
     assert_areas("", "1 lh.pial -; 2 lh.white -");
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_manifest_write(): what it takes files for, and that what it writes loads. */
+/* conus_manifest_write(): the kinds that it finds, and loading the manifests that it writes. */
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "builders/gifti_builder.h"
@@ -81,7 +81,7 @@ static uint32_t mask(size_t i)
     return i < 40 ? 7 : 0; /* one value: a mask, however compact */
 }
 
-/* Thin areas, in slices of one voxel: half of the neighbours along i and j are 0, and two in three are equal. */
+/* Thin areas, in slices of one voxel: along i and j half of the neighbours are 0, and two in three are equal. */
 static uint32_t in_slices(size_t i)
 {
     return (uint32_t)(i / 64 % 2 * (1 + i / 64));
@@ -228,7 +228,7 @@ static void count_notes(void *user, const conus_note *note)
     *(int *)user += strncmp(note->line, words, strlen(words)) == 0;
 }
 
-/* Whether surfaces are of the parcellation's own areas, nobody can know but the user. */
+/* Only the user can know whether surfaces belong to the parcellation's own areas. */
 static void surfaces_beside_a_parcellation_are_noted(void **state)
 {
     (void)state;
@@ -253,7 +253,7 @@ static uint32_t in_percent(size_t i)
     return i < 40 ? 70 : 0;
 }
 
-/* In percent, as the name says: by itself an area, beside a parcellation a pathway, before the others. */
+/* In percent, as the name says: alone it is an area, beside a parcellation a pathway, before the others. */
 static void probabilities_stand_alone(void **state)
 {
     (void)state;

@@ -174,7 +174,7 @@ static void one_grid_makes_one_volume(void **state)
     assert_ok(conus_atlas_set_hemispheres(atlas, CONUS_HEMISPHERES_MERGED)); /* Front, by the column hemisphere */
     assert_int_equal(conus_atlas_object_count(atlas), 4);
     conus_atlas_destroy(atlas);
-    atlas = loaded("\"parcellations\": [" RIGHT ", " LEFT "]"); /* of values up to 1, and up to 2 */
+    atlas = loaded("\"parcellations\": [" RIGHT ", " LEFT "]"); /* values up to 1, and up to 2 */
     assert_near(conus_atlas_volume(atlas, 0)->maximum, 2, 0);
     conus_atlas_destroy(atlas);
 }
@@ -215,14 +215,14 @@ static void other_grids_stay_volumes(void **state)
     assert_true(
         test_has_note(atlas, "coarse.nii: areas that lose all of their voxels to earlier parcellations: 1 (8)"));
     double centre[3];
-    assert_ok(conus_atlas_centre(centre, atlas, 4)); /* of i = 6 and 7: x = 13.25; y and z: 0.25 + 3 */
+    assert_ok(conus_atlas_centre(centre, atlas, 4)); /* the mean of i = 6 and 7: x = 13.25; y and z: 0.25 + 3 */
     assert_near(centre[0], 13.25, 1e-12);
     assert_near(centre[1], 3.25, 1e-12);
     conus_atlas_destroy(atlas);
 }
 
-/* Last, the same grid joins over the other: the finer voxels are asked where their centres lie. Those of left with i =
- * 0 to 11 lie at x = i, in the coarse voxels, which are all some area's: everything is coarse's. */
+/* In the reverse order the finer voxels are asked, at their own centres. Those of left with i = 0 to 11 lie at x = i,
+ * in coarse voxels that all belong to an area: the coarse parcellation keeps everything. */
 static void priority_is_by_centres_both_ways(void **state)
 {
     (void)state;
@@ -258,8 +258,8 @@ static void labels_are_one_areas(void **state)
                    "has parcellation and parcellations, one of them is allowed");
 }
 
-/* One table for both: each volume's labels have the names of the table that is its own, and the group above them, of no
- * voxels, is of both hemispheres. */
+/* One table for both volumes: the labels of each have that volume's names, and the group above them, without voxels, is
+ * of both hemispheres. */
 static void a_table_may_name_the_labels_of_all(void **state)
 {
     (void)state;
@@ -294,7 +294,7 @@ static void a_table_may_name_the_labels_of_all(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Each table calls the other's label something else, which does not count: its voxels are not there. */
+/* Each table has other names for the other volume's labels, which do not count: it has no voxels of them. */
 static void names_are_of_the_voxels_own_table(void **state)
 {
     (void)state;
@@ -319,8 +319,8 @@ static void areas_without_a_table_have_a_hemisphere(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A surface that has label 1 instead leaves the layers i = 0 to 4 to the coarse voxels 0 to 2: 8 keeps all, and 9 keeps
- * i = 0, 2, 6 and 7. */
+/* A surface that replaces label 1 leaves the layers i = 0 to 4 to the coarse voxels 0 to 2: 8 keeps all, and 9 keeps i
+ * = 0, 2, 6 and 7. */
 static void what_is_a_surface_claims_no_voxels(void **state)
 {
     (void)state;
@@ -343,12 +343,12 @@ static void what_is_a_surface_claims_no_voxels(void **state)
                                            {101, "Front", 'R', 5 * FINE_LAYER, 5 * FINE_LAYER},
                                            {8, "8", 0, COARSE_LAYER, 8.0 * COARSE_LAYER},
                                            {9, "9", 0, 4 * COARSE_LAYER, 8.0 * 4 * COARSE_LAYER},
-                                           {1, "Front", 'L', 0, 6}}; /* by the table */
+                                           {1, "Front", 'L', 0, 6}}; /* hemispheres as in the table */
     assert_areas(atlas, wanted, 5);
     conus_atlas_destroy(atlas);
 }
 
-/* Between the templates of Talairach (3) and MNI (4) lie some mm. */
+/* Talairach space (3) and MNI space (4) differ by some mm. */
 static void spaces_that_differ_are_noted(void **state)
 {
     (void)state;
@@ -519,7 +519,7 @@ static void areas_of_any_grid_can_be_hidden(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* What the row along x at y = z = 3 shows: where both grids have an area, from 11.25 to 11.5, the first. */
+/* Object seen along the row along x at y = z = 3: the first grid's where both have an area, from 11.25 to 11.5. */
 static uint32_t seen_at(double x)
 {
     return x < -0.5 ? 0 : x < 4.5 ? 1 : x < 6.5 ? 2 : x < 11.5 ? 3 : x < 15.25 ? 4 : 0;

@@ -19,7 +19,7 @@
 static const double vertices[12] = {0, 0, 0, 10, 0, 0, 0, 20, 0, 0, 0, 30};
 static const int triangles[12] = {0, 2, 1, 0, 3, 2, 0, 1, 3, 1, 2, 3};
 
-/* A tetrahedron. `real_ras` < 0: without that tag; `footer` NULL: without the other. */
+/* Makes a tetrahedron. Without the tag if `real_ras` < 0; without the footer if `footer` is NULL. */
 static void make_surface(struct buffer *out, const char *comment, int real_ras, const char *footer)
 {
     buffer_append(out, "\xff\xff\xfe", 3);
@@ -166,7 +166,7 @@ static void broken_surfaces_are_refused_with_reasons(void **state)
     }
 }
 
-/* Each attempt parses a copy, so that a sanitizer sees one byte too many. */
+/* Parses a copy, so that a sanitizer notices one byte too many. */
 static conus_status attempt_surface(void *data)
 {
     struct mesh mesh = {0};
@@ -181,7 +181,7 @@ static conus_status attempt_surface(void *data)
     return status;
 }
 
-/* The footer may be missing as a whole, or the number that ends it cut; nothing else may. */
+/* The footer may be missing as a whole, or the number at its end cut; every other prefix is refused. */
 static void every_prefix_of_a_surface(void **state)
 {
     (void)state;
@@ -296,7 +296,7 @@ static void annotations_of_both_versions(void **state)
     }
 }
 
-/* Two areas of one colour, a black one, an area as entry 0, a colour of no area. */
+/* Two areas of one colour, a black one, an area as entry 0, and a colour without an area. */
 static void what_colours_cannot_tell_is_noted(void **state)
 {
     (void)state;

@@ -63,7 +63,7 @@ static void every_prefix_is_refused(void **state)
     for (size_t size = 0; size < strlen(two); size++) {
         uint32_t *labels = NULL;
         size_t count = 0;
-        char *exact = malloc(size ? size : 1); /* so that a sanitizer sees one byte too many */
+        char *exact = malloc(size ? size : 1); /* so that a sanitizer notices one byte too many */
         assert_non_null(exact);
         memcpy(exact, two, size);
         conus_status status = freesurfer_label_parse(&labels, &count, (struct text){exact, size});
@@ -123,7 +123,7 @@ static void assert_area(conus_atlas *atlas)
     conus_atlas_destroy(atlas);
 }
 
-/* Of the tetrahedron's triangles two have both vertices 0 and 1, so that most of their corners are in the list. */
+/* Two triangles of the tetrahedron have both vertices 0 and 1, so that most of their vertices are in the list. */
 static void a_list_cuts_a_surface(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* GIFTI: every encoding, order and byte order, placement, and what is refused. */
+/* GIFTI: every encoding, order and byte order, placement, and refused files. */
 #include "loaders/surfaces/gifti.h"
 
 #include "base/files/file.h"
@@ -23,7 +23,7 @@ static conus_status parse(struct gifti *out, const struct buffer *bytes, struct 
     return gifti_parse(out, (const uint8_t *)bytes->data, bytes->size, NULL, notes);
 }
 
-/* The tetrahedron of `bytes`, moved along x by `by`. */
+/* Asserts that `bytes` are the tetrahedron, moved along x by `by`. */
 static void assert_tetrahedron(const struct buffer *bytes, double by)
 {
     struct gifti gifti = {0};
@@ -95,7 +95,8 @@ static void every_type(void **state)
     }
 }
 
-/* What a POINTSET array says inside, where the vertices go along x, and words of the note, if there is one. */
+/* Metadata of a POINTSET array, the shift of the vertices along x that follows, and words of the note, if there is
+ * one. */
 static void places_follow_the_rule(void **state)
 {
     (void)state;
@@ -144,7 +145,7 @@ static void places_follow_the_rule(void **state)
         }
         mesh_finish(&mesh);
         notes_finish(&notes);
-        assert_ok(gifti_mesh(&mesh, &gifti, true, &notes)); /* as stored, whatever the file says */
+        assert_ok(gifti_mesh(&mesh, &gifti, true, &notes)); /* as stored, whatever space the file states */
         assert_near(mesh.positions[0], 0, 0);
         assert_int_equal(notes.count, 0);
         mesh_finish(&mesh);
@@ -286,7 +287,7 @@ static const struct bad {
     {{0}, "<GIFTI><MetaData>&a;</MetaData></GIFTI>", "undefined entity", CONUS_ERROR_DATA},
 };
 
-/* "a|b": either. */
+/* Whether the message has a or b of "a|b". */
 static bool says(const char *wanted)
 {
     const char *bar = strchr(wanted, '|');
@@ -322,7 +323,7 @@ static void broken_files_are_refused_with_reasons(void **state)
     }
 }
 
-/* Arrays that are right in themselves, and no surface. */
+/* Valid arrays that do not make a surface. */
 static void impossible_surfaces_are_refused(void **state)
 {
     (void)state;
@@ -367,7 +368,7 @@ static void impossible_surfaces_are_refused(void **state)
     }
 }
 
-/* Of a document with all there is. */
+/* Makes a document with all kinds of elements. */
 static void make_rich(struct buffer *out)
 {
     static const double labels[4] = {1, 2, 0, 1};
@@ -397,7 +398,7 @@ static void every_prefix_is_refused(void **state)
     for (size_t size = 0; size + 1 < bytes.size; size++) { /* without its last line end it is whole */
         struct gifti gifti = {0};
         struct notes notes = {0};
-        uint8_t *exact = memory_raw(size, 1); /* so that a sanitizer sees one byte too many */
+        uint8_t *exact = memory_raw(size, 1); /* so that a sanitizer notices one byte too many */
         memcpy(exact, bytes.data, size);
         assert_fails(gifti_parse(&gifti, exact, size, NULL, &notes), CONUS_ERROR_DATA);
         memory_free(exact);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Surfaces of any format: the content decides, and labels of vertices fit. */
+/* Surfaces of any format: the content decides the format, and labels of vertices must fit. */
 #include "loaders/surfaces/mesh_file.h"
 
 #include "base/memory.h"
@@ -35,7 +35,7 @@ static void make_freesurfer(struct buffer *out)
     }
 }
 
-/* The name tells nothing: surfaces packed and plain under names of other formats. */
+/* Surfaces, packed and plain, with names of other formats: the name does not count. */
 static void content_decides(void **state)
 {
     (void)state;
@@ -56,7 +56,7 @@ static void content_decides(void **state)
             assert_null(about.name);
         }
         assert_int_equal(about.hemisphere, i & 1 ? 'L' : 0);
-        assert_int_equal(notes.count, 1); /* neither says in which space it is */
+        assert_int_equal(notes.count, 1); /* neither states its space */
         assert_non_null(strstr(notes.lines[0], path));
         notes_finish(&notes);
         label_finish(&about);
@@ -65,7 +65,7 @@ static void content_decides(void **state)
     }
 }
 
-/* Those of other programs; all but STL number their vertices. */
+/* Formats of other programs; all but STL number their vertices. */
 static void other_formats_by_name(void **state)
 {
     (void)state;
@@ -178,7 +178,7 @@ static void make_labels(struct buffer *out, int maps)
     gifti_end(out);
 }
 
-/* One vertex of label 5, "area". */
+/* An annotation with label 5, "area", of one vertex. */
 static void make_annot(struct buffer *out)
 {
     static const uint32_t words[] = {1, 0, 9, 1, (uint32_t)-2, 6, 0, 1, 5, 5};

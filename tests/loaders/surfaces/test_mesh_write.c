@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* conus_atlas_write_meshes() with a conus-mesh that is played by a script: files, names, notes, failures. And the
- * formats' bytes. */
+/* conus_atlas_write_meshes() with a conus-mesh that a script plays: files, names, notes, failures; and the formats'
+ * bytes. */
 #include "atlas/atlas.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
@@ -37,7 +37,7 @@ static conus_atlas *make_atlas(void)
     return atlas;
 }
 
-/* Lets $CONUS_MESH write these bytes, whatever it is asked. */
+/* Makes $CONUS_MESH write these bytes, whatever its request. */
 static void play(const struct buffer *bytes)
 {
     struct buffer script = {0};

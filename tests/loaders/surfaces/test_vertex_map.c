@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Numbers of vertices: written, read again, and what is refused. */
+/* Numbers of vertices: written, read again, or refused. */
 #include "base/files/file.h"
 #include "conus/file.h"
 #include "loaders/surfaces/vertex_map.h"
@@ -77,7 +77,7 @@ static void what_is_no_map_is_refused(void **state)
     assert_null(map.values);
 }
 
-/* Whole numbers are exact in float32 up to 2^24; beyond, two arrays make them up again. */
+/* Whole numbers are exact in float32 up to 2^24; larger ones are stored in two arrays. */
 static void whole_numbers_come_back(void **state)
 {
     (void)state;

@@ -167,12 +167,12 @@ static void bad_cells_are_named_with_their_line(void **state)
     assert_refused("0 nothing\n", "no label but 0");
 }
 
-/* Tables whose columns have names of their own: which is which is said. */
+/* The user says which columns of a table with other headings are labels and names. */
 static void columns_are_chosen_by_name(void **state)
 {
     (void)state;
     static const struct {
-        const char *text, *columns[2], *wanted; /* wanted begins with '!' where it is the message */
+        const char *text, *columns[2], *wanted; /* `wanted` begins with '!' if it is a message */
     } cases[] = {
         {"Nr;Bezeichnung\n1;Hippokampus\n2;\"Kern; roter\"\n", {"Nr", "Bezeichnung"}, "1 Hippokampus; 2 Kern; roter"},
         {"Nr;Titel;Kern, Rinde\n1;a;b\n", {"Nr", "Titel"}, "1 a"}, /* the comma is no separator: there are fewer */
@@ -206,7 +206,7 @@ static void columns_are_chosen_by_name(void **state)
     }
 }
 
-/* What was found, and what is needed. */
+/* The message names the columns that were found and those that are needed. */
 static void a_header_of_other_words_is_named(void **state)
 {
     (void)state;
@@ -234,7 +234,7 @@ static void what_is_no_table_is_refused(void **state)
     assert_refused("label,value\nHippocampus,3512\n", known);               /* likewise */
     assert_refused("1,0.5,0.25\n2,0.5,0.125\n", known);                     /* likewise */
     assert_refused("Hippocampus,3512\nCaudate,1200\n", known);              /* likewise */
-    assert_refused("1,2,Caudate\n2,1,Putamen\n", known);                    /* which of the two? */
+    assert_refused("1,2,Caudate\n2,1,Putamen\n", known);                    /* two numbers: ambiguous */
     assert_refused("[{\"id\": \"T1\", \"name\": \"a\"}]", known);           /* no number */
     assert_refused("[{\"name\": \"Hippocampus\", \"value\": 7}]", known);   /* a result */
     assert_refused("{\"EchoTime\": 1, \"labels\": {\"1\": \"a\"}}", known); /* a sidecar */
@@ -297,7 +297,7 @@ static void a_lut_gives_colours_only(void **state)
     parsed_finish(&parsed);
 }
 
-/* Number of labels, first and last name of tables that others wrote. */
+/* Number of labels, first and last name of tables by other programs. */
 static void real_tables_are_read(void **state)
 {
     (void)state;

@@ -82,7 +82,7 @@ static void formats_are_detected_from_content(void **state)
     assert_samples(samples, sizeof samples / sizeof samples[0]);
 }
 
-/* As AFNI writes it: 1000 characters to a piece, wherever that cuts. */
+/* As AFNI writes it: cut into pieces of 1000 characters, at any place. */
 static void afni_tables_are_joined_from_pieces(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Stacks of TIFF pages: what is read, and what is refused with which words. Strips, tiles and compressions of other
- * programs: tests/oracles/compare_tiff.py. */
+/* Stacks of TIFF pages: reading, and the messages of refused ones. tests/oracles/compare_tiff.py has strips, tiles and
+ * compressions of other programs. */
 #include "loaders/tiff/tiff.h"
 
 #include "base/memory.h"
@@ -266,7 +266,7 @@ static void bad_fields_are_named(void **state)
     }
 }
 
-/* What no file of this size can hold is refused before it is allocated. */
+/* Sizes that no file of this length can hold are refused before memory is allocated. */
 static void sizes_follow_from_the_file(void **state)
 {
     (void)state;
@@ -362,7 +362,7 @@ static void directories_lie_in_the_file(void **state)
     tiff_link(&b, UINT64_MAX);
     assert_refused(&b, CONUS_ERROR_DATA, "page 0: directory: 0 entries at byte 18446744073709551615");
     tiff_add_page(&b, pixels, sizeof pixels, NULL, 0);
-    tiff_put(&b, b.directory, UINT64_MAX / 20 + 2); /* whose bytes would overflow */
+    tiff_put(&b, b.directory, UINT64_MAX / 20 + 2); /* their size in bytes would overflow */
     assert_refused(&b, CONUS_ERROR_DATA, "directory: 922337203685477582 entries at byte");
     buffer_finish(&b.bytes);
     tiff_begin(&b, false, true);
@@ -371,7 +371,7 @@ static void directories_lie_in_the_file(void **state)
     buffer_finish(&b.bytes);
 }
 
-/* One directory with this description, and `pages` pages of pixels, that of number k all k. */
+/* A file of one directory with this description and `pages` pages of pixels; all pixels of page k are k. */
 static void build_imagej(struct tiff_builder *b, const char *text, size_t pages)
 {
     uint8_t pixels[8 * PIXELS];
@@ -418,7 +418,7 @@ static void imagej_keeps_pages_behind_one_directory(void **state)
     }
 }
 
-/* Pages that are not plain, so that they are unpacked. */
+/* Pages that are packed. */
 static void build_packed(struct tiff_builder *b, bool big)
 {
     static const unsigned codes[] = {256, 7, 258, 8, 8, 258, 6, 6, 257};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Fields of TIFF with a list of values, each of which is tried: those of the specification and those beside them. */
+/* Fields of TIFF with a list of values. Tried are all values of the specification and those next to them. */
 #include "base/files/file.h"
 #include "builders/tiff_builder.h"
 #include "loaders/tiff/tiff.h"
@@ -44,7 +44,8 @@ static void pages_must_be_alike(void **state)
     }
 }
 
-/* The eight orientations of TIFF 6.0, and the numbers beside them: the first row is the top in 1 only. */
+/* The eight orientations of TIFF 6.0, and the numbers next to them: only in 1 the first row is the top and the first
+ * column the left. */
 static void one_orientation_is_read(void **state)
 {
     (void)state;
@@ -66,8 +67,8 @@ static void one_orientation_is_read(void **state)
     }
 }
 
-/* Fields that say something else about the pixels, each with the values 0 to 4: those that TIFF 6.0 and SGI's fields of
- * depth give the meaning of plain pages of one number are read, all others are refused. */
+/* Fields that change the meaning of pixels, each with the values 0 to 4. Values that TIFF 6.0 and SGI's fields of depth
+ * give to plain pages of one number are read; all others are refused. */
 static void fields_have_their_plain_values(void **state)
 {
     (void)state;
@@ -93,7 +94,7 @@ static void fields_have_their_plain_values(void **state)
     }
 }
 
-/* Whole numbers of 8 to 64 bits, floats of 32 and 64: as large as the types of a C compiler. */
+/* Whole numbers of 8 to 64 bits and floats of 32 and 64 bits, the sizes of C's types. */
 static void numbers_are_of_whole_types(void **state)
 {
     (void)state;

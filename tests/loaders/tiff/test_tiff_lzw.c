@@ -7,9 +7,9 @@
 
 #include <string.h>
 
-/* Code n of a row of zeros: 256 empties the table, 0 is the first byte, and then each is the one that the reader is
- * about to add, one byte longer than the last: n bytes. It is read when the codes below 256 + n are taken, and TIFF 6.0
- * widens codes when 511, 1023 and 2047 are. */
+/* Appends code n of a row of zeros: 256 clears the table, 0 is the first byte, and then each code is the one that the
+ * reader is about to add, one byte longer than the last: n bytes. When it is read, the codes below 256 + n are taken;
+ * TIFF 6.0 widens codes when 511, 1023 and 2047 are. */
 static void append_code(uint8_t *packed, size_t *bit, unsigned n, bool end)
 {
     unsigned code = end ? 257 : n == 0 ? 256 : n == 1 ? 0 : 256 + n;
@@ -50,7 +50,7 @@ static void lzw_codes_widen_until_the_table_is_full(void **state)
         assert_false(unpack_zeros(out, size - 1, codes[i]));
         assert_false(unpack_zeros(out, size + 1, codes[i]));
     }
-    assert_false(unpack_zeros(out, MOST, 5000)); /* there are no 4096 + n codes */
+    assert_false(unpack_zeros(out, MOST, 5000)); /* the table has no room for 4096 + n codes */
     memory_free(out);
 }
 

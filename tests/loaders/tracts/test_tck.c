@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* MRtrix's tractograms, and how the format of a file is found. */
+/* MRtrix's tractograms, and detecting a file's format. */
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "conus/streamlines.h"
@@ -113,8 +113,8 @@ static void numbers_of_both_sizes_and_orders(void **state)
     }
 }
 
-/* 1 + 2^-24 lies between the floats 1 and 1 + 2^-23, and goes to the even one, which is 1; 1 + 2^-24 + 2^-52 does not.
- */
+/* 1 + 2^-24 lies in the middle between the floats 1 and 1 + 2^-23, and is rounded to the even one, which is 1; 1 +
+ * 2^-24 + 2^-52 is rounded up. */
 static void doubles_are_rounded_once(void **state)
 {
     (void)state;
@@ -132,7 +132,7 @@ static void doubles_are_rounded_once(void **state)
     buffer_finish(&bytes);
 }
 
-/* Keys in any case and order, lines that go on, the same key twice where it is not used, points that begin later. */
+/* Keys in any case and order, lines that are continued, an unused key that occurs twice, points that begin later. */
 static void headers_as_programs_write_them(void **state)
 {
     (void)state;
@@ -309,7 +309,7 @@ static void more_than_a_block(void **state)
     buffer_finish(&bytes);
 }
 
-/* A file may be cut short between two readings: the reader of one that was a tractogram has a reason then, too. */
+/* A file may be cut short between two readings: its reader then gives a reason, too. */
 static void the_reader_says_why_a_file_is_empty(void **state)
 {
     struct byte_stream stream;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* TrackVis files: where points go, by hand; scalars by name; headers that contradict themselves. */
+/* TrackVis files: positions of points, by hand; scalars by name; headers that contradict themselves. */
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "builders/trk_builder.h"
@@ -128,7 +128,7 @@ static void an_oblique_grid(void **state)
     buffer_finish(&trk.bytes);
 }
 
-/* Without a matrix voxel indices are taken as mm, as nibabel does; only where voxels are of 1 mm is that no lie. */
+/* Without a matrix voxel indices are taken as mm, as nibabel does. That is only right for voxels of 1 mm. */
 static void a_missing_matrix_and_order_are_warned_of(void **state)
 {
     (void)state;
@@ -229,7 +229,7 @@ static void numbers_without_names_have_names(void **state)
     buffer_finish(&trk.bytes);
 }
 
-/* The most numbers that the header can state. */
+/* As many numbers as the header can state. */
 static void as_many_numbers_as_a_header_has(void **state)
 {
     (void)state;
@@ -381,7 +381,7 @@ static void headers_that_contradict_themselves_are_refused(void **state)
     }
 }
 
-/* The size of an axis counts only where the axis is turned; 1 % is what sizes may differ by. */
+/* The size of an axis counts only if the axis is reversed; sizes may differ by 1 %. */
 static void what_is_not_used_may_be_wrong(void **state)
 {
     (void)state;
@@ -412,7 +412,7 @@ static void points_that_are_nowhere_are_refused(void **state)
     }
 }
 
-/* 70,000 points of 20 bytes: more than a block, which no point divides. */
+/* 70,000 points of 20 bytes are more than a block, and a block does not hold a whole number of points. */
 static void a_streamline_longer_than_a_block(void **state)
 {
     (void)state;
@@ -450,7 +450,7 @@ static void a_streamline_longer_than_a_block(void **state)
     buffer_finish(&trk.bytes);
 }
 
-/* With a count every prefix is refused; without one those at a streamline's end are shorter files. */
+/* With a count every prefix is refused; without one a prefix that ends with a streamline is a shorter file. */
 static void every_prefix(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* TRX: archives and folders of every type, what header.json contradicts, memory. */
+/* TRX: archives and folders of every type, contradictions of header.json, memory. */
 #include "loaders/tracts/tract_formats.h"
 
 #include "base/memory.h"
@@ -279,7 +279,8 @@ static void no_streamline(void **state)
     }
 }
 
-/* The standard archive with file @p name of other bytes, another name, or without it (@p other has no name). */
+/* Refuses the standard archive with other bytes for the file @p name, with another name for it, or without it (@p other
+ * has no name). */
 static void assert_refused(const char *name, struct file other, conus_status wanted, const char *part)
 {
     struct file files[FILES];
@@ -376,7 +377,7 @@ static void arrays(void **state)
                    "groups/AF_L.uint32: 7 bytes");
 }
 
-/* What no reader can know to be wrong is refused by tractogram_check(). */
+/* The reader cannot know that this group is wrong; tractogram_check() refuses it. */
 static void a_member_out_of_range(void **state)
 {
     (void)state;
@@ -393,8 +394,8 @@ static void a_member_out_of_range(void **state)
     buffer_finish(&archive);
 }
 
-/* By the sizes of the arrays above: the archive; 32 bytes of first; groups of 8 and 16; 3 + 6 + 5 + 15 floats. Packed
- * ones take their bytes beside the archive, the positions to the end. */
+/* The limit follows from the sizes of the arrays above: the archive; 32 bytes of first; groups of 8 and 16; 3 + 6 + 5 +
+ * 15 floats. Packed ones take their bytes beside the archive, the positions to the end. */
 static void memory_has_a_limit(void **state)
 {
     (void)state;

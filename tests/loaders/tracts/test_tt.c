@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* DSI Studio's tractograms: two streamlines in voxels, in every kind of variable, and what is wrong with them. */
+/* DSI Studio's tractograms: two streamlines in voxels, in every kind of variable, and wrong ones. */
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "loaders/tracts/tract_file.h"
@@ -95,7 +95,7 @@ static conus_status parse(struct tractogram *out, const struct buffer *bytes, ui
     return tract_file_parse(out, (const uint8_t *)bytes->data, bytes->size, max_memory, notes);
 }
 
-/* By the affine above, by hand. */
+/* Asserts the points that follow from the affine above by hand. */
 static void assert_points(const struct tractogram *t)
 {
     static const float points[12] = {88, 122, -66, 87, 122, -73.9375F, 87, 114.0625F, -73.9375F, 92, 126, 199928};
@@ -134,7 +134,7 @@ static void two_streamlines(void **state)
     buffer_finish(&packed);
 }
 
-/* DSI Studio begins another variable after 128 MiB; an empty cluster is none; the affine in double. */
+/* DSI Studio begins another variable after 128 MiB; an empty cluster is left out; the affine may be in double. */
 static void several_tracks(void **state)
 {
     (void)state;
@@ -156,7 +156,7 @@ static void several_tracks(void **state)
     buffer_finish(&bytes);
 }
 
-/* More steps than are at hand at once: n of (1, 0, -1), so that the last point is n / 32 voxels away. */
+/* More steps than fit into the buffer: n of (1, 0, -1), so that the last point is n / 32 voxels away. */
 static void a_long_streamline(void **state)
 {
     (void)state;
@@ -288,7 +288,7 @@ static void every_prefix(void **state)
     struct notes notes = {0};
     build(&bytes);
     for (size_t size = 0; size < bytes.size; size++) {
-        uint8_t *exact = memory_copy(bytes.data, size, 1); /* so that a sanitizer sees one byte too many */
+        uint8_t *exact = memory_copy(bytes.data, size, 1); /* so that a sanitizer notices one byte too many */
         assert_fails(tract_file_parse(&t, exact, size, 0, &notes), CONUS_ERROR_DATA);
         memory_free(exact);
     }

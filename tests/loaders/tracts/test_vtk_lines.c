@@ -57,7 +57,7 @@ static const char vtp_pieces[] =
 static conus_status parse(struct tractogram *out, const char *data, size_t size, uint64_t max_memory,
                           struct notes *notes)
 {
-    struct bytes copy = {memory_copy(data, size, 1), size}; /* so that a sanitizer sees one byte too many */
+    struct bytes copy = {memory_copy(data, size, 1), size}; /* so that a sanitizer notices one byte too many */
     conus_status status = copy.data ? vtk_lines_parse(out, &copy, max_memory, notes) : CONUS_ERROR_MEMORY;
     bytes_finish(&copy);
     return status;
@@ -197,7 +197,7 @@ static void binaries(void **state)
     }
 }
 
-/* Corners that are 0, 1, 2 ... need no copy of the points, and x and y of LPS change their signs. */
+/* Connectivity 0, 1, 2 ... needs no copy of the points. x and y of LPS change their signs. */
 static void a_stated_space_and_corners_in_order(void **state)
 {
     (void)state;
@@ -213,7 +213,7 @@ static void a_stated_space_and_corners_in_order(void **state)
     tractogram_finish(&tractogram);
 }
 
-/* As many corners as points, the other way round. */
+/* As many corners as points, in reverse order. */
 static void corners_in_another_order(void **state)
 {
     (void)state;
@@ -310,7 +310,7 @@ static void refused(void **state)
     assert_refused(LINE "</Piece><Piece NumberOfPoints=\"0\" NumberOfLines=\"0\"><PointData>" VTP_ARRAY(
                        "Float32", "Name=\"a\"") "</DataArray></PointData></Piece></PolyData></VTKFile>",
                    CONUS_ERROR_DATA, "a: not in all pieces");
-    /* 2^64 - 1 vertices, 1 line and 1 triangle are 1 cell, where nobody looks. */
+    /* 2^64 - 1 vertices, 1 line and 1 triangle would be 1 cell if the sum overflowed. */
     assert_refused("<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"2\" NumberOfLines=\"1\" "
                    "NumberOfPolys=\"1\" NumberOfVerts=\"18446744073709551615\">" VTP_POINTS("0 0 0 1 1 1")
                        VTP_CELLS("Lines", "0 1", "2") VTP_CELLS("Polys", "0 1 1", "3") "<CellData>" VTP_ARRAY(
@@ -321,7 +321,7 @@ static void refused(void **state)
     assert_refused(PIECE VTP_POINTS("0 0 0 1 1 1") "</Piece></PolyData></VTKFile>", CONUS_ERROR_DATA, "Lines: 0");
 }
 
-/* One vertex with 300 numbers, of which a line has 500 corners: 150,000 numbers of 4 bytes. */
+/* A point has 300 numbers and a line has it as 500 corners: 150,000 numbers of 4 bytes. */
 static void memory_has_a_limit(void **state)
 {
     (void)state;
@@ -347,7 +347,7 @@ static void memory_has_a_limit(void **state)
     buffer_finish(&text);
 }
 
-/* A file that ends early fails, or has fewer numbers behind its cells; it never has other points. */
+/* A prefix of a file is refused or lacks numbers behind its cells; its points are never others. */
 static void every_prefix(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Composites of ITK and X5, from what conus-hdf5 says of a file: closed forms, and what is refused.
+/* Composites of ITK and X5, in conus-hdf5's stream: closed forms, and refused files.
  * tests/oracles/compare_composites.py has random ones, in files. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -40,7 +40,7 @@ static void add_numbers(struct hdf5_builder *builder, int number, const char *ke
     hdf5_doubles(builder, OBJECT, path, numbers, count);
 }
 
-/* A step with parameters, spelled as ITK 4 did where `old` says so. */
+/* Adds a step with parameters; `old` spells it as ITK 4 did. */
 static void add_step(struct hdf5_builder *builder, int number, const char *type, const double *numbers, size_t count,
                      const double *fixed, size_t fixed_count, bool old)
 {
@@ -78,7 +78,7 @@ static conus_status parse_with(struct transform_chain *chain, const struct hdf5_
     return status;
 }
 
-/* Ends the file. Where its chain takes (x, y, z). */
+/* Ends the file, and asserts that its chain takes `from` to `to`. */
 static void check_point(struct hdf5_builder *builder, const double from[3], const double to[3])
 {
     struct transform_chain chain;
@@ -105,7 +105,7 @@ static void begin(struct hdf5_builder *builder, const char *type)
     add_group(builder, 0, type);
 }
 
-/* First the last one: (1, 2, 3) + (-1, -2, 4) = (0, 0, 7), then doubled. */
+/* The last group comes first: (1, 2, 3) + (-1, -2, 4) = (0, 0, 7), then doubled. */
 static void points_go_through_the_last_group_first(void **state)
 {
     (void)state;
@@ -118,8 +118,8 @@ static void points_go_through_the_last_group_first(void **state)
     }
 }
 
-/* Twelve groups, 1 to 11 each a shift by (-1, -2, 4), but 2, which doubles: 9 shifts come first, then it, then one. In
- * the order of letters 2 would come behind 11. */
+/* Twelve groups: each is a shift by (-1, -2, 4), but 2, which doubles. From the last one on these are 9 shifts, the
+ * doubling, and one shift. In alphabetical order 2 would come behind 11. */
 static void groups_are_in_the_order_of_numbers(void **state)
 {
     (void)state;
@@ -195,8 +195,8 @@ static void check_refused(struct hdf5_builder *builder, conus_status wanted, con
     buffer_finish(&builder->bytes);
 }
 
-/* Equal coefficients are the vector between the second node and the last but one: here 1 mm along LPS y, in a grid of
- * 10 mm from (0, 0, 0) on. Points go by (-1, -2, 4), then through it, then are doubled. */
+/* Between the second node and the last but one equal coefficients are the vector itself: here 1 mm along LPS y, in a
+ * grid of 10 mm from (0, 0, 0) on. Points go by (-1, -2, 4), then through the spline, then are doubled. */
 static void splines_are_steps(void **state)
 {
     (void)state;
@@ -330,8 +330,8 @@ static void add_linear(struct hdf5_builder *builder, int number, const double *m
     add_numbers(builder, number, "Transform", matrix, 16);
 }
 
-/* The nodes of a grid of 10 mm, [i, j, k, 3]: the last number of a field in C's order belongs to (1, 1, 1), the three
- * numbers from 3 on to (0, 0, 1), which is at (0, 0, 10). */
+/* Adds the nodes of a grid of 10 mm, [i, j, k, 3]: in C's order the last number of a field belongs to (1, 1, 1), the
+ * three numbers from 3 on to (0, 0, 1), which is at (0, 0, 10). */
 static void add_dense(struct hdf5_builder *builder, int number, const char *form, const double *numbers)
 {
     static const double mapping[16] = {10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 1};

@@ -68,7 +68,7 @@ static void build(struct buffer *out, const struct file *file)
     *out = builder.bytes;
 }
 
-/* Packed or not; the path is good for a few more files. */
+/* Writes a file, packed or not; the path is valid until a few more files were written. */
 static const char *write_field(const struct file *file, bool packed)
 {
     struct buffer bytes;
@@ -223,7 +223,7 @@ static conus_atlas *make_atlas(void)
     return atlas;
 }
 
-/* The label at a world point, 0 where nothing is. */
+/* The label at a world point, 0 = none. */
 static uint32_t label_at(const conus_atlas *atlas, size_t volume, double x, double y, double z)
 {
     size_t voxel;
@@ -270,13 +270,14 @@ static void an_atlas_goes_where_the_field_has_it(void **state)
         assert_non_null(strstr(conus_atlas_volume(atlas, 0)->transform, ", warped"));
         double far[3] = {90, 0, 0};
         conus_atlas_own_point(far, atlas, far);
-        assert_true(n ? isnan(far[0]) : far[0] == 90.0); /* SPM says nothing; ITK's points stay */
+        assert_true(n ? isnan(far[0]) : far[0] == 90.0); /* SPM does not say; ITK's points stay */
         conus_atlas_destroy(atlas);
     }
 }
 
-/* Two shifts of 1.25: node p is floor(p + 2.5 + 0.5) + 1, -3 to 0. One after the other would be floor(floor(p + 1.75) +
- * 1.75), -2 to 1. Between them an affine by 0.5 further makes it floor(p + 3.5) + 1: -3 to 0 again, for whole p. */
+/* Two shifts of 1.25 in one search: node p is floor(p + 2.5 + 0.5) + 1, -3 to 0. In two searches it would be
+ * floor(floor(p + 1.75) + 1.75), -2 to 1. With an affine by 0.5 between them it is floor(p + 3.5) + 1: -3 to 0 again,
+ * for whole p. */
 static void several_fields_are_one_search(void **state)
 {
     (void)state;
@@ -305,7 +306,7 @@ static void several_fields_are_one_search(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The parcellation was moved twice, the pathway that came between only once. */
+/* The parcellation was moved twice, the pathway that was added in between only once. */
 static void what_is_added_later_does_not_move_with_it(void **state)
 {
     (void)state;
@@ -324,7 +325,7 @@ static void what_is_added_later_does_not_move_with_it(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A threshold of 4 leaves the last layer, also when the voxels are sought anew. */
+/* A threshold of 4 leaves the last layer, also when the voxels are found again. */
 static void thresholds_last(void **state)
 {
     (void)state;
@@ -342,7 +343,7 @@ static void thresholds_last(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Half as large voxels: eight times as many, of the same volume. */
+/* Voxels of half the size: eight times as many, with the same volume. */
 static void labels_are_on_the_grid_that_is_given(void **state)
 {
     (void)state;
@@ -372,7 +373,7 @@ static void labels_are_on_the_grid_that_is_given(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Positions end at x = 9: the box, which comes to 8.75 to 10.75, has lost the corners on its right side. */
+/* The field ends at x = 9: the box, which goes to 8.75 to 10.75, loses the corners on its right side. */
 static void what_the_field_does_not_reach_is_cut(void **state)
 {
     (void)state;
@@ -397,8 +398,8 @@ static void what_the_field_does_not_reach_is_cut(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A context of CT, -1000 (air) to 200, on voxels 0 to 3: of the field's grid, from (-4, -3, -3) on, all the rest is air
- * and not 0, which would be water. */
+/* A context of CT, -1000 (air) to 200, on voxels 0 to 3. The rest of the field's grid, from (-4, -3, -3) on, is air and
+ * not 0, which would be water. */
 static void outside_of_a_warped_context_is_its_least_value(void **state)
 {
     (void)state;
@@ -485,7 +486,7 @@ static void a_packed_atlas_knows_its_own_space(void **state)
     free(memory);
 }
 
-/* An attached atlas that no field has moved can be moved by one, and its block stays as it is. */
+/* An attached atlas without a field can be moved by one, and its block stays as it is. */
 static void an_attached_atlas_is_warped(void **state)
 {
     (void)state;

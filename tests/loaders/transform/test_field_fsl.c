@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* FSL's deformation fields and the images that they need. tests/cli/warp.bats has what they move. */
+/* FSL's deformation fields and the images that they need. tests/cli/warp.bats moves atlases by them. */
 #include "atlas/deformation/deformation.h"
 #include "builders/nifti_builder.h"
 #include "loaders/transform/field_file.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Affine transforms of other programs, by matrices that follow from the formats' descriptions by hand, and atlases that
- * they move. tests/oracles/compare_transforms.py has random ones. */
+/* Affine transforms of other programs, with matrices that follow from the formats' descriptions by hand, and atlases
+ * that they move. tests/oracles/compare_transforms.py has random ones. */
 #include "atlas/atlas.h"
 #include "atlas/placement.h"
 #include "base/buffer.h"
@@ -19,7 +19,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The matrix of an affine. */
+/* Parses the matrix of an affine. */
 static conus_status parse_bytes(double out[16], const void *data, size_t size, const char *path)
 {
     struct transform_chain made;
@@ -38,7 +38,7 @@ static conus_status parse(double out[16], const char *text, const char *path)
     return parse_bytes(out, text, strlen(text), path);
 }
 
-/* Where the matrix of `text` takes the point (1, 2, 3). */
+/* Asserts where the matrix of `text` takes the point (1, 2, 3). */
 static void check_point(const char *text, double x, double y, double z)
 {
     double m[16];
@@ -114,7 +114,7 @@ static void rigid_transforms_have_a_matrix(void **state)
                 0, -2, 6);
 }
 
-/* Points go through the last one first: a shift of x by 1 in LPS, then 2 x + 1: -1 comes to 0, and that to 1. */
+/* The last transform comes first: a shift of x by 1 in LPS, then 2 x + 1: -1 comes to 0, and that to 1. */
 static void the_last_of_a_composite_comes_first(void **state)
 {
     (void)state;
@@ -141,7 +141,7 @@ static void put_f64(uint8_t *out, double value, bool big)
     }
 }
 
-/* A matrix of one column of MATLAB's level 4. Returns its size. */
+/* Writes a matrix of one column in MATLAB's level 4; returns its size. */
 static size_t put_column(uint8_t *out, const char *name, const double *values, uint32_t count, bool big)
 {
     size_t length = strlen(name) + 1;
@@ -271,8 +271,8 @@ static void bad_files_say_what_is_wrong(void **state)
     assert_fails(transform_parse(&made, &matrix, "x.txt", &options), CONUS_ERROR_ARGUMENT);
 }
 
-/* 0.99999994 and 1.0000001 are the floats next to 1: inverses that were computed in float end so. The row is taken as
- * 0 0 0 1, so that the point is not divided by anything: (2 * 1 + 1, 2, 3 + 3). */
+/* 0.99999994 and 1.0000001 are the floats next to 1; inverses computed in float end so. The row is taken as 0 0 0 1, so
+ * that the point is not divided: (2 * 1 + 1, 2, 3 + 3). */
 static void a_last_row_that_is_rounded_is_0_0_0_1(void **state)
 {
     (void)state;
@@ -295,7 +295,7 @@ static void a_last_row_that_is_rounded_is_0_0_0_1(void **state)
                   "last row 0 0 0 1.000002");
 }
 
-/* All lines are there, and only one says that they do not hold. */
+/* All lines are there; a single one makes a geometry invalid. */
 static void voxels_need_a_valid_geometry(void **state)
 {
     (void)state;
@@ -311,7 +311,7 @@ static void voxels_need_a_valid_geometry(void **state)
 
 #define SHIFT "Transform: TranslationTransform_double_3_3\nParameters: 1 0 0\nFixedParameters:\n"
 
-/* Only a composite makes a chain: else the transforms are of the volumes of a series, say. */
+/* Only a composite makes a chain: otherwise the transforms may belong to the volumes of a series. */
 static void lists_are_no_chains(void **state)
 {
     (void)state;
@@ -379,10 +379,10 @@ static void chain_point(double p[3], const struct transform_chain *chain)
     for (size_t i = chain->count; i-- > 0;) {
         (void)deformation_point(p, &chain->fields[i], p);
     }
-    mat4_point(p, chain->matrix, p); /* that of a chain with fields moves nothing */
+    mat4_point(p, chain->matrix, p); /* the matrix of a chain with fields is the identity */
 }
 
-/* The image of a point; false where the text is no transform. */
+/* The image of a point; false if the text is no transform. */
 static bool spline_point(double p[3], const char *entries)
 {
     char *text = make_file(entries);
@@ -397,7 +397,8 @@ static bool spline_point(double p[3], const char *entries)
     return is;
 }
 
-/* The grid holds LPS -5 to 5, -10 to 10, -15 to 15 mm; the coefficients of one component move along that of LPS. */
+/* The grid covers LPS -5 to 5, -10 to 10, -15 to 15 mm; the coefficients of one component move points along that of
+ * LPS. */
 static void splines_move_along_lps(void **state)
 {
     (void)state;
@@ -417,7 +418,7 @@ static void splines_move_along_lps(void **state)
     }
 }
 
-/* Points of RAS go right by 2 (LPS -2), then through the spline, 1 along LPS y, and are doubled then. */
+/* Points of RAS go right by 2 (LPS -2), then through the spline, 1 along LPS y, and then are doubled. */
 static void splines_are_parts_of_composites(void **state)
 {
     (void)state;
@@ -462,7 +463,7 @@ static void bad_splines_say_what_is_wrong(void **state)
     check_bad_spline(360, "BSplineTransform_double_2_2", spline_grid, CONUS_ERROR_UNSUPPORTED, "in 3-D");
 }
 
-/* What ITK 5.2.1 made of its own file. */
+/* Compares with the points that ITK 5.2.1 made of its own file. */
 static void itk_moves_points_alike(void **state)
 {
     (void)state;
@@ -489,7 +490,7 @@ static void itk_moves_points_alike(void **state)
     json_decref(all);
 }
 
-/* An image of which only the header counts. */
+/* An image of which only the header matters. */
 static const char *write_image(const char *name, const int64_t dim[3], const double *srow)
 {
     struct nifti_builder builder;
@@ -552,7 +553,7 @@ static void a_register_dat_is_between_two_images(void **state)
     assert_fails(transform_parse(&made, &file, "register.dat", &options), CONUS_ERROR_ARGUMENT);
 }
 
-/* What is no transform, or one of a kind that is not read, is called what it is. */
+/* Files of other kinds are refused by the name of their kind. */
 static void other_files_are_called_what_they_are(void **state)
 {
     (void)state;
@@ -569,7 +570,7 @@ static void other_files_are_called_what_they_are(void **state)
                   CONUS_ERROR_ARGUMENT, "FreeSurfer's register.dat, whose numbers mean nothing without its two images");
 }
 
-/* What is cut off is refused, but where only the last number's digits or white space are. */
+/* Every prefix is refused that lacks more than digits of the last number or white space. */
 static void no_prefix_is_a_transform(void **state)
 {
     (void)state;
@@ -599,7 +600,7 @@ static void write_file(char path[64], const char *text)
     close(descriptor);
 }
 
-/* Of a spline every prefix but those that lack digits of the last number is refused, too. */
+/* For a spline, too, every prefix is refused that lacks more than digits of the last number. */
 static void no_prefix_is_a_spline(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* AFNI's data sets against the closed form of their placement, and headers bent in every attribute. */
+/* AFNI's data sets against the closed form of their placement, and headers with every attribute changed. */
 #include "loaders/volumes/text/text_volume.h"
 
 #include "base/memory.h"
@@ -40,7 +40,7 @@ static void append_counting(struct buffer *bytes, size_t count)
     }
 }
 
-/* The header with one place bent, and `more` behind it. */
+/* Parses the header with one place changed, and `more` behind it. */
 static conus_status parse_bent(struct text_volume *out, const char *from, const char *to, const char *more,
                                struct notes *notes)
 {
@@ -127,7 +127,8 @@ static void the_real_matrix_wins(void **state)
     notes_finish(&notes);
 }
 
-/* Steps of the wrong sign do not count beside the matrix, which a note says; where there are none, nothing is said. */
+/* Plumb axes with steps of the wrong sign do not count beside the matrix, and give a note; a header without them gives
+ * none. */
 static void broken_plumb_axes_are_noted_beside_the_matrix(void **state)
 {
     static const char *const gone[][2] = {{"ORIGIN", "OTHER1"}, {"DELTA", "OTHER"}, {"ORIENT_SPECIFIC", "OTHER"}};
@@ -176,7 +177,7 @@ static void the_space_follows_view_and_template(void **state)
     }
 }
 
-/* By either name, packed or not; volume 1 is halved by its factor. */
+/* The data set opens by either name, packed or not; the factor of volume 1 halves it. */
 static void a_data_set_opens_by_either_name(void **state)
 {
     (void)state;
@@ -305,8 +306,8 @@ static void bad_files_are_named(void **state)
     assert_said("IJK_TO_DICOM_REAL: the matrix is singular or not finite");
 }
 
-/* The last attribute is the table, which may be left out: from there on a prefix that ends with an attribute is a
- * header. What is refused before that is the point. */
+/* The last attribute is the table, which may be left out: from there on every prefix that ends with an attribute is a
+ * header. All shorter prefixes are refused. */
 static void every_prefix_is_refused(void **state)
 {
     (void)state;

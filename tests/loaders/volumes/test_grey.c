@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Labels and grey values are told apart: volumes made here, of which the right answer is known by how they were made,
- * and real ones as they are and with every 2nd, 3rd and 4th voxel. */
+/* Telling labels from grey values: volumes made here, whose right answer is known, and real ones, whole and with every
+ * 2nd, 3rd and 4th voxel. */
 #include "loaders/volumes/grey.h"
 
 #include "base/buffer.h"
@@ -58,7 +58,7 @@ static struct grey_result judge(const struct volume *volume, const struct grey_c
     return verdict;
 }
 
-/* Judges a volume of n x n x n voxels and lets it go. */
+/* Judges a volume of n x n x n voxels and frees it. */
 static struct grey_result judge_cube(size_t n, value_of *value)
 {
     struct volume volume = fill(n, n, n, value);
@@ -67,7 +67,7 @@ static struct grey_result judge_cube(size_t n, value_of *value)
     return verdict;
 }
 
-/* A number from 0 to 99 that follows from the voxel and nothing near it. */
+/* A number from 0 to 99 that depends on the voxel and not on its neighbours. */
 static uint32_t noise(size_t i, size_t j, size_t k)
 {
     uint64_t state = (i * 1009 + j) * 1013 + k;
@@ -109,7 +109,7 @@ static uint32_t random_labels(size_t i, size_t j, size_t k)
     return 1 + noise(i, j, k);
 }
 
-/* Shells around the centre, as cortical layers or tissue classes lie: neighbours differ by 1 only. */
+/* Shells around the centre, like cortical layers or tissue classes: neighbours differ by 1 only. */
 static uint32_t layers(size_t i, size_t j, size_t k)
 {
     double r = hypot(hypot((double)i - 15.5, (double)j - 15.5), (double)k - 15.5);
@@ -152,7 +152,7 @@ static void masks_points_and_layers_are_labels(void **state)
     }
 }
 
-/* Every voxel is a label of its own: near in number to its neighbours, but too few to tell. */
+/* Every voxel has another label: near in number to its neighbours, but there are too few voxels to tell. */
 static void small_volumes_are_labels(void **state)
 {
     (void)state;
@@ -168,7 +168,7 @@ static void small_volumes_are_labels(void **state)
     }
 }
 
-/* Noise, each voxel the mean of 4 x 4 x 4, as a scanner's or a filter's point spread makes it. */
+/* Noise in which each voxel is the mean of 4 x 4 x 4, as the point spread of a scanner or filter makes it. */
 static uint32_t smooth_noise(size_t i, size_t j, size_t k)
 {
     uint32_t sum = 0;
@@ -219,11 +219,12 @@ static void images_and_maps_are_grey(void **state)
             fail_msg("volume %zu is taken for labels: %g equal, %g needed", i, verdict.equal, verdict.needed);
         }
     }
-    /* Of pairs in a ramp along a diagonal none is equal. Its 94 values have at most 768 of 32768 voxels: no plateau. */
+    /* In a ramp along a diagonal no two neighbours are equal. Each of its 94 values has at most 768 of 32768 voxels: no
+     * plateau. */
     assert_near(judge_cube(32, ramp).equal, 0, 1e-12);
 }
 
-/* Larger than what is looked at whole, and with rows longer than what is counted at once. */
+/* Volumes larger than those that are read as a whole, and with rows longer than the part that is counted at once. */
 static void big_volumes_are_judged_by_some_of_their_planes(void **state)
 {
     (void)state;
@@ -242,7 +243,7 @@ static void big_volumes_are_judged_by_some_of_their_planes(void **state)
     free(wide.labels);
 }
 
-/* Names for first, first + 1, ... */
+/* Names for the labels first, first + 1, ... */
 static struct label_table names_for(uint32_t first, uint32_t count)
 {
     struct label_table table = {0};
@@ -337,7 +338,7 @@ static void an_image_is_no_atlas(void **state)
     assert_refused(image);
     assert_loads(image, &anyway);
     assert_loads(write_file("blocks.nii", blocks_of_4, nifti_format_values), NULL);
-    assert_loads(write_file("intent.nii", smooth_noise, nifti_format_labels), NULL); /* NIfTI's code 1002 says labels */
+    assert_loads(write_file("intent.nii", smooth_noise, nifti_format_labels), NULL); /* code 1002: labels */
 }
 
 static void a_name_or_an_fsl_atlas_may_state_labels(void **state)
@@ -401,7 +402,7 @@ static void every_failing_allocation_is_reported(void **state)
     test_every_allocation(load_image, path);
 }
 
-/* Every step-th voxel along each axis: what the nearest neighbour makes of a coarser grid. */
+/* Every step-th voxel along each axis, as resampling to a coarser grid by nearest neighbour gives. */
 static size_t thinned(size_t edge, size_t step)
 {
     return (edge - step / 2 + step - 1) / step;
@@ -419,7 +420,7 @@ static struct volume thin_out(const uint32_t *labels, const size_t dim[3], size_
     return out;
 }
 
-/* Judges the values alone, whatever header and name say. */
+/* Judges the values alone, without header and name. */
 static void check_real(const char *path, bool grey, size_t steps)
 {
     struct volume_file file = {0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Attacks on the index of a packed 4-D file: what is forged, foreign, damaged or exchanged never gives a wrong voxel,
- * and what cannot be kept is no error. */
+/* Attacks on the index of a packed 4-D file: a forged, foreign, damaged or exchanged index never gives a wrong voxel,
+ * and failing to keep one is no error. */
 #include "base/memory.h"
 #include "builders/series_builder.h"
 #include "conus/cache.h"
@@ -33,7 +33,7 @@ static void lie(uint8_t *index, size_t size, int how)
     case 2: /* the bits */
         point->bits = (point->bits + 3) % 8;
         break;
-    case 3: /* whose window it is */
+    case 3: /* the window of another point */
         point->window = points[6].window;
         point->window_size = points[6].window_size;
         break;
@@ -53,7 +53,7 @@ static void lie(uint8_t *index, size_t size, int how)
     }
 }
 
-/* Volumes 6 and 7 lie in the spans around point 7, the last one in the last ones. */
+/* Volumes 6 and 7 lie in the spans around point 7, the last volume in the last spans. */
 static void an_index_that_lies_gives_nothing_wrong(void **state)
 {
     (void)state;
@@ -80,7 +80,7 @@ static void an_index_that_lies_gives_nothing_wrong(void **state)
     free(entry);
 }
 
-/* Lies that the spans' checksums alone can find out, in every other format. */
+/* Wrong values that only the spans' checksums reveal, in every other format. */
 static void in_no_format_it_gives_anything_wrong(void **state)
 {
     (void)state;
@@ -170,7 +170,7 @@ static void what_others_can_write_is_not_taken(void **state)
     free(folder);
 }
 
-/* The entry of one file for another: under its name, with its state, and with all checksums right. */
+/* Puts the entry of one file in the place of another's: with its name, its file state, and valid checksums. */
 static void forge_for(const char *path, const struct bytes *bytes)
 {
     struct index_keeper keeper;
@@ -183,7 +183,7 @@ static void forge_for(const char *path, const struct bytes *bytes)
     parts.key = (struct cache_part){(const uint8_t *)keeper.store.key.data, keeper.store.key.size};
     parts.trace = (struct cache_part){(const uint8_t *)trace.data, trace.size};
     uint8_t *index = memory_copy(parts.packed.data, parts.packed.size, 1);
-    memcpy(index + 8, &keeper.trace.items[0].state.size, 8); /* of the packed file */
+    memcpy(index + 8, &keeper.trace.items[0].state.size, 8); /* size of the packed file */
     parts.packed_crc = cache_crc(0, index, parts.packed.size);
     cache_entry_write(&forged, &parts);
     buffer_append(&forged, index, parts.packed.size);
@@ -195,7 +195,7 @@ static void forge_for(const char *path, const struct bytes *bytes)
     index_keeper_finish(&keeper);
 }
 
-/* Without the forged state it is what a file that changed within one step of the clock would look like. */
+/* The forged state imitates a file that changed within one step of the clock. */
 static void a_file_that_changed_is_unpacked_anew(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* One volume of a packed 4-D file, by the index that was kept: the same as without. */
+/* One volume of a packed 4-D file, by the kept index: the same as without it. */
 #include "base/memory.h"
 #include "builders/nifti_builder.h"
 #include "builders/series_builder.h"
@@ -48,7 +48,7 @@ static void a_volume_is_found_by_the_index(void **state)
     }
 }
 
-/* Every other volume must be found, and a volume of a file that was exchanged must not. */
+/* Every other volume is found, and a volume of an exchanged file is not. */
 static void a_volume_is_found_in_every_format(void **state)
 {
     (void)state;
@@ -71,7 +71,7 @@ static void a_volume_is_found_in_every_format(void **state)
     }
 }
 
-/* The header in a file of its own is part of what an index is of: another one, and nothing is believed. */
+/* A header in a separate file is part of what the index depends on: with another header the index is not used. */
 static void another_header_has_another_index(void **state)
 {
     (void)state;
@@ -87,7 +87,7 @@ static void another_header_has_another_index(void **state)
     bytes_finish(&bytes);
 }
 
-/* Volumes that do not fit together are read one after the other: by the index that the first one made. */
+/* Volumes that do not fit into memory together are read one after the other, by the index that the first one made. */
 static void a_series_too_large_to_keep_is_read_by_its_index(void **state)
 {
     (void)state;
@@ -228,7 +228,7 @@ static void assert_labels(const char *path, uint64_t max_memory)
     volume_file_finish(&file);
 }
 
-/* An index that is found out in the middle: the labels that were read so far do not count. */
+/* The index turns out to be wrong in the middle: the labels that were read so far are discarded. */
 static void labels_begin_again_without_an_index_that_lies(void **state)
 {
     (void)state;
@@ -255,8 +255,7 @@ static void labels_begin_again_without_an_index_that_lies(void **state)
     uint8_t *index = memory_copy(parts.packed.data, parts.packed.size, 1);
     struct gzip_index parsed;
     assert_true(gzip_index_parse(&parsed, index, parts.packed.size));
-    ((struct gzip_point *)(void *)(index + SERIES_POINTS_AT))[parsed.count - 2].sum ^=
-        1; /* of the last spans but one */
+    ((struct gzip_point *)(void *)(index + SERIES_POINTS_AT))[parsed.count - 2].sum ^= 1; /* last spans but one */
     memset(index + SERIES_TRAILER_AT, 0, 8);
     series_forge(entry, &bytes, index);
     assert_true(series_is_indexed(path));
@@ -266,7 +265,7 @@ static void labels_begin_again_without_an_index_that_lies(void **state)
     free(entry);
 }
 
-/* One volume of a file that is not packed: there is no index, nor is all of it in memory. */
+/* One volume of a plain file: there is no index, and only this volume is in memory. */
 static void a_volume_of_a_plain_file_is_read_alone(void **state)
 {
     (void)state;
@@ -277,8 +276,8 @@ static void a_volume_of_a_plain_file_is_read_alone(void **state)
     test_limit_allocations(0);
 }
 
-/* What counts is what is held: the places of the labels and 512 bytes for each different one, not the file, nor a
- * volume as it is stored. */
+/* The limit counts the memory that is held: the places of the labels and 512 bytes for each different one. It counts
+ * neither the file nor the volume as stored. */
 static void of_a_plain_file_its_labels_count(void **state)
 {
     (void)state;

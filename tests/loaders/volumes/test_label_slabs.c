@@ -20,7 +20,7 @@ static uint32_t label_at(size_t v)
     return 100 + 2 * (uint32_t)(v % NI / 5 + v / NI % 7);
 }
 
-/* float64, of which label_at() is the scaled value; `bad` is a voxel with another one, COUNT = none. */
+/* Writes float64 voxels whose scaled values are those of label_at(); voxel `bad` has another one, COUNT = none. */
 static void build(struct nifti_builder *b, size_t bad, size_t extra)
 {
     const int64_t dim[3] = {NI, NJ, NK};
@@ -95,7 +95,7 @@ static void labels_and_notes_are_those_of_all_voxels_at_once(void **state)
     notes_finish(&wanted);
 }
 
-/* With the message of reading at once, whatever was seen before the end. */
+/* Asserts that both fail with the message of reading at once, whatever was found before the end. */
 static void assert_refused_alike(const char *path, const char *part)
 {
     char message[600];
@@ -132,7 +132,7 @@ static void what_is_wrong_is_said_as_of_all_voxels_at_once(void **state)
     assert_refused_alike(cut_file(&packed, packed.size - 3), "gzip: cut off"); /* and behind it */
     struct buffer wrong = {0};
     buffer_append(&wrong, (const char *)packed.data, packed.size);
-    wrong.data[packed.size - 6] ^= 1; /* of the checksum: whole, but not what was written */
+    wrong.data[packed.size - 6] ^= 1; /* a byte of the checksum: a whole file, but another one was packed */
     assert_refused_alike(write_bytes("wrong.nii.gz", &wrong), "incorrect data check");
     bytes_finish(&packed);
     buffer_finish(&wrong);
@@ -150,7 +150,7 @@ static void what_is_wrong_in_a_plain_file_is_said_alike(void **state)
     buffer_finish(&b.bytes);
 }
 
-/* Labels are held in 2 bytes each at least; the file is not. */
+/* The limit holds for the labels, at least 2 bytes each; the plain file itself is not in memory. */
 static void the_limit_holds_for_a_plain_file(void **state)
 {
     struct volume_file file;
@@ -184,7 +184,7 @@ static void every_failing_allocation(void **state)
     test_every_allocation(open_and_finish, path);
 }
 
-/* *state becomes the path of a file that is whole. */
+/* Sets *state to the path of a whole file. */
 static int write_whole(void **state)
 {
     static char path[300];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* MetaImage volumes against the closed form of ITK's placement, and files bent in every field. */
+/* MetaImage volumes against the closed form of ITK's placement, and files with every field changed. */
 #include "loaders/volumes/text/text_volume.h"
 
 #include "base/memory.h"
@@ -36,7 +36,7 @@ static conus_status parse_bent(struct text_volume *out, const char *from, const 
     return status;
 }
 
-/* Opens the bent header with `voxels` behind it. */
+/* Opens the changed header with `voxels` behind it. */
 static conus_status open_bent(struct volume_file *file, const char *from, const char *to, const struct buffer *voxels,
                               const char *choice)
 {
@@ -350,7 +350,7 @@ static void bad_grids_are_refused(void **state)
     buffer_finish(&voxels);
 }
 
-/* A file name that is cut off names another file, which is not there. */
+/* A prefix of a file's name is the name of another file, which does not exist. */
 static void every_prefix_is_refused(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* MINC 2 as conus-hdf5 gives it, against the closed form of its place and its scales, and files bent in every fact. */
+/* MINC 2 as conus-hdf5 gives it, against the closed form of its placement and its scales, and files with one wrong
+ * value each. */
 #include "loaders/volumes/minc.h"
 
 #include "base/memory.h"
@@ -11,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A volume of 2 slices along y, each of 1 x 3 voxels; what is "" or 0 stays as it is in `plain`. */
+/* A volume of 2 slices along y, each of 1 x 3 voxels; "" or 0 leaves a value as it is in `plain`. */
 struct bent {
-    const char *order; /* of the image's dimensions */
+    const char *order; /* order of the image's dimensions */
     const char *limits_order;
     const char *missing; /* an object or attribute that is left out: "yspace", "yspace step" */
     const char *key;     /* an attribute of xspace */
@@ -65,7 +66,7 @@ static void put_dimension(struct hdf5_builder *builder, const struct bent *bent,
 static const int16_t stored[] = {0, 1, 2, 100, 50, 101};
 static const double c = 0.8, s = 0.6;
 
-/* Slice 0 is 0 to 10, slice 1 is 0 to 200, for stored values 0 to 100; 101 is none. */
+/* Stored values 0 to 100 are 0 to 10 in slice 0 and 0 to 200 in slice 1; 101 is invalid. */
 static void build(struct hdf5_builder *builder, const struct bent *bent)
 {
     const double high[] = {bent->high_count ? bent->high[0] : 10, bent->high_count ? bent->high[1] : 200};
@@ -156,7 +157,7 @@ static void place_and_scales(void **state)
     buffer_finish(&builder.bytes);
 }
 
-/* Voxels stay as they are stored where the scale says nothing and each stored value is valid. */
+/* Voxels are not converted if the scale is the identity and every stored value is valid. */
 static void plain_voxels(void **state)
 {
     (void)state;
@@ -177,7 +178,7 @@ static void plain_voxels(void **state)
     buffer_finish(&builder.bytes);
 }
 
-/* A scale that says nothing does not make all stored values valid. */
+/* A scale that is the identity does not make all stored values valid. */
 static void plain_scale_of_a_part(void **state)
 {
     (void)state;
@@ -197,7 +198,7 @@ static void plain_scale_of_a_part(void **state)
     buffer_finish(&builder.bytes);
 }
 
-/* A slice of one value has no range of real values, whatever is stored. */
+/* A slice of one value has an empty range of real values, whatever is stored. */
 static void constant_slices(void **state)
 {
     (void)state;

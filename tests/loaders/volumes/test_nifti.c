@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* NIfTI headers: every field that can be bent is. */
+/* NIfTI headers, with every field changed that can be. */
 #include "loaders/volumes/nifti.h"
 
 #include "base/geometry/math3.h"
@@ -54,7 +54,7 @@ static void header_is_read_in_both_versions_and_orders(void **state)
     }
 }
 
-/* Both versions and orders of a field set to something that is not allowed, and what the message must say. */
+/* A field set to a value that is not allowed, in both versions and byte orders, and a part of the message. */
 static const struct bend {
     const char *field;
     size_t index;
@@ -374,7 +374,7 @@ static void extensions_are_listed(void **state)
         assert_memory_equal(listing.list[1].data, "comment!", 8);
         assert_int_equal(listing.end, end);
         memory_free(listing.list);
-        nifti_set(&b, "extender", 0, 0); /* says there are none */
+        nifti_set(&b, "extender", 0, 0); /* the flag for no extensions */
         assert_ok(list_extensions(&listing, &b));
         assert_int_equal(listing.count, 0);
         assert_int_equal(listing.end, big ? 544 : 352);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* NRRD volumes against the closed form of their placement, and files of every encoding, bent in every field. */
+/* NRRD volumes against the closed form of their placement, and files of every encoding, with every field changed. */
 #include "loaders/volumes/text/text_volume.h"
 
 #include "base/memory.h"
@@ -93,9 +93,9 @@ static void a_grid_of_metres_is_noted(void **state)
     buffer_finish(&bytes);
 }
 
-/* The Allen Institute's header of 200 um: AP, DV and ML called left, posterior and superior, micrometres called
- * nothing. The first voxel's centre is 100 um from the corner, to the right, backward and downward. Other sizes, a unit
- * or another origin leave the header its word. */
+/* The Allen Institute's header of 200 um calls AP, DV and ML left, posterior and superior, and does not name
+ * micrometres. The first voxel's centre is 100 um from the corner, to the right, backward and downward. With other
+ * sizes, a unit or another origin the header is taken literally. */
 static void the_ccf_is_placed_from_its_corner(void **state)
 {
     (void)state;
@@ -113,7 +113,7 @@ static void the_ccf_is_placed_from_its_corner(void **state)
         assert_near(volume.world_from_voxel[i], wanted[i], 1e-12);
     }
     text_volume_finish(&volume);
-    /* the same grid with axes that say what is anterior, but not the unit */
+    /* the same grid with correct anatomical axes, but without the unit */
     assert_ok(parse_bent(&volume, allen, "(200,0,0) (0,200,0) (0,0,200)", "(0,200,0) (0,0,-200) (-200,0,0)"));
     for (int i = 0; i < 16; i++) {
         assert_near(volume.world_from_voxel[i], wanted[i], 1e-12);
@@ -428,7 +428,7 @@ static void bad_voxels_are_named(void **state)
     assert_said("--max-memory");
 }
 
-/* A few packed bytes may not ask for memory that they cannot fill. */
+/* A file of a few packed bytes may not ask for more memory than they can fill. */
 static void bombs_are_refused(void **state)
 {
     (void)state;
@@ -465,7 +465,7 @@ static void a_million_lines_are_refused(void **state)
     buffer_finish(&bytes);
 }
 
-/* CR LF ends lines as LF does, and what is packed as a whole is unpacked. */
+/* CR LF ends lines as LF does, and a file that is packed as a whole is unpacked. */
 static void line_ends_and_packing(void **state)
 {
     (void)state;

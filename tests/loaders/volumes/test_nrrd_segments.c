@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The segments of 3D Slicer in NRRD files: each layer has its own names, and none are wrong. */
+/* The segments of 3D Slicer in NRRD files: each layer has its own names, and no wrong ones. */
 #include "builders/bent_text.h"
 #include "builders/nifti_builder.h"
 #include "loaders/volumes/text/text_volume.h"
@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Two layers that lie together, as 3D Slicer writes overlapping segments. */
+/* Two layers that are stored together, as 3D Slicer writes overlapping segments. */
 static const char layers[] =
     "NRRD0004\ntype: uchar\ndimension: 4\nspace: RAS\nsizes: 2 2 1 2\n"
     "space directions: none (1,0,0) (0,1,0) (0,0,1)\nkinds: list domain domain domain\nencoding: raw\n"

@@ -157,7 +157,7 @@ static void assert_as_opened(const struct volume_file *file, const char *path, s
     volume_file_finish(&alone);
 }
 
-enum { TOO_LITTLE = 400 }; /* for the 352 + 6 * 24 bytes of a series, enough for a volume */
+enum { TOO_LITTLE = 400 }; /* less than the 352 + 6 * 24 bytes of a series, enough for a volume */
 
 static void a_series_gives_what_each_volume_by_itself_does(void **state)
 {
@@ -265,7 +265,7 @@ static void remove_pair(void)
     }
 }
 
-/* Writes halves packed as told, each with a name that tells it; `offset` bytes of the image lie before the voxels. */
+/* Writes the two halves, packed or not, with names that say so; `offset` bytes come before the voxels of the image. */
 static void write_pair(int version, bool packed_header, bool packed_image, size_t offset)
 {
     static const char filler[16] = "before voxels...";

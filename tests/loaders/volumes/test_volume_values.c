@@ -148,9 +148,9 @@ static void scaled_labels_may_be_whole(void **state)
     }
 }
 
-/* Labels that take the place of the voxels are those beside them, of every type, narrow and wide: blocks of the decoder
- * are written where others still wait to be read. Scaled int16 has 65,536 labels that are not 0, one too many for
- * places of 2 bytes; its places cannot stay where they are. */
+/* Labels that replace the voxels equal those made beside them, for every type, narrow and wide: the decoder writes
+ * blocks where others still wait to be read. Scaled int16 has 65,536 labels that are not 0, one too many for places of
+ * 2 bytes; its places cannot stay where they are. */
 static void labels_may_take_the_place_of_the_voxels(void **state)
 {
     (void)state;
@@ -287,7 +287,7 @@ static void check_same_values(struct volume_file *file, as_array *array, as_map 
     notes_finish(&notes[1]);
 }
 
-/* Random bits are NaN and infinite now and then, and a slope takes more of them out of range. */
+/* Random bits are NaN or infinite now and then, and a slope takes more of them out of range. */
 static void a_sparse_map_has_the_values_of_every_type(void **state)
 {
     (void)state;

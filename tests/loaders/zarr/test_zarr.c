@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Metadata of Zarr arrays and of OME: what is read, and what is refused with which words. Chunks of other writers:
- * tests/oracles/compare_zarr.py. */
+/* Metadata of Zarr arrays and of OME: reading, and the messages of refused ones. tests/oracles/compare_zarr.py has
+ * chunks of other writers. */
 #include "loaders/zarr/zarr.h"
 
 #include "atlas/labels/label_voxels.h"
@@ -96,7 +96,7 @@ static void fill_values_are_bits(void **state)
     (void)state;
     static const struct {
         const char *text;
-        uint8_t bits[8]; /* as they are stored */
+        uint8_t bits[8]; /* the stored bytes */
     } cases[] = {
         {"\"float32\",\"fill_value\":\"0x7fc00001\"", {0x01, 0, 0xc0, 0x7f}},
         {"\"float32\",\"fill_value\":\"NaN\"", {0, 0, 0xc0, 0x7f}},
@@ -152,8 +152,8 @@ static void a_level_has_millimetres(void **state)
     assert_non_null(strstr(conus_message(), "a folder below is needed"));
 }
 
-/* OME 0.6: the axes are those of the system that a level leads to, and the image's own transformations lead on from
- * there. Drafts have the systems beside the images, and names for the objects of the final version. */
+/* OME 0.6: the axes are those of the system to which a level leads, and the image's own transformations start from
+ * there. Drafts have the systems beside the images, and other names than the final version. */
 static void a_level_of_the_sixth_version_has_millimetres(void **state)
 {
     (void)state;
@@ -183,7 +183,7 @@ static void a_level_of_the_sixth_version_has_millimetres(void **state)
     }
 }
 
-/* Writes a store of 2 x 3 x 4 voxels, 0 to 23, and gives its path. */
+/* Writes a store of 2 x 3 x 4 voxels, 0 to 23; returns its path. */
 static const char *write_store(const char *chunk, size_t size)
 {
     test_folder("store");
@@ -302,7 +302,7 @@ static void every_failing_allocation_of_a_shard_is_reported(void **state)
     test_every_allocation(open_shard, (void *)write_shard(good_index));
 }
 
-/* Writes the shard anew, with another size, once the first of its chunks was read; or takes it away. */
+/* Writes the shard again with another size after the first of its chunks was read; or deletes it. */
 static conus_status change_shard(void *user, size_t first, const uint8_t *voxels, size_t count)
 {
     (void)first;
@@ -341,7 +341,7 @@ static void indexes_beyond_the_limit_are_refused(void **state)
     assert_non_null(strstr(conus_message(), "(--max-memory)"));
 }
 
-/* Of two chunks along the first row, the second one has a voxel that is no label ahead of that of the first one. */
+/* Two chunks along the first row: the invalid voxel of the second comes before that of the first. */
 static void the_first_voxel_that_is_no_label_is_named(void **state)
 {
     (void)state;
@@ -412,7 +412,7 @@ static void volumes_lie_along_the_axes_ahead_of_space(void **state)
     }
 }
 
-/* Each is placed as the manifest says, also beside another of the same store. */
+/* Each volume is placed as the manifest says, also beside another one of the same store. */
 static void pathways_of_a_manifest_are_volumes(void **state)
 {
     (void)state;
@@ -428,7 +428,7 @@ static void pathways_of_a_manifest_are_volumes(void **state)
     assert_int_equal(conus_atlas_volume_count(atlas), 3);
     for (size_t i = 0; i < 3; i++) {
         const conus_volume_info *info = conus_atlas_volume(atlas, i);
-        assert_near(info->world_from_voxel[12], -2, 1e-12); /* half a voxel; OME says 0 */
+        assert_near(info->world_from_voxel[12], -2, 1e-12); /* half a voxel from the corner; OME says 0 */
         assert_int_equal(info->volume, i ? 2 * i - 1 : 0);
         assert_int_equal((int)info->maximum, ((int[]){2, 12, 112})[i]);
     }

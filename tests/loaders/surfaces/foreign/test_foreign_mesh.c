@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What becomes of polygons, strips, pieces, objects and spaces of mesh files. */
+/* Polygons, strips, pieces, objects and spaces of mesh files become triangles in one space. */
 #include "base/buffer.h"
 #include "loaders/surfaces/foreign/foreign_mesh.h"
 #include "test.h"
@@ -14,9 +14,9 @@ static conus_status parse_obj(struct foreign_mesh *out, const uint8_t *data, siz
     return obj_parse(out, NULL, data, size);
 }
 
-/* A square, a polygon that is not convex, one that crosses itself, and one whose corners are in a line. The L has the
- * area 3 and 4 triangles, whichever way it is cut; what is cut off counts once. The M, a square of 16 without a notch
- * of 6, has its best ear at (0, 0), where the tip of the notch lies in it. */
+/* An L in both directions and from another corner, a quadrilateral, an M, and corners in a line. The L has the area 3
+ * and 4 triangles, whichever way it is cut: no part is counted twice. The M, a square of 16 without a notch of 6, has
+ * its best ear at (0, 0), but the tip of the notch lies in it. */
 static void polygons_become_triangles(void **state)
 {
     (void)state;
@@ -87,7 +87,7 @@ static void strips_become_triangles(void **state)
     foreign_mesh_finish(&mesh);
 }
 
-/* Of pieces, the second one's vertices follow the first one's. */
+/* The vertices of the second piece follow those of the first. */
 static void pieces_follow_each_other(void **state)
 {
     (void)state;

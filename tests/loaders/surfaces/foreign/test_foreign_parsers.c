@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The parsers of mesh files, one by one: what they read, every prefix, every failing allocation, and what they refuse.
- * All samples are the tetrahedron with corners at 0 and at 3 on each axis, in this order, and the faces below; what is
- * wanted is written down from that, not read back. */
+/* The parsers of mesh files, one by one: samples, every prefix, every failing allocation, and refused files. All
+ * samples are the tetrahedron with corners at 0 and at 3 on each axis, in this order, and the faces below; the expected
+ * numbers follow from that by hand. */
 #include "base/buffer.h"
 #include "loaders/surfaces/foreign/foreign_mesh.h"
 #include "test.h"
@@ -89,7 +89,7 @@ static void build_ply_big(struct buffer *out)
     build_ply(out, true);
 }
 
-/* Its header begins as a text's does. */
+/* A binary STL whose header begins as a text file's does. */
 static void build_stl(struct buffer *out)
 {
     static const char header[80] = "solid SPACE=LPS";
@@ -185,7 +185,7 @@ static const struct {
     const char *name;
     parser *parse;
     const char *text;               /* the file, or ... */
-    void (*build)(struct buffer *); /* ... what makes it */
+    void (*build)(struct buffer *); /* its builder */
     enum mesh_space space;
     bool prefixes_are_whole; /* some of them */
 } samples[] = {
@@ -274,7 +274,7 @@ static void build_sample(struct buffer *out, size_t i)
 
 static conus_status parse_sample(struct foreign_mesh *out, size_t i, const struct buffer *bytes, size_t size)
 {
-    uint8_t *exact = malloc(size ? size : 1); /* so that a sanitizer sees one byte too many */
+    uint8_t *exact = malloc(size ? size : 1); /* so that a sanitizer notices one byte too many */
     memcpy(exact, bytes->data, size);
     conus_status status = samples[i].parse(out, exact, size);
     free(exact);
@@ -368,8 +368,8 @@ static void every_failing_allocation(void **state)
     }
 }
 
-/* With one byte of white space more they are the same, with one of another kind none is read but OBJ and what VTK does
- * not look at: there it is a statement that means nothing. */
+/* A further byte that is no white space is an error, except in OBJ, where it is a statement without a meaning, and
+ * behind the data of VTK's format, which are not read. */
 static void nothing_else_may_follow(void **state)
 {
     (void)state;

@@ -48,7 +48,7 @@ static void read_one(struct mesh *mesh, const char *path, const struct mesh_fore
     assert_string_equal(mesh->path, path);
 }
 
-/* Its volume is `volume`, and its centroid lies at `at` in x and y, `up` in z. */
+/* Asserts the volume, and the centroid: `at` in x and y, `up` in z. */
 static void check_shape(struct mesh *mesh, double volume, double at, double up)
 {
     struct mesh_shape shape;
@@ -104,8 +104,8 @@ static void refuse(const char *name, const char *text, size_t size, const char *
     }
 }
 
-/* As other readers take them: the count right behind the keyword, Blender's line that is no comment, and packed files
- * whose names say so. The cube of `quads` and the tetrahedron. */
+/* Files that other readers accept, too: the count right behind the keyword, Blender's line that is no comment, and
+ * packed files that are named so. The shapes are the cube of `quads` and the tetrahedron. */
 static void sloppy_and_packed_files_are_read(void **state)
 {
     (void)state;
@@ -180,7 +180,7 @@ static void objects_without_memory_leave_nothing_behind(void **state)
     test_every_allocation(load_objects, (void *)path);
 }
 
-/* In a request for files it is one surface, as a manifest says that a file is an area. */
+/* A request for single files makes one surface of them, since a manifest's entry is one area. */
 static void a_file_of_many_objects_may_be_one_surface(void **state)
 {
     (void)state;
@@ -206,7 +206,7 @@ static void the_caller_may_know_the_space_better(void **state)
     assert_int_equal(notes.count, 0);
 }
 
-/* Through the door for meshes of all kinds. */
+/* mesh_file_read() passes these files on to this reader. */
 static void mesh_file_read_leads_here(void **state)
 {
     (void)state;
@@ -224,11 +224,11 @@ static void mesh_file_read_leads_here(void **state)
     check_shape(&mesh, 4.5, 0.75, 0.75);
     path = write_text("lh.obj", freesurfer, sizeof freesurfer - 1);
     assert_fails(mesh_file_read(&mesh, NULL, path, NULL, &notes), CONUS_ERROR_DATA);
-    assert_null(strstr(conus_message(), "VTK")); /* what it is decides, not its name */
+    assert_null(strstr(conus_message(), "VTK")); /* the content decides, not the name */
     notes_finish(&notes);
 }
 
-/* What conus mesh writes comes back as it was. */
+/* A file written by conus mesh is read back unchanged. */
 static void what_we_write_is_read(void **state)
 {
     (void)state;
@@ -285,8 +285,8 @@ static void binary_stl_files_have_the_size_that_they_say(void **state)
     refuse("absurd.stl", (const char *)bytes, STL_SIZE, "4294967295 triangles has 214748364834");
 }
 
-/* One more triangle of three equal corners, one of two, and one whose corners are in a line: they are left out, which
- * is said, and take nothing from the rest. */
+/* Three more triangles: one with three equal corners, one with two, one whose corners are in a line. They are left out
+ * with a note, and the rest is unchanged. */
 static void triangles_without_area_are_counted(void **state)
 {
     (void)state;
@@ -309,7 +309,7 @@ static void triangles_without_area_are_counted(void **state)
     notes_finish(&notes);
 }
 
-/* Cut off at the end of a line or within one; with nothing but the last line end missing, a file is whole. */
+/* Files cut off at the end of a line or within one; a file that lacks only the last line end is whole. */
 static void other_files_that_are_cut_off_are_refused(void **state)
 {
     (void)state;
@@ -369,7 +369,7 @@ static void hostile_files_are_one_line(void **state)
     refuse("lines.vtk", lines, sizeof lines - 1,
            "this is a VTK file of lines (a tractogram), not a surface: give it as --streamlines");
     refuse("nan.obj", not_a_number, sizeof not_a_number - 1, "line 1: \"v 0 0 nan\", a vertex is three numbers");
-    /* other readers take 1, -2 and 3 of the first, and of the second the vertex, whatever is before its v */
+    /* some readers take 1, -2 and 3 from the first, and from the second the vertex, whatever comes before its v */
     refuse("signs.obj", signs, sizeof signs - 1, "line 1: \"v 1-2 3 4\", a vertex is three numbers");
     refuse("indented.obj", indented, sizeof indented - 1, "line 2: \"  v 1 0 nan\", a vertex is three numbers");
     refuse("header.vtk", legacy51, 60, "line 5: \"POINT\", needed is POINTS, POLYGONS");
