@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What was loaded is found the next time, and only while everything that it follows from is as it was. */
+/* A loaded atlas is found in the cache the next time, but only while everything that it depends on is unchanged. */
 #include "atlas/bundles.h"
 #include "base/files/file.h"
 #include "base/memory.h"
@@ -50,7 +50,7 @@ static void the_library_asks_for_no_cache_by_itself(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A file's identity: the same size, and the time of its last change set back, which changes another time. */
+/* A changed file has the same size and the old time of its last change, but setting that time changes another one. */
 static void a_file_that_changed_is_read_again(void **state)
 {
     (void)state;
@@ -71,7 +71,7 @@ static void a_file_that_changed_is_read_again(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Tables that win over the one that was read, or that are looked for beside it. */
+/* A new table counts if it has priority over the one that was read, or belongs beside it. */
 static void a_file_that_appears_beside_it_counts(void **state)
 {
     (void)state;
@@ -94,7 +94,7 @@ static void add_to_folder(char out[8192], const char *path, const char *name)
     assert_ok(file_write_soon(out, "1 Uno 1\n", 8));
 }
 
-/* Without a table beside it the whole folder is looked through: for tables, and for volumes that they could be of. */
+/* Without a table beside it the whole folder is searched: for tables, and for volumes to which they may belong. */
 static void only_what_is_looked_for_in_the_folder_counts(void **state)
 {
     (void)state;
@@ -135,7 +135,7 @@ static void options_have_entries_of_their_own(void **state)
         assert_non_null(found);
         conus_atlas_destroy(found);
     }
-    /* All entries are there now: another value of one option still finds none of them. */
+    /* All entries exist now: a different value of one option still finds none of them. */
     const conus_load_options others[] = {{.cache = true, .labels = path},
                                          {.cache = true, .max_memory = 1 << 21},
                                          {.cache = true, .probability = 0.5},
@@ -148,7 +148,7 @@ static void options_have_entries_of_their_own(void **state)
 
 enum stranger { NONE, VOLUME, SOURCE, TRACTOGRAM, SURFACE, STRANGERS };
 
-/* What says that it came from a file that nobody was seen to read, or has what packing leaves out. */
+/* Adds a part that came from a file whose reading was not recorded, or that packing leaves out. */
 static void add_stranger(conus_atlas *atlas, enum stranger stranger)
 {
     static const char *const unseen = "/nowhere/unseen.trk";
@@ -175,8 +175,8 @@ static void add_stranger(conus_atlas *atlas, enum stranger stranger)
     }
 }
 
-/* An atlas is kept only if all of it is known to follow from the files that were read: else it could be found again
- * after one of the others had changed. */
+/* An atlas is kept only if all of it is known to come from the files that were read. Otherwise it could be found again
+ * after another file has changed. */
 static void what_was_not_seen_being_read_is_not_kept(void **state)
 {
     (void)state;
@@ -210,7 +210,7 @@ static const char *write_manifest(const char *volume, const char *rest)
     return path;
 }
 
-/* Packing knows no surfaces around the areas: kept, the atlas would lose them. */
+/* Packing leaves out surfaces around the areas: a kept atlas would lose them. */
 static void surfaces_around_the_areas_are_not_kept(void **state)
 {
     (void)state;
@@ -255,7 +255,7 @@ static void notes_are_heard_again(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Written just now, it might change again within the same step of the clock. */
+/* A file written just now might change again within the same step of the clock. */
 static void a_file_that_changed_just_now_is_not_kept(void **state)
 {
     (void)state;
@@ -326,7 +326,7 @@ static void the_environment_sets_the_limit(void **state)
         assert_true(!cases[i].wrong || strstr(conus_message(), cases[i].text));
         conus_atlas_destroy(atlas);
         atlas = NULL;
-        assert_ok(conus_atlas_load(&atlas, path, NULL)); /* the cache is not asked for */
+        assert_ok(conus_atlas_load(&atlas, path, NULL)); /* the cache is not used */
         conus_atlas_destroy(atlas);
         atlas = NULL;
     }
@@ -375,7 +375,7 @@ static void what_was_not_used_for_longest_leaves_first(void **state)
     assert_int_equal(access(entry_of(paths[0]), F_OK), 0);
     unsetenv("CONUS_CACHE");
     assert_ok(conus_cache_clear());
-    struct bytes a = packed_bytes(used); /* whose file has no name any more */
+    struct bytes a = packed_bytes(used); /* the entry's file has no name any more */
     struct bytes b = packed_bytes(large);
     assert_int_equal(a.size, b.size);
     bytes_finish(&a);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is damaged, foreign or exchanged is never taken for right, and what cannot be kept is no error. */
+/* Damaged, foreign or exchanged entries of the cache are never used; failing to write one is no error. */
 #include "base/cache/cache_entry.h"
 #include "base/files/file.h"
 #include "builders/cache_builder.h"
@@ -27,7 +27,7 @@ static void keep(const char *path)
     conus_atlas_destroy(atlas);
 }
 
-/* The entry of `path`, whose bytes are the caller's. */
+/* Reads the entry of `path`; the caller frees the bytes. */
 static struct bytes read_entry(const char *path)
 {
     struct bytes bytes = {0};
@@ -35,7 +35,7 @@ static struct bytes read_entry(const char *path)
     return bytes;
 }
 
-/* Bytes in the place of an entry, without a new file. */
+/* Overwrites an entry in place, without a new file. */
 static void overwrite(const char *entry, const void *data, size_t size)
 {
     int file = open(entry, O_WRONLY | O_TRUNC | O_CLOEXEC);
@@ -49,8 +49,8 @@ static bool is_unchecked(size_t at)
     return at >= cache_entry_stamp_at() && at < cache_entry_stamp_at() + CACHE_STAMP_SIZE;
 }
 
-/* Of the head, the key, the notes, the trace, the zeros up to the page, and all of the packed atlas. A byte of the
- * stamp only makes the entry be verified, which it is anyway. */
+/* Flips one bit of each byte: of the head, the key, the notes, the trace, the zeros up to the page, and all of the
+ * packed atlas. A changed byte of the stamp only makes the entry be verified, which happens anyway. */
 static void no_flipped_bit_is_passed_over(void **state)
 {
     (void)state;
@@ -98,7 +98,7 @@ static void nothing_that_is_cut_off_or_longer_is_taken(void **state)
     free(entry);
 }
 
-/* An entry with all checksums right, which another version, build or machine wrote under the same name. */
+/* An entry with valid checksums that another version, build or machine wrote under the same name. */
 static void entries_of_others_are_not_taken(void **state)
 {
     (void)state;
@@ -132,7 +132,7 @@ static void entries_of_others_are_not_taken(void **state)
     free(entry);
 }
 
-/* Whether the entry's stamp is that of this run of the kernel, the file and its time of writing. */
+/* Whether the entry's stamp belongs to this run of the kernel, this file and its time of writing. */
 static bool is_stamped(int file)
 {
     struct stat info;
@@ -144,8 +144,8 @@ static bool is_stamped(int file)
     return memcmp(stamp, wanted, sizeof stamp) == 0;
 }
 
-/* A large entry is verified as a whole if its stamp is another: once it was written to, in another run of the kernel,
- * in a copy of the file. Then it is stamped anew. */
+/* A large entry is verified as a whole if its stamp does not fit: after it was written to, in another run of the
+ * kernel, or in a copy of the file. Then it gets a new stamp. */
 static void large_entries_are_verified_once_and_after_each_write(void **state)
 {
     (void)state;
@@ -163,7 +163,7 @@ static void large_entries_are_verified_once_and_after_each_write(void **state)
         skip();
     }
     assert_true(is_stamped(file));
-    uint8_t flipped = bytes.data[bytes.size - 65] ^ 1; /* of the last array: 64 bytes behind it may be read */
+    uint8_t flipped = bytes.data[bytes.size - 65] ^ 1; /* a byte of the last array: up to 64 bytes of padding follow */
     assert_int_equal(pwrite(file, &flipped, 1, (off_t)bytes.size - 65), 1);
     assert_false(is_stamped(file));
     assert_null(find_in_cache(path, NULL, 0));
@@ -190,7 +190,7 @@ static char *folder_of(const char *entry)
     return folder;
 }
 
-/* What belongs to someone else can only be tried as root. */
+/* Files of another owner can only be made by root. */
 static void what_others_can_write_is_not_taken(void **state)
 {
     (void)state;
@@ -206,7 +206,7 @@ static void what_others_can_write_is_not_taken(void **state)
         assert_true(is_in_cache(path));
         assert_int_equal(chmod(folder, modes[i] | 0700), 0);
         assert_false(is_in_cache(path));
-        conus_atlas *atlas = load_and_keep_rested(path, NULL); /* nor is anything put there */
+        conus_atlas *atlas = load_and_keep_rested(path, NULL); /* nor is anything written there */
         assert_null(atlas->mapped);
         conus_atlas_destroy(atlas);
         assert_int_equal(chmod(folder, 0700), 0);
@@ -236,7 +236,7 @@ static void links_and_pipes_are_not_taken(void **state)
     assert_int_equal(rename(entry, elsewhere), 0);
     assert_int_equal(symlink(elsewhere, entry), 0);
     assert_false(is_in_cache(path));
-    keep(path); /* in the place of the link, not of what it leads to */
+    keep(path); /* it replaces the link, not the file to which the link leads */
     assert_true(is_in_cache(path));
     unlink(entry);
     assert_int_equal(mkfifo(entry, 0600), 0);
@@ -316,7 +316,7 @@ static void without_a_folder_nothing_is_kept(void **state)
     free(home);
 }
 
-/* To exceed this limit ends a program by SIGXFSZ. */
+/* Exceeding this limit ends a program by SIGXFSZ. */
 static void a_limit_on_sizes_of_files_is_heeded(void **state)
 {
     (void)state;
@@ -330,7 +330,7 @@ static void a_limit_on_sizes_of_files_is_heeded(void **state)
     keep(path);
 }
 
-/* Takes root, and a system that lets it mount. */
+/* This needs root, and a system that allows mounting. */
 static void a_full_disk_keeps_nothing(void **state)
 {
     (void)state;

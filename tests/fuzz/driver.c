@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* replay TARGET FOLDER: runs a fuzz target over every file of a corpus folder, and over every prefix of the small ones,
- * so that what the fuzzer once found stays found with any compiler. */
+ * so that old findings of the fuzzer are tried again with any compiler. */
 #include "base/files/file.h"
 
 #include <dirent.h>
@@ -27,7 +27,7 @@ enum { PREFIX_LIMIT = 4096 };
 static void run_prefixes(fuzz_target *run, const struct bytes *bytes)
 {
     for (size_t size = 0; size < bytes->size && size < PREFIX_LIMIT; size++) {
-        uint8_t *exact = malloc(size ? size : 1); /* so that a sanitizer sees one byte too many */
+        uint8_t *exact = malloc(size ? size : 1); /* so that a sanitizer notices one byte too many */
         if (exact) {
             memcpy(exact, bytes->data, size);
             run(exact, size);

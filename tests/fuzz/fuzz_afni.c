@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* AFNI's headers. The bytes are those of the voxels, too. */
+/* AFNI's headers. The same bytes serve as voxels. */
 #include "fuzz_text_volume.h"
 
 #include "loaders/formats/signatures.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* FreeSurfer annotations: every label that a vertex has is in the table. And FreeSurfer's lists of vertices. */
+/* FreeSurfer's annotations, in which every label of a vertex must be in the table; and its lists of vertices. */
 #include "base/memory.h"
 #include "loaders/surfaces/freesurfer_labels.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A packed atlas that was damaged: attaching it fails or gives an atlas that can be measured and ended. The input is
- * the damage, so that it fits every version's layout: an end that is cut off (two bytes), whether the checksum is made
- * to fit (one), then places (two bytes) and what they become (one). */
+/* A damaged packed atlas: attaching it fails, or gives an atlas that can be measured and destroyed. The input is the
+ * damage, so that it fits every version's layout: how much is cut off the end (two bytes), whether the checksum is
+ * corrected (one), then places (two bytes) and their new values (one). */
 #include "atlas/bundles.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A journal and a part, as a crash left them: what a run goes on with is in both, whole, and the same the next time.
- * The input is the journal, a zero byte, and the part; a line of the journal that ends in " *" gets its CRC. */
+/* A journal and a partial file, as a crash left them: the rows with which a run resumes are in both, whole, and the
+ * same the next time. The input is the journal, a zero byte, and the partial file; a line of the journal that ends in "
+ * *" gets its CRC. */
 #include "batch/batch_file.h"
 #include "quiet.h"
 
@@ -66,7 +67,7 @@ static void write_part(const void *bytes, size_t size)
     }
 }
 
-/* What a run goes on with. */
+/* Resumes the batch. */
 static int resume(struct batch_file *out)
 {
     static char path[64];
@@ -94,7 +95,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         }
         uint64_t poses = first.poses;
         uint64_t errors = first.errors;
-        batch_file_close(&first); /* which removes both where no pose is answered */
+        batch_file_close(&first); /* it removes both if no pose is answered */
         if (poses && (resume(&again) || again.poses != poses || again.errors != errors || again.crc != crc ||
                       again.size != bytes)) {
             abort();

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A shard's sidecar: what conus merge takes from it keeps its word. */
+/* A shard's sidecar: the values that conus merge takes from it are consistent. */
 #include "batch/batch_record.h"
 #include "quiet.h"
 

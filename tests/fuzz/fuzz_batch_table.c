@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A table of batches: what is read of it names three files each, and no output twice. */
+/* Tables of batches: every row that is read names three files, and no output twice. */
 #include "batch/batch_jobs.h"
 #include "quiet.h"
 

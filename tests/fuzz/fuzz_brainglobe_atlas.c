@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Any bytes as BrainGlobe's manifest.json: no place leaves the root. */
+/* Any bytes as BrainGlobe's manifest.json: no path leaves the root. */
 #include "loaders/brainglobe/brainglobe_atlas.h"
 
 #include <stdlib.h>

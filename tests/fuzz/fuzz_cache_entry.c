@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* An entry of the cache of atlases as somebody may have left it there: the input as it is; the input as the parts of an
- * entry whose checksums hold; and that entry with a head that lies about them. The first eight bytes are the sizes of
- * key, notes and trace, and where in the head what byte is written; the parts follow. */
+/* An entry of the cache of atlases that somebody else may have written: the input as it is; the input as the parts of
+ * an entry with valid checksums; and that entry with one wrong byte in its head. The first eight bytes are the sizes of
+ * key, notes and trace, and the place and value of that byte; the parts follow. */
 #include "base/cache/cache_entry.h"
 #include "base/memory.h"
 #include "cache/atlas_cache.h"
@@ -27,7 +27,7 @@ static void hear(void *user, const conus_note *note)
     *(size_t *)user += strlen(note->line) + (note->path ? strlen(note->path) : 0);
 }
 
-/* What follows once an entry is believed, but for the voxels. */
+/* Reads all parts of an accepted entry but its voxels. */
 static void use_parts(const struct cache_entry *entry)
 {
     size_t length = 0;
@@ -57,7 +57,7 @@ static struct cache_part take_part(const uint8_t **at, size_t *left, size_t size
     return part;
 }
 
-/* A head with another byte, and the checksum that it should have, if it says where the packed atlas begins. */
+/* Changes a byte of the head, and corrects the checksum if the head says where the packed atlas begins. */
 static void lie(uint8_t *entry, size_t size, size_t at, uint8_t byte)
 {
     uint64_t packed_at;
@@ -79,7 +79,7 @@ static void lie(uint8_t *entry, size_t size, size_t at, uint8_t byte)
 static void check_entry(struct buffer *bytes, const struct cache_entry *entry, const uint8_t *first)
 {
     struct cache_entry parsed;
-    uint8_t *memory = memory_copy(bytes->data, bytes->size, 1); /* whose end a sanitizer knows */
+    uint8_t *memory = memory_copy(bytes->data, bytes->size, 1); /* of exactly this size, for sanitizers */
     must(memory && cache_entry_parse(&parsed, memory, bytes->size));
     must(parsed.key.size == entry->key.size && parsed.notes.size == entry->notes.size &&
          parsed.trace.size == entry->trace.size && parsed.packed.size == entry->packed.size);

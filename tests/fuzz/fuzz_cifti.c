@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* CIFTI files of labels: what an accepted one promises, and what becomes of its vertices and voxels. */
+/* CIFTI files of labels: the contents of an accepted file are consistent, and its vertices and voxels can be used. */
 #include "base/memory.h"
 #include "loaders/cifti/cifti_file.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Deformation fields: headers of their files, and small fields of any numbers. What is found on the way back goes where
- * it should. */
+/* Deformation fields: headers of their files, and small fields of arbitrary numbers. A point found on the way back goes
+ * to the wanted place. */
 #include "atlas/deformation/deformation.h"
 #include "base/geometry/math3.h"
 #include "loaders/transform/field_file.h"
@@ -26,7 +26,7 @@ static void read_header(const uint8_t *data, size_t size)
     }
 }
 
-/* Two points through the field and back. */
+/* Takes two points through the field and back. */
 static void go_there_and_back(const struct deformation *field)
 {
     for (int n = 0; n < 2; n++) {
@@ -39,7 +39,7 @@ static void go_there_and_back(const struct deformation *field)
             abort();
         }
         if (!deformation_point(there, field, p) || deformation_find(back, field, there) != DEFORMATION_FOUND) {
-            continue; /* of a field of any numbers nothing else is known */
+            continue; /* a field of arbitrary numbers promises nothing else */
         }
         double miss[3];
         if (!deformation_point(again, field, back)) {
@@ -52,7 +52,7 @@ static void go_there_and_back(const struct deformation *field)
     }
 }
 
-/* Three bytes of size, one of kind, then bytes that are numbers of an eighth of a mm, -128 without a value. */
+/* Three bytes of size, one of kind, then bytes as numbers of an eighth of a mm; -128 means no value. */
 static void make_field(const uint8_t *data, size_t size)
 {
     float vectors[3 * 64] = {0};

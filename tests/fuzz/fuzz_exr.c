@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* OpenEXR: whatever is read can be written again and is then the same. */
+/* OpenEXR: an image that is read can be written again, and is then the same. */
 #include "render/image/image_codecs.h"
 
 #include <stdlib.h>

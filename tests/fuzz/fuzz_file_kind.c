@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Any bytes as a file of unknown kind: what it is called must be one line. */
+/* Any bytes as a file of unknown kind: its description must be one line. */
 #include "base/memory.h"
 #include "loaders/file_kind.h"
 

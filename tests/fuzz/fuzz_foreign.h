@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What holds of every parser of mesh files: what it accepts has indices of vertices that there are, and can be
- * checked and taken. */
+/** @file Checks that hold for every parser of mesh files: an accepted mesh has no indices beyond its vertices, and can
+ * be checked and taken. */
 #ifndef CONUS_TESTS_FUZZ_FUZZ_FOREIGN_H
 #define CONUS_TESTS_FUZZ_FUZZ_FOREIGN_H
 

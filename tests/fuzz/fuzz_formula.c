@@ -28,7 +28,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         memcpy(text, data, size);
     }
     if (!formula_parse(&formula, text, name_at, NULL) && isinf(formula_value(&formula, values))) {
-        abort(); /* what is no finite number is NaN */
+        abort(); /* a score that is not finite must be NaN */
     }
     free(text);
     return 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* GIFTI documents, and what becomes of their arrays. */
+/* GIFTI documents, and the use of their arrays. */
 #include "base/memory.h"
 #include "loaders/surfaces/gifti.h"
 

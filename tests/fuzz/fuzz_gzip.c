@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Unpacking: the first two bytes say how much the header would ask for and from where, the rest is the packed file. */
+/* Unpacking: the first two bytes say how much the header would ask for and from where; the rest is the packed file. */
 #include "base/formats/gzip.h"
 
 #include <stdlib.h>
@@ -13,7 +13,7 @@ static conus_status keep_slab(void *user, const uint8_t *data, size_t size)
     return CONUS_OK;
 }
 
-/* A sink gets what would be kept, or the unpacking fails alike. */
+/* A sink gets the same bytes as a buffer, or both fail alike. */
 static void compare_sink(const uint8_t *data, size_t size, struct gzip_range range)
 {
     struct bytes kept = {0};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* An index of a gzip file as somebody may have left it there. The first eight bytes choose a range; the rest is an
- * index, and then, three by three, places and values of up to four bytes of a right index: what that leads to is what
- * the file has, or nothing. The file and its index are made once, always the same. */
+/* An index of a gzip file that somebody else may have written. The first eight bytes choose a range. The rest is an
+ * index; and then, three by three, places and values of up to four bytes in a valid index. Either index leads to the
+ * file's own bytes, or to nothing. The file and its index are made once, always the same. */
 #include "base/formats/gzip_index.h"
 #include "base/memory.h"
 
@@ -42,7 +42,7 @@ static void pack(struct bytes *out)
     deflateEnd(&z);
 }
 
-/* Two halves of the same noise: the second copies from the first, as far as a window reaches. */
+/* Makes two equal halves of noise: the second is a copy of the first, as far as a window reaches. */
 static void make_right(void)
 {
     uint32_t random = 1;
@@ -74,7 +74,7 @@ static conus_status keep_slab(void *user, const uint8_t *data, size_t size)
     return CONUS_OK;
 }
 
-/* Unpacks the range, kept and to a sink alike; whether that succeeds. */
+/* Unpacks the range into memory and to a sink; returns whether that succeeds. */
 static bool follow(struct bytes *out, const struct gzip_index *index, struct gzip_range range)
 {
     struct buffer got = {0};
@@ -92,7 +92,7 @@ static bool follow(struct bytes *out, const struct gzip_index *index, struct gzi
 static bool parse_and_follow(const uint8_t *index, size_t size, struct gzip_range range, struct bytes *out)
 {
     struct gzip_index parsed;
-    uint8_t *memory = memory_copy(index, size, 1); /* whose end a sanitizer knows */
+    uint8_t *memory = memory_copy(index, size, 1); /* of exactly this size, for sanitizers */
     must(memory);
     bool followed = gzip_index_parse(&parsed, memory, size) && follow(out, &parsed, range);
     (void)(gzip_index_parse(&parsed, memory, size) && gzip_index_fits(&parsed, right.file));

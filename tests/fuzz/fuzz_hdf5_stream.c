@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What conus-hdf5 writes, should it have lost its mind. */
+/* Arbitrary bytes in the place of conus-hdf5's stream. */
 #include "base/child/hdf5.h"
 #include "base/memory.h"
 
@@ -7,7 +7,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Reads every element; ends where one is not what it must be. */
+/* Reads every element; ends at an object that breaks a promise. */
 static void use(const struct hdf5_value *value)
 {
     size_t used = 0;

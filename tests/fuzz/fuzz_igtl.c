@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a network may send: whole, and in pieces, it means the same; and every pose heard is rigid. */
+/* Bytes from a network: whole and in pieces they mean the same, and every pose that is heard is rigid. */
 #include "link/igtl.h"
 
 #include <math.h>

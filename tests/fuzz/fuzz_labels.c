@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Any bytes as a label table of a format told by their content. What is read must be in order. */
+/* Any bytes as a label table whose format is detected from its content. The labels that are read must be in order. */
 #include "loaders/labels/label_bytes.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Any bytes as FSL atlas, Workbench and AFNI table, whatever their outermost element is. */
+/* Any bytes as an FSL atlas, a Workbench table and an AFNI table, whatever their outermost element is. */
 #include "base/memory.h"
 #include "loaders/labels/label_bytes.h"
 #include "loaders/labels/label_format.h"

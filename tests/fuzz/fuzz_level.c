@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A level of any bytes, but for those that open files, on an atlas of three depths, plain or merged. */
+/* Any bytes as a level, except those that open files, on an atlas of three depths, plain or merged. */
 #include "atlas/areas/level.h"
 #include "atlas/atlas.h"
 #include "base/memory.h"
@@ -38,7 +38,7 @@ static conus_atlas *make_atlas(unsigned kind)
     return atlas;
 }
 
-/* Whatever it says, an area is reported as itself or as one above it. */
+/* With every level an area is reported as itself or as one of its ancestors. */
 static void check(const conus_atlas *atlas, const struct level *level)
 {
     const uint32_t *group = level_group(level);

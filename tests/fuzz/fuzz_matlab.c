@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* MATLAB's files, of level 5 or as conus-hdf5 gives level 7.3: the parts of what is parsed lie inside it, and every
+/* MATLAB's files, of level 5 or as conus-hdf5 gives level 7.3: the parts of an accepted array lie inside it, and every
  * value can be read. */
 #include "base/formats/matlab.h"
 #include "base/memory.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The matrices of a tracker: what is read is one rigid pose, or says why it is none. */
+/* The matrices of a tracker: an accepted one is a rigid pose, a refused one has its reason. */
 #include "base/geometry/math3.h"
 #include "poses/pose_stream.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* An entry of the cache as somebody may have left it there: as it is, and with the tail that its bytes should have. */
+/* An entry of the cache of meshes that somebody else may have written: as it is, and with a valid tail. */
 #include "base/memory.h"
 #include "loaders/child/mesh_cache.h"
 #include "loaders/child/mesh_stream.h"

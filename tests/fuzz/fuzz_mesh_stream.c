@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What conus-mesh writes, should it have lost its mind. */
+/* Arbitrary bytes in the place of conus-mesh's stream. */
 #include "loaders/child/mesh_stream.h"
 
 #include <stdlib.h>

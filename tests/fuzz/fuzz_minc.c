@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What conus-hdf5 says of a volume of MINC: its voxels are as many as its header says. */
+/* conus-hdf5's stream of a MINC volume: it has as many voxels as its header says. */
 #include "base/memory.h"
 #include "loaders/volumes/minc.h"
 

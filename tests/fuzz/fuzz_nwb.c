@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What conus-hdf5 says of the electrodes of NWB: each row is a position, or has its error. */
+/* conus-hdf5's stream of NWB electrodes: each row has a position or an error. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "poses/programs/pose_programs.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Where the window was: what parses can be a window, what does not leaves everything as it was. */
+/* The window's place: a text that parses is a possible window, one that does not changes nothing. */
 #include "viewer/window/place.h"
 
 #include <stdint.h>

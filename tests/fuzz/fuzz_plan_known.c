@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How far a plan has come, as text: what is read is written the same again. */
+/* The progress of a plan as text: progress that is read is written the same again. */
 #include "selection/plan/plan_known.h"
 
 #include <stdlib.h>

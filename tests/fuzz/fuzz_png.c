@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* PNG: whatever is read can be written again. */
+/* PNG: a picture that is read can be written again. */
 #include "render/image/image_codecs.h"
 
 #include <stdlib.h>

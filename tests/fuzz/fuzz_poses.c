@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A pose that is read without error is rigid, whatever the format, the axis and the space; and passing over rows counts
- * them as reading does. */
+/* A pose that is read without an error is rigid, whatever the format, the axis and the space; skipping rows counts as
+ * many as reading them. */
 #include "base/child/hdf5.h"
 #include "base/geometry/math3.h"
 #include "poses/pose_stream.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Contacts that are read lie above their tip, have names of their own, and go where a pose puts them. */
+/* Contacts of an accepted probe lie above its tip, have different names, and go where a pose puts them. */
 #include "base/geometry/math3.h"
 #include "poses/programs/probe_interface.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What was opened lately: what parses are absolute paths, what does not leaves everything as it was. */
+/* The list of recent files: paths in a list that parses are absolute; one that does not parse changes nothing. */
 #include "viewer/window/recent.h"
 
 #include <stdint.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What `conus diff` reads: every row must be found again by its own key. */
+/* Tables for `conus diff`: every row must be found again by its own key. */
 #include "cli/answers/results_reader.h"
 #include "options/messages.h"
 #include "quiet.h"

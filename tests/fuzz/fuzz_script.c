@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Lines of the window's scripts: words are pieces of their line, one after the other. */
+/* Lines of the window's scripts: words are parts of their line, one after the other. */
 #include "viewer/commands/script_words.h"
 
 #include <math.h>
@@ -29,7 +29,7 @@ static void check_words(char *const words[SCRIPT_WORDS], size_t count, const cha
     }
 }
 
-/* As getline() gives it, but no longer than it is. */
+/* Copies a line as getline() gives it, into memory of exactly its length. */
 static void read_line(const uint8_t *data, size_t size)
 {
     char *words[SCRIPT_WORDS];

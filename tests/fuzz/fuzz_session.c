@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sessions of the window: one that is refused changes nothing; of one that is opened, what is saved opens again and is
- * saved the same. Each of two atlases has an area, a pathway and a context of 16 voxels each way; nothing is selected
- * or drawn. */
+/* Sessions of the window: a refused one changes nothing; an accepted one, saved and opened again, is saved the same.
+ * Each of two atlases has an area, a pathway and a context of 16 voxels each way; nothing is selected or drawn. */
 #include "conus/phantom.h"
 #include "viewer/session/session.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A sidecar from a stranger: what conus verify takes from it keeps its word. */
+/* A sidecar from a stranger: the values that conus verify takes from it are consistent. */
 #include "cli/verify/record.h"
 
 #include <stdlib.h>

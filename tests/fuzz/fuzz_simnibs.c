@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What conus-hdf5 says of a mesh of SimNIBS: all its tetrahedra have nodes, and a region of them has a volume. */
+/* conus-hdf5's stream of a SimNIBS mesh: all tetrahedra have nodes, and a region of them has a volume. */
 #include "base/memory.h"
 #include "loaders/maps/simnibs.h"
 

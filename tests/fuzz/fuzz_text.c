@@ -12,7 +12,7 @@ static void read_word(struct text word)
     double number;
     int64_t integer;
     if (text_to_int(word, &integer) && !text_to_double(word, &number)) {
-        abort(); /* what is an integer is a number too */
+        abort(); /* an integer is a number, too */
     }
     char *clean = text_to_utf8(word);
     if (!clean || !text_is_utf8(text_from(clean))) {

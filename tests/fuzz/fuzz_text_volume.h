@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the fuzz targets of volumes with a header of text do: read the header, then its voxels out of the rest.
- */
+/** @file The part that fuzz targets of volumes with a text header share: they read the header, then voxels from the
+ * other bytes. */
 #ifndef CONUS_TESTS_FUZZ_FUZZ_TEXT_VOLUME_H
 #define CONUS_TESTS_FUZZ_FUZZ_TEXT_VOLUME_H
 
@@ -8,7 +8,7 @@
 
 #include "loaders/volumes/volume_text.h"
 
-/** Reads volume 0 and all volumes, where they take at most a mebibyte: they must be the same. */
+/** Reads volume 0 alone and all volumes, if they take at most a mebibyte: they must be the same. */
 static inline void fuzz_text_voxels(const struct volume_header *header, const uint8_t *data, size_t size)
 {
     enum { MOST = 1 << 20 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tractograms: what is accepted passes its check, and all of its numbers are there. */
+/* Tractograms: an accepted one passes its check, and all of its numbers can be read. */
 #include "fuzz_tractogram.h"
 
 #include "loaders/tracts/tract_file.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a reader of tractograms has accepted: every number of it is there, and nothing hangs on more. */
+/** @file Reads all numbers of an accepted tractogram. */
 #ifndef CONUS_TESTS_FUZZ_FUZZ_TRACTOGRAM_H
 #define CONUS_TESTS_FUZZ_FUZZ_TRACTOGRAM_H
 
@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/** Reads every number, so that a sanitizer sees one that is not there, of one that tractogram_check() lets pass. */
+/** Reads every number of a tractogram that passed tractogram_check(), so that a sanitizer notices a missing one. */
 static inline void fuzz_tractogram_read(const struct tractogram *t)
 {
     double sum = 0;

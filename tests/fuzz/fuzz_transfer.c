@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transfer functions of any bytes: what parses is within its promises. */
+/* Any bytes as a transfer function: the points of an accepted one are in order and in range. */
 #include "render/colour/transfer.h"
 
 #include <stdlib.h>

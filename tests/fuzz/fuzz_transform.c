@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Transforms of all programs: what is read moves points to points. */
+/* Transforms of all programs: an accepted one moves points to points. */
 #include "base/geometry/math3.h"
 #include "loaders/transform/transform_file.h"
 

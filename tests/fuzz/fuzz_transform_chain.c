@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Composites and X5, from what conus-hdf5 says of a file: a field that is read has numbers that are finite. */
+/* Composites and X5 in conus-hdf5's stream: an accepted field has finite numbers. */
 #include "base/memory.h"
 #include "loaders/transform/transform_chain.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* TRX archives. Checksums of files that are not packed are mended first: no change would come past them otherwise. */
+/* TRX archives. Checksums of stored files are corrected first: otherwise no change would be read. */
 #include "fuzz_tractogram.h"
 
 #include "base/formats/zip.h"
@@ -20,8 +20,8 @@ static void put_u32(uint8_t *to, uint32_t value)
     }
 }
 
-/* An entry's name stands 46 bytes behind its beginning, the checksum 16, the place of the file's header 42; the
- * checksum there 14 bytes behind its beginning. */
+/* In the directory, an entry's name is 46 bytes behind its beginning, the checksum 16, the place of the file's header
+ * 42; in that header the checksum is at 14. */
 static void mend(struct bytes *archive)
 {
     struct zip zip = {0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the volume fuzz targets do once a header is read. */
+/** @file The checks of the volume fuzz targets once a header is read. */
 #ifndef CONUS_TESTS_FUZZ_FUZZ_VOLUME_H
 #define CONUS_TESTS_FUZZ_FUZZ_VOLUME_H
 
@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** Aborts where an accepted header breaks what its readers promise. */
+/** Aborts if an accepted header breaks a promise to its readers. */
 static inline void fuzz_check_header(const struct volume_header *header)
 {
     const conus_volume_info *info = &header->info;
@@ -29,8 +29,8 @@ static inline void fuzz_check_header(const struct volume_header *header)
     }
 }
 
-/** Decodes volume 0, if @p data holds it whole. Where labels come out, the values must be the same, and so must labels
- * that take the place of the voxels. */
+/** Decodes volume 0 if @p data holds all of it. If it is a volume of labels, the values must be the same, and so must
+ * the labels that replace the voxels. */
 static inline void fuzz_decode(const struct volume_header *header, const uint8_t *data, size_t size)
 {
     if (header->offset > size || header->volume_size > size - header->offset) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Zip archives: what is listed lies inside, is found by its name, and is the same stored bytes both ways. */
+/* Zip archives: every listed file lies inside, is found by its name, and has the same stored bytes both ways. */
 #include "base/formats/zip.h"
 
 #include <stdio.h>

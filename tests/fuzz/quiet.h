@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A fuzzer's log is no place for a million complaints of the program. */
+/** @file Silences stderr: a fuzzer's log has no room for a million messages of the program. */
 #ifndef CONUS_TESTS_FUZZ_QUIET_H
 #define CONUS_TESTS_FUZZ_QUIET_H
 
 #include <stdio.h>
 
-/** Lets stderr lead nowhere; gives what it was, to be put back. */
+/** Redirects stderr to nowhere; returns the old stream, to be put back. */
 static inline FILE *be_quiet(void)
 {
     static FILE *nowhere;

@@ -158,7 +158,7 @@ static conus_pose_list *parse(const char *text, conus_space space)
     return list;
 }
 
-/* The same pose in the four ways in which a table can say it, and as a plain matrix. */
+/* The same pose in the four forms that a table can have, and as a plain matrix. */
 static void every_way_gives_the_same_pose(void **state)
 {
     (void)state;
@@ -181,7 +181,7 @@ static void every_way_gives_the_same_pose(void **state)
     }
 }
 
-/* What is written in LPS with x and y negated is the same pose. */
+/* A pose written in LPS, with x and y negated, is the same pose. */
 static void lps_negates_x_and_y(void **state)
 {
     (void)state;
@@ -199,7 +199,7 @@ static void lps_negates_x_and_y(void **state)
     }
 }
 
-/* Each row says how its x and y grow, or leaves it to the option; another brain's rows are none of this table. */
+/* A row states its space, or leaves it to the option; a row of another brain's space is an error. */
 static void rows_say_their_space(void **state)
 {
     (void)state;

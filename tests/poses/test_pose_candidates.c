@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Candidates: every pair of an entry and a target, rings of tilted directions, ids, depths, what is refused. */
+/* Candidates: every pair of an entry and a target, rings of tilted directions, ids, depths, refused input. */
 #include "base/geometry/math3.h"
 #include "conus/candidates.h"
 #include "test.h"
@@ -105,8 +105,8 @@ static void without_targets_the_normal_leads_in(void **state)
     conus_pose_stream_destroy(stream);
 }
 
-/* Every ring of a tilt: its angle to the direction, its number of directions, their distances around it, the first of
- * them towards the device's +y, the second towards its +x. */
+/* For every ring of a tilt: its angle to the direction, its number of directions, and their distances along it. The
+ * first of them points towards the device's +y, the second towards its +x. */
 static void rings_surround_the_direction(void **state)
 {
     (void)state;
@@ -148,7 +148,7 @@ static void rings_surround_the_direction(void **state)
     conus_pose_stream_destroy(stream);
 }
 
-/* Three turns of each tilt, 120 degrees apart, +y towards +x, about the same axis. */
+/* Three turns of each tilt, 120 degrees apart, from +y towards +x, about the same axis. */
 static void turns_about_the_axis(void **state)
 {
     (void)state;
@@ -205,7 +205,7 @@ static void an_entry_at_its_target_is_no_pose(void **state)
     conus_pose_stream_destroy(stream);
 }
 
-/* A direction that is read back as it was written is the same one, and so are those across it. */
+/* A written direction that is read again is the same, and so are the two axes across it. */
 static void a_pose_is_made_of_its_own_axis_again(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Poses as other programs write them. The devices of the samples (tests/fuzz/corpus/poses) are 80 mm from (0, -20, 10)
+/* Poses in files of other programs. The devices of the samples (tests/fuzz/corpus/poses) are 80 mm from (0, -20, 10)
  * and look at it. */
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
@@ -24,7 +24,7 @@ static void refuse(const char *text, const conus_pose_options *options, const ch
     pose_text_refuse(text_from(text), options, part);
 }
 
-/* A file that says what it is, and has no pose in it. */
+/* Parses a file of a known format without any pose. */
 static void parse_none(const char *text)
 {
     conus_pose_list *list = parse(text, NULL);
@@ -43,8 +43,8 @@ static void brainsight_targets_samples_electrodes(void **state)
     const conus_pose_row *row = pose_row_of(list, 2, "sample/Sample 1");
     assert_row_at_target(row, 0.01);
     assert_int_equal(row->line, 11);
-    /* Target Error 1.348 mm and Angular Error 4.702 degrees are how far the coil was from the target that was planned:
-       where it was is known no worse for that. */
+    /* Target Error, 1.348 mm, and Angular Error, 4.702 degrees, are the coil's distances from the planned target; they
+     * are no errors of the measured position. */
     assert_true(isnan(row->error_mm) && isnan(row->error_deg));
     double first = row->time_s;
     assert_near(first, 1553263720.658, 1e-6); /* 2019-03-22 14:08:40.658 */
@@ -80,7 +80,7 @@ static void brainsight_world_is_lps(void **state)
 #define SPACE "# Coordinate system: NIfTI:Scanner\n"
 #define COLUMNS "# Target Name\tLoc. X\tLoc. Y\tLoc. Z\tm0n0\tm0n1\tm0n2\tm1n0\tm1n1\tm1n2\tm2n0\tm2n1\tm2n2\n"
 
-/* Each name of a coordinate system and of a unit that Brainsight writes, and the brain that it means. */
+/* Each name of a coordinate system and of a unit that Brainsight writes, and the space that it means. */
 static void brainsight_names_spaces_and_units(void **state)
 {
     (void)state;
@@ -194,8 +194,8 @@ static void localite_triggers_have_times(void **state)
     "data13=\"0\" data20=\"1\" data21=\"0\" data22=\"0\" data23=\"20\" data30=\"0\" data31=\"0\" data32=\"0\" "        \
     "data33=\"1\"/>"
 
-/* What is no marker makes no row, unless it has a matrix. The matrix's first column, along which the coil points, is z.
- */
+/* An element that is no marker makes no row, unless it has a matrix. The matrix's first column, along which the coil
+ * points, is z. */
 static void localite_lists_hold_other_things(void **state)
 {
     (void)state;
@@ -213,7 +213,7 @@ static void localite_lists_hold_other_things(void **state)
     conus_pose_list_destroy(list);
 }
 
-/* MNI is RAS whatever --space says. The marker's own set="false" holds where the child says nothing of it. */
+/* MNI is RAS whatever --space says. The marker's attribute set="false" counts where its child does not repeat it. */
 static void localite_has_mni(void **state)
 {
     (void)state;
@@ -290,7 +290,7 @@ static void write_text(const char *path, const char *text)
     assert_ok(file_write(path, text, strlen(text)));
 }
 
-/* Units and space stand beside the table, in a file that may hold for several of them. */
+/* Units and space are in a file beside the table, which may hold for several tables. */
 static void coordinate_systems_are_found(void **state)
 {
     (void)state;
@@ -348,7 +348,7 @@ static void coordinate_systems_are_read_strictly(void **state)
     "{\"type\":\"Line\",\"coordinateSystem\":\"RAS\",\"controlPoints\":[{\"position\":[0,0,9]},{\"position\":[0,0,5]}" \
     "]}"
 
-/* What the file says of its space holds; that the caller said otherwise is noted once. */
+/* The space that the file states holds; that the caller stated another one is noted once. */
 static void a_named_space_wins(void **state)
 {
     (void)state;
@@ -413,7 +413,7 @@ static void lines_may_be_looked_along_either_way(void **state)
     conus_pose_list_destroy(list);
 }
 
-/* A scan and a template are different brains; where one of them does not say, a note does. */
+/* A scan and a template are different brains; if one of them does not say which it is, a note does. */
 static void spaces_must_fit(void **state)
 {
     (void)state;
@@ -480,7 +480,7 @@ static void assert_heard(const struct heard *heard, size_t count, conus_severity
     assert_non_null(strstr(heard->line, part));
 }
 
-/* At once, also by a file that is refused and by later calls on a list or stream, but none twice. */
+/* Notes are heard at once, also those of a refused file and of later calls on a list or stream, and none twice. */
 static void notes_are_heard(void **state)
 {
     (void)state;
@@ -534,7 +534,7 @@ static void check_prefix(const conus_pose_list *whole, struct text prefix)
     conus_pose_list_destroy(list);
 }
 
-/* Cut anywhere, a file is refused or gives the first of its rows, the last of them perhaps with an error. */
+/* A file that is cut off is refused or gives the first of its rows, the last of them perhaps with an error. */
 static void every_prefix_is_refused_or_shorter(void **state)
 {
     (void)state;
@@ -543,7 +543,7 @@ static void every_prefix_is_refused_or_shorter(void **state)
         conus_pose_list *whole = pose_sample_load(samples[k], NULL);
         assert_ok(file_read(&bytes, pose_sample(samples[k]), 1 << 20));
         for (size_t size = 0; size < bytes.size; size++) {
-            char *exact = malloc(size + !size); /* so that a sanitizer sees one byte too many */
+            char *exact = malloc(size + !size); /* so that a sanitizer notices one byte too many */
             memcpy(exact, bytes.data, size);
             check_prefix(whole, (struct text){exact, size});
             free(exact);

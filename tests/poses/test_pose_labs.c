@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Poses of InVesalius and NIBS-BIDS; and of these, SimNIBS and Lead-DBS: formats and spaces, prefixes, allocations. */
+/* Poses of InVesalius and NIBS-BIDS; for these, SimNIBS and Lead-DBS: formats and spaces, prefixes, allocations. */
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "poses/pose_stream.h"
@@ -74,7 +74,8 @@ static void invesalius_angles(void **state)
     conus_pose_list_destroy(list);
 }
 
-/* Old files have no marker_type: the labels of the two ears and of the nasion tell. With the column, type 0 does. */
+/* Old files have no marker_type: the labels of the two ears and of the nasion mark fiducials. With the column, type 0
+ * does. */
 static void invesalius_fiducials_are_passed_over(void **state)
 {
     (void)state;
@@ -186,7 +187,7 @@ static void nibs_is_read_strictly(void **state)
     conus_pose_list_destroy(list);
 }
 
-/* Where no space is named, --space counts: for points, directions and matrices. */
+/* Without a named space --space counts: for points, directions and matrices. */
 static void nibs_in_lps(void **state)
 {
     (void)state;
@@ -251,7 +252,7 @@ static void nibs_coordinate_systems(void **state)
     assert_non_null(strstr(conus_message(), "\"CapTrak\" is not the world of an image"));
 }
 
-/* A subject's own head is no template, a reconstruction in MNI space is. */
+/* A subject's own head is no template; a reconstruction in MNI space is in one. */
 static void spaces_must_fit(void **state)
 {
     (void)state;
@@ -274,9 +275,7 @@ static void spaces_must_fit(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* An atlas that was brought to the patient is where the patient's coils are, and no more where contacts in MNI space
- * are.
- */
+/* An atlas that was moved to the patient fits the patient's coils, but no longer contacts in MNI space. */
 static void a_moved_atlas_is_the_patients(void **state)
 {
     (void)state;
@@ -295,9 +294,9 @@ static void a_moved_atlas_is_the_patients(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Contacts of a head in metres, 0.05 to 0.1 from the origin; and the same where the scanner's origin is 1.2 m away.
- * Whatever the format, three of them say so; two points, as of a microelectrode, only near the origin; and equal ones,
- * or those with an error, never. A pose table's cones are left to conus_aims_found(). */
+/* Contacts in metres, 0.05 to 0.1 from the origin; and the same where the scanner's origin is 1.2 m away. In every
+ * format three such positions give a note. Two positions, as of a microelectrode, give one only near the origin; equal
+ * positions and rows with an error never do. Cones of a pose table are left to conus_aims_found(). */
 static void positions_in_metres_are_noted(void **state)
 {
     (void)state;
@@ -342,7 +341,7 @@ static const struct {
 
 enum { SAMPLES = sizeof samples / sizeof samples[0] };
 
-/* Cut anywhere, a file is refused or gives the first of its rows, the last of them perhaps with an error. */
+/* A file that is cut off is refused or gives the first of its rows, the last of them perhaps with an error. */
 static void every_prefix_is_refused_or_shorter(void **state)
 {
     (void)state;
@@ -353,7 +352,7 @@ static void every_prefix_is_refused_or_shorter(void **state)
         assert_ok(file_read(&bytes, pose_sample(samples[k].name), 1 << 20));
         for (size_t size = 0; size < bytes.size; size++) {
             conus_pose_list *list = NULL;
-            char *exact = malloc(size + !size); /* so that a sanitizer sees one byte too many */
+            char *exact = malloc(size + !size); /* so that a sanitizer notices one byte too many */
             memcpy(exact, bytes.data, size);
             (void)!pose_list_parse(&list, (struct text){exact, size}, &options);
             size_t count = conus_pose_list_count(list);

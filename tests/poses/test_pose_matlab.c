@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* A TMSLIST in a SESSION; what SimNIBS has not placed is an error of its row. */
+/* A TMSLIST in a SESSION; a position that SimNIBS has not placed is an error of its row. */
 static void simnibs_sessions(void **state)
 {
     (void)state;
@@ -29,8 +29,8 @@ static void simnibs_sessions(void **state)
 
 static const conus_pose_options simnibs = {.format = CONUS_POSE_FORMAT_SIMNIBS};
 
-/* SimNIBS's manual has a coil above the vertex that faces downwards, its y forward: [-1 0 0 -1.2; 0 1 0 -15.8; 0 0 -1
- * 120; 0 0 0 1]. */
+/* SimNIBS's manual has a coil above the vertex that faces downwards, with its y forward: [-1 0 0 -1.2; 0 1 0 -15.8; 0 0
+ * -1 120; 0 0 0 1]. */
 static void simnibs_texts(void **state)
 {
     (void)state;
@@ -67,7 +67,7 @@ static void simnibs_texts(void **state)
     pose_text_refuse(text_from("1 2\n3 x"), &simnibs, "line 2: \"x\" is no number");
 }
 
-/* Variables of MATLAB by themselves. */
+/* Positions in variables of MATLAB, without a SESSION. */
 static void simnibs_variables(void **state)
 {
     (void)state;
@@ -94,7 +94,7 @@ static void simnibs_variables(void **state)
 
         matlab_begin(&builder, big);
         matlab_open(&builder, MX_DOUBLE, 4, 4, "");
-        builder.bytes.size = DIMENSIONS; /* there are three of them */
+        builder.bytes.size = DIMENSIONS; /* it has three dimensions */
         matlab_values(&builder, MI_INT32, (const double[]){4, 4, 2}, 3);
         matlab_element(&builder, MI_INT8, "matsimnibs", 10);
         matlab_values(&builder, MI_DOUBLE, down, 32);
@@ -144,7 +144,7 @@ static void simnibs_is_read_strictly(void **state)
     pose_text_refuse(text_from("MATLAB 7.3 MAT-file, Platform: GLNXA64\n"), NULL, "39 bytes, 128 are needed");
 }
 
-/* Contacts are points: of lead 1, the right one, and lead 2, the left one, the lowest contact first. */
+/* Contacts are points: those of lead 1, on the right, and of lead 2, on the left, each from the lowest up. */
 static void lead_dbs_contacts(void **state)
 {
     (void)state;
@@ -227,7 +227,7 @@ static void lead_dbs_is_read_strictly(void **state)
     buffer_finish(&builder.bytes);
 }
 
-/* Older files have no reco, and are in MNI space. A contact that is not known is an error of its row. */
+/* Older files have no reco, and are in MNI space. An unknown contact is an error of its row. */
 static void lead_dbs_of_old(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Electrodes of NWB as conus-hdf5 gives them; where they lie follows from the frames below by hand. */
+/* Electrodes of NWB as conus-hdf5 gives them; their positions follow from the frames below by hand. */
 #include "poses/programs/pose_programs.h"
 
 #include "base/memory.h"
@@ -56,7 +56,7 @@ static void put_reference(struct hdf5_builder *builder, const char *name, uint64
 
 enum { ELECTRODES = 30 }; /* the address of their table */
 
-/* Tables beside a Space, and one that is of something else. */
+/* Adds tables with a Space, and one that is of another type. */
 static void put_localization(struct hdf5_builder *builder, const struct columns *columns)
 {
     static const double places[3][2] = {{1, 4}, {2, 5}, {3, 6}};
@@ -161,7 +161,7 @@ static void micrometres_in_ccf(void **state)
     pose_list_finish(&list);
 }
 
-/* Two mm behind bregma, one below it and three to the right; and the same in micrometres. */
+/* Two mm behind bregma, one below it and three to the right; once in mm, once in micrometres. */
 static void from_bregma_in_either_unit(void **state)
 {
     (void)state;
@@ -190,8 +190,8 @@ static void what_looks_wrong(void **state)
 static const struct columns localized = {
     {0}, {0}, {0}, 3, .missing = "x", .tables = 1, .origin = "Bregma (skull)", .units = "mm", .ways = "RAS"};
 
-/* Its origin, unit and directions are stated, whichever space is asked for; electrodes need no positions of their own.
- */
+/* A table with a Space states origin, unit and directions itself, whichever space is asked for; electrodes then need no
+ * positions. */
 static void localization_is_preferred(void **state)
 {
     (void)state;

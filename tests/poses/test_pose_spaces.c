@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Poses in the Allen CCF and from bregma: tables, points, and the files of the International Brain Laboratory. Expected
- * places follow from the frames below by hand. */
+ * positions follow from the frames below by hand. */
 #include "base/files/file.h"
 #include "pose_checks.h"
 #include "poses/pose_stream.h"
@@ -49,7 +49,7 @@ static void ibl_picks_count_from_their_own_bregma(void **state)
     }
 }
 
-/* The file says where its bregma lies: ML 5700, AP 5300, DV 300. */
+/* The file states its own bregma: ML 5700, AP 5300, DV 300. */
 static void ibl_channels_say_where_bregma_lies(void **state)
 {
     (void)state;
@@ -82,7 +82,7 @@ static void ibl_is_read_strictly(void **state)
     conus_pose_list_destroy(list);
 }
 
-/* Columns may have the axes' names, in any order; each row's unit is looked at. */
+/* Columns may have the axes' names, in any order; the unit of each row counts. */
 static void tables_are_in_ccf_or_from_bregma(void **state)
 {
     (void)state;
@@ -107,7 +107,7 @@ static void tables_are_in_ccf_or_from_bregma(void **state)
     conus_pose_list_destroy(list);
 }
 
-/* A column may say the space of each row. */
+/* A column may state the space of each row. */
 static void a_row_of_another_space_is_refused(void **state)
 {
     (void)state;
@@ -145,7 +145,7 @@ static void other_formats_are_not_in_ccf(void **state)
 
 static const char *const samples[] = {"ibl-picks.json", "ibl-channels.json", "ccf.csv"};
 
-/* Cut anywhere, a file is refused or gives the first of its rows. */
+/* A file that is cut off is refused or gives the first of its rows. */
 static void every_prefix_is_refused_or_shorter(void **state)
 {
     (void)state;
@@ -155,7 +155,7 @@ static void every_prefix_is_refused_or_shorter(void **state)
         assert_ok(file_read(&bytes, pose_sample(samples[k]), 1 << 20));
         for (size_t size = 0; size < bytes.size; size++) {
             conus_pose_list *list = NULL;
-            char *exact = malloc(size + !size); /* so that a sanitizer sees one byte too many */
+            char *exact = malloc(size + !size); /* so that a sanitizer notices one byte too many */
             memcpy(exact, bytes.data, size);
             if (pose_list_parse(&list, (struct text){exact, size}, &in_ccf) == CONUS_OK) {
                 assert_true(conus_pose_list_count(list) <= conus_pose_list_count(whole));

@@ -60,7 +60,7 @@ static const char *write_table(size_t rows, const char *ending)
 
 enum { ROWS = 30000 }; /* more than the reader's buffer holds */
 
-/* Every row once, in order, in blocks of any size. */
+/* Blocks of any size give every row once, in order. */
 static void blocks_join_without_a_seam(void **state)
 {
     (void)state;
@@ -91,7 +91,7 @@ static void blocks_join_without_a_seam(void **state)
     free(rows);
 }
 
-/* A shard: count, pass over, read a few; the rest is as if all had been read. */
+/* As a shard does: counts the rows, skips some, reads a few; the rest is as if all had been read. */
 static void rows_can_be_passed_over(void **state)
 {
     (void)state;
@@ -112,7 +112,7 @@ static void rows_can_be_passed_over(void **state)
     conus_pose_stream_destroy(stream);
 }
 
-/* A row without a name is called by its number, passed over or not. */
+/* A row without a name gets its number as name, also behind skipped rows. */
 static void numbers_count_all_rows(void **state)
 {
     (void)state;
@@ -127,7 +127,7 @@ static void numbers_count_all_rows(void **state)
     conus_pose_stream_destroy(stream);
 }
 
-/* What a pipe gives is answered as it comes: no line is waited for that is not asked for. */
+/* Lines of a pipe are answered as they come: the stream waits for no line before it is asked for. */
 static void pipes_are_read_as_they_fill(void **state)
 {
     (void)state;
@@ -158,7 +158,7 @@ static void *stop_soon(void *stream)
     return NULL;
 }
 
-/* Whoever waits for a silent pipe goes on; half a line is no row. Files have nothing to wait for. */
+/* A stop ends the wait for a silent pipe, and half a line is no row. A file never waits. */
 static void pipes_can_be_stopped(void **state)
 {
     (void)state;
@@ -192,7 +192,7 @@ static void pipes_can_be_stopped(void **state)
     conus_pose_stream_destroy(stream);
 }
 
-/* However the text is cut into pieces, the lines are the same. */
+/* The lines are the same however the text is cut into pieces. */
 static void cuts_do_not_matter(void **state)
 {
     (void)state;
@@ -259,7 +259,8 @@ static void check_range(conus_pose_stream *stream, double near, double far)
     assert_true(row.range[1] == far || (isnan(far) && isnan(row.range[1])));
 }
 
-/* mm in every space, also in one of micrometres. What near alone may be only the range of the others decides. */
+/* Ranges are in mm in every space, also in one of micrometres. Whether a near alone is allowed depends on the other
+ * rows' ranges. */
 static void ranges_are_read(void **state)
 {
     (void)state;
@@ -312,7 +313,7 @@ static void ranges_are_read(void **state)
     conus_pose_stream_destroy(stream);
 }
 
-/* The device looks along the axis that was asked for, and stays a rotation. */
+/* The device looks along the axis of the option, and its frame stays a rotation. */
 static void every_axis_looks_its_way(void **state)
 {
     (void)state;
@@ -456,7 +457,7 @@ static conus_status read_through(void *data)
     return status;
 }
 
-/* Wherever reading stands: of the file that file_sha256() sees whole. */
+/* The sum is that of the whole file, as file_sha256() computes it, wherever reading stands. */
 static void what_is_read_has_its_sha256(void **state)
 {
     (void)state;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Probes of ProbeInterface: what is read, where contacts go, what is refused; every prefix, every failing allocation.
- */
+/* Probes of ProbeInterface: reading, places of contacts, refused files; every prefix, every failing allocation. */
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "pose_checks.h"
@@ -42,7 +41,7 @@ static void assert_tip(const conus_probe *probe, size_t index, double x, double 
     assert_near(tip[1], y, 1e-9);
 }
 
-/* Of two shanks that end at one height the tip is that of the left one, at (16, -175) um. */
+/* Two shanks end at one height: the tip is that of the left one, at (16, -175) um. */
 static void two_shanks(void **state)
 {
     (void)state;
@@ -69,8 +68,8 @@ static void two_shanks(void **state)
     conus_probe_destroy(NULL);
 }
 
-/* The first one's shank runs along z, since its plane says so; its bottom is an edge from x = 0 to 0.2 mm. Off its
- * plane, x cross z, is -y, which is the device's +y. */
+/* The first probe's shank runs along z, as its plane says; its bottom is an edge from x = 0 to 0.2 mm. The direction
+ * off its plane, x cross z, is -y, which is the device's +y. */
 static void three_dimensions_and_several_probes(void **state)
 {
     (void)state;
@@ -119,8 +118,8 @@ static double coordinate(const conus_pose_list *list, size_t index, int axis)
     return row->pose.world_from_device[12 + axis];
 }
 
-/* Down along -z the device's +x is the world's, and +y is anterior; a roll of 90 degrees takes +y to +x, so that the
- * device's +x is -y of the world. */
+/* Pointing down along -z, the device's +x is the world's, and +y is anterior. A roll of 90 degrees takes +y to +x, so
+ * that the device's +x is -y of the world. */
 static void poses_place_contacts(void **state)
 {
     (void)state;
@@ -206,7 +205,7 @@ static void what_is_wrong_is_said(void **state)
     }
 }
 
-/* As many wired contacts as there are, and none of them twice; unwired ones may be many. */
+/* All contacts may be wired, each to a different channel; any number may be unwired. */
 static void contacts_may_all_be_unwired(void **state)
 {
     (void)state;
@@ -216,7 +215,7 @@ static void contacts_may_all_be_unwired(void **state)
     conus_probe_destroy(probe);
 }
 
-/* x of a flat probe is that of its positions, whatever a contact's own x. */
+/* In a flat probe x is that of the positions, whatever a contact's own plane. */
 static void planes_of_flat_probes_turn_nothing(void **state)
 {
     (void)state;
@@ -239,7 +238,7 @@ static void every_prefix_is_refused(void **state)
         conus_probe *probe = NULL;
         assert_ok(file_read(&bytes, sample(samples[k]), 1 << 20));
         for (size_t size = 0; size < bytes.size; size++) {
-            char *exact = malloc(size + !size); /* so that a sanitizer sees one byte too many */
+            char *exact = malloc(size + !size); /* so that a sanitizer notices one byte too many */
             memcpy(exact, bytes.data, size);
             assert_fails(probe_parse(&probe, (struct text){exact, size}, NULL), CONUS_ERROR_DATA);
             free(exact);
@@ -272,7 +271,7 @@ static void every_failing_allocation_is_clean(void **state)
     }
 }
 
-/* Files of the same rules from elsewhere, whose tips and first contacts their writer says. */
+/* Files of the same standard from elsewhere; their writer states tips and first contacts. */
 static void shared_samples(void **state)
 {
     (void)state;
