@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* For LD_PRELOAD: whoever opens a file called $HOLD_NAME makes the file $HOLD_FOLDER/begun and waits for
+/* For LD_PRELOAD: a program that opens a file called $HOLD_NAME makes the file $HOLD_FOLDER/begun and waits for
  * $HOLD_FOLDER/released. So a test holds a program while it loads an atlas. */
 #define _GNU_SOURCE
 #include <dlfcn.h>

@@ -12,7 +12,7 @@ static double next_uniform(uint64_t *state)
     return (double)(*state >> 40) / 16777216.0;
 }
 
-/* From 110 to 160 mm around (0, -20, 10), towards a point of a box of 60 x 80 x 60 mm within the head. */
+/* Writes a pose from 110 to 160 mm around (0, -20, 10), towards a point of a box of 60 x 80 x 60 mm within the head. */
 static void write_pose(uint64_t *state)
 {
     double height = 2 * next_uniform(state) - 1;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Structs of options grow: a caller that was compiled with a smaller one gets defaults for what it does not know. */
+/* Structs of options grow: a caller compiled with a smaller one gets the defaults of the members that it does not
+ * have. */
 #include "base/options.h"
 #include "test.h"
 
@@ -59,7 +60,7 @@ static void of_a_newer_version(void **state)
     assert_true(all->b == 2);
 }
 
-/* A caller that knows only struct_size and space, in front of bytes that would be refused. */
+/* A caller that knows only struct_size and space; the bytes behind them would be refused. */
 static void library_reads_a_smaller_struct(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dump_hdf5 FILE BYTES PATTERN...: writes what conus-hdf5 reads of an HDF5 file to stdout as JSON, for
- * tests/oracles/compare_hdf5.py: objects in their order, numbers as values, references as the paths that they lead to.
- */
+/* dump_hdf5 FILE BYTES PATTERN...: writes everything that conus-hdf5 reads of an HDF5 file to stdout as JSON, for
+ * tests/oracles/compare_hdf5.py: objects in their order, numbers as values, references as the paths that they lead
+ * to. */
 #include "base/child/hdf5.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dump_matlab FILE: writes what a file of MATLAB holds to stdout as JSON, for tests/oracles/compare_matlab.py: a number
- * array as its dimensions and values, characters as a text, cells as a list, structures as a list of objects, and what
- * is not read as null. */
+/* dump_matlab FILE: writes the contents of a file of MATLAB to stdout as JSON, for tests/oracles/compare_matlab.py: a
+ * number array as its dimensions and values, characters as a text, cells as a list, structures as a list of objects,
+ * and types that are not read as null. */
 #include "base/formats/matlab.h"
 
 #include <stdio.h>

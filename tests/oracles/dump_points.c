@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dump_points FILE: where a file of transforms takes the points on stdin, three doubles each, as doubles on stdout; NaN
- * where a point has no image. RAS mm. For tests/oracles/compare_composites.py. Says on stderr what the file is. */
+/* dump_points FILE: moves the points on stdin, three doubles each, by a file of transforms, to doubles on stdout; NaN
+ * for a point without an image. RAS mm. For tests/oracles/compare_composites.py. The kind of the file goes to
+ * stderr. */
 #include "base/geometry/math3.h"
 #include "loaders/transform/chain_file.h"
 #include "loaders/transform/transform_file.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dump_tract_hits: what rays hit first of streamlines (Eq. 18), for compare_tract_rays.py. Reads from stdin, in the
+/* dump_tract_hits: first hits of rays on streamlines (Eq. 18), for compare_tract_rays.py. Reads from stdin, in the
  * machine's own numbers: uint64 points, streamlines, blocks; double radius; float points[][3]; uint64 first[]; and for
- * each block of 256 rays double origin[3], directions[3][256]. Writes for each block double t[256], uint64 point[256].
- */
+ * each block of 256 rays double origin[3], directions[3][256]. Writes for each block double t[256], uint64
+ * point[256]. */
 #include "base/memory.h"
 #include "selection/engine/tracts/tract_rays.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* dump_volume VOLUME VALUES LABELS: writes the decoded voxels raw, as float32 into VALUES and, where they are labels,
- * as uint32 into LABELS, and what the header gave to stdout, for tests/oracles/compare_volumes.py. */
+/* dump_volume VOLUME VALUES LABELS: writes the decoded voxels raw, as float32 into VALUES and, if they are labels, as
+ * uint32 into LABELS, and the header's fields to stdout, for tests/oracles/compare_volumes.py. */
 #include "base/memory.h"
 #include "loaders/volumes/volume_file.h"
 #include "loaders/volumes/volume_values.h"

@@ -109,7 +109,7 @@ template <typename T> static typename itk::Transform<T, 3, 3>::Pointer make_spli
     return spline.GetPointer();
 }
 
-// A transform whose first parameters are turns or a matrix and whose others are as they are by default, but for noise.
+// A transform whose first parameters are turns or a matrix; the others are their defaults with noise.
 template <typename Kind, typename T>
 static typename itk::Transform<T, 3, 3>::Pointer make_affine(Random &random, double noise)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file OpenEXR's C++ library as the independent reader of images, flat and deep, and encoder of manifests. What
- * cannot be read is said on stderr. */
+/** @file OpenEXR's C++ library as the independent reader of images, flat and deep, and encoder of manifests. Reasons of
+ * failures go to stderr. */
 #ifndef CONUS_TESTS_SUPPORT_EXR_ORACLE_H
 #define CONUS_TESTS_SUPPORT_EXR_ORACLE_H
 
@@ -29,7 +29,7 @@ float exr_deep_float(const struct exr_deep *deep, const char *channel, uint32_t 
 const char *exr_deep_text(const struct exr_deep *deep, const char *attribute);
 int exr_deep_number(const struct exr_deep *deep, const char *attribute);
 
-/** Entries of the manifest for a channel, and what a component of it says about an id; NULL = nothing. */
+/** Number of entries of the manifest for a channel, and the text of a component for an id; NULL = none. */
 size_t exr_deep_names(const struct exr_deep *deep, const char *channel);
 const char *exr_deep_name(const struct exr_deep *deep, const char *channel, uint32_t id, const char *component);
 

@@ -25,7 +25,7 @@ static void project_corner(double out[3], const struct cone *cone, const struct 
     out[1] = (vec3_dot(m + 4, v) / width + out[2]) * n / 2;
 }
 
-/* Cuts the edge off where it passes the eye's plane; false if nothing is left. */
+/* Clips the edge at the eye's plane; false if nothing is left. */
 static bool clip_edge(double a[3], double b[3])
 {
     double least = 1e-9 * fmax(fabs(a[2]), fabs(b[2]));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Where a driver may differ from exact geometry: it moves the corners of triangles to a grid. */
+/** @file The edges at which a driver may differ from exact geometry: it moves the corners of triangles to a grid. */
 #ifndef CONUS_TESTS_SUPPORT_GL_EDGE_H
 #define CONUS_TESTS_SUPPORT_GL_EDGE_H
 

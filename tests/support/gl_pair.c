@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Both engines for one atlas, and comparisons of what they see. */
+/* Both engines for one atlas, and comparisons of their answers. */
 #include "gl_pair.h"
 
 #include "base/geometry/math3.h"

@@ -6,7 +6,7 @@
 #include "selection/engine/engine.h"
 #include "selection/evidence/layers.h"
 
-/** What a test has compared so far; each test counts what it needs. */
+/** Counts of a test's comparisons; each test uses those that it needs. */
 struct gl_counts {
     size_t compared;     /**< Pixels, or pairs of a pixel and an object.                  */
     size_t hits;         /**< Pixels that hit an object, or intervals.                    */
@@ -29,19 +29,19 @@ struct gl_pair gl_pair_create_slices(const conus_atlas *atlas, conus_sampling sa
 struct gl_pair gl_pair_create(const conus_atlas *atlas, conus_sampling sampling);
 void gl_pair_destroy(struct gl_pair *pair);
 
-/** The log of the engines here: prints and counts what drivers say. Its user data is not used. */
+/** The log of the engines here: prints and counts the lines of drivers. Its user data is not used. */
 void gl_pair_log(void *user, const conus_note *note);
 
-/** Lines that drivers have said so far. */
+/** Number of lines that drivers have logged so far. */
 int gl_pair_messages(void);
 
-/** A test that runs last: no driver has said anything. */
+/** A test that runs last: asserts that no driver has logged anything. */
 void the_driver_was_silent(void **state);
 
-/** What an engine sees first. End it with evidence_finish(). */
+/** First hits of an engine. End it with evidence_finish(). */
 struct evidence gl_pair_trace(struct engine *engine, const struct cone *cone);
 
-/** All layers that an engine sees, sorted. End them with layers_finish(). */
+/** All hits of an engine, sorted. End them with layers_finish(). */
 struct layers gl_pair_pierce(struct engine *engine, const struct cone *cone);
 
 /** Fails where the engines differ in object, voxel or, by a single bit, in distance; prints up to three such pixels.
@@ -52,7 +52,7 @@ void gl_pair_same_evidence(const struct evidence *got, const struct evidence *wa
 /** Whether two intervals are equal in every number. */
 bool gl_pair_same_interval(const conus_interval *a, const conus_interval *b);
 
-/** What a test does with a cone: it compares the engines' answers, and counts. */
+/** The comparison that a test makes for a cone. */
 typedef void (*gl_comparison)(struct gl_pair *pair, const struct cone *cone);
 
 /** Compares along @p poses random cones round a scene of @p size mm, every @p cylinder -th a cylinder (0: none). */

@@ -39,7 +39,7 @@ double golden_brightness(const conus_image *got, const conus_image *wanted)
 void golden_check(const conus_image *got, const char *name)
 {
     char path[512];
-    const char *scratch = test_scratch(name); /* 8 bits, like the one kept */
+    const char *scratch = test_scratch(name); /* 8 bits, as the golden picture has */
     conus_image *rounded = NULL;
     conus_image *wanted = NULL;
     conus_image_difference difference;

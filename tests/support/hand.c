@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Paths of a hand, ways of selecting, and what they find (Eq. 12). */
+/* Simulated paths of a hand, the ways of selecting, and their success (Eq. 12). */
 #include "tests/support/hand.h"
 
 #include "base/geometry/math3.h"
@@ -28,7 +28,7 @@ struct sample {
 
 struct trial {
     conus_pose aim; /* without any error */
-    uint32_t area;  /* what is meant */
+    uint32_t area;  /* the area that is meant */
     double arrival, press;
     struct sample samples[SAMPLE_LIMIT];
     size_t count;
@@ -68,7 +68,7 @@ static void place_device(double out[3], const double centre[3], struct source *s
     vec3_add_scaled(out, centre, uniform(source, 350, 500), outward);
 }
 
-/* The pixel of the area that is closest to the middle of what is seen of it. */
+/* The pixel of the area that is closest to the middle of its visible part. */
 static size_t middle_pixel(const conus_evidence *seen, uint32_t area)
 {
     double sum[3] = {0};
@@ -95,7 +95,7 @@ static size_t middle_pixel(const conus_evidence *seen, uint32_t area)
     return best;
 }
 
-/* Any of the areas that are seen well enough, each as likely. */
+/* Chooses any of the areas of which enough is visible, each with the same probability. */
 static bool choose_area(struct trial *trial, double target[3], const conus_selection *selection, struct source *source)
 {
     uint32_t areas[SAMPLE_LIMIT];
@@ -135,7 +135,7 @@ static conus_status choose(struct trial *trial, conus_selector *chooser, const d
     return status;
 }
 
-/* From 0 to 1, without a jerk at either end (Flash and Hogan 1985). */
+/* Part of a movement after a part of its time, without a jerk at either end (Flash and Hogan 1985). */
 static double minimum_jerk(double part)
 {
     double t = fmin(1, fmax(0, part));
@@ -158,7 +158,7 @@ static struct wobble start_wobble(struct source *source)
     return wobble;
 }
 
-/* Of root mean square 1. */
+/* Tremor with a root mean square of 1. */
 static double tremor(const struct wobble *wobble, double time)
 {
     double sum = 0;
@@ -174,7 +174,7 @@ static void drift(struct wobble *wobble, double dt, struct source *source)
     wobble->drift = wobble->drift * kept + HAND_DRIFT * sqrt(1 - kept * kept) * normal(source);
 }
 
-/* The aim turned by yaw and pitch, degrees, and moved. */
+/* The pose @p aim turned by yaw and pitch, degrees, and moved. */
 static conus_status deviate(conus_pose *out, const conus_pose *aim, const double angles[2], const double shift[3])
 {
     const double *m = aim->world_from_device;

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file
- * A hand that points at areas and presses a button: paths that are made, not measured, the same for one seed
- * everywhere, and how often each way of selecting finds what was meant (Eq. 12). */
+/** @file A simulated hand that points at areas and presses a button: paths that are made, not measured, the same for
+ * one seed everywhere, and how often each way of selecting finds the intended area (Eq. 12). */
 #ifndef CONUS_TESTS_SUPPORT_HAND_H
 #define CONUS_TESTS_SUPPORT_HAND_H
 
 #include "atlas/atlas.h"
 #include "base/buffer.h"
 
-/* The path of one trial, angles in degrees. Nothing of it is fitted to a person; it is in the range of what is reported
- * of hands that hold a controller. */
+/* The path of one trial, angles in degrees. Its numbers are not fitted to a person, but within the range reported for
+ * hands that hold a controller. */
 #define HAND_RATE 90.0        /* poses per second, 2 in 100 of which are lost                                   */
 #define HAND_APPROACH 0.5     /* s of a minimum-jerk movement from 6 to 10 degrees away                         */
 #define HAND_DWELL_LOW 0.6    /* s from then to the press, at least,                                            */
@@ -27,7 +26,7 @@
 struct hand_method {
     const char *name, *score;
     uint32_t resolution; /**< 1 is a ray.                                                                  */
-    double delay;        /**< Of the tracker; below 0: what is selected at the press itself.               */
+    double delay;        /**< Delay of the tracker; below 0: the object selected at the press itself counts. */
 };
 
 enum { HAND_METHODS = 8 };
@@ -35,7 +34,7 @@ extern const struct hand_method hand_methods[HAND_METHODS];
 
 struct hand_outcome {
     size_t hits[HAND_METHODS];    /**< Trials in which the press confirmed the area that was meant.             */
-    size_t changes[HAND_METHODS]; /**< Of what was selected, from the end of the approach to the press, in all. */
+    size_t changes[HAND_METHODS]; /**< Changes of the selected object between these times, in all. */
     double seconds;               /**< From the end of the approach to the press, in all.                      */
 };
 

@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "loaders/volumes/volume_values.h"
 
-/** One per voxel, the caller's to memory_free(); NULL without memory. */
+/** The labels, one per voxel, the caller's to memory_free(); NULL without memory. */
 static inline uint32_t *label_list(const struct label_voxels *voxels)
 {
     uint32_t *list = memory_raw(voxels->count, sizeof *list);
@@ -16,7 +16,7 @@ static inline uint32_t *label_list(const struct label_voxels *voxels)
     return list;
 }
 
-/** Those of volume_file_labels(); NULL on failure. */
+/** The same for volume_file_labels(); NULL on failure. */
 static inline conus_status label_list_read(uint32_t **out, struct volume_file *file)
 {
     struct label_voxels voxels = {0};

@@ -217,7 +217,7 @@ size_t mesh_scene_all(struct crossing *out, size_t limit, const struct mesh *mes
     return count;
 }
 
-/* Of the point 0 from the segment a b. */
+/* Distance of the point 0 from the segment a b. */
 static double distance_to_segment(const double a[3], const double b[3])
 {
     double along[3], nearest[3];
@@ -232,7 +232,7 @@ double mesh_scene_edge_distance(const struct mesh *mesh, size_t triangle, const 
                                 const double direction[3])
 {
     double p[3][3];
-    for (size_t k = 0; k < 3; k++) { /* as the ray sees them: without what is along it */
+    for (size_t k = 0; k < 3; k++) { /* as the ray sees them: without the component along it */
         oracle_corner(p[k], mesh, triangle, k);
         vec3_sub(p[k], p[k], origin);
         vec3_add_scaled(p[k], p[k], -vec3_dot(p[k], direction), direction);

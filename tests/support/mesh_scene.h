@@ -10,20 +10,20 @@ conus_atlas *mesh_scene_atlas(void);
 
 struct cone mesh_scene_cone(const double origin[3], const double target[3], double degrees, uint32_t resolution);
 
-/** What the rays engine sees. End it with evidence_finish(). */
+/** First hits of the rays engine. End it with evidence_finish(). */
 void mesh_scene_trace(struct evidence *out, const conus_atlas *atlas, const struct cone *cone);
 
-/** What a selector with @p options answers to the cone. End it with conus_selection_destroy(). */
+/** The answer of a selector with @p options to the cone. End it with conus_selection_destroy(). */
 conus_selection *mesh_scene_select(const conus_atlas *atlas, const conus_selector_options *options,
                                    const struct cone *cone);
 
 /** A closed box along the axes. */
 struct mesh mesh_scene_box(const double low[3], const double high[3]);
 
-/** Lets all triangles face the other way. */
+/** Turns all triangles around. */
 void mesh_scene_turn(struct mesh *mesh);
 
-/** One mesh of two, which are taken over. */
+/** Joins two meshes, which are taken over, into one. */
 struct mesh mesh_scene_join(struct mesh *a, struct mesh *b);
 
 /** A closed sphere of @p rings x @p sectors quadrilaterals (triangles at the poles), inscribed. */

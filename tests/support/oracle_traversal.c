@@ -33,7 +33,7 @@ static double entry(const struct walk *walk, int a, long cell)
     return (face_before(walk, a, cell) - walk->origin[a]) * walk->inverse[a];
 }
 
-/* Puts the walk on its start or, from outside, on the crossing that brings the last of the axes into the grid. */
+/* Puts the walk at its start or, from outside, at the crossing with which it enters the grid along the last axis. */
 static bool start_walk(struct walk *walk)
 {
     int last = -1;

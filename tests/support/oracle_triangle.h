@@ -8,8 +8,8 @@
 /** Corner @p k, 0 to 2, of a triangle. */
 void oracle_corner(double out[3], const struct mesh *mesh, size_t triangle, size_t k);
 
-/** Where the ray passes the triangle, both faces and edges included, in lengths of @p direction; INFINITY if it misses.
- * @p side becomes 1 or -1, by the face that the ray comes to. */
+/** The distance, in lengths of @p direction, at which the ray passes the triangle, both faces and edges included;
+ * INFINITY if it misses. @p side becomes 1 or -1, by the face that the ray comes to. */
 double oracle_triangle(int *side, const struct mesh *mesh, size_t triangle, const double origin[3],
                        const double direction[3]);
 

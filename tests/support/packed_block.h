@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A packed atlas in pages of its own. */
+/** @file A packed atlas in separate pages. */
 #ifndef CONUS_TESTS_SUPPORT_PACKED_BLOCK_H
 #define CONUS_TESTS_SUPPORT_PACKED_BLOCK_H
 

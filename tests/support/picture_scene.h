@@ -28,19 +28,19 @@ conus_atlas *picture_atlas(const conus_volume_info *grid, picture_function label
 /** A rotation by @p angle about (1, 2, 3), then the translation @p to. */
 void picture_rigid(double out[16], double angle, const double to[3]);
 
-/** A renderer, or the running test is skipped where there is no GL. */
+/** A renderer; skips the running test if there is no GL. */
 conus_renderer *picture_renderer(const conus_atlas *atlas, const char *transfer);
 
-/** At @p distance from the world's origin, looking at it along @p forward. */
+/** A camera at @p distance from the world's origin, looking at it along @p forward. */
 struct camera picture_camera(const double forward[3], double distance, double field_of_view);
 
 /** PICTURE_PIXELS of R, G, B, A, bottom row first; @p extra may be NULL. End it with memory_free(). */
 float *picture_draw(conus_renderer *renderer, const struct camera *camera, const struct colour_view *extra,
                     bool smooth);
 
-/** Eq. 8: black haze of length L before something lets (1 - a)^L of its light through, wherever the planes lie. Draws
- * both atlases, which it takes over, from the front: @p hazy is @p clear with a context from 30 mm on before what
- * begins at 20. */
+/** Eq. 8: black haze of length L in front of an object lets (1 - a)^L of its light through, wherever the planes lie.
+ * Draws both atlases, which it takes over, from the front: @p hazy is @p clear with a context from 30 mm on, in front
+ * of objects that begin at 20. */
 void picture_check_haze(conus_atlas *clear, conus_atlas *hazy, double field_of_view);
 
 /** Mean difference of all channels of two pictures. */

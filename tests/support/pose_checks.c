@@ -76,7 +76,7 @@ void assert_row_along(const conus_pose_row *row, double x, double y, double z)
     }
 }
 
-/* The beam passes the target 80 mm ahead: from outside the head, and not away from it. */
+/* The beam passes the target 80 mm ahead: the device is outside the head and points at it. */
 void assert_row_at_target(const conus_pose_row *row, double tolerance)
 {
     const double *m = row->pose.world_from_device;

@@ -21,7 +21,7 @@ void pose_text_refuse(struct text text, const conus_pose_options *options, const
 /** Row @p index, which is called @p id. */
 const conus_pose_row *pose_row_of(const conus_pose_list *list, size_t index, const char *id);
 
-/** Fails unless that row has an error with @p part in it. */
+/** Fails unless the error of that row has @p part in it. */
 void assert_row_fails(const conus_pose_list *list, size_t index, const char *id, const char *part);
 
 /** Fails unless the row is at this position within 1e-9 mm, or points along this unit vector within 1e-9. */

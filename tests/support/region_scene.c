@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Regions of interest of cubes, and what they cover. */
+/* Regions of interest made of cubes, and their overlaps. */
 #include "region_scene.h"
 
 #include "scene.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Regions of interest of cubes, and what they cover (Eq. 16). */
+/** @file Regions of interest made of cubes, and their overlaps (Eq. 16). */
 #ifndef CONUS_TESTS_SUPPORT_REGION_SCENE_H
 #define CONUS_TESTS_SUPPORT_REGION_SCENE_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* An atlas and its answers, to be reported. */
+/* An atlas and its answers, for reports. */
 #include "report_scene.h"
 
 #include "scene.h"

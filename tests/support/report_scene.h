@@ -16,7 +16,7 @@ struct report_scene {
 };
 
 struct report_scene report_scene_create(void);
-/** The same from another seed: another atlas, and other questions. */
+/** The same from another seed: another atlas, and other queries. */
 struct report_scene report_scene_create_from(uint64_t seed);
 void report_scene_destroy(struct report_scene *scene);
 
@@ -30,7 +30,7 @@ struct report_attempt {
     double centre[3], radius; /**< Of a ball, unless the radius is 0: then the pose counts. */
 };
 
-/** Selects and reports with a selector of its own, with every allocation failing in turn. */
+/** Selects and reports with a new selector, with every allocation failing in turn. */
 void report_every_allocation(const struct report_attempt *attempt);
 
 #endif

@@ -21,7 +21,7 @@ conus_atlas *scene_atlas(uint64_t *state, size_t dim_limit, int pathways);
 /** Adds a context on a random grid of @p dim voxels, each of which blocks with probability @p share. */
 void scene_add_blockers(conus_atlas *atlas, uint64_t *state, const size_t dim[3], double share);
 
-/** A pose anywhere from within the atlas to far outside, looking more or less at it; now and then along the grid's
+/** A pose anywhere from within the atlas to far outside, looking roughly towards it; now and then along the grid's
  * axes, and from a point on cell faces, edges or corners. */
 conus_pose scene_pose(uint64_t *state, const conus_atlas *atlas);
 

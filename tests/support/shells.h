@@ -13,7 +13,7 @@ extern const conus_band shells[3];
 /** The number of the shell of a voxel of SHELLS_DIM^3; 0 = none. */
 uint32_t shell_of(const size_t at[3]);
 
-/** An atlas of nothing but these, voxels of 1 mm around the world's origin; the caller's to destroy. */
+/** An atlas of these bands alone, voxels of 1 mm around the world's origin; the caller's to destroy. */
 conus_atlas *shells_atlas(void);
 
 #endif

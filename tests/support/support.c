@@ -56,7 +56,7 @@ static bool must_fail(size_t size)
     return true;
 }
 
-/* The linker sends the library's calls here (--wrap). */
+/* The linker redirects the library's calls to these (--wrap). */
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t count, size_t size);
 void *__real_realloc(void *block, size_t size);

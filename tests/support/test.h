@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What every test includes: cmocka, comparison with a tolerance, the n-th failing allocation, real data. */
+/** @file The header of every test: cmocka, comparison with a tolerance, the n-th failing allocation, real data. */
 #ifndef CONUS_TESTS_SUPPORT_TEST_H
 #define CONUS_TESTS_SUPPORT_TEST_H
 
@@ -55,15 +55,15 @@ const char *test_shared(const char *name);
 /** Path for a file @p name in a fresh folder of this run of the test program, which goes at its end. Static buffers,
  * four in turn. */
 const char *test_scratch(const char *name);
-/** Lets that folder stay, for somebody to look at what was wrong. */
+/** Keeps that folder, so that a failure can be looked into. */
 void test_keep_scratch(void);
 
-/** Makes the folder test_scratch(@p name), unless it is there; test_in() is about it from now on. */
+/** Makes the folder test_scratch(@p name), unless it is there; test_in() means it from now on. */
 void test_folder(const char *name);
 /** Path of @p name in that folder, "" for the folder itself. Static buffers, four in turn. */
 const char *test_in(const char *name);
 
-/** Lets the cache of meshes be a fresh folder of this test program. */
+/** Sets the cache of meshes to a fresh folder of this test program. */
 void test_own_cache(void);
 
 /** Skips the running test, saying why, where there is no program conus-mesh. */
@@ -75,8 +75,8 @@ bool test_has_note(const conus_atlas *atlas, const char *part);
 /** A deterministic generator (SplitMix64), so that random tests repeat. Uniform in [low, high). */
 double test_random(uint64_t *state, double low, double high);
 
-/** How many of @p n random trials a test makes: all of them, but every fourth in a build with AddressSanitizer, which
- * is slow and wants every path once, while the number is for what the build without it compares. */
+/** How many of @p n random trials a test makes: all of them, but every fourth in a build with AddressSanitizer. That
+ * one is slow and needs every path once; the full number is for comparing results, in the build without it. */
 size_t test_trials(size_t n);
 
 #endif

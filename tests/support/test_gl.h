@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What tests of the GL part share. */
+/** @file Contexts for tests of the GL part. */
 #ifndef CONUS_TESTS_SUPPORT_TEST_GL_H
 #define CONUS_TESTS_SUPPORT_TEST_GL_H
 
@@ -17,7 +17,7 @@ static inline struct gl_context *test_gl_context(conus_log log, void *log_user)
     return context;
 }
 
-/** A current context and what its driver said. */
+/** A current context and its driver's messages. */
 struct test_gl {
     struct gl_context *context;
     struct gl_current previous;
@@ -39,7 +39,7 @@ static inline void test_gl_enter(struct test_gl *gl)
     assert_ok(gl_context_use(gl->context, &gl->previous));
 }
 
-/** Ends it; fails when the driver had something to say. */
+/** Ends it; fails if the driver logged anything. */
 static inline void test_gl_leave(struct test_gl *gl)
 {
     gl_current_restore(&gl->previous);

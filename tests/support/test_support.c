@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The scratch folders of test runs stay apart and go at the end. */
+/* The scratch folders of test runs stay apart and are removed at the end. */
 #include "conus/file.h"
 #include "test.h"
 
@@ -15,7 +15,8 @@ struct run {
     int go;       /* and it ends when this closes */
 };
 
-/* Another run of this program: makes files, says where, and waits. It calls no assertion: they are the parent's. */
+/* Another run of this program: makes files, reports its folder, and waits. It calls no assertion: they are the
+ * parent's. */
 static void run_child(int notify, int go)
 {
     char path[256] = {0};
@@ -54,8 +55,8 @@ static void end_run(const struct run *run)
     assert_int_equal(code, 0);
 }
 
-/* Two runs at the same time: each has its own folder, which goes with all that is in it. The first run that makes one
- * here is a child, so that they do not share the parent's. */
+/* Two runs at the same time: each has its own folder, which is removed with all that is in it. The first run that makes
+ * one here is a child, so that they do not share the parent's. */
 static void a_run_has_a_folder_of_its_own(void **state)
 {
     (void)state;
@@ -86,7 +87,7 @@ static void a_child_leaves_the_folder(void **state)
     }
     assert_int_equal(waitpid(child, NULL, 0), child);
     assert_int_equal(access(test_in(""), F_OK), 0);
-    test_folder("kept"); /* there already */
+    test_folder("kept"); /* it exists already */
 }
 
 TEST_GROUP(support)

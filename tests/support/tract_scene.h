@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Tractograms for tests, and an atlas of four streamlines. What they allocate is their owner's to free. */
+/** @file Tractograms for tests, and an atlas of four streamlines. Their memory is freed by the owner. */
 #ifndef CONUS_TESTS_SUPPORT_TRACT_SCENE_H
 #define CONUS_TESTS_SUPPORT_TRACT_SCENE_H
 
 #include "atlas/atlas.h"
 
-/** A tractogram in the making; `made` is owned by who takes it. */
+/** A tractogram in the making; `made` belongs to the caller. */
 struct tract_builder {
     struct tractogram made;
     size_t point_capacity, first_capacity;
@@ -17,7 +17,7 @@ struct tractogram tract_of(const char *path, const float *points, const uint64_t
 
 void tract_begin(struct tract_builder *builder);
 void tract_add_point(struct tract_builder *builder, const double point[3]);
-/** The points since the last one are a streamline. */
+/** Ends a streamline, which has the points since the last one. */
 void tract_end_streamline(struct tract_builder *builder);
 void tract_add_group(struct tractogram *to, const char *name, const uint32_t *members, size_t count);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Opens a phantom in a window of which nothing is drawn. */
+/* Opens a phantom in a window that is not drawn. */
 #include "window_scene.h"
 
 #include "conus/phantom.h"

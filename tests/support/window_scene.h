@@ -5,9 +5,9 @@
 
 #include "viewer/window/window.h"
 
-/** Has the phantom "nested" written and opened; @p viewer is to be ended by viewer_finish(). */
+/** Writes and opens the phantom "nested"; @p viewer is to be ended by viewer_finish(). */
 void window_scene_open(struct window *out, struct viewer *viewer);
-/** Likewise, with another phantom. */
+/** The same with another phantom. */
 void window_scene_open_phantom(struct window *out, struct viewer *viewer, const char *phantom);
 
 #endif

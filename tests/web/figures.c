@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/*
- * figures ATLAS SIDE: how long this machine's conus takes, to compare with the page's. Its input has 7 doubles for each
+/* figures ATLAS SIDE: the times of this machine's conus, to compare with the page's. Its input has 7 doubles for each
  * question: origin, toward, angle. Prints microseconds for a cone by the plain kernel, and milliseconds for three cuts
  * of SIDE x SIDE pixels through the target, medians of all questions. Without questions it draws the three cuts of
- * README.md's question, as a page does that has just been opened.
- */
+ * README.md's question, as a page does that has just been opened. */
 #include <conus/conus.h>
 
 #include "selection/engine/voxels/traverse.h"
@@ -14,7 +12,8 @@
 #include <string.h>
 #include <time.h>
 
-/* The linker takes this in place of traverse_best_kernel(): the kernel that WebAssembly's is compiled from. */
+/* The linker puts this in place of traverse_best_kernel(): it returns the kernel from which WebAssembly's is
+ * compiled. */
 const struct traverse_kernel *__wrap_traverse_best_kernel(void);
 const struct traverse_kernel *__wrap_traverse_best_kernel(void)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Text files of which one place is bent. */
+/* Text files with one changed place. */
 #include "builders/bent_text.h"
 
 #include "conus/status.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Text files of which one place is bent. */
+/** @file Text files with one changed place. */
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_BENT_TEXT_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_BENT_TEXT_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Makes small atlases and lets them be kept. */
+/* Makes small atlases and puts them into the cache. */
 #include "builders/cache_builder.h"
 
 #include "base/files/file.h"

@@ -36,7 +36,7 @@ static const char document[] =
 
 static const double labels[CIFTI_GRAYORDINATES * CIFTI_MAPS] = {5, 8, 5, 8, 5, 8, 5, 0, 5, 0, 8, 0, 8, 0, 7, 0, 7, 0};
 
-/* The document with its edit, and NULs up to a multiple of 16 with the 8 bytes of its size and code. */
+/* Writes the document with its edit, and NULs up to a multiple of 16, counting the 8 bytes of its size and code. */
 static void make_xml(struct buffer *out, const struct cifti_spec *spec)
 {
     const char *at = spec->find ? strstr(document, spec->find) : NULL;

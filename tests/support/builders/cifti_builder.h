@@ -7,7 +7,7 @@
 
 enum { CIFTI_GRAYORDINATES = 9, CIFTI_MAPS = 2 };
 
-/** What differs from the file below; zero is the default of each. */
+/** Differences from the file below; zero is the default of each. */
 struct cifti_spec {
     const char *find, *replace; /**< In the XML, once.                                        */
     const char *field;          /**< Of the header, as nifti_set() calls it, gets this value: */

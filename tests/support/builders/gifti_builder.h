@@ -14,7 +14,7 @@ struct array_spec {
     size_t rows, columns; /**< Of the values; columns 0: Dimensionality is 1. */
     const char *dim0;     /**< Instead of rows.                               */
     const char *inside;   /**< Elements before <Data>.                        */
-    const char *data;     /**< Instead of what encodes the values.            */
+    const char *data;     /**< Replaces the encoded values. */
     const char *more;     /**< Further attributes.                            */
     const double *values; /**< [rows columns] by rows.                        */
 };

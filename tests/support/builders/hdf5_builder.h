@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Builds what conus-hdf5 writes, right or wrong (base/child/hdf5_protocol.h). */
+/** @file Builds streams of conus-hdf5, valid or not (base/child/hdf5_protocol.h). */
 #ifndef CONUS_TESTS_SUPPORT_HDF5_BUILDER_H
 #define CONUS_TESTS_SUPPORT_HDF5_BUILDER_H
 
@@ -11,7 +11,7 @@ struct hdf5_builder {
     uint64_t frames;
 };
 
-/** A frame as it is to be, whatever its parts say of each other. */
+/** A frame with these values, whether or not they fit together. */
 struct built_value {
     enum hdf5_frame_kind kind;
     enum hdf5_class class;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A row of labels as a volume, and what conus calls them. */
+/* A row of labels as a volume, and its names in conus. */
 #include "builders/label_row.h"
 
 #include "base/buffer.h"
@@ -41,7 +41,8 @@ void row_write(const char *name, size_t count, int edge, const char *embedded)
     buffer_finish(&file.bytes);
 }
 
-/* The notes with a '\n' behind each, until the next call. */
+/* The notes of an atlas, each with a '
+ * ', until the next call. */
 static const char *notes_of(const conus_atlas *atlas)
 {
     static struct buffer text;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file A row of labels as a volume in test_in(), and what conus calls them. */
+/** @file A row of labels as a volume in test_in(), and its names in conus. */
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_LABEL_ROW_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_LABEL_ROW_H
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file MATLAB's files of level 5, byte by byte after MathWorks's "MAT-File Format", so that each byte can be bent. */
+/** @file MATLAB's files of level 5, byte by byte after MathWorks's "MAT-File Format", so that each byte can be
+ * changed. */
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_MATLAB_BUILDER_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_MATLAB_BUILDER_H
 
@@ -35,10 +36,10 @@ struct matlab_builder {
 /** The header of 128 bytes. */
 void matlab_begin(struct matlab_builder *builder, bool big);
 
-/** An element of these bytes; at most four of them become a small one. */
+/** An element with these bytes; at most four of them become a small one. */
 void matlab_element(struct matlab_builder *builder, uint32_t type, const void *data, size_t size);
 
-/** Begins an array: flags, dimensions, name ("" of parts). */
+/** Begins an array: flags, dimensions, name ("" for an element of another array). */
 void matlab_open(struct matlab_builder *builder, uint32_t kind, int rows, int columns, const char *name);
 /** Ends the array that was begun last. */
 void matlab_close(struct matlab_builder *builder);
@@ -55,7 +56,7 @@ void matlab_doubles(struct matlab_builder *builder, const char *name, int rows, 
 /** A whole row of characters, in units of two bytes. */
 void matlab_chars(struct matlab_builder *builder, const char *name, const uint16_t *units, int count);
 
-/** Packs what stands behind the first @p from bytes by zlib, as one element. */
+/** Packs everything behind the first @p from bytes by zlib, as one element. */
 void matlab_pack(struct matlab_builder *builder, size_t from);
 
 struct text matlab_built(const struct matlab_builder *builder);

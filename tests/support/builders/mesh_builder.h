@@ -14,7 +14,7 @@ struct built_frame {
     uint64_t vertices, triangles;
 };
 
-/** Appends a frame's header and text; text bytes count as they are. */
+/** Appends a frame's header and text; bytes of text are not escaped. */
 void build_header(struct buffer *out, struct built_frame frame);
 
 /** Appends the frame of a tetrahedron with the corners (0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size). */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Files for the volume tests, built in memory so that every field can be bent. */
+/** @file Files for the volume tests, built in memory so that every field can be changed. */
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_NIFTI_BUILDER_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_NIFTI_BUILDER_H
 

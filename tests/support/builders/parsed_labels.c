@@ -70,7 +70,7 @@ void assert_refused(const char *text, const char *message)
 
 static void read_or_refuse(const char *text, size_t size)
 {
-    uint8_t *exact = malloc(size ? size : 1); /* so that a sanitizer sees one byte too many */
+    uint8_t *exact = malloc(size ? size : 1); /* so that a sanitizer notices one byte too many */
     assert_non_null(exact);
     memcpy(exact, text, size);
     struct parsed parsed = {0};

@@ -27,7 +27,8 @@ bool notes_have(const struct notes *notes, const char *part);
 /** Fails the test unless @p text is refused as damaged, with @p message in the message. */
 void assert_refused(const char *text, const char *message);
 
-/** Each sample gives its format and table; each of its prefixes is read or refused; each allocation may fail. */
+/** Asserts that each sample gives its format and table, that each of its prefixes is read or refused, and that each
+ * allocation may fail. */
 void assert_samples(const struct sample *samples, size_t count);
 
 #endif

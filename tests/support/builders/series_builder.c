@@ -108,7 +108,7 @@ static void append_fast_zlib(struct buffer *out, const char *data, size_t size)
     libdeflate_free_compressor(compressor);
 }
 
-/* All voxels as one stream, which is packed anew only where it is another than before; static. */
+/* All voxels as one stream, which is packed again only if it differs from the last one; static. */
 static const struct buffer *pack_voxels(bool zlib, size_t first)
 {
     static struct buffer packed[2];
@@ -131,7 +131,7 @@ const char *series_make_as(enum series_form form, size_t first)
     const char *header = forms[form].header;
     bool apart = forms[form].voxels;
     if (form == SERIES_NRRD_WHOLE) {
-        append_fast_gzip(&file, header, strlen(header)); /* a member of its own */
+        append_fast_gzip(&file, header, strlen(header)); /* a separate member */
     } else if (!apart) {
         buffer_text(&file, header);
     }
@@ -156,7 +156,7 @@ const char *series_voxels_of(const char *path, enum series_form form)
 
 static time_t ahead; /* seconds that the clock of the day is */
 
-/* In the place of the C library's. */
+/* Replaces the C library's. */
 int clock_gettime(clockid_t clock, struct timespec *out)
 {
     int code = (int)syscall(SYS_clock_gettime, clock, out);

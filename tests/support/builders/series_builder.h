@@ -41,38 +41,40 @@ const char *series_make_as(enum series_form form, size_t first);
 /** The path of the voxels of the file @p path that series_make_as() wrote; static. */
 const char *series_voxels_of(const char *path, enum series_form form);
 
-/** Opens volume 0 of @p path as if it were at rest for long, which makes and keeps an index. */
+/** Opens volume 0 of @p path as if the file had not changed for long, which makes and keeps an index. */
 void series_open_rested(const char *path);
 
-/** That from volume 0 in one member, made once: for who only reads it. */
+/** The path of the series from volume 0 on in one member, which is made once: for tests that only read it. */
 const char *series_path(void);
 
 /** Opens a volume; there are no notes. */
 conus_status series_open(struct volume_file *out, const char *path, size_t volume, bool cache);
 void series_assert(const struct volume_file *file, size_t number);
 
-/** Opens a volume from volume 0 on, which must be right, with no memory for all of the file: whether that succeeds. */
+/** Opens a volume of the series from 0 on without memory for all of the file, asserts its voxels, and returns whether
+ * that succeeds. */
 bool series_opens_by_index(const char *path, size_t volume);
 
-/** Opens volume @p volume with memory enough: whatever its index is, it is series_voxel(@p first + @p volume). */
+/** Opens volume @p volume with enough memory, and asserts that it is series_voxel(@p first + @p volume), whatever its
+ * index is. */
 void series_assert_opens(const char *path, size_t volume, size_t first);
 
-/** Unpacks the file, which is as if at rest for long if @p rested, and keeps its index. */
+/** Unpacks the file, as if it had not changed for long if @p rested, and keeps its index. */
 void series_index(const char *path, bool rested);
 
-/** Whether there is one that is believed. */
+/** Whether there is a valid index. */
 bool series_is_indexed(const char *path);
 
-/** Makes that of series_path() unless it is there. */
+/** Makes the index of series_path() unless it is there. */
 void series_need_index(void);
 
-/** The path of the only index in the cache, "" where there is none; static. */
+/** The path of the only index in the cache; "" if there is none; static. */
 const char *series_entry(void);
 
-/** Bytes in the place of those of the file, which stays the same file. */
+/** Overwrites the bytes of the file, which stays the same file. */
 void overwrite_file(const char *path, const void *data, size_t size);
 
-/** Writes the entry of @p bytes with @p packed in the place of its index, so that its own checksums hold. */
+/** Writes the entry @p bytes with @p packed in the place of its index, with valid checksums. */
 void series_forge(const char *entry, const struct bytes *bytes, const uint8_t *packed);
 
 /** Appends a gzip member, packed fast. */

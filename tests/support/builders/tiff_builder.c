@@ -45,7 +45,7 @@ void tiff_link(struct tiff_builder *builder, uint64_t offset)
     tiff_put(builder, builder->link, offset);
 }
 
-/* Values lie in the entry, at its left. */
+/* Values are in the entry itself, at its left. */
 static void append_field(struct tiff_builder *builder, const struct tiff_field *field)
 {
     static const size_t sizes[] = {0, 1, 1, 2, 4, 8, [16] = 8};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file TIFF files of one strip a page, built in memory so that every field can be bent. */
+/** @file TIFF files of one strip a page, built in memory so that every field can be changed. */
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_TIFF_BUILDER_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_TIFF_BUILDER_H
 
@@ -31,7 +31,7 @@ enum tiff_tag {
     TAG_DEPTH = 32997
 };
 
-/** A field that takes the place of the page's own of this tag, or is one more. */
+/** A field that replaces the page's field of this tag, or is added. */
 struct tiff_field {
     uint16_t tag;
     uint64_t value;
@@ -57,7 +57,7 @@ void tiff_begin(struct tiff_builder *builder, bool big_endian, bool big);
 void tiff_add_page(struct tiff_builder *builder, const void *data, size_t size, const struct tiff_field *fields,
                    size_t count);
 
-/** Lets the last directory be followed by the one at @p offset. */
+/** Links the last directory to the one at @p offset. */
 void tiff_link(struct tiff_builder *builder, uint64_t offset);
 
 /** Puts an offset of the file's own size at @p at. */

@@ -17,7 +17,7 @@ static void append_number(struct buffer *out, uint64_t value, size_t bytes)
     }
 }
 
-/* Raw deflate: of no window's header or checksum. */
+/* Raw deflate, without zlib's header and checksum. */
 static void append_deflated(struct buffer *out, const void *data, size_t size)
 {
     z_stream z = {0};
@@ -39,7 +39,7 @@ struct sizes {
     uint64_t stored, size, checksum;
 };
 
-/* What is the same in both records, from the flags to the length of the extra field. */
+/* The fields that both records share, from the flags to the length of the extra field. */
 static void append_record(struct buffer *out, const struct zip_builder *builder, const struct sizes *sizes,
                           const char *name, size_t extra)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Zip archives, byte by byte after PKWARE's APPNOTE.TXT, so that each byte can be bent. */
+/** @file Zip archives, byte by byte after PKWARE's APPNOTE.TXT, so that each byte can be changed. */
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_ZIP_BUILDER_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_ZIP_BUILDER_H
 
