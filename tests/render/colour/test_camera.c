@@ -14,7 +14,7 @@ static void assert_rigid(const double m[16])
     assert_near(mat4_determinant3(m), 1, 1e-12);
 }
 
-/* All points lie in the free part, and some touch two opposite edges of it: no nearer camera would do. */
+/* All points lie in the free part, and some touch two opposite edges of it, so that no nearer camera would do. */
 static void points_fill_the_free_part(void **state)
 {
     (void)state;
@@ -71,7 +71,7 @@ static void superior_is_up(void **state)
     }
 }
 
-/* Wherever a cone comes from, it is seen from about 35 degrees off its axis: from behind it, never along it. */
+/* A cone is seen from about 35 degrees off its axis, from behind it, wherever it comes from. */
 static void cones_are_seen_from_their_side(void **state)
 {
     (void)state;

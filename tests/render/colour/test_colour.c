@@ -125,8 +125,8 @@ static void draw_both_ways(conus_renderer *renderer, uint64_t *seed)
     }
 }
 
-/* The picture with brick skipping is the one without, to the last bit: grids apart, oblique, flipped and anisotropic;
- * soft, hard and band-shaped functions; from outside and inside. */
+/* The picture with brick skipping equals the one without, to the last bit: separate, oblique, flipped and anisotropic
+ * grids; soft, hard and band-shaped functions; from outside and inside. */
 static void skipping_changes_no_bit(void **state)
 {
     (void)state;
@@ -207,7 +207,7 @@ static void moving_everything_changes_little(void **state)
     memory_free(pictures[1]);
 }
 
-/* Mean column of what is opaque. */
+/* Mean column of the opaque pixels. */
 static double centre_column(const float *rgba)
 {
     double sum = 0, count = 0;
@@ -218,7 +218,7 @@ static double centre_column(const float *rgba)
     return sum / count;
 }
 
-/* Seen from the front, the patient's left is on the picture's right; from behind, on its left. Whatever the order in
+/* Seen from the front, the patient's left is on the picture's right; from behind, on its left, whatever the order in
  * which the file stores voxels. */
 static void left_is_left(void **state)
 {
@@ -294,7 +294,7 @@ static void areas_not_hit_are_pale(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A pathway inside an area is what one sees, on whatever grid. */
+/* A pathway inside an area is drawn in its place, on whatever grid. */
 static void pathways_are_drawn_in_place_of_areas(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A context volume that blocks: a slab before, beside and behind a ball of voxels, a ball that is a surface and a
- * pathway. What each pixel must say follows from what the same engine sees without the slab. */
+/* A context volume that blocks: a slab before, beside and behind a ball of voxels, a ball that is a surface, and a
+ * pathway. The expected pixels follow from the same engine's answer without the slab. */
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -82,7 +82,7 @@ static void set_slab(conus_atlas *atlas, double y, float left, float right, doub
     assert_ok(atlas_set_context(atlas, &info, values));
 }
 
-/* The running test is skipped where the engine needs GL and there is none. */
+/* Skips the running test if the engine needs GL and there is none. */
 static conus_selection *select_from_eye(const conus_atlas *atlas, conus_selector_options options)
 {
     conus_selector *selector = NULL;
@@ -101,7 +101,8 @@ static conus_selection *select_from_eye(const conus_atlas *atlas, conus_selector
     return selection;
 }
 
-/* Fails unless `got` is `open` without the pixels of the blocked columns, [first, last). Returns how many were lost. */
+/* Fails unless `got` is `open` without the pixels of the blocked columns, [first, last). Returns the number of lost
+ * pixels. */
 static size_t assert_lost(const conus_selection *got, const conus_selection *open, uint32_t first, uint32_t last)
 {
     const conus_evidence a = conus_selection_evidence(got);
@@ -185,7 +186,7 @@ static void what_is_blocked_is_unassigned(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Objects that come after the context have numbers of their own. */
+/* Objects that come after the context have numbers behind it. */
 static void a_pathway_may_come_after_the_context(void **state)
 {
     (void)state;
@@ -204,7 +205,7 @@ static void a_pathway_may_come_after_the_context(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A context that holds the areas themselves, as a T1 does, hides only what is behind its surface. */
+/* A context that holds the areas themselves, as a T1 does, hides only objects behind its surface. */
 static void what_is_equally_near_comes_first(void **state)
 {
     (void)state;

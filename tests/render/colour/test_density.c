@@ -14,7 +14,7 @@ struct grid {
     uint8_t at[VOXELS];
 };
 
-/* The value there, or at the border next to it. */
+/* The value at a voxel, or at the nearest voxel of the border. */
 static int held(const struct grid *grid, const ptrdiff_t at[3])
 {
     size_t place[3];
@@ -80,13 +80,13 @@ static void assert_gradient(const uint8_t texel[3], const struct grid *grid, siz
     }
 }
 
-/* Whether a density, or a range's end, is what it has to be: any that does not show is as good as any other. */
+/* Asserts a density, or an end of a range; all levels that do not show count as equal. */
 static void assert_level(int level, int wanted, int unseen)
 {
     assert_true(level == wanted || (level <= unseen && wanted <= unseen));
 }
 
-/* What a trilinear sample in the brick, or up to one voxel outside it, can take. */
+/* Asserts that a brick's range is that of all trilinear samples in it and up to one voxel outside of it. */
 static void assert_range(const struct field *field, const struct grid *grid, size_t index, int unseen)
 {
     enum { REACH = 2 };
@@ -124,7 +124,7 @@ static bool is_near(const struct grid *density, size_t v, int unseen)
     return most > unseen;
 }
 
-/* The box begins with a brick, and has no more than three voxels and that brick's around those that show. */
+/* The box begins with a brick, and reaches at most three voxels and a brick beyond the voxels that show. */
 static void assert_box(const struct field *field, const struct grid *density, int unseen)
 {
     enum { MOST = 3 };
@@ -185,7 +185,7 @@ static void assert_field(const struct field *field, const struct grid *density, 
     }
 }
 
-/* Blobs in emptiness, so that some is flat and some is not. */
+/* Blobs in emptiness, so that some bricks are uniform and some are not. */
 static void pick_grid(struct grid *out, uint64_t *random)
 {
     static const double most[] = {3.5, 8.5, 18.5, LONGEST + 0.5};
@@ -239,7 +239,7 @@ static void grey_values_are_densities(void **state)
     }
 }
 
-/* Clear of the surface by 3 steps. */
+/* Keeps densities away from the surface by 3 steps. */
 static void keep_sides(struct grid *density, const uint16_t *objects)
 {
     for (size_t v = 0; v < count_of(density->dim); v++) {
@@ -280,7 +280,7 @@ static void objects_are_blurred_and_keep_their_voxels(void **state)
     }
 }
 
-/* Slabs follow each other and are the field's, whoever makes them. */
+/* Slabs follow each other, and their texels are the field's, whichever thread makes them. */
 static void assert_slabs(struct field_task *task, const struct field *field, const uint8_t *texels)
 {
     const struct field *made = NULL;

@@ -33,7 +33,7 @@ static void add_ball(conus_atlas *atlas, double x, double y, double z, double ra
 
 static const uint8_t red[3] = {255, 0, 0}, blue[3] = {0, 0, 255};
 
-/* Draws `atlas` as it is from `distance`; the caller frees the picture. */
+/* Draws `atlas` from `distance`; the caller frees the picture. */
 static float *draw_atlas(const conus_atlas *atlas, const double forward[3], double distance)
 {
     conus_renderer *renderer = picture_renderer(atlas, NULL);
@@ -72,7 +72,7 @@ static void a_mesh_ball_has_its_silhouette(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A level edge through the middle of a row of pixels: two of the four rays of each pixel there are below it. */
+/* A level edge through the middle of a row of pixels: two of the four samples of each pixel there are below it. */
 static void level_edges_are_smooth(void **state)
 {
     (void)state;
@@ -99,7 +99,7 @@ static void level_edges_are_smooth(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The side that is seen is lit, whichever way triangles are turned: an inside-out ball looks like the other one. */
+/* The visible side is lit, whichever way triangles face: an inside-out ball looks like the other one. */
 static void both_faces_are_lit(void **state)
 {
     (void)state;
@@ -139,7 +139,7 @@ static void meshes_not_hit_are_pale(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A small blue ball that sticks out of a red one on the grid shows from that side only; one inside never. */
+/* A small blue ball that sticks out of a red one on the grid shows from that side only; a ball inside never shows. */
 static void meshes_and_voxels_hide_each_other(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The viewer-centred projection (Eq. 1): what an eye sees through a window. */
+/* The viewer-centred projection (Eq. 1): the picture that an eye sees through a window. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
@@ -39,14 +39,15 @@ static struct camera camera_through(const conus_pose *window, const double eye[3
     return camera;
 }
 
-/* Where a place of the window's plane, in mm from its middle, is on it. */
+/* Position, in mm from the middle, of a place in the window's plane. */
 static void assert_on_window(double x, double y, const double place[3])
 {
     assert_near(x, (place[0] / size[0] + 0.5) * WIDTH, 1e-6);
     assert_near(y, (0.5 - place[1] / size[1]) * HEIGHT, 1e-6);
 }
 
-/* A point of the window is at the same pixel wherever the eye is; any other one is where the line to it passes. */
+/* A point of the window is at the same pixel wherever the eye is; any other point is where the line to it passes
+ * through the window. */
 static void the_picture_is_what_the_window_shows(void **state)
 {
     (void)state;
@@ -127,7 +128,7 @@ static void a_symmetric_eye_is_the_plain_camera(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Pixels of a tile's picture whose ray is that of a pixel of the whole differ from it that many times. */
+/* How often pixels of a tile's picture differ from the pixels of the whole that have the same ray. */
 static size_t tile_differences(const float *whole, const float *tile, size_t i, size_t j)
 {
     size_t differing = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What can be changed about a renderer's pictures while it lives: hidden objects, transfer function, fading; and the
- * cone's other shape, the cylinder. */
+/* Changes of a renderer between two pictures: hidden objects, transfer function, fading; and the cylinder, the other
+ * shape of the cone. */
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -69,11 +69,12 @@ static void hide(conus_renderer *renderer, conus_atlas *atlas, const bool *hidde
     assert_ok(conus_renderer_update(renderer));
 }
 
-/* Takes the atlas of two objects over, of which object `number` is in the half of the picture from column `from` on. */
+/* Takes over an atlas of two objects, of which object `number` is in the half of the picture from column `from` on, and
+ * asserts that it is gone while it is hidden. */
 static void assert_gone_until_shown(conus_atlas *atlas, size_t number, uint32_t from)
 {
     conus_renderer *renderer = picture_renderer(atlas, NULL);
-    const uint32_t other = WIDTH / 2 - from; /* where the other one begins */
+    const uint32_t other = WIDTH / 2 - from; /* the first column of the other object */
     bool hidden[3] = {false};
     conus_image *before = render(renderer, (conus_view){0});
     hidden[number] = true;
@@ -112,7 +113,7 @@ static void hidden_meshes_are_gone_until_shown(void **state)
     assert_gone_until_shown(atlas, 1, WIDTH / 2);
 }
 
-/* Faded away, a context leaves the picture of an atlas whose context shows nothing. */
+/* A context that is faded away leaves the picture of an atlas whose context is transparent. */
 static void a_faded_context_thins_out(void **state)
 {
     (void)state;
@@ -199,7 +200,7 @@ static void a_cylinder_is_drawn_to_scale(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A rod along x behind the boxes, from the front; its middle is seen between them. */
+/* Adds a rod along x behind the boxes; from the front its middle is seen between them. */
 static void add_rod(conus_atlas *atlas)
 {
     conus_volume_info grid = picture_grid((size_t[]){60, 20, 10}, (double[]){1, 1, 1}, picture_identity);
@@ -230,9 +231,9 @@ static size_t count_green(const conus_image *image, uint32_t from, uint32_t to)
     return count;
 }
 
-/* An atlas with a pathway shows that alone, but never without the areas that a selection hits: here the box on the
- * picture's right, which reaches beyond the pathway's grid of z from -5 to 5, and not the other one. The box is 16 x 16
- * mm at a distance of about 142: so many pixels, seen from the front. */
+/* A picture of an atlas with a pathway shows the pathway, and of the areas only those that a selection hits. Here this
+ * is the box on the picture's right, which reaches beyond the pathway's grid of z from -5 to 5; the other box is not
+ * hit. The box is 16 x 16 mm at a distance of about 142, which gives its number of pixels from the front. */
 static void areas_that_are_hit_are_drawn_beside_pathways(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How bright things are, pixel by pixel, against the closed forms of light in Eq. 8. */
+/* The brightness of surfaces and context, pixel by pixel, against the closed forms of light in Eq. 8. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/file.h"
@@ -24,14 +24,14 @@ static double shown(const double a[3], const double b[3])
     return fmax(vec3_dot(a, b), 0);
 }
 
-/* Towards the light, which moves with the camera. */
+/* Direction to the light, which moves with the camera. */
 static void find_light(double out[3], const struct camera *camera)
 {
     mat4_direction(out, camera->world_from_camera, (double[]){-0.42, 0.52, 0.74});
     vec3_normalise(out, out);
 }
 
-/* The unit vector along which a pixel looks. */
+/* Unit vector along the ray of a pixel. */
 static void find_view(double out[3], const struct camera *camera, int column, int row)
 {
     const double direction[3] = {((column + 0.5) / WIDTH * 2 - 1) * camera->slope[0],
@@ -40,7 +40,7 @@ static void find_view(double out[3], const struct camera *camera, int column, in
     vec3_normalise(out, out);
 }
 
-/* The normal where a ray from the camera hits the ball of RADIUS around 0; false where it does not. */
+/* Normal where a ray from the camera hits the ball of RADIUS around 0; false if it misses. */
 static bool hit_ball(double normal[3], const struct camera *camera, const double view[3])
 {
     const double *eye = camera->world_from_camera + 12;
@@ -64,7 +64,8 @@ static double surface_light(double albedo, const double normal[3], const double 
     return albedo * (0.30 + 0.75 * shown(normal, light)) + 0.06 * pow(shown(normal, half), 30);
 }
 
-/* Every pixel where the ball faces the eye by more than `least` has the light of its normal and `albedo`. */
+/* Asserts the light of each pixel in which the ball faces the eye by more than `least`: that of its normal and
+ * `albedo`. */
 static void check_ball(const float *rgba, const struct camera *camera, const double albedo[3], double least,
                        double tolerance)
 {
@@ -139,8 +140,8 @@ static double ramp(const double p[3])
     return 128 + 4 * p[0] + 6 * p[1] + 2 * p[2];
 }
 
-/* Wherever the gradient is the same, so is the context's shade, and its colour over its opacity is that of the function
- * times the shade. A byte holds a gradient's part to 0.004, of which half is shaded by up to 0.8. */
+/* The context's shade depends on the gradient alone, and its colour over its opacity is that of the function times the
+ * shade. A byte holds a component of a gradient to 0.004, of which half is shaded by up to 0.8. */
 static void the_context_is_shaded_by_its_gradient(void **state)
 {
     (void)state;
@@ -178,7 +179,7 @@ static void the_context_is_shaded_by_its_gradient(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The planes reach over areas and context, whichever is nearer: neither goes missing. */
+/* The planes reach over areas and context, whichever is nearer, so that neither is missing. */
 static void planes_reach_over_every_volume(void **state)
 {
     (void)state;

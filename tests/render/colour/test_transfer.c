@@ -142,7 +142,7 @@ static void too_many_points_are_refused(void **state)
     memory_free(text);
 }
 
-/* Whole points are a function; a cut one is an error; nothing is read beyond the end. */
+/* The text of whole points is a function; one that is cut off is an error; nothing is read beyond its end. */
 static void every_prefix_is_survived(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What lets light through (Eq. 8): translucent areas and meshes, and pathways as haze, against closed forms. */
+/* Translucent areas and meshes, and pathways as haze (Eq. 8), against closed forms. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/file.h"
@@ -52,7 +52,7 @@ static void add_pathway(conus_atlas *atlas, const size_t dim[3], picture_functio
 
 static const size_t around[3] = {60, 60, 60};
 
-/* 16 mm thick. */
+/* A slab 16 mm thick. */
 static double slab(const double p[3])
 {
     return fabs(p[1]) < 8 ? 1 : 0;
@@ -88,14 +88,14 @@ static struct camera from_the_front(void)
     return picture_camera((double[]){0, 1, 0}, 200, radians_from_degrees(15));
 }
 
-/* What lies along the ray of the pixel in the middle, front to back: colour and opacity. */
+/* A part along the ray of the middle pixel, from front to back: colour and opacity. */
 struct part {
     const uint8_t *rgb;
     double opacity;
     bool is_haze; /* not lit */
 };
 
-/* Of haze of so many mm. */
+/* The part for `mm` of haze. */
 static struct part haze(double mm)
 {
     return (struct part){red, 1 - pow(0.95, mm), true};
@@ -140,7 +140,7 @@ static float *draw_with(conus_renderer *renderer, const float *opacity, uint32_t
     return picture_draw(renderer, &camera, &(struct colour_view){.opacity = opacity, .slices = slices}, false);
 }
 
-/* Whatever their order in the atlas. */
+/* The order of the walls in the atlas does not matter. */
 static void walls_are_composed_front_to_back(void **state)
 {
     (void)state;
@@ -165,7 +165,7 @@ static void walls_are_composed_front_to_back(void **state)
     }
 }
 
-/* A square across the view like add_wall(), around the areas. */
+/* Adds a square across the view like add_wall(), but around the areas. */
 static void add_around(conus_atlas *atlas, float y, double opacity)
 {
     const float positions[] = {-300, y, -300, 300, y, -300, 300, y, 300, -300, y, 300};
@@ -207,7 +207,7 @@ static void surfaces_around_are_composed_with_all_else(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Nothing else asks for translucency. One that is opaque hides. */
+/* A surface around the areas is composed though nothing else is translucent. An opaque one hides. */
 static void a_surface_around_lies_over_opaque_areas(void **state)
 {
     (void)state;
@@ -225,7 +225,7 @@ static void a_surface_around_lies_over_opaque_areas(void **state)
     }
 }
 
-/* Eight layers, and what is opaque behind them all; opacity 0 is not drawn. */
+/* Eight layers and the opaque surface behind them all are drawn; opacity 0 is not. */
 static void many_walls_are_the_nearest_eight(void **state)
 {
     (void)state;
@@ -248,7 +248,7 @@ static void many_walls_are_the_nearest_eight(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A surface lets through 1 - a of what is behind it, however often the ray crosses it. */
+/* A surface lets 1 - a of the light behind it through, however often the ray crosses it. */
 static void a_surface_counts_once(void **state)
 {
     (void)state;
@@ -269,7 +269,7 @@ static void a_surface_counts_once(void **state)
     }
 }
 
-/* The slab of haze reaches from -8 to 8 mm; of four walls one is drawn, before it, in it, or behind it. */
+/* The slab of haze reaches from -8 to 8 mm. One of four walls is drawn: before it, in it, or behind it. */
 static void haze_lies_before_and_behind_a_wall(void **state)
 {
     (void)state;
@@ -295,13 +295,13 @@ static void haze_lies_before_and_behind_a_wall(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Before, in and behind the haze. */
+/* Slabs before, in and behind the haze. */
 static double three_slabs(const double p[3])
 {
     return p[1] > -14 && p[1] < -10 ? 1 : p[1] > 0 && p[1] < 4 ? 2 : p[1] > 10 && p[1] < 14 ? 3 : 0;
 }
 
-/* The same with areas of voxels, whose surfaces lie where their voxels end, to a tenth of one. */
+/* The same with areas of voxels, whose surfaces lie at the ends of their voxels, to a tenth of one. */
 static void haze_lies_before_and_behind_an_area(void **state)
 {
     (void)state;
@@ -329,7 +329,7 @@ static void haze_lies_before_and_behind_an_area(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* What a pathway does not hold is no haze, whatever the function says of its values. */
+/* A value outside of its pathway makes no haze, whatever the transfer function says of it. */
 static void haze_ends_where_the_pathway_ends(void **state)
 {
     (void)state;
@@ -455,8 +455,8 @@ static struct colour_view with_cone(const conus_pose *pose, const struct colour_
                                 .marker_count = 1};
 }
 
-/* The walk that can do more draws what the other one does where nothing is translucent, but for the half of a plane at
- * surfaces in haze; and skipping empty bricks changes no bit of it. */
+/* Without translucent objects the walk for them draws the same as the plain walk, except for half of a plane at
+ * surfaces in haze; skipping empty bricks changes no bit. */
 static void the_walks_agree(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Streamlines in pictures: each pixel against a march along its ray that knows distances to segments only, and their
+/* Streamlines in pictures: each pixel against a march along its ray that uses distances to segments only, and their
  * colours. */
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
@@ -18,8 +18,8 @@ enum { WIDTH = 160, HEIGHT = 120, WALKS = 12, STEPS = 20, TURNS = 200000 };
 
 #define RADIUS 1.5
 
-/* Random walks of STEPS points within about 25 mm, each with a point twice; then one of a single point, before them for
- * who looks along y. */
+/* Random walks of STEPS points within about 25 mm, each with a point that occurs twice; then a streamline of a single
+ * point, in front of the walks as seen along y. */
 static struct tractogram random_walks(void)
 {
     uint64_t random = 1910;
@@ -85,8 +85,8 @@ static double distance_to_tubes(const struct tractogram *tractogram, const doubl
     return least - tractogram->radius;
 }
 
-/* How far along the ray its first point of a tube is; distances change by at most 1 per mm, so nothing is stepped over.
- * INFINITY where there is none; *least is how near the ray comes to what it passes before. */
+/* Distance along the ray to its first point in a tube; INFINITY if there is none. The distance to the tubes changes by
+ * at most 1 per mm, so nothing is stepped over. *least becomes the ray's least distance before that. */
 static double march(double *least, const struct tractogram *tractogram, const double origin[3], const double ray[3])
 {
     double t = 0;
@@ -108,7 +108,7 @@ static double march(double *least, const struct tractogram *tractogram, const do
     return INFINITY;
 }
 
-/* How deep the ray goes into the tube that it enters at t. */
+/* Depth of the ray in the tube that it enters at t. */
 static double depth_in_tube(const struct tractogram *tractogram, const double origin[3], const double ray[3], double t)
 {
     double deepest = 0;
@@ -199,7 +199,7 @@ static void every_pixel_has_the_nearest_capsule(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Three straight ones, along x, y and z, apart from each other. */
+/* Three straight streamlines, along x, y and z, apart from each other. */
 static struct tractogram three_axes(void)
 {
     static const float points[] = {-9, 0, -8, 9, 0, -8, 15, -9, 0, 15, 9, 0, -15, 0, -5, -15, 0, 9};
@@ -207,7 +207,7 @@ static struct tractogram three_axes(void)
     return tract_of("axes", points, first, 3, RADIUS);
 }
 
-/* What covers the world point, as seen along y. */
+/* The object that covers the world point, as seen along y. */
 static uint32_t painted_at(const struct layer_picture *picture, const struct camera *camera, const double p[3])
 {
     const struct camera_frame frame = {WIDTH, HEIGHT, 0, 0, 0, 0};
@@ -252,7 +252,7 @@ static void a_direction_has_the_colour_of_its_opposite(void **state)
     }
 }
 
-/* 0, 5 and 10 of a number per streamline: the ends and the middle of the colours; the second is pale. */
+/* Numbers 0, 5 and 10 per streamline: both ends and the middle of the colours; the second is pale. */
 static void numbers_span_the_colours_and_pale_ones_are_pale(void **state)
 {
     (void)state;
@@ -282,7 +282,8 @@ static void numbers_span_the_colours_and_pale_ones_are_pale(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Numbers that are not finite are no part of the range; what has three numbers for a point is offered by no message. */
+/* Numbers that are not finite are not in the range; numbers with three components per point are not offered in
+ * messages. */
 static void a_range_is_of_finite_numbers_of_one_part(void **state)
 {
     (void)state;
@@ -317,7 +318,7 @@ static void colours_of_numbers_grow_lighter(void **state)
     }
 }
 
-/* The colour by the ramp's stops, mixed by hand; within a unit, since the shader rounds float32. */
+/* The colour of the ramp's stops, mixed by hand; to one unit, since the shader rounds float32. */
 static void assert_ramp(uint32_t painted, double part)
 {
     static const double stops[][3] = {{34, 46, 110}, {36, 104, 142}, {40, 156, 128}, {138, 204, 84}, {250, 230, 80}};
@@ -329,8 +330,8 @@ static void assert_ramp(uint32_t painted, double part)
     }
 }
 
-/* Numbers that are linear in x and z are so within each triangle, too. Beyond the range the colours stay. Near a corner
- * that has no number the surface has its own colour. */
+/* Numbers that are linear in x and z are linear within each triangle, too. Beyond the range the colour of its end is
+ * used. Near a vertex without a number the surface has its plain colour. */
 static void a_map_is_linear_within_triangles(void **state)
 {
     (void)state;
@@ -370,7 +371,7 @@ static void a_map_is_linear_within_triangles(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A group that is hidden takes its streamlines along, unless another bundle has them. */
+/* A hidden group hides its streamlines, unless another bundle has them. */
 static void hidden_bundles_are_not_drawn(void **state)
 {
     (void)state;
@@ -390,7 +391,7 @@ static void hidden_bundles_are_not_drawn(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The whole way, through the colour pass: a red bundle along x is red in the picture's middle. */
+/* Through the whole colour pass: a red bundle along x is red in the picture's middle. */
 static void a_picture_shows_a_bundle_in_its_colour(void **state)
 {
     (void)state;
@@ -409,8 +410,8 @@ static void a_picture_shows_a_bundle_in_its_colour(void **state)
 
 enum { ACROSS = 250, DOTS = ACROSS * ACROSS };
 
-/* Streamlines along y, seen as dots: each a square's middle of a grid, in rows, of so many points 0.1 mm apart and not
- * in line, so that all are drawn. */
+/* Streamlines along y, seen as dots in rows, each in the middle of a grid's square. Their points are 0.1 mm apart and
+ * not in line, so that all are drawn. */
 static struct tractogram dots(size_t points_each)
 {
     struct tractogram made = {.path = memory_text("dots", 4),
@@ -449,8 +450,8 @@ static size_t count_dots(size_t quarters[4], const conus_atlas *atlas, bool draf
     return sum;
 }
 
-/* 62,500 streamlines of 3 points are 187,500, of which a draft has 20,000: of 10.7 %. They hardly cover each other, so
- * that so many pixels have a dot, too; each quarter of the picture has a fourth. */
+/* 62,500 streamlines of 3 points have 187,500, of which a draft draws 20,000, 10.7 %. The dots hardly cover each other,
+ * so that the same part of the pixels has one; each quarter of the picture has a fourth of them. */
 static void a_draft_has_some_from_everywhere(void **state)
 {
     (void)state;
@@ -481,7 +482,7 @@ static bool hear(void *user, size_t done, size_t total)
     return ++pieces->heard < pieces->most;
 }
 
-/* 62,500 points are two pieces. */
+/* 62,500 points make two pieces. */
 static void pieces_make_the_whole_and_may_be_the_last(void **state)
 {
     (void)state;

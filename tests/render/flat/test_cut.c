@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Flat cuts: which object each pixel's centre is in, on which side is what, and how things are laid over each other. */
+/* Flat cuts: the object at each pixel's centre, the sides, and the order in which things are laid over each other. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -144,7 +144,7 @@ static void a_surface_around_is_an_outline(void **state)
 
 static double grey_of(const double world[3])
 {
-    return 10 * world[0]; /* trilinear interpolation keeps what is linear */
+    return 10 * world[0]; /* trilinear interpolation reproduces linear functions */
 }
 
 static void the_context_is_linear_between_black_and_white(void **state)
@@ -196,7 +196,7 @@ static conus_selection *select_in(conus_atlas *atlas, const conus_selector_optio
     return selection;
 }
 
-/* The wall is drawn where the cone's radius is: 60 tan(15 deg) = 16.08 mm beside the axis at the origin's depth. */
+/* The wall is drawn at the cone's radius: 60 tan(15 deg) = 16.08 mm beside the axis at the origin's depth. */
 static void a_cone_is_drawn_to_scale(void **state)
 {
     (void)state;
@@ -270,7 +270,7 @@ static void hidden_areas_in_the_cone_are_hatched(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* In the cone, not in it, and chosen: only what is neither is pale. */
+/* One area is in the cone, one is chosen, one neither: only the last is pale. */
 static void the_chosen_area_is_never_pale(void **state)
 {
     (void)state;
@@ -317,7 +317,7 @@ static void what_cannot_be_drawn_is_refused(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* What a cutter keeps never shows: whatever changes from one picture to the next, it is that of conus_cut(). */
+/* A cutter reuses memory, but each picture equals that of conus_cut(), whatever has changed since the last one. */
 static void draw_as_alone(conus_cutter *cutter, const conus_atlas *atlas, const conus_cut_view *view)
 {
     static struct picture alone;
@@ -333,7 +333,7 @@ static unsigned pick(uint64_t *state, size_t count)
     return (unsigned)test_random(state, 0, (double)count);
 }
 
-/* Turns, moves, points elsewhere: each now and then, so that the others stay as they were. */
+/* Changes the view now and then in one respect: turns it, moves it, shows points elsewhere. */
 static void change(conus_cut_view *view, conus_selection *const selections[2], uint64_t *state)
 {
     static const double axes[][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -395,7 +395,7 @@ static conus_atlas *load_brain(void)
     return atlas;
 }
 
-/* How often the ray along +x from `at` passes the mesh, odd: inside (Moeller and Trumbore). */
+/* Whether the ray along +x from `at` crosses the mesh an odd number of times (Moeller and Trumbore). */
 static bool is_inside(const struct mesh *mesh, const double at[3])
 {
     bool inside = false;
@@ -449,8 +449,8 @@ static void closed_surfaces_are_filled(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* One surface of two boxes that overlap from x = -2 to 2, with vertices of their own: inside, where one of them is,
- * too. A third one, turned around, is a hole in the first. */
+/* One surface of two boxes that overlap from x = -2 to 2, without common vertices: a point in both is inside. A third
+ * box, turned around, is a hole in the first. */
 static void what_overlaps_is_filled_once(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Outlines of a cut: that of every pattern of pixels covers just the pixels that border on another one. */
+/* Outlines of a cut: for every pattern of pixels the outline covers exactly the pixels that border on another
+ * number. */
 #include "render/flat/cut_trace.h"
 #include "render/image/image.h"
 
@@ -25,7 +26,7 @@ static struct shapes *trace(const uint32_t *objects, const bool *skips)
     return shapes;
 }
 
-/* Marks the pixels whose middles a loop passes; all its lines are along the axes. */
+/* Marks the pixels whose centres a loop passes; all its lines are along the axes. */
 static void mark(uint8_t marks[SIDE * SIDE], const struct image_shape *loop)
 {
     for (size_t k = 0; k < loop->point_count; k++) {
@@ -51,7 +52,7 @@ static bool is_at(const uint32_t *objects, size_t pixel, int right, int down, ui
     return column >= 0 && row >= 0 && column < SIDE && row < SIDE && objects[SIDE * row + column] == object;
 }
 
-/* Whether one of the four neighbours, or of the eight, is of another number. */
+/* Whether one of the four neighbours, or with `corners` of the eight, has another number. */
 static bool borders(const uint32_t *objects, size_t pixel, bool corners)
 {
     for (int down = -1; down <= 1; down++) {
@@ -65,7 +66,7 @@ static bool borders(const uint32_t *objects, size_t pixel, bool corners)
     return false;
 }
 
-/* Pixels that only touch another number by a corner may be passed, where the line turns. */
+/* Pixels that touch another number only at a corner may be covered, where the line turns. */
 static void outlines_cover_the_outermost_pixels(void **state)
 {
     (void)state;
@@ -113,7 +114,7 @@ static void a_hole_has_a_loop_and_what_is_skipped_has_none(void **state)
     shapes_destroy(shapes);
 }
 
-/* Through its apex along its axis, and across it 20 mm away, where it is a circle. */
+/* Two cuts of a cone: through its apex along the axis, and across it 20 mm away, where it is a circle. */
 static void the_line_of_a_cone_is_where_its_wall_is(void **state)
 {
     (void)state;

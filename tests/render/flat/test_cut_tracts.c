@@ -52,7 +52,8 @@ static size_t draw_and_count(uint32_t *objects, const conus_atlas *atlas, const 
     return count;
 }
 
-/* Across the plane a disc, at 60 degrees to it an ellipse, in it a bar with round ends: their areas within 1.5 %. */
+/* A tube across the plane is a disc, at 60 degrees to it an ellipse, and in it a bar with round ends: their areas are
+ * right within 1.5 %. */
 static void tubes_have_the_area_of_their_section(void **state)
 {
     (void)state;
@@ -95,8 +96,8 @@ static double distance_to_segment(const double p[3], const float *a, const float
     return least;
 }
 
-/* Two random walks of two bundles; where both are, the first has the pixel. Pixels within 1e-6 mm of a border count for
- * either. */
+/* Two random walks of two bundles; the first bundle has the pixels that are in both. Pixels within 1e-6 mm of a border
+ * may be either. */
 static void every_pixel_has_the_first_bundle_within_the_radius(void **state)
 {
     (void)state;
@@ -132,7 +133,7 @@ static void every_pixel_has_the_first_bundle_within_the_radius(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A tube that is much thinner than a pixel is one or two pixels where it passes, never none. */
+/* A tube much thinner than a pixel takes one or two pixels where it passes, and always at least one. */
 static void thin_tubes_are_not_lost(void **state)
 {
     (void)state;
@@ -151,7 +152,7 @@ static void thin_tubes_are_not_lost(void **state)
     }
 }
 
-/* A bundle within an area, whose number is lower: the area is 40 mm wide, and the bundle has its pixels in it. */
+/* A bundle inside an area with a lower number: the area is 40 mm wide, and the bundle is drawn in it. */
 static void a_bundle_is_drawn_over_areas(void **state)
 {
     (void)state;

@@ -106,7 +106,7 @@ static void text_has_a_width_that_adds_up(void **state)
     font_destroy(NULL);
 }
 
-/* The ink lies where it was asked for: above the baseline for letters without descender, within the text's width. */
+/* The ink lies at the requested place: above the baseline for letters without descender, within the text's width. */
 static void text_is_drawn_in_its_place(void **state)
 {
     (void)state;
@@ -272,8 +272,8 @@ static void legend_fits_into_any_image(void **state)
     font_destroy(font);
 }
 
-/* Of 60 rows 40 do not fit into 300 pixels: a line of letters of 11 pixels takes 1.45 times as many, so that there are
- * at most 18. The tail, three colours of its own below a heading, is shown all the same; a heading has no chip. */
+/* 60 rows, of which 40 do not fit into 300 pixels: a line of letters of 11 pixels takes 1.45 times as many, so that
+ * there are at most 18. The tail, three coloured rows below a heading, is shown all the same. A heading has no chip. */
 static void a_key_is_shown_below_too_many_rows(void **state)
 {
     (void)state;
@@ -356,8 +356,8 @@ static void every_failing_allocation_is_survived(void **state)
     conus_image_destroy(image);
 }
 
-/* What is measured is what is drawn: with the letters found and the place asked for, nothing lies outside it, and no
- * name ends in an ellipsis, which would make the narrower picture differ from the wide one. */
+/* The measured size is what the drawing takes: with the size of letters found and at the place asked for, nothing lies
+ * outside of it, and no name ends in an ellipsis, which would make the narrower picture differ from the wide one. */
 static void a_legend_that_fits_is_whole(void **state)
 {
     (void)state;

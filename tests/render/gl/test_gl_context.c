@@ -33,7 +33,7 @@ static bool is_gl_mapped(void)
     return found;
 }
 
-/* Runs first: no library is loaded at the start that only pictures need; making a context loads OpenGL. */
+/* Runs first: no library for pictures is loaded at the start; making a context loads OpenGL. */
 static void no_gl_library_is_loaded_before_a_context(void **state)
 {
     (void)state;
@@ -59,7 +59,7 @@ static void context_says_what_it_is(void **state)
     gl_context_destroy(context);
 }
 
-/* Whatever was current is current again: nothing, or another context, also when uses nest. */
+/* The context that was current is so again afterwards: none, or another one, also when uses nest. */
 static void use_puts_back_what_was_current(void **state)
 {
     (void)state;
@@ -85,7 +85,8 @@ static void use_puts_back_what_was_current(void **state)
     gl_context_destroy(NULL);
 }
 
-/* Mesa's override, read once per process, makes a driver that has no 4.5: in a child, before GL is loaded here. */
+/* Mesa's override, which is read once per process, makes a driver without 4.5. It is set in a child, before GL is
+ * loaded here. */
 static void old_gl_is_refused_in_words(void **state)
 {
     (void)state;

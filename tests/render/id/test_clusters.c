@@ -47,7 +47,8 @@ static bool is_same_place(const struct clusters *clusters, uint32_t vertex, cons
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }
 
-/* A triangle as drawn is one of the mesh's, its corners in the same turn, the last one its own. */
+/* A triangle as drawn is one of the mesh's triangles, its corners in the same cyclic order, and its last corner belongs
+ * to no other. */
 static void check_triangle(const struct clusters *clusters, const struct mesh *mesh, size_t drawn)
 {
     const uint32_t *corner = &clusters->corners[3 * drawn];
@@ -114,7 +115,7 @@ static void closed_meshes_need_few_more_vertices(void **state)
 }
 
 struct truth {
-    double distances[N * N]; /* as far as is known yet */
+    double distances[N * N]; /* as far as they are known yet */
     struct mesh_hit first[N * N];
 };
 
@@ -129,7 +130,7 @@ static void find_truth(struct truth *truth, const struct scene *scene, const str
     }
 }
 
-/* What the cluster shows is known from now on. */
+/* The distances of a cluster's triangles are known from now on. */
 static void learn(struct truth *truth, const struct clusters *clusters, const struct cluster *cluster)
 {
     for (int i = 0; i < N * N; i++) {
@@ -141,7 +142,7 @@ static void learn(struct truth *truth, const struct clusters *clusters, const st
     }
 }
 
-/* Whatever is hidden on the way, the first triangle of every ray is given. Returns the clusters given. */
+/* The first triangle of every ray is given, whatever is culled on the way. Returns the number of clusters given. */
 static size_t check_cone(struct mesh_cull *cull, const struct clusters *clusters, const struct scene *scene,
                          const struct cone *cone)
 {

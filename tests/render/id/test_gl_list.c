@@ -25,7 +25,7 @@ struct drawing {
     GLuint program, vertices;
     GLint pixels;
     struct target target;
-    uint32_t next[PIXELS]; /* what each pixel has to say next */
+    uint32_t next[PIXELS]; /* the next record expected of each pixel */
     size_t draws, portions;
 };
 
@@ -34,7 +34,7 @@ static uint32_t length(uint32_t pixel)
     return pixel == 7 ? MANY : pixel % 5;
 }
 
-/* Enters GL, or the running test is skipped. */
+/* Enters GL, or skips the running test. */
 static void drawing_init(struct drawing *drawing)
 {
     *drawing = (struct drawing){0};
@@ -70,7 +70,7 @@ static conus_status draw_records(void *user, uint32_t first, uint32_t end)
     return gl_check("test");
 }
 
-/* Everything comes once, and what one pixel says in its order. */
+/* Asserts that everything comes once, and the records of one pixel in their order. */
 static conus_status take_records(void *user, const void *records, uint32_t count)
 {
     struct drawing *drawing = user;
@@ -120,7 +120,7 @@ static void a_list_grows_until_all_fits(void **state)
     drawing_finish(&drawing);
 }
 
-/* No record is lost however little the device can hold. */
+/* No record is lost, however little the list holds. */
 static void a_list_at_its_limit_takes_turns(void **state)
 {
     (void)state;
@@ -155,7 +155,7 @@ static void one_pixel_too_many_is_refused(void **state)
     drawing_finish(&drawing);
 }
 
-/* The counter has 32 bits: what it could count is never more. */
+/* The counter has 32 bits: the pixels are drawn in portions that cannot exceed it. */
 static void the_counter_cannot_run_over(void **state)
 {
     (void)state;

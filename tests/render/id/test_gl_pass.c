@@ -17,7 +17,7 @@ static const struct volume row = {.info = {.dim = {RAYS, 1, 1}}, .voxel_count = 
 static uint8_t row_codes[RAYS];
 static const struct id_distances row_distances = {.codes = row_codes, .last = {RAYS - 1, 0, 0}};
 
-/* With sampling on planes: `planes` of them from depth 10 on, 1 mm apart. */
+/* Aims the pass. With sampling on planes there are `planes` of them from depth 10 on, 1 mm apart. */
 static void aim_from_above(struct id_pass *pass, double height, conus_sampling sampling, double planes)
 {
     struct id_ray *rays = id_pass_rays(pass);
@@ -62,7 +62,7 @@ static const struct id_hit *trace_row(struct id_pass *pass, conus_sampling sampl
     return hits;
 }
 
-/* Identifiers are integers all the way: no float, filter or blend would bring these through. 0 is invisible. */
+/* Identifiers stay integers throughout: no float, filter or blending would preserve these. 0 is invisible. */
 static const uint32_t hard_identifiers[OBJECTS + 1] = {0, 7, 65537, 16777217, 0, 4000000001u, 4294967295u};
 
 static void assert_row(const struct id_hit *hits, double distance)
@@ -94,7 +94,7 @@ static void identifiers_keep_every_bit(void **state)
     test_gl_leave(&gl);
 }
 
-/* Blending, dithering, scissors, masks and so on, left on by whoever shares the context, change nothing. */
+/* Blending, dithering, scissors, masks and other state that another user of the context has left on change nothing. */
 static void state_left_behind_changes_nothing(void **state)
 {
     (void)state;
@@ -117,7 +117,7 @@ static void state_left_behind_changes_nothing(void **state)
     test_gl_leave(&gl);
 }
 
-/* What an earlier trace left in the buffers does not shine through, and they grow. */
+/* Hits of an earlier trace do not remain in the buffers, which may grow. */
 static void traces_start_from_nothing(void **state)
 {
     (void)state;
@@ -135,7 +135,7 @@ static void traces_start_from_nothing(void **state)
     test_gl_leave(&gl);
 }
 
-/* Two volumes, the second one nearer, farther, or as near. */
+/* The second of two volumes is nearer, farther, or as near. */
 static void the_nearer_volume_stays(void **state)
 {
     (void)state;
@@ -157,7 +157,7 @@ static void the_nearer_volume_stays(void **state)
     test_gl_leave(&gl);
 }
 
-/* With sampling on planes a volume behind the eye has none. */
+/* A volume behind the eye has no planes. */
 static void rays_without_planes_hit_nothing(void **state)
 {
     (void)state;
@@ -194,7 +194,7 @@ static void textures_beyond_the_allowed_memory_are_refused(void **state)
     test_gl_leave(&gl);
 }
 
-/* Distance from `brick` to the nearest that is occupied, by looking at all of them. */
+/* Distance from `brick` to the nearest occupied one, by trying all. */
 static size_t brute_distance(const struct bricks *bricks, const bool *occupied, const size_t brick[3])
 {
     size_t least = UINT8_MAX;

@@ -14,7 +14,7 @@ enum { WIDTH_LIMIT = 40, HEIGHT_LIMIT = 20 };
 
 static const char *const CHANNELS[] = {"id", "Z", "ZBack", "A"}; /* not the file's order */
 
-/* Up to `most` samples in a pixel, two thirds of the pixels empty, of any bits that are a number. */
+/* Two thirds of the pixels are empty, the others have up to `most` samples of arbitrary bits that are numbers. */
 static struct deep_image *make_image(uint64_t *state, uint32_t width, uint32_t height, double most)
 {
     uint32_t counts[WIDTH_LIMIT * HEIGHT_LIMIT];
@@ -111,7 +111,7 @@ static void images_may_be_empty_or_one_pixel(void **state)
     }
 }
 
-/* Samples all alike pack well, random ones not at all: both ways of storing a chunk. */
+/* Equal samples pack well, random ones not at all: both ways of storing a chunk. */
 static void what_packs_well_is_smaller(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Every picture that is written reads back bit by bit, here and by OpenEXR's C++ library, whatever its content. A chunk
- * that deflates to just its own size must be stored as it is, since readers take it for that. How much of a chunk is
- * noise, the rest zero, goes byte by byte from nothing to all, and so passes through that size: 13 of the 2,425
+/* Every written picture reads back bit by bit, here and by OpenEXR's C++ library, whatever its content. A chunk that
+ * deflates to just its own size must be stored as it is, since readers take it for that. The part of a chunk that is
+ * noise, the rest being zero, grows byte by byte from nothing to all, and so passes through that size: 13 of the 2,425
  * flat pictures here have such a chunk. */
 #include "base/memory.h"
 #include "exr_oracle.h"

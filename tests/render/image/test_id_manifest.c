@@ -54,7 +54,8 @@ static void a_few_names(void **state)
     assert_as_openexr(&(struct id_manifest_group){"id", COMPONENTS, 1, ids, 0, texts}, 1);
 }
 
-/* What the length of the text before distinguishes: one byte or two count what is shared. */
+/* Lengths around the limits of the encoding: the length of the previous text decides whether one byte or two count the
+ * shared bytes. */
 static void long_names(void **state)
 {
     (void)state;
@@ -71,8 +72,8 @@ static void long_names(void **state)
     assert_as_openexr(&(struct id_manifest_group){"id", COMPONENTS, 1, ids, COUNT, texts}, 1);
 }
 
-/* Names that share much or little, some of them often, so that ranks of one, two and three bytes make runs of all
- * lengths; ids near and far. */
+/* Names that share much or little, so that ranks of one, two and three bytes make runs of all lengths; ids near and
+ * far. */
 static void check_random(uint64_t *state, size_t count, uint32_t step)
 {
     char(*storage)[40] = malloc(count * sizeof *storage);

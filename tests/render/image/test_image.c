@@ -14,7 +14,7 @@
 
 static const double MATRIX[16] = {0.1, 1.0 / 3, -2, 0, 0, 1e-9, 3, 0, 7, 8, 9, 0, 25.5314207153, -1e6, 4, 1};
 
-/* Every kind of value an image of a selection holds, with a height that no chunk of lines divides. */
+/* An image with every kind of value that images of a selection have; its height is no multiple of a chunk's lines. */
 static conus_image *make_image(void)
 {
     conus_image *image = NULL;
@@ -247,7 +247,7 @@ static void unknown_endings_and_contents_are_named(void **state)
     conus_image_destroy(image);
 }
 
-/* The file that is written is the oracle. */
+/* The written file is the oracle. */
 static void encoded_bytes_are_those_of_the_file(void **state)
 {
     (void)state;
@@ -336,7 +336,7 @@ typedef conus_status (*parse_function)(conus_image **out, const uint8_t *data, s
 static void check_prefixes(struct bytes *bytes, parse_function parse)
 {
     for (size_t size = 0; size < bytes->size; size++) {
-        uint8_t *exact = memory_raw(size, 1); /* so that a sanitizer sees one byte too many */
+        uint8_t *exact = memory_raw(size, 1); /* so that a sanitizer notices one byte too many */
         memcpy(exact, bytes->data, size);
         conus_image *image = NULL;
         conus_status status = parse(&image, exact, size);
@@ -371,8 +371,8 @@ static void put_chunk_head(uint8_t *out, uint32_t size, const char *name)
     }
 }
 
-/* A PNG of 41 bytes whose second chunk claims to be long: no memory is taken for what is not there. libpng itself takes
- * 512 MiB for an sPLT that claims them. The limit holds libpng's own state and zlib's. */
+/* A PNG of 41 bytes whose second chunk claims to be long: no memory is taken for bytes that are missing. libpng itself
+ * takes 512 MiB for an sPLT of that length. The limit covers libpng's own state and zlib's. */
 static void a_chunk_takes_no_more_memory_than_it_has(void **state)
 {
     (void)state;
@@ -438,7 +438,7 @@ static void dump_channel(struct buffer *dump, const conus_image *image, const st
     buffer_text(dump, "\n");
 }
 
-/* Writes what conus read from `path` beside it, for the oracle. */
+/* Writes the image that conus read from `path` beside it, for the oracle. */
 static void dump_image(const char *path, const char *dump_path)
 {
     conus_image *image = NULL;
@@ -500,8 +500,8 @@ static void what_cannot_be_read_is_unsupported(void **state)
     assert_int_equal(count, 6);
 }
 
-/* OpenImageIO reads what we wrote, and we read what it wrote: all compressions, all colour types, data windows that
- * begin elsewhere than at 0. */
+/* OpenImageIO reads our files, and we read its files: all compressions, all colour types, data windows that begin
+ * elsewhere than at 0. */
 static void another_reader_sees_the_same(void **state)
 {
     (void)state;
