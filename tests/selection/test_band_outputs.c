@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is made of bands of values: masks, lists of voxels, packed atlases, pictures' attributes. */
+/* Outputs for bands of values: masks, lists of voxels, packed atlases, pictures' attributes. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
 #include "conus/report.h"
@@ -33,7 +33,7 @@ static bool in_ball(const size_t at[3], const double centre[3], double radius)
     return square <= radius * radius;
 }
 
-/* Of the band Middle only, although Core and Outer lie in the ball and in the same volume. */
+/* The outputs hold the band Middle only, although Core and Outer lie in the ball and in the same volume. */
 static void masks_and_voxels_of_a_band_are_its_own(void **state)
 {
     (void)state;

@@ -36,12 +36,12 @@ static void bands_are_objects_of_one_volume(void **state)
         assert_true(object->is_band && object->kind == CONUS_KIND_PATHWAY && object->label == n);
         assert_true(object->low == shells[n - 1].low && object->high == shells[n - 1].high && object->volume == 0);
         assert_int_equal(object->voxels, count[n]);
-        assert_near(object->volume_mm3 / ball, 1, 0.02); /* of a shell: 4 pi / 3 (R^3 - r^3) */
+        assert_near(object->volume_mm3 / ball, 1, 0.02); /* volume of a shell: 4 pi / 3 (R^3 - r^3) */
     }
     conus_atlas_destroy(atlas);
 }
 
-/* Skips where there is no GL. */
+/* Skips the test if there is no GL. */
 static conus_selector *make_selector(const conus_atlas *atlas, const conus_selector_options *options)
 {
     conus_selector *selector = NULL;
@@ -118,17 +118,17 @@ static void paths_are_those_of_shells_with_gl(void **state)
     check_columns(CONUS_ENGINE_GL);
 }
 
-/* A ball of radius R at the distance D fills the cone of half angle asin(R / D), so of one with the half angle h this
- * share. */
+/* A ball of radius R at the distance D fills the cone of half angle asin(R / D), and so has this share of a cone with
+ * the half angle h. */
 static double share_of_ball(double radius, double distance, double h)
 {
     return (1 - cos(asin(radius / distance))) / (1 - cos(h));
 }
 
 /* No point of a cell is farther than e = sqrt(3) / 2 from its centre. So the cells whose centres are in a ball of
- * radius R lie in one of R + e and cover one of R - e, and so do their shares; 128 x 128 pixels add less than 1 %. With
- * some shells hidden, another one is outermost. All 110 planes, 1 mm apart at most, lose no more than the cells'
- * corners. */
+ * radius R lie in a ball of R + e and cover one of R - e, and their shares are between those; 128 x 128 pixels add less
+ * than 1 %. With some shells hidden, another one is outermost. All 110 planes, 1 mm apart at most, lose no more than
+ * the cells' corners. */
 static void check_share(conus_engine engine, conus_sampling sampling, double fraction, const char *hide, double radius,
                         uint32_t object)
 {
@@ -193,7 +193,7 @@ static conus_atlas *make_empty(void)
     return atlas;
 }
 
-/* Neighbours share an end without a gap or a voxel in common; 0.1 is another number as a float. */
+/* Adjacent bands share an end without a gap or a common voxel; 0.1 is another number as a float. */
 static void ends_belong_to_the_upper_band(void **state)
 {
     (void)state;
@@ -206,7 +206,7 @@ static void ends_belong_to_the_upper_band(void **state)
     for (size_t v = 0; v < 9; v++) {
         assert_int_equal(volume_object(&atlas->volumes[0], v), wanted[v]);
     }
-    assert_near(conus_atlas_volume(atlas, 0)->minimum, -3, 0); /* of those that are numbers */
+    assert_near(conus_atlas_volume(atlas, 0)->minimum, -3, 0); /* least of the values that are numbers */
     assert_near(conus_atlas_volume(atlas, 0)->maximum, 7, 0);
     assert_int_equal(conus_atlas_note_count(atlas), 1);
     assert_string_equal(conus_atlas_note(atlas, 0),
@@ -214,8 +214,8 @@ static void ends_belong_to_the_upper_band(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* In a ball round all: voxels at x = 0, 2, 4, 6 have -8, -2, -2, -3. Mean -15 / 4, largest -2, centroid (0 + 2 + 4 + 6)
- * / 4 = 3: by value it would be (0 - 4 - 8 - 18) / -15 = 2. */
+/* In a ball around all: voxels at x = 0, 2, 4, 6 have -8, -2, -2, -3. Mean -15 / 4, largest -2, centroid (0 + 2 + 4 +
+ * 6) / 4 = 3: weighted by value it would be (0 - 4 - 8 - 18) / -15 = 2. */
 static void values_may_be_negative(void **state)
 {
     (void)state;
@@ -346,7 +346,7 @@ static void both_engines_see_bands_alike(void **state)
     assert_true(hits > 5000);
 }
 
-/* Voxels of the objects that are shown. */
+/* Asserts the voxels of the objects that are shown. */
 static void check_hidden(const conus_atlas *atlas, const uint16_t *before, const bool *hidden)
 {
     const struct volume *volume = &atlas->volumes[0];

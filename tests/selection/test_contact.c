@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Eq. 11: the contact is at the pixel with the smallest r, of several with the same r at the nearest. r is the same for
- * pixels with the same (2i + 1 - n)^2 + (2j + 1 - n)^2, which is how the wanted pixel is found here. */
+/* Eq. 11: the contact is at the pixel with the smallest r; of several with the same r it is the nearest. r is the same
+ * for pixels with the same (2i + 1 - n)^2 + (2j + 1 - n)^2, by which the wanted pixel is found here. */
 #include "base/geometry/math3.h"
 #include "conus/arrays.h"
 #include "scene.h"
@@ -11,8 +11,8 @@
 
 enum { OBJECTS = 3, LARGEST = 64 };
 
-/* Of the pixels in the cone that hit `object`: the one at the smallest square, then the smallest distance; UINT32_MAX
- * where there is none. */
+/* The pixel of the cone that hits `object` at the smallest square, then at the smallest distance; UINT32_MAX where none
+ * does. */
 static uint32_t wanted_pixel(int64_t *square, const struct evidence *evidence, uint32_t object)
 {
     int64_t n = evidence->resolution;
@@ -48,7 +48,7 @@ static void check_contacts(const struct statistics *statistics, const struct evi
     }
 }
 
-/* Evidence of every resolution up to 64 whose objects and distances are at random, so that many pixels tie in r. */
+/* Evidence of every resolution up to 64 with random objects and distances, so that many pixels tie in r. */
 static void the_pixel_with_the_smallest_r_is_found(void **state)
 {
     (void)state;

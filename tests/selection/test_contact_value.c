@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The value at the contact. Each voxel of a volume has a value of its own, which follows from its index, so a value
- * says which voxel was meant. The wanted one is that of the voxel whose cell holds the point that is a thousandth of a
- * millimetre behind the contact: the contact lies where the ray comes from one cell into the next. */
+/* The value at the contact. Each voxel of a volume has another value, which follows from its index, so a value tells
+ * the voxel. The wanted one is that of the voxel whose cell holds the point a thousandth of a millimetre behind the
+ * contact: the contact itself lies where the ray goes from one cell into the next. */
 #include "base/geometry/math3.h"
 #include "conus/arrays.h"
 #include "conus/selection.h"
@@ -44,7 +44,7 @@ static conus_atlas *make_atlas(void)
     return atlas;
 }
 
-/* Skips where there is no GL. */
+/* Skips the test if there is no GL. */
 static conus_selector *make_selector(const conus_atlas *atlas, const conus_selector_options *options)
 {
     conus_selector *selector = NULL;
@@ -57,7 +57,7 @@ static conus_selector *make_selector(const conus_atlas *atlas, const conus_selec
     return selector;
 }
 
-/* Of the voxel whose cell holds contact + 0.001 mm towards it from `from`. */
+/* Value of the voxel whose cell holds the point 0.001 mm behind `contact`, seen from `from`. */
 static double wanted_value(uint32_t object, const double from[3], const double contact[3])
 {
     size_t index[3];
@@ -71,7 +71,7 @@ static double wanted_value(uint32_t object, const double from[3], const double c
     return (double)value_of(object, index[0], index[1], index[2]);
 }
 
-/* Gives how many results had a contact. */
+/* Returns the number of results with a contact. */
 static size_t check_results(const conus_selection *selection, const double from[3])
 {
     size_t contacts = 0;
@@ -87,7 +87,7 @@ static size_t check_results(const conus_selection *selection, const double from[
     return contacts;
 }
 
-/* From 40 mm around the middle towards a point within, so that rays pass the sides of cells at all angles. */
+/* A pose 40 mm from the middle, towards a point inside, so that rays cross the sides of cells at all angles. */
 static void random_pose(conus_pose *pose, double from[3], uint64_t *seed)
 {
     double to[3];
@@ -140,7 +140,7 @@ static void it_is_that_of_the_voxel_hit_with_gl(void **state)
 }
 
 /* One ray along z through column (3, 5), from z = -50. Layer k begins at z = 2k - 12. The range begins in layer 3, at
- * the border of 3 and 4, and where layer 4, the last, ends: then the interval is a point, and 4 is what it touches. */
+ * the border of 3 and 4, and where layer 4, the last, ends: then the interval is a point, which touches 4. */
 static void a_range_begins_in_another_voxel(void **state)
 {
     (void)state;
@@ -188,7 +188,7 @@ static void a_ball_has_the_nearest_cell(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Areas of a parcellation have no values, whatever lies behind them; nor has what follows a track without a hit. */
+/* Areas of a parcellation have no values, whatever pathways lie behind them; nor has a tracked object without a hit. */
 static void labels_have_none(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Areas on several grids: the answer is that of each grid by itself, joined at what is nearest. */
+/* Areas on several grids: the answers are those of each grid alone, joined at the nearest hit. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
 #include "gl_pair.h"
@@ -82,7 +82,8 @@ static uint32_t label_of(const conus_atlas *atlas, uint32_t number)
     return number ? atlas->objects[number - 1].label : 0;
 }
 
-/* Of grids that a ray enters at the same distance the first counts. */
+/* The joint atlas shows the nearest hit of all grids; where a ray enters two at the same distance, that of the
+ * first. */
 static size_t compare_traces(const struct grids *grids, const struct cone *cone)
 {
     struct evidence joint = trace(grids->joint, cone);
@@ -128,7 +129,7 @@ static void the_nearest_of_all_grids_is_hit(void **state)
     assert_true(hits > 15000);
 }
 
-/* Both begin at the same plane: the earlier grid's area, though its label is the greater. */
+/* Both begin at the same plane: the area of the earlier grid is hit, though its label is greater. */
 static void of_equals_the_earlier_grid_is_hit(void **state)
 {
     (void)state;
@@ -198,7 +199,8 @@ static const conus_result *find_label(const conus_selection *selection, const co
     return NULL;
 }
 
-/* All layers know nothing of each other, so voxels, volume, path, entry and exit are those of the grid by itself. */
+/* With all layers objects do not affect each other, so voxels, volume, path, entry and exit are those of the grid
+ * alone. */
 static size_t compare_layers(const conus_selection *got, const conus_atlas *joint, const conus_selection *wanted,
                              const conus_atlas *single)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is hidden is as if it had never been loaded, to the last bit: every answer equals that of a twin whose hidden
- * voxels are background, whose hidden pathways are volumes that nobody meets, and whose hidden meshes are no meshes. */
+/* A hidden object is as if it had never been loaded, to the last bit: every answer equals that of a twin in which
+ * hidden voxels are background, hidden pathways are volumes without objects, and hidden meshes are left out. */
 #include "atlas/atlas.h"
 #include "base/memory.h"
 #include "conus/mask.h"
@@ -52,7 +52,7 @@ static void forget_voxels(struct volume *volume, const bool *hidden)
     }
 }
 
-/* By hand, what hiding should come to. */
+/* Hides objects by hand, in a way that must give the same answers. */
 static void forget(conus_atlas *atlas, const bool *hidden)
 {
     forget_voxels(&atlas->volumes[0], hidden);
@@ -61,7 +61,7 @@ static void forget(conus_atlas *atlas, const bool *hidden)
         if (hidden[i + 1] && atlas->objects[i].kind == CONUS_KIND_PATHWAY) {
             struct volume *volume = &atlas->volumes[place->index];
             volume->step_count = 0;
-            volume->info.role = CONUS_ROLE_CONTEXT; /* which blocks nothing */
+            volume->info.role = CONUS_ROLE_CONTEXT; /* a context that blocks nothing */
         } else if (hidden[i + 1] && place->is_mesh) {
             mesh_finish(&atlas->meshes[place->index]);
             *place = (struct object_place){.index = SIZE_MAX};
@@ -272,7 +272,7 @@ static void what_is_shown_again_is_as_before(void **state)
     }
 }
 
-/* Memory that cannot be written to, as other processes' is. */
+/* Memory that cannot be written to, like that of another process. */
 static conus_atlas *pack_and_attach(void **memory, size_t *size, const conus_atlas *atlas)
 {
     conus_atlas *attached = NULL;
@@ -309,7 +309,7 @@ static void a_packed_atlas_hides_the_same(void **state)
     }
 }
 
-/* A threshold that is changed meanwhile is there when its pathway is shown again. */
+/* A threshold that is changed while its pathway is hidden counts when the pathway is shown again. */
 static void a_hidden_pathway_keeps_its_threshold(void **state)
 {
     (void)state;
@@ -437,7 +437,7 @@ static void what_cannot_be_shown_is_explained(void **state)
     assert_refused("V2", "CTX", "everything is hidden: nothing is left that has voxels, triangles or streamlines");
 }
 
-/* An area that only the table names: there is nothing to show. */
+/* An area that only the table names has no voxels to show. */
 static void an_area_without_voxels_is_nothing_to_show(void **state)
 {
     (void)state;
@@ -463,7 +463,7 @@ static void long_lists_are_cut_for_people(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Where it fails, what was hidden before still is. */
+/* A failing change leaves objects hidden as they were before. */
 static conus_status change(void *data)
 {
     conus_atlas *atlas = data;

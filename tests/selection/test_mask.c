@@ -132,8 +132,8 @@ static int code_of(const struct fixture *fixture)
     return code;
 }
 
-/* NIfTI-1: with code 0 a reader knows sizes only. Such a grid lies along the axes, i to the left, its middle, index
- * (n - 1) / 2, at 0; of any other the file has to say where it lies. */
+/* NIfTI-1: with code 0 a reader knows sizes only. Such a grid lies along the axes, i to the left, with its middle,
+ * index (n - 1) / 2, at 0; the file has to state the place of any other grid. */
 static void a_grid_says_where_it_lies(void **state)
 {
     const struct fixture *fixture = *state;
@@ -142,7 +142,7 @@ static void a_grid_says_where_it_lies(void **state)
     assert_int_equal(code_of(fixture), 4);
     info->space_code = 0;
     assert_int_equal(code_of(fixture), 2);
-    const double guess[16] = {-2, 0, 0, 0, 0, 2.5, 0, 0, 0, 0, 3, 0, 31, -31.25, -31.5, 1}; /* of 32, 26, 22 */
+    const double guess[16] = {-2, 0, 0, 0, 0, 2.5, 0, 0, 0, 0, 3, 0, 31, -31.25, -31.5, 1}; /* a grid of 32, 26, 22 */
     for (int i = 0; i < 16; i++) {
         memcpy(info->world_from_voxel, guess, sizeof guess);
         assert_int_equal(code_of(fixture), 0);
@@ -151,7 +151,7 @@ static void a_grid_says_where_it_lies(void **state)
     }
 }
 
-/* Sums of the census's rows, areas or pathways. */
+/* Sums of the census's rows, for areas or pathways. */
 static uint64_t counted(const struct fixture *fixture, conus_kind kind)
 {
     uint64_t voxels = 0;
@@ -247,7 +247,7 @@ static conus_status make_and_write(void *data)
     return status;
 }
 
-/* Of what is everything the mask does not depend on which pathway's grid is taken, where they have one. */
+/* A mask of the region needs no name of a pathway while all pathways have one grid. */
 static void everything_needs_no_name_on_one_grid(void **state)
 {
     const struct fixture *fixture = *state;

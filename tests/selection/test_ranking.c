@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* How results are put in order (Eq. 12): ties, the box that `nearness` goes by, the rim that `smallest` heeds. Values
- * are derived here: by hand on small grids, or by trying every voxel. */
+/* The order of results (Eq. 12): ties, the box that `nearness` uses, the rim that `smallest` uses. Values are derived
+ * here: by hand on small grids, or by trying every voxel. */
 #include "atlas/atlas.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
@@ -15,7 +15,7 @@
 
 enum { TIED = 5 };
 
-/* Two rows that differ in all that decides, so that only the first difference may count. */
+/* Asserts the order of two rows that differ in all that decides, so that only the first difference may count. */
 static void assert_first(const conus_result *first, const conus_result *second)
 {
     for (int swapped = 0; swapped < 2; swapped++) {
@@ -36,7 +36,7 @@ static void assert_first(const conus_result *first, const conus_result *second)
 static void ties_go_by_share_distance_entry_and_number(void **state)
 {
     (void)state;
-    /* In the order of what decides, every row the better one in that and the worse one in all that follows. */
+    /* In the order of the criteria: every row is better in one of them and worse in all that follow. */
     const conus_result best[TIED] = {
         {.object = 9, .pixels = 2, .share = 0.1, .distance = 50, .entry = 50},
         {.object = 9, .pixels = 1, .share = 0.2, .distance = 50, .entry = 50},
@@ -56,7 +56,7 @@ static void ties_go_by_share_distance_entry_and_number(void **state)
     }
 }
 
-/* What is hidden has no distance; of all that ties it comes behind what has one, and among itself by entry. */
+/* An occluded object has no distance. Where all else ties it comes after those that have one, and then by entry. */
 static void what_has_no_distance_comes_behind(void **state)
 {
     (void)state;
@@ -107,7 +107,7 @@ static bool is_round(int i, int j)
     return i >= 0 && j >= 0 && i < N && j < N && x * x + y * y <= N * N;
 }
 
-/* A cylinder of 8 mm has one pixel per voxel of 1 mm: each voxel in turn is an area of its own. */
+/* A cylinder of 8 mm has one pixel per voxel of 1 mm: each voxel in turn is a separate area. */
 static void the_rim_is_every_pixel_with_a_neighbour_outside(void **state)
 {
     (void)state;
@@ -213,7 +213,7 @@ static void try_cell(double low[3], double high[3], const struct volume *volume,
     }
 }
 
-/* Around all corners of all cells that hold an object, one by one. */
+/* The box around all corners of all cells that hold an object, one by one. */
 static void try_every_cell(double low[3], double high[3], const conus_atlas *atlas)
 {
     low[0] = low[1] = low[2] = INFINITY;
@@ -227,7 +227,7 @@ static void try_every_cell(double low[3], double high[3], const conus_atlas *atl
     }
 }
 
-/* The parcellation with `by` empty voxels more around it. */
+/* The parcellation with `by` more empty voxels around it. */
 static conus_atlas *padded(const conus_atlas *atlas, size_t by)
 {
     const struct volume *from = &atlas->volumes[0];
@@ -294,7 +294,7 @@ static void empty_borders_change_nothing(void **state)
     assert_true(compared > 10);
 }
 
-/* A tetrahedron's four corners count, its fifth vertex is no triangle's. */
+/* A tetrahedron's four corners count; the fifth vertex belongs to no triangle. */
 static void meshes_count_by_their_triangles(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which thin objects in a cone are found at all: by the census of Eq. 10, by rays, and on the planes of Eq. 7. The
- * table in docs/model.md, kept true. Each tube is alone in its grid, so that nothing hides it. */
+/* The rate at which thin objects in a cone are found: by the census of Eq. 10, by rays, and on the planes of Eq. 7.
+ * This test keeps the table in docs/model.md true. Each tube is alone in its grid, so that nothing hides it. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -12,7 +12,7 @@
 
 enum { POSES = 500 };
 
-/* The phantom `tubes` with nothing but the tube `label` in it. */
+/* The phantom `tubes` with only the tube `label` in it. */
 static conus_atlas *one_tube(uint32_t label)
 {
     struct phantom_drawing drawing;
@@ -27,7 +27,8 @@ static conus_atlas *one_tube(uint32_t label)
     return atlas;
 }
 
-/* From 200 mm away, to within 12 mm of a voxel of the tube: cones that hold it, graze it or pass it by. */
+/* A pose 200 mm away, towards a place within 12 mm of a voxel of the tube: its cones hold the tube, graze it or miss
+ * it. */
 static conus_pose aim(const struct volume *volume, uint64_t *random)
 {
     double target[3];
@@ -75,7 +76,7 @@ static bool is_found(conus_selector *selector, const conus_pose *pose, double an
     return found;
 }
 
-/* Ways to look: the census, rays without it, N/5 and N planes. */
+/* Ways to find it: the census, rays without it, N/5 and N planes. */
 enum { CENSUS, RAYS, FIFTH, PLANES, WAYS };
 
 static void make_selectors(conus_selector *selectors[WAYS], const conus_atlas *atlas)
@@ -90,7 +91,7 @@ static void make_selectors(conus_selector *selectors[WAYS], const conus_atlas *a
     }
 }
 
-/* Per cent of the cones with the tube in them in which it is not found. */
+/* Per cent of the cones that hold the tube in which it is not found. */
 static void measure(double lost[WAYS], uint32_t label, double degrees)
 {
     conus_atlas *atlas = one_tube(label);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Rolled up areas (Eq. 10) are exactly what they would be had their voxels been relabelled beforehand. */
+/* Rolled up areas (Eq. 10) are exactly as if their voxels had been relabelled beforehand. */
 #include "mesh_scene.h"
 #include "report_scene.h"
 #include "same_answer.h"
@@ -12,10 +12,10 @@
 
 enum { SCENES = 60, DIM = 12 };
 
-/* Of sums over voxels, whose order differs. */
+/* Tolerance for sums over voxels that are added in another order. */
 #define SUMS 1e-9
 
-/* Gives areas random parents, and some no shape of their own to be hit. */
+/* Gives areas random parents, and some no voxels of their own to be hit. */
 static void grow_tree(conus_atlas *atlas, uint64_t *state)
 {
     for (size_t i = 1; i < atlas->area_count; i++) {
@@ -24,7 +24,7 @@ static void grow_tree(conus_atlas *atlas, uint64_t *state)
     }
 }
 
-/* Makes every voxel of an area one of the area as which it is reported. */
+/* Relabels every voxel with the area as which it is reported. */
 static void relabel(conus_atlas *atlas, const uint32_t *group)
 {
     struct volume *volume = &atlas->volumes[0];
@@ -47,7 +47,7 @@ static void relabel(conus_atlas *atlas, const uint32_t *group)
     }
 }
 
-/* Two atlases with the same voxels and tree, and a depth of it that changes something; false if there is none. */
+/* Two atlases with the same voxels and tree, and a depth of the tree that changes something; false if there is none. */
 static bool make_pair(conus_atlas *out[2], char spec[16], uint64_t seed)
 {
     struct level *level = NULL;
@@ -152,7 +152,7 @@ static void shares_add_up(void **state)
     assert_true(checked > 20);
 }
 
-/* The result of the object called like `object`; what hit nothing has no name. */
+/* The result of the object with the name of `object`; `unassigned` has no name. */
 static const conus_result *find_result(const conus_selection *selection, const conus_atlas *atlas,
                                        const conus_object *object)
 {
@@ -167,7 +167,7 @@ static const conus_result *find_result(const conus_selection *selection, const c
     return NULL;
 }
 
-/* Splitting and merging again gives the answers that there were; only numbers and so the order of ties differ. */
+/* Splitting and merging again gives the same answers; only numbers and therefore the order of ties differ. */
 static void merging_undoes_splitting(void **state)
 {
     (void)state;
@@ -251,13 +251,13 @@ static const conus_result *result_of(const conus_selection *selection, uint32_t 
     return NULL;
 }
 
-/* What the spheres are one by one, and rolled up to the topmost areas. */
+/* The spheres one by one, and rolled up to the topmost areas. */
 struct spheres {
     conus_atlas *atlas;
     conus_selection *parts, *whole;
 };
 
-/* Seen from above by a cylinder; `parent` is that of the two small ones. */
+/* Seen from above by a cylinder; `parent` is that of the two small spheres. */
 static struct spheres select_spheres(uint32_t parent, double radius)
 {
     struct spheres spheres = {.atlas = sphere_atlas()};
@@ -278,7 +278,7 @@ static void finish(struct spheres *spheres)
     conus_atlas_destroy(spheres->atlas);
 }
 
-/* A mesh lies in that of the area above it, so the union is that of the parent: nothing counts twice. */
+/* A mesh lies in that of its parent, so the union is that of the parent: nothing counts twice. */
 static void nested_meshes_count_once(void **state)
 {
     (void)state;
@@ -295,7 +295,7 @@ static void nested_meshes_count_once(void **state)
     finish(&spheres);
 }
 
-/* Without a mesh of its own the area above has the sum of its parts, which do not touch. */
+/* Without a mesh the parent has the sum of its parts, which do not touch. */
 static void meshes_apart_add_up(void **state)
 {
     (void)state;
@@ -305,7 +305,7 @@ static void meshes_apart_add_up(void **state)
     const conus_result *group = result_of(spheres.whole, 4);
     assert_near(group->volume, left->volume + right->volume, 1e-6);
     assert_int_equal(group->pierced, left->pierced + right->pierced);
-    double volume = 0; /* of the group: none of the three lies in another */
+    double volume = 0; /* of the group: none of the three spheres lies in another */
     for (size_t i = 1; i < 4; i++) {
         volume += spheres.atlas->objects[i].volume_mm3;
     }

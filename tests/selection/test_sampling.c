@@ -9,7 +9,8 @@
 
 #include <string.h>
 
-/* What the paper's planes cost (Eq. 7), against the exact walk (Eq. 5): the table in docs/model.md, kept true. */
+/* The cost of the paper's planes (Eq. 7) against the exact walk (Eq. 5): this test keeps the table in docs/model.md
+ * true. */
 enum { POSES = 64, RESOLUTION = 16 };
 
 struct engines {
@@ -17,7 +18,7 @@ struct engines {
     struct engine *slices;
 };
 
-/* Pixels of the cone whose exact answer is what was asked for. */
+/* Counts over the pixels of the cone in which the exact engine hits the wanted object. */
 struct tally {
     size_t pixels;
     size_t missed; /* nothing on the planes     */
@@ -75,7 +76,7 @@ static void count_look(struct tally *tally, const struct engines *engines, const
     evidence_finish(&slices);
 }
 
-/* From 200 mm away at the centre of a random voxel of @p object, or of any for 0. */
+/* A cone from 200 mm away at the centre of a random voxel of @p object, or of any for 0. */
 static struct cone aim(const conus_atlas *atlas, uint32_t object, uint64_t *random)
 {
     const struct volume *volume = &atlas->volumes[0];

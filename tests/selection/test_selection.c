@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* From hand-made evidence to results, ranks and reports. The engine here is a script, so that every number is known. */
+/* From hand-made evidence to results, ranks and reports. The engine here is scripted, so that every number is known. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "selection/report/report_columns.h"
@@ -120,7 +120,7 @@ static void results_follow_from_the_pixels(void **state)
     assert_near(one->share + two->share + nothing->share, 1, 1e-12);
 }
 
-/* Eq. 12: each score orders by what it says. */
+/* Eq. 12: each score orders by its measure. */
 static void scores_order_by_their_measure(void **state)
 {
     struct fixture *fixture = *state;

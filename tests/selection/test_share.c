@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Selectors that share their tables answer at the same time, each as the first one does alone. */
+/* Selectors that share their tables answer at the same time, each like the first one alone. */
 #include "test.h"
 
 #include "conus/arrays.h"
@@ -11,7 +11,7 @@
 
 enum { EDGE = 24, POSES = 64, THREADS = 4 };
 
-/* What selections have in common: the first results of each pose. */
+/* The first results of each pose, asked by one selector. */
 struct answers {
     conus_selector *selector;
     size_t counts[POSES];
@@ -95,7 +95,7 @@ static void threads_answer_as_one(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Python's collector destroys what is in a circle in any order. */
+/* Python's collector destroys the members of a reference cycle in any order. */
 static void destroying_needs_no_atlas(void **state)
 {
     (void)state;

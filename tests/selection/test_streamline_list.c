@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Which streamlines come into a selection's region (Eq. 19), and files of them. The lines are those of tract_scene.h:
- * 0 and 1 pass the axis z at z = 30, 0 and 3 mm beside it; 2 and 3 are far. */
+/* The streamlines in a selection's region (Eq. 19), and files of them. The lines are those of tract_scene.h: 0 and 1
+ * pass the axis z at z = 30, 0 and 3 mm beside it; 2 and 3 are far away. */
 #include "atlas/phantom/phantom.h"
 #include "conus/streamline_list.h"
 #include "loaders/tracts/tract_file.h"
@@ -16,7 +16,7 @@ struct scene {
     conus_selection *selection;
 };
 
-/* Along the axis z, without layers; of a radius of 0 a ball that no streamline comes into. */
+/* A cylinder along the axis z, without layers; a radius of 0 makes it a ball without streamlines. */
 static struct scene scene_of(double radius)
 {
     struct scene scene = {.atlas = tract_lines_atlas()};
@@ -105,7 +105,7 @@ static void what_is_no_bundle_is_refused(void **state)
     scene_end(&balls);
 }
 
-/* What is written is what the reader reads, point by point, and the bytes before are these. */
+/* The reader reads what was written, point by point, and the bytes before the points are these. */
 static void a_file_has_the_whole_streamlines(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Cones of more than 120 degrees (Eq. 15): rays spread evenly in angle. Against angles, solid angles and volumes that
- * are known in closed form, and coarse buffers against fine ones. */
+/* Cones of more than 120 degrees (Eq. 15), whose rays are spread evenly in angle: against angles, solid angles and
+ * volumes in closed form, and coarse buffers against fine ones. */
 #include "base/geometry/math3.h"
 #include "gl_pair.h"
 #include "mesh_scene.h"
@@ -46,7 +46,7 @@ static void rays_are_evenly_spread_in_angle(void **state)
     }
 }
 
-/* Bit by bit what Eq. 3 says, as it is computed there. */
+/* Bit by bit the rays of Eq. 3, computed the same way. */
 static void up_to_120_degrees_they_are_a_perspective_pictures(void **state)
 {
     (void)state;
@@ -74,8 +74,9 @@ static void up_to_120_degrees_they_are_a_perspective_pictures(void **state)
     assert_true(cone_is_wide(&wide));
 }
 
-/* What the limit means: in perspective a pixel on the axis covers tan^2 h / (2 (1 - cos h)) of the mean solid angle of
- * a cone with half angle h, which is 3 for 60 degrees; spread evenly it is h^2 / (2 (1 - cos h)), pi^2 / 8 at most. */
+/* The reason for the limit: in perspective a pixel on the axis covers tan^2 h / (2 (1 - cos h)) of the mean solid angle
+ * of a cone with half angle h, which is 3 for 60 degrees; spread evenly it covers h^2 / (2 (1 - cos h)), pi^2 / 8 at
+ * most. */
 static void the_limit_is_where_a_pixel_on_the_axis_covers_three_times_the_mean(void **state)
 {
     (void)state;
@@ -124,7 +125,7 @@ static void weights_sum_to_the_solid_angle(void **state)
     }
 }
 
-/* Rays and the census (Eq. 10) agree about what is in the cone, but for the border itself. */
+/* Rays and the census (Eq. 10) agree on the voxels in the cone, except at the border itself. */
 static void pixels_in_it_are_those_whose_rays_are(void **state)
 {
     (void)state;
@@ -148,7 +149,7 @@ static void pixels_in_it_are_those_whose_rays_are(void **state)
     }
 }
 
-/* The pixels of a wide square depend on its angle: none may be left from the cone before. */
+/* The pixels of a wide square depend on its angle: none may remain from the cone before. */
 static void apertures_follow_the_angle(void **state)
 {
     (void)state;
@@ -216,7 +217,7 @@ static double share_of_ball(conus_selector *selector, double away, double beside
     return share;
 }
 
-/* Root mean square of how far n x n pixels are off for cones of some angles, and the largest in *most. Seen from 40 mm
+/* Root mean square of the errors of n x n pixels, for cones of some angles, and the largest in *most. Seen from 40 mm
  * the ball's rim is 30 degrees off its middle: its share of the cone is (1 - cos 30) / (1 - cos h) wherever in the cone
  * it is. */
 static double error_of_ball(const conus_atlas *atlas, int first, int last, uint32_t n, double *most)
@@ -242,8 +243,8 @@ static double error_of_ball(const conus_atlas *atlas, int first, int last, uint3
     return sqrt(square / count);
 }
 
-/* 208 pixels cover 3.4 % more than their circle, and the ball's rim passes through some 30 pixels of half a point each:
- * 16 x 16 are as good as they can be where they are as good as in perspective, for the cones of 80 to 116 degrees. */
+/* 208 pixels cover 3.4 % more than their circle, and the ball's rim passes through some 30 pixels of half a point each.
+ * The best that 16 x 16 can reach is their accuracy in perspective, for the cones of 80 to 116 degrees. */
 static void a_ball_has_its_solid_angle(void **state)
 {
     (void)state;
@@ -279,8 +280,8 @@ static void a_ball_in_a_pyramid_too(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Volume by the rays (Eq. 10) of a ball that is all in the cone, and of one around the apex, of which the cone's part
- * of the full angle is in it. Contact, its angle and what depends on it. */
+/* Volume by the rays (Eq. 10): a ball that is wholly in the cone, and one around the apex, of which the cone's part of
+ * the full angle is in it. Contact, its angle and the values that depend on it. */
 static void volumes_and_scores_follow(void **state)
 {
     (void)state;
@@ -309,7 +310,7 @@ static void volumes_and_scores_follow(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A range is one of depths along the axis, however far a ray leaves it: all intervals begin and end at its planes. */
+/* A range is one of depths along the axis, however far a ray is from it: all intervals begin and end at its planes. */
 static void a_range_cuts_at_planes(void **state)
 {
     (void)state;
@@ -353,8 +354,8 @@ static void assert_same_evidence(const struct evidence *a, const struct evidence
 
 enum { CONES = 6, N = 16 };
 
-/* Narrow and wide cones in one trace, as a batch's block may have them. Of the narrow ones the driver may take the
- * triangle beside an edge, so they are compared where there are only voxels. */
+/* Narrow and wide cones in one trace, as a batch's block may have them. In narrow ones the driver may take the triangle
+ * beside an edge, so they are compared only for voxels. */
 static void assert_same_traces(const struct gl_pair *pair, const struct cone *cones, bool meshes)
 {
     struct evidence many[CONES];
@@ -424,7 +425,7 @@ static void both_engines_say_the_same(void **state)
     }
 }
 
-/* Outside of the aperture a wide cone's rays would look backwards: nothing is looked at there. */
+/* Outside of the aperture a wide cone's rays would point backwards: they are not traced. */
 static void nothing_is_hit_outside_the_aperture(void **state)
 {
     (void)state;
@@ -448,7 +449,7 @@ static void nothing_is_hit_outside_the_aperture(void **state)
 
 enum { POSES = 12 };
 
-/* The largest difference of a share between the two selectors' pixels. */
+/* The largest difference of a share between the two selectors. */
 static double largest_difference(conus_selector *const selectors[2], size_t objects, const conus_pose *pose,
                                  double degrees)
 {
@@ -473,7 +474,7 @@ static int ascending(const void *a, const void *b)
 }
 
 /* Poses around AAL, from 60 to 140 mm away, at points in its middle. In perspective 208 pixels are off by up to 62
- * points at 179 degrees; now by as much as at 60 degrees, where it is 1 point as a rule and 2 to 3 at most. */
+ * points at 179 degrees; now by as much as at 60 degrees, where it is usually 1 point and 2 to 3 at most. */
 static void few_pixels_say_what_many_do(void **state)
 {
     (void)state;

@@ -13,7 +13,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-/* In pages that cannot be written to. */
+/* Packs into pages that cannot be written to. */
 static struct block pack(const conus_atlas *atlas)
 {
     struct block block = block_pack(atlas);
@@ -153,7 +153,7 @@ static void what_is_attached_is_what_was_packed(void **state)
     }
 }
 
-/* What both engines' scenes show, to the bit. */
+/* The engines of both atlases give the same answers, to the bit. */
 static void assert_same_answers(const conus_atlas *a, const conus_atlas *b, uint64_t *random)
 {
     struct engine *engines[2];
@@ -218,7 +218,8 @@ static void packing_it_again_gives_the_same(void **state)
     block_drop(again);
 }
 
-/* Packed before the change or after it: the block stays as it is (writing to it would be a segmentation fault). */
+/* The atlas is changed before or after packing; the block stays as it is (writing to it would be a segmentation
+ * fault). */
 static void changes_are_made_to_copies(void **state)
 {
     (void)state;
@@ -242,7 +243,7 @@ static void changes_are_made_to_copies(void **state)
     }
 }
 
-/* The packed atlas knows its box; what has it moved, or hides a part, makes another. */
+/* The packed atlas knows its box; moving it, or hiding a part, makes another box. */
 static void the_box_is_that_of_the_voxels(void **state)
 {
     (void)state;
@@ -344,8 +345,8 @@ static void what_is_no_packed_atlas_is_refused(void **state)
     block_drop(block);
 }
 
-/* Every byte of the head with every other value; and numbers near the largest there is in each eight bytes, which wrap
- * around where they are rounded up. */
+/* Every byte of the head gets every other value; and each eight bytes get numbers near the largest, which overflow
+ * where they are rounded up. */
 static void a_damaged_head_is_refused(void **state)
 {
     (void)state;
@@ -400,7 +401,7 @@ static conus_status try_attaching(void *data)
     return status;
 }
 
-/* Numbers of pages and runs are followed, so they are looked at when an atlas is attached. */
+/* Numbers of pages and runs are used as indices, so they are checked when an atlas is attached. */
 static void a_damaged_map_is_refused(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Batches through the library: order, bytes that depend on nothing but the poses, errors, ends. */
+/* Batches through the library: order, bytes that depend on the poses alone, errors, ends. */
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
@@ -20,7 +20,7 @@ struct fixture {
     struct buffer reference; /* the rows, by conus_select() and a report */
 };
 
-/* What a sink is given, and how it behaves. */
+/* The blocks that a sink receives, and its behaviour. */
 struct received {
     struct buffer text;
     uint64_t poses, errors, blocks;
@@ -62,7 +62,7 @@ static void write_poses(const char *path, const conus_atlas *atlas)
     buffer_finish(&text);
 }
 
-/* The rows by the way that conus query takes. */
+/* Makes the rows in the way of conus query. */
 static void make_reference(struct fixture *fixture)
 {
     conus_pose_list *list = NULL;
@@ -227,7 +227,7 @@ static void the_header_is_the_report_s(void **state)
     conus_batch_destroy(batch);
 }
 
-/* One row per pose, whatever the threads; of the full rows the first. */
+/* There is one row per pose, whatever the threads: the first of the full rows. */
 static void summaries_are_the_best_of_each(void **state)
 {
     struct fixture *fixture = *state;
@@ -325,7 +325,8 @@ static void answer_each_pose(struct rows_of_poses *out, conus_selector *selector
     conus_batch_destroy(batch);
 }
 
-/* For each pose the rows of a batch of each atlas alone, with the atlas behind the first comma: no id has one. */
+/* For each pose the rows of a batch on each atlas alone, with the atlas's name behind the first comma; no id has a
+ * comma. */
 static void put_joined_rows(struct buffer *out, const struct rows_of_poses rows[ATLASES])
 {
     for (size_t pose = 0; pose < POSES; pose++) {
@@ -378,7 +379,7 @@ static void rows_of_several_atlases_are_those_of_each(void **state)
     destroy_others(&others);
 }
 
-/* Without a name for the first, with one that is taken, of another resolution; and then the batch is as it was. */
+/* Refused: the first atlas has no name, a name is taken, the resolution differs. The batch is then unchanged. */
 static void an_atlas_that_does_not_fit_is_not_added(void **state)
 {
     struct fixture *fixture = *state;
@@ -459,7 +460,7 @@ static void every_failing_allocation_is_clean(void **state)
     test_every_allocation(run_once, *state);
 }
 
-/* What fails in the middle comes after all blocks before it, with its message, whichever thread it was. */
+/* A failure in the middle comes after all blocks before it, with its message, whichever thread failed. */
 static void a_failure_ends_the_run(void **state)
 {
     struct fixture *fixture = *state;

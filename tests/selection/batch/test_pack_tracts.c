@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tractograms in a packed atlas: they come out as they went in, are not copied, and no damage leads out of them. */
+/* Tractograms in a packed atlas: they are unchanged and not copied, and no damage leads outside of the block. */
 #include "atlas/bundles.h"
 #include "atlas/placement.h"
 #include "atlas/tracts/tract_node.h"
@@ -62,7 +62,7 @@ static struct tractogram make_tractogram(bool halves)
     return made;
 }
 
-/* One of all streamlines, and one with two groups, a rest, and scalars. */
+/* An atlas with one bundle of all streamlines, and one with two groups, a rest, and scalars. */
 static conus_atlas *make_atlas(void)
 {
     static const uint32_t few[] = {1, 4, 6};
@@ -82,7 +82,7 @@ static conus_atlas *make_atlas(void)
     return atlas;
 }
 
-/* Equal, and in the block; NULL where there is none. */
+/* Asserts that an array is equal and in the block; NULL where it is absent. */
 static void assert_lent(const void *packed, const void *attached, size_t size, const struct block *block)
 {
     const uint8_t *at = attached;
@@ -178,7 +178,7 @@ static void a_file_has_the_same_bytes(void **state)
     block_drop(block);
 }
 
-/* A file with the points of five lines as MRtrix has them: of three points, of one, of none, of two and of one. */
+/* A file with the points of five lines in MRtrix's layout: of three points, of one, of none, of two and of one. */
 enum { FILE_LINES = 5, FILE_POINTS = 7, FILE_OFFSET = 12 };
 static const float file_points[3 * FILE_POINTS] = {0, 0, 0, 9, 0, 0, 9, 3, 0, 5, 5, 5, 1, 2, 3, 4, 5, 6, 7, 8, 9};
 static const uint64_t file_first[FILE_LINES + 1] = {0, 3, 4, 4, 6, 7};
@@ -197,7 +197,8 @@ static int points_file(void)
     return file;
 }
 
-/* They are mapped from there only if the file is as it was; whoever packs them then gets what they would have been. */
+/* Points are mapped from their file only if it is unchanged. Packing the mapped atlas gives the same bytes as packing
+ * the original. */
 static void points_may_stay_in_their_file(void **state)
 {
     (void)state;
@@ -275,7 +276,7 @@ static void assert_refused(struct block *block)
     assert_null(attached);
 }
 
-/* Arrays have no checksum, so what leads elsewhere is looked at. Each number in them that may not be so large. */
+/* Arrays have no checksum, so every number in them that is used as an index is checked. Each is made too large here. */
 static void damaged_arrays_are_refused(void **state)
 {
     (void)state;
@@ -325,7 +326,7 @@ static void damaged_arrays_are_refused(void **state)
     block_drop(block);
 }
 
-/* It was so when it was packed, so the checksum fits. */
+/* The group was missing when the atlas was packed, so the checksum fits. */
 static void a_group_that_is_not_there_is_refused(void **state)
 {
     (void)state;
@@ -348,7 +349,7 @@ static void fit_checksum(struct block *block)
     memcpy(block->memory + CRC_AT, &crc, sizeof crc);
 }
 
-/* Each byte of what is small becomes 0xff, with a checksum that fits: a refusal, or an atlas that can be used. */
+/* Each byte of the small parts becomes 0xff, with a valid checksum: the atlas is refused, or can be used. */
 static void damage_with_a_fitting_checksum_does_no_harm(void **state)
 {
     (void)state;

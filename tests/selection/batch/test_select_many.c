@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Poses of arrays: the answers of conus_select() to the bit, whatever the threads and blocks; poses at fault; ends. */
+/* Poses in arrays: the answers of conus_select() to the bit, whatever the threads and blocks; refused poses; ends. */
 #include "base/geometry/math3.h"
 #include "conus/batch.h"
 #include "same_answer.h"
@@ -18,7 +18,7 @@ struct fixture {
     double matrix[POSES][16], origin[POSES][3], direction[POSES][3], up[POSES][3], angle[POSES];
 };
 
-/* What a sink is given. */
+/* The answers that a sink receives. */
 struct received {
     size_t poses, stop_after; /* poses; 0 = never */
     size_t starts[POSES + 1];
@@ -91,7 +91,7 @@ static void check_pose(const struct fixture *fixture, const struct received *rec
     conus_selection_destroy(selection);
 }
 
-/* Each pose on its own is the oracle; `along` = the array had origins and directions. */
+/* The oracle answers each pose on its own; `along` = the array had origins and directions. */
 static void check_answers(const struct fixture *fixture, const struct received *received, bool along)
 {
     assert_int_equal(received->poses, POSES);
@@ -138,7 +138,7 @@ static void answers_do_not_depend_on_threads_or_blocks(void **state)
     }
 }
 
-/* The oracle is a selector whose options have the range of the pose, each end its own or the common one. */
+/* The oracle is a selector whose options have the range of the pose: each end is the pose's own or the common one. */
 static void each_pose_may_have_its_range(void **state)
 {
     struct fixture *fixture = *state;
@@ -192,7 +192,7 @@ static void no_poses_are_no_answers(void **state)
     free(received.results);
 }
 
-/* conus_aims_add() of each pose is the oracle. */
+/* The oracle calls conus_aims_add() for each pose. */
 static void findings_are_those_of_the_poses(void **state)
 {
     struct fixture *fixture = *state;
@@ -261,7 +261,7 @@ static void what_is_out_of_range(void **state)
     assert_int_equal(received.poses, 0);
 }
 
-/* An opening that no cone has is the fault of each pose. */
+/* An opening angle that no cone can have is an error of each pose. */
 static void an_angle_out_of_range_is_a_pose_s_fault(void **state)
 {
     struct fixture *fixture = *state;

@@ -11,7 +11,7 @@
 
 enum { SCENES = 60, POINTS = 200 };
 
-/* As one of few points and as one of many, for which distances are there. */
+/* Finds it as one of few points and as one of many, for which distances are prepared. */
 static uint32_t find(const conus_atlas *atlas, double radius, double x, double y, double z)
 {
     uint32_t found[2];
@@ -84,7 +84,7 @@ static void add_chances(conus_atlas *atlas, const char *name, uint32_t label, co
     assert_ok(area_of_values(atlas, &info, values, &area));
 }
 
-/* Below 0.25 nobody is there: of the last cell the first area is the nearest, its cell ends 0.5 mm before x = 3. */
+/* No area has less than 0.25. The first area is the nearest of the last cell: its cell ends 0.5 mm before x = 3. */
 static void test_the_most_probable_area_counts(void **state)
 {
     (void)state;
@@ -120,7 +120,7 @@ static void test_surfaces_have_an_inside_and_a_distance(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* near_take() looks at every cell in the ball, in the order of the file. */
+/* near_take() tries every cell in the ball, in the order of the file. */
 static uint32_t search_all(const conus_atlas *atlas, struct near *near, const double point[3], double radius)
 {
     struct region ball;

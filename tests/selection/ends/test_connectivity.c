@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Eq. 20: which areas bundles connect, of lines from area to area whose counts and lengths are known. */
+/* Eq. 20: the areas that bundles connect, for lines from area to area whose counts and lengths are known. */
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -67,7 +67,8 @@ static void check(const conus_connection *got, conus_connection wanted)
     assert_near(got->length, wanted.length, 1e-12);
 }
 
-/* Bundle 4. The radius is below 0: only cells count, and streamline 6 has one end in none. Its other end is in 3. */
+/* Bundle 4 with a radius below 0: only the cell at an end counts, and streamline 6 has one end in no area, the other
+ * one in 3. */
 static void test_lines_between_areas_in_closed_form(void **state)
 {
     (void)state;
@@ -84,7 +85,7 @@ static void test_lines_between_areas_in_closed_form(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* 2 mm, the default, and 1.5 mm reach from x = 12 to the cell that ends at 10.5; 1.4 mm do not. */
+/* The default of 2 mm, and 1.5 mm, reach from x = 12 to the cell that ends at 10.5; 1.4 mm do not. */
 static void test_an_end_near_an_area_has_it(void **state)
 {
     (void)state;
@@ -249,8 +250,7 @@ static void test_the_matrix_is_symmetric_with_none_last(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Area 1 becomes a part of 2. What is near to 1 is near to 2 then: 5 mm reach from x = 5 to the cell that ends at 0.5.
- */
+/* Area 1 becomes a part of 2. Ends near 1 are then near 2: 5 mm reach from x = 5 to the cell that ends at 0.5. */
 static void test_a_level_joins_areas(void **state)
 {
     (void)state;
@@ -265,7 +265,7 @@ static void test_a_level_joins_areas(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The text of a report on all streamlines, and on those of a ball round (12, 5, 0): none. */
+/* The text of a report on all streamlines, and on those of a ball around (12, 5, 0), which are none. */
 static char *report_of(const conus_atlas *atlas, conus_format format)
 {
     conus_selector *selector = NULL;
@@ -347,7 +347,7 @@ static void test_without_bundles_there_is_nothing(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A ball of 1 mm round (10, 5, 0) holds a part of the detour alone, whose ends are far away. */
+/* A ball of 1 mm around (10, 5, 0) holds a part of the detour only, whose ends are far away. */
 static void test_only_what_comes_into_the_region(void **state)
 {
     (void)state;
@@ -425,7 +425,7 @@ static void test_a_radius_has_limits(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* In the formats of tables and JSON; of anything else there is none. */
+/* Tables and JSON are the formats of the matrix; all others are refused. */
 static void test_the_matrix_as_text(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Engines and bundles: streamlines among voxels and triangles, by both engines, and by what the atlas without them and
- * a loop over all capsules say (Eq. 18). */
+/* Engines and bundles: streamlines among voxels and triangles, by both engines, against the atlas without them and a
+ * loop over all capsules (Eq. 18). */
 #include "atlas/bundles.h"
 #include "atlas/tracts/capsule.h"
 #include "base/geometry/math3.h"
@@ -100,7 +100,7 @@ static uint32_t bundle_of(const struct pair *pair, uint64_t streamline)
     return streamline % 2 == 0 && !conus_atlas_is_hidden(pair->with, pair->even) ? pair->even : 0;
 }
 
-/* Offers each segment to what the ray of a pixel has hit; objects' numbers are above those of all else. */
+/* Tries each segment against the hit of a pixel's ray; objects' numbers of bundles are above all others. */
 static void loop_pixel(struct evidence *evidence, const struct pair *pair, const struct cone *cone, uint32_t pixel)
 {
     const struct tractogram *walks = atlas_bundle_tractogram(pair->with, pair->odd);
@@ -127,7 +127,7 @@ static void loop_pixel(struct evidence *evidence, const struct pair *pair, const
     }
 }
 
-/* Returns how many pixels streamlines have. */
+/* Returns the number of pixels that hit streamlines. */
 static size_t compare_with_loop(const struct pair *pair, const struct cone *cone)
 {
     struct evidence wanted;
@@ -179,7 +179,7 @@ static void the_nearest_of_voxels_triangles_and_streamlines_is_hit(void **state)
     assert_true(hits > all / 10 && hits < all / 2);
 }
 
-/* All layers hold those of the atlas without bundles, and each hit of a bundle begins an interval of it. */
+/* All layers contain those of the atlas without bundles, and each hit of a bundle begins one of its intervals. */
 static void layers_begin_with_the_hits(void **state)
 {
     (void)state;
@@ -240,9 +240,9 @@ static void both_engines_agree(void **state)
     destroy_pair(&atlases);
 }
 
-/* One streamline along y, through (0, 0, 0), of radius 2, and a cylinder of parallel rays of radius 4 along x, from
- * x = -10. The ray at the height z is at 10 - sqrt(4 - z*z), and inside for twice the root. The path of `layers all` is
- * the mean of those. Its slices are as exact. */
+/* One streamline along y, through (0, 0, 0), of radius 2, and a cylinder of parallel rays of radius 4 along x, from x =
+ * -10. The ray at the height z enters at 10 - sqrt(4 - z*z), and is inside for twice the root. The path with `layers
+ * all` is the mean of those. Sampling on slices is as exact. */
 static void a_straight_streamline_has_a_closed_form(void **state)
 {
     (void)state;

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Phantoms through the public interface, against answers worked out on paper.
- *
- * A painted shape holds every voxel whose centre is inside, so with d half a voxel's diagonal it contains the shape
- * shrunk by d and lies in the shape grown by d: what a ray hits is bounded by what it would hit of those two (Eq. 5).
- */
+/* Phantoms through the public interface, against answers worked out on paper. A painted shape holds every voxel whose
+ * centre is inside. So with d half a voxel's diagonal it contains the shape shrunk by d and lies in the shape grown by
+ * d, and the hits of these two are bounds for a ray's hit (Eq. 5). */
 #include "atlas/phantom/phantom.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
@@ -101,7 +99,7 @@ struct ring {
     double radius, tube;
 };
 
-/* By symmetry each ray lies in a half-plane through the axis, in which the ring is one disc: its centre is at an angle
+/* By symmetry each ray lies in a half-plane through the axis, in which the ring is one disc. Its centre is at an angle
  * of `towards` to the axis, `away` from the apex. */
 static double ring_away(const struct ring *ring)
 {
@@ -113,7 +111,7 @@ static double ring_towards(const struct ring *ring)
     return atan2(ring->radius, ring->distance);
 }
 
-/* Distance along a ray at the angle `off` to the axis; INFINITY = passes by. */
+/* Distance along a ray at the angle `off` to the axis; INFINITY = it misses. */
 static double ring_distance(const struct ring *ring, double off)
 {
     double away = ring_away(ring);
@@ -138,10 +136,10 @@ static struct ring ring_grown(struct ring ring, double by)
     return ring;
 }
 
-/* Pixels decide by their centres, so the area counted wrongly lies within half a pixel's diagonal of a border: of the
- * object's borders and, for the whole that it is divided by, of the cone's. A circle of rho pixels has a band of
- * pi (sqrt(2) rho + 1/2) square pixels on either side; the cone has pi n^2 / 4. The heaviest pixel of Eq. 4 weighs
- * tan^2(angle/2) / (2 (1 - cos(angle/2))) times the mean. Shrinks with 1/n. */
+/* Pixels are decided by their centres, so the area that is counted wrongly lies within half a pixel's diagonal of a
+ * border: of the object's borders and, for the whole by which it is divided, of the cone's. A circle of rho pixels has
+ * a band of pi (sqrt(2) rho + 1/2) square pixels on either side; the cone has pi n^2 / 4. The heaviest pixel of Eq. 4
+ * weighs tan^2(angle/2) / (2 (1 - cos(angle/2))) times the mean. The bound shrinks with 1/n. */
 static double pixel_bound(const struct ring *ring, double share, double angle, uint32_t n)
 {
     double slope = tan(angle / 2);
@@ -306,7 +304,7 @@ static void a_bounding_box_selects_nothing(void **state)
     }
 }
 
-/* From the middle of its circle a tube is seen broadside, at the circle's radius less its own. */
+/* From the middle of its circle a tube is seen from the side, at the circle's radius less its own. */
 static void tubes_are_hit_at_their_wall(void **state)
 {
     (void)state;
@@ -336,7 +334,7 @@ static void random_pose(conus_pose *pose, uint64_t *random)
     assert_ok(conus_pose_toward(pose, origin, target, NULL));
 }
 
-/* Eq. 4: whatever is looked at, from wherever, through however many pixels. */
+/* Eq. 4 for any object, any position and any number of pixels. */
 static void shares_sum_to_one(void **state)
 {
     (void)state;
@@ -386,7 +384,7 @@ static void rigid_matrix(double out[16], uint64_t *random)
     memcpy(out, turn.world_from_device, sizeof turn.world_from_device);
 }
 
-/* Moving brain and device together changes nothing. */
+/* Moving atlas and device together changes nothing. */
 static void rigid_motion_changes_nothing(void **state)
 {
     (void)state;
@@ -443,7 +441,7 @@ static void mirrored_poses_see_mirrored_pictures(void **state)
     }
 }
 
-/* Eq. 12: a wide slab far away, a small ball near the axis but not on it: each score has its own first. */
+/* Eq. 12: a wide slab far away, and a small ball near the axis but not on it. Each score ranks another one first. */
 static void scores_rank_by_what_they_say(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* All layers (Eq. 10) of phantoms against answers worked out on paper: path lengths, entries and exits of every ray,
- * and how fast means over the cone approach their integrals. */
+ * and the rate at which means over the cone approach their integrals. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "selection/cone/cone.h"
@@ -56,7 +56,7 @@ static struct cone cone_along(const double origin[3], const double direction[3],
     return cone;
 }
 
-/* Length inside the object of the ray of `pixel`, and its number of intervals. */
+/* Length of the ray of `pixel` inside the object, and its number of intervals. */
 static double length_in(const conus_selection *selection, uint32_t pixel, uint32_t object, unsigned *interval_count)
 {
     size_t count;
@@ -72,7 +72,7 @@ static double length_in(const conus_selection *selection, uint32_t pixel, uint32
     return length;
 }
 
-/* Of a ray that passes the centre of a ball at the distance `beside`. */
+/* Length of a ray inside a ball whose centre it passes at the distance `beside`. */
 static double chord(double radius, double beside)
 {
     return beside < radius ? 2 * sqrt(radius * radius - beside * beside) : 0;
@@ -101,7 +101,7 @@ static void a_ball_is_as_long_as_its_chords(void **state)
     }
 }
 
-/* Two slabs of 6 mm, 12 mm apart: a ray at the angle off runs for 6 / cos(off) in each, whatever the other hides. */
+/* Two slabs of 6 mm, 12 mm apart: a ray at the angle `off` runs for 6 / cos(off) in each, occluded or not. */
 static void hidden_slabs_are_as_long_as_seen_ones(void **state)
 {
     (void)state;
@@ -150,7 +150,7 @@ static void a_range_leaves_a_part_of_a_slab(void **state)
     close_view(&view);
 }
 
-/* From beside, through the hole: two tubes, each as long as its chord. */
+/* From the side, through the hole: two tubes, each as long as its chord. */
 static void a_torus_is_pierced_twice(void **state)
 {
     (void)state;
@@ -204,8 +204,8 @@ static void mean_paths_converge(void **state)
     assert_true(mean_path_error(4, 128) < 0.022);
 }
 
-/* A ball of 20 mm, 60 mm below, in a cylinder of 17 mm: the rays of the middle enter first and leave last, at 40 and
- * 80 mm; those at the rim, with which the pixels begin and end, from 49.5 to 70.5. */
+/* A ball of 20 mm, 60 mm below, in a cylinder of 17 mm: the rays in the middle enter first and leave last, at 40 and 80
+ * mm; those at the rim, which are the first and the last pixels, from 49.5 to 70.5. */
 static void entry_and_exit_are_the_outermost(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Batches by the gl engine, which looks at a block of cones at once: byte for byte those of the rays engine, whatever
- * is in a block; and with meshes, whose edges are the driver's, those of the gl engine one by one. */
+/* Batches by the gl engine, which traces a block of cones at once: byte for byte those of the rays engine, whatever is
+ * in a block. With meshes, at whose edges drivers differ, they are those of the gl engine one by one. */
 #include "atlas/bundles.h"
 #include "atlas/space.h"
 #include "base/buffer.h"
@@ -18,7 +18,7 @@
 
 enum { POSES = 150 };
 
-/* A selector by the gl engine, or the running test is skipped, saying why. */
+/* A selector of the gl engine, or skips the running test, saying why. */
 static conus_selector *gl_selector(const conus_atlas *atlas, conus_selector_options options)
 {
     conus_selector *selector = NULL;
@@ -33,8 +33,8 @@ static conus_selector *gl_selector(const conus_atlas *atlas, conus_selector_opti
     return selector;
 }
 
-/* Every seventh row is no pose, every eleventh has an angle that no cone has, and angles change from row to row; so do
- * ranges, where there are some: every third row has its own. */
+/* Every seventh row is no pose, every eleventh has an invalid angle, and angles change from row to row. So do ranges,
+ * if there are some: every third row has its own. */
 static const char *write_poses(uint64_t seed, const conus_atlas *atlas, bool cylinders, bool ranges)
 {
     const char *path = test_scratch("poses.tsv");
@@ -121,7 +121,7 @@ static void compare_engines(const conus_atlas *atlas, const conus_selector_optio
     conus_selector_destroy(rays);
 }
 
-/* Areas and pathways on three grids, and what hides them; whatever is asked of the cones. */
+/* Areas and pathways on three grids, some of them hidden, and cones with all options. */
 static void blocks_of_cones_give_the_rows_of_the_rays(void **state)
 {
     (void)state;
@@ -199,7 +199,8 @@ static void blocks_do_not_move_the_edges_of_meshes(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Equal surfaces, of which a pixel notes more than it can hold; and, being many, do not fit the buffer at once. */
+/* Equal surfaces, of which a pixel lists more than it can hold, and so many that they do not fit into the buffer at
+ * once. */
 static void many_cones_are_what_they_are_alone(void **state)
 {
     (void)state;
@@ -238,7 +239,7 @@ static void many_cones_are_what_they_are_alone(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Pixels that are not wanted are nobody's, and the others are as they are among them. */
+/* Pixels that are not wanted have no object, and the wanted ones are the same as among all. */
 static void compare_wanted(uint64_t *random, const conus_atlas *atlas)
 {
     struct gl_pair pair = gl_pair_create(atlas, CONUS_SAMPLING_EXACT);
@@ -294,7 +295,7 @@ static conus_status run_again(void *data)
     return status;
 }
 
-/* Whatever fails, the next run of the same selector answers as if nothing had been. */
+/* After any failure the next run of the same selector gives the usual answers. */
 static void every_failing_allocation_is_clean(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the gl engine sees first in volumes (Eq. 5 to Eq. 7) against what the rays engine sees. */
+/* First hits of volumes (Eq. 5 to Eq. 7) by the gl engine against those by the rays engine. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/selection.h"
@@ -27,8 +27,8 @@ static size_t compare_scenes(uint64_t random, int scenes, conus_sampling samplin
     return hits;
 }
 
-/* Eq. 5, Eq. 6: identical in every pixel, no cell edge excepted: oblique, flipped, anisotropic and sheared grids,
- * several volumes with contacts at equal distances, apices inside, on cell faces and 1e5 mm away. */
+/* Eq. 5, Eq. 6: identical in every pixel, also at cell edges: oblique, flipped, anisotropic and sheared grids, several
+ * volumes with contacts at equal distances, apices inside, on cell faces and 1e5 mm away. */
 static void exact_equals_rays(void **state)
 {
     (void)state;
@@ -42,7 +42,7 @@ static void slices_equal_the_cpus_slices(void **state)
     assert_true(compare_scenes(12, (int)test_trials(100), CONUS_SAMPLING_SLICES) > test_trials(5000));
 }
 
-/* Rays of many pixels and volumes do not fit the ray buffer at once. */
+/* Rays of many pixels and volumes do not fit into the ray buffer at once. */
 static void big_buffers_take_turns(void **state)
 {
     (void)state;
@@ -64,7 +64,8 @@ static struct cone cone_from(double x, double y, double z, double degrees, uint3
     return cone;
 }
 
-/* Every voxel is an area of its own, labels up to 4294967295: objects that fit neither 16 bits nor a float's place. */
+/* Every voxel is another area, with labels up to 4294967295: objects that fit neither 16 bits nor the integers of a
+ * float. */
 static void more_objects_than_16_bits_hold(void **state)
 {
     (void)state;
@@ -111,7 +112,7 @@ static void distances_are_those_of_the_closed_form(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A context volume is scenery. */
+/* A context volume is drawn, but never hit. */
 static void the_context_is_never_hit(void **state)
 {
     (void)state;

@@ -78,7 +78,7 @@ static void intervals_in_cylinders_are_those_of_rays(void **state)
     assert_true(compare_scenes(72, 40, true) > 50000);
 }
 
-/* Eq. 3, Eq. 5, Eq. 7: the visible part of cylinders. */
+/* Eq. 3, Eq. 5, Eq. 7: first hits in cylinders. */
 static void traces_in_cylinders_are_those_of_rays(void **state)
 {
     (void)state;
@@ -137,7 +137,7 @@ static void a_million_intervals_come_in_portions(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A million voxels in millimetres, cones and needles of any size. */
+/* A million voxels in millimetres, cones and cylinders of any size. */
 static void intervals_of_a_real_atlas_are_those_of_rays(void **state)
 {
     (void)state;
@@ -158,7 +158,7 @@ static void intervals_of_a_real_atlas_are_those_of_rays(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Bit for bit, which tells -0 from 0. Both have as many results. */
+/* Compares bit for bit, which tells -0 from 0. Both have as many results. */
 static void assert_same_bits(const conus_selection *got, const conus_selection *wanted)
 {
     size_t count = 0, wanted_count = 0;
@@ -174,7 +174,7 @@ static void assert_same_bits(const conus_selection *got, const conus_selection *
     }
 }
 
-/* With a range the visible part, too, comes from the intervals. */
+/* With a range first hits, too, come from the intervals. */
 static void answers_with_a_range_are_those_of_rays(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the gl engine sees first of meshes (Eq. 9) against what the rays engine sees; edges may differ by the driver's
+/* First hits of meshes (Eq. 9) by the gl engine against those by the rays engine; edges may differ by the driver's
  * rounding. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -211,7 +211,7 @@ static struct mesh one_triangle(double x, double y, double z, double edge)
     return mesh;
 }
 
-/* Identifiers that fit neither 16 bits nor a float that was blended. */
+/* Numbers that fit neither 16 bits nor a float that was blended. */
 static void more_meshes_than_16_bits_hold(void **state)
 {
     (void)state;
@@ -238,7 +238,7 @@ static void more_meshes_than_16_bits_hold(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Eq. 9: of equally near ones the lower number, however many there are. */
+/* Eq. 9: the lowest number of equally near objects wins, however many there are. */
 static void the_lower_of_equals_wins(void **state)
 {
     (void)state;
@@ -261,7 +261,7 @@ static void the_lower_of_equals_wins(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The device among triangles a hundredth of a millimetre before and behind it and as large as a street. */
+/* The device is among large triangles a hundredth of a millimetre before and behind it. */
 static void nothing_before_the_apex_is_clipped(void **state)
 {
     (void)state;

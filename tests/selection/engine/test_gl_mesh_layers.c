@@ -80,7 +80,7 @@ static double length_in(const struct stack *stack, uint32_t object)
     return length;
 }
 
-/* Whether the lengths inside the object are farther apart than a tenth of a pixel there. */
+/* Whether the lengths inside the object differ by more than a tenth of a pixel there. */
 static bool is_other_length(const struct cone *cone, const struct stack *got, const struct stack *wanted,
                             const conus_interval *interval)
 {
@@ -250,7 +250,7 @@ static void one_hundred_poses_of_julich_brain(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A needle among triangles that lie behind it, through it and before it, up to its tip's plane. */
+/* A cylinder among spheres behind it, around its apex and before it: nothing behind the plane of its apex is in it. */
 static void what_lies_behind_a_cylinder_is_not_in_it(void **state)
 {
     (void)state;
@@ -277,7 +277,7 @@ static void what_lies_behind_a_cylinder_is_not_in_it(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Far more triangles over a pixel than the list begins with. */
+/* Far more triangles over a pixel than the list has room for at first. */
 static void a_thousand_layers(void **state)
 {
     (void)state;

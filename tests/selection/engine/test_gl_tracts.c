@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The driver's proposals of streamlines, settled: bit by bit what the rays engine says (Eq. 18), where single precision
- * can tell and where it cannot. */
+/* Candidates of streamlines that the driver finds, decided on the CPU: bit by bit the answers of the rays engine (Eq.
+ * 18), whether or not single precision could decide. */
 #include "atlas/bundles.h"
 #include "base/memory.h"
 #include "gl_pair.h"
@@ -12,8 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Random walks from places within `size` mm of `middle` along each axis; each streamline stands there `copies` times.
- */
+/* Random walks from places within `size` mm of `middle` along each axis; each streamline occurs `copies` times. */
 struct walks {
     const char *name;
     double size, middle, step, radius;
@@ -58,7 +57,7 @@ static void use_halves(struct tractogram *made)
     made->points = NULL;
 }
 
-/* Every third streamline is of the second of two bundles. */
+/* Every third streamline is in the second of two bundles. */
 static conus_atlas *make_atlas(const struct walks *walks, uint64_t *random)
 {
     struct tract_builder builder;
@@ -154,7 +153,7 @@ static void the_driver_proposes_all_that_is_hit(void **state)
     }
 }
 
-/* Those of a block are what they are alone, and pixels that are not wanted are nobody's. Wide ones are among them. */
+/* Answers in a block equal those alone, and pixels that are not wanted have no object. Some cones are wide. */
 static void blocks_of_cones_hit_the_same(void **state)
 {
     (void)state;

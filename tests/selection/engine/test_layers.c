@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All layers (Eq. 10): the container of the intervals, and what the rays engine puts into it. */
+/* All layers (Eq. 10): the container of the intervals, and the rays engine's intervals. */
 #include "mesh_scene.h"
 #include "scene.h"
 #include "selection/selection.h"
@@ -54,7 +54,7 @@ static void many_intervals_of_one_pixel_are_sorted(void **state)
     layers_finish(&layers);
 }
 
-/* One pixel, whose ray is the axis: depth is distance. */
+/* One pixel, whose ray is the axis: depth equals distance. */
 static void a_range_cuts_intervals_and_drops_the_rest(void **state)
 {
     (void)state;
@@ -106,7 +106,7 @@ static void assert_same_evidence(const struct evidence *a, const struct evidence
     assert_memory_equal(a->voxel, b->voxel, pixels * sizeof *a->voxel);
 }
 
-/* Property: what is visible is the first interval of each pixel, to the bit. */
+/* The first hit is the first interval of each pixel, to the bit. */
 static void the_first_interval_is_what_is_visible(void **state)
 {
     (void)state;
@@ -132,13 +132,13 @@ static void the_first_interval_is_what_is_visible(void **state)
     assert_in_range(certain, 20, 60); /* else nothing is shown by layers alone */
 }
 
-/* Property: with a range it is the first one of those that the range has cut. The layers are the oracle, which follows
- * all of them, also behind what blocks. */
+/* With a range the first hit is the first of the intervals that the range has cut. The oracle is the layers, which go
+ * on behind blocking contexts, too. */
 static void in_a_range_the_first_interval_is_visible(void **state)
 {
     (void)state;
     uint64_t random = 47;
-    size_t hits[2] = {0}; /* from the near end on, and behind it */
+    size_t hits[2] = {0}; /* at the near end, and behind it */
     for (int k = 0; k < 80; k++) {
         conus_atlas *atlas = scene_atlas(&random, 12, 1);
         scene_add_blockers(atlas, &random, (size_t[]){9, 9, 9}, 0.05);
@@ -165,7 +165,7 @@ static void in_a_range_the_first_interval_is_visible(void **state)
     assert_true(hits[0] > 100 && hits[1] > 1000);
 }
 
-/* Property: two ranges that meet see what one over both sees. */
+/* Two adjacent ranges together give the answer of one over both. */
 static void ranges_that_meet_add_up(void **state)
 {
     (void)state;
@@ -282,7 +282,7 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(attempt.atlas);
 }
 
-/* Areas all over the grid, another one in each cell. */
+/* Fills the grid with areas, another one in each cell. */
 static void fill_grid(conus_atlas *atlas)
 {
     struct volume *volume = &atlas->volumes[0];
@@ -292,7 +292,7 @@ static void fill_grid(conus_atlas *atlas)
     }
 }
 
-/* Property: a range of all depths changes nothing, to the bit, also from corners and faces of cells. */
+/* A range of all depths changes nothing, to the bit, also from corners and faces of cells. */
 static void a_range_of_everything_changes_nothing(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All layers of surfaces whose answers are known in closed form (Eq. 10). */
+/* All layers of surfaces with answers in closed form (Eq. 10). */
 #include "base/geometry/math3.h"
 #include "conus/selection.h"
 #include "mesh_scene.h"
@@ -45,7 +45,7 @@ static conus_result measure(const conus_atlas *atlas, const conus_selector_optio
     return row;
 }
 
-/* The only interval of a selection of one pixel, or one of several. */
+/* The only interval of a selection of one pixel, or number `index` of `count`. */
 static conus_interval interval_of(const conus_selection *selection, size_t index, size_t count)
 {
     size_t got;
@@ -208,7 +208,7 @@ static void the_volume_of_a_torus(void **state)
         options.resolution = 160;
         options.aperture = i == 3 ? CONUS_APERTURE_SQUARE : CONUS_APERTURE_CIRCLE;
         conus_result row = measure(atlas, &options, &cone);
-        double part = i == 3 ? 100.0 / 360 : 1; /* from its middle: a wedge between the sides of the square */
+        double part = i == 3 ? 100.0 / 360 : 1; /* seen from the middle: a wedge between the sides of the square */
         assert_near(row.volume, part * volume, 2e-3 * volume);
         assert_near(row.fraction, part, 2e-3);
     }
@@ -285,7 +285,7 @@ static void neighbours_share_a_face(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A box seen along its axes: edges and corners lie on rays exactly. */
+/* A box seen along its axes: edges and corners lie exactly on rays. */
 static void rays_at_edges_and_corners_count_once(void **state)
 {
     (void)state;
@@ -324,7 +324,7 @@ static void an_apex_inside_nested_objects(void **state)
     assert_true(row_of(selection, 1).distance > 5); /* Eq. 9: its inner face */
     conus_selection_destroy(selection);
 
-    conus_selector_options options = all_layers; /* with a range it is a solid, met where the range begins */
+    conus_selector_options options = all_layers; /* with a range it is a solid, hit where the range begins */
     options.range[0] = 2;
     options.range[1] = 100;
     cone = mesh_scene_cone((double[]){1, 2, 3}, (double[]){40, 20, 30}, 20, 16);
@@ -334,7 +334,7 @@ static void an_apex_inside_nested_objects(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The upper half of a sphere: from below and above a ray has no partner for its crossing, from the side it has. */
+/* The upper half of a sphere: from below and above a ray crosses it once, without an exit; from the side twice. */
 static void an_open_hemisphere(void **state)
 {
     (void)state;

@@ -20,7 +20,7 @@ static void assert_same_pixel(const struct evidence *got, const struct evidence 
     }
 }
 
-/* Returns how many pixels hit something. */
+/* Returns the number of pixels that hit something. */
 static size_t compare_with_oracle(struct engine *engine, const conus_atlas *atlas, const struct cone *cone)
 {
     struct evidence got, wanted;
@@ -100,7 +100,7 @@ static void every_ray_equals_the_plain_traversal(void **state)
     assert_true(poses.hits > 200000);
 }
 
-/* Eq. 5 without any traversal: the occupied cell that the ray enters first, by the slab method over all of them. */
+/* Eq. 5 without a traversal: the occupied cell that the ray enters first, by the slab method over all cells. */
 static double nearest_entry(const struct volume *volume, const double origin[3], const double direction[3])
 {
     double nearest = INFINITY;
@@ -222,7 +222,7 @@ static void moving_everything_changes_nothing(void **state)
     }
 }
 
-/* Origins beyond TRAVERSE_FAR, where lanes may not guess, and a volume that holds nothing. */
+/* Origins beyond TRAVERSE_FAR, where lanes may not estimate their start, and an empty volume. */
 static void extreme_views_equal_the_plain_traversal(void **state)
 {
     (void)state;
@@ -257,8 +257,8 @@ static void sprinkle(struct volume *volume, uint64_t *random)
     }
 }
 
-/* Along an axis of the grid, almost, from a place between two layers of cells, almost: the least of tilts and offsets
- * decides which cells are hit. */
+/* A pose almost along an axis of the grid, from a place almost between two layers of cells: tiny tilts and offsets
+ * decide which cells are hit. */
 static conus_pose shallow_pose(uint64_t *random, const struct volume *volume)
 {
     int along = (int)test_random(random, 0, 3);
@@ -307,7 +307,7 @@ static void shallow_rays_equal_the_plain_traversal(void **state)
     assert_true(poses.hits > 100000);
 }
 
-/* Eq. 7 from its words: on each plane of the volume's depth range in front of the device, in turn. */
+/* Eq. 7 literally: tries each plane of the volume's depth range in front of the device, in turn. */
 static uint32_t first_on_slices(const struct volume *volume, const struct cone *cone, uint32_t pixel, uint32_t count)
 {
     const double *device = cone->pose.world_from_device;

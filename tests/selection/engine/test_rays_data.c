@@ -7,7 +7,7 @@
 
 enum { POSES = 250 };
 
-/* From 250 mm away to within the head, aiming near its middle; 1 to 90 degrees; 1 to 40 pixels. */
+/* A cone from inside the head or up to 250 mm away, aimed near its middle; 1 to 90 degrees; 1 to 40 pixels. */
 static struct cone random_cone(uint64_t *random, const conus_atlas *atlas)
 {
     const conus_volume_info *info = &atlas->volumes[0].info;

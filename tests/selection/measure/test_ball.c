@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What is within a ball: distances to cells and surfaces against other ways to find them, volumes by Eq. 10. */
+/* Balls: distances to cells and surfaces against other ways of finding them, volumes by Eq. 10. */
 #include "atlas/surface/mesh_near.h"
 #include "base/geometry/math3.h"
 #include "conus/image.h"
@@ -41,7 +41,7 @@ static bool holds(const struct volume *volume, const double voxel[3], const doub
     return fabs(at[0] - voxel[0]) <= 0.5 && fabs(at[1] - voxel[1]) <= 0.5 && fabs(at[2] - voxel[2]) <= 0.5;
 }
 
-/* Least distance from the point to a cell of each object, every voxel taken for a polyhedron. */
+/* Least distance from the point to a cell of each object, with every voxel as a polyhedron. */
 static void measure(double *distances, const struct volume *volume, const double point[3])
 {
     const size_t *dim = volume->info.dim;
@@ -71,7 +71,7 @@ static void check_row(const conus_result *result, double distance, const double 
     assert_int_equal(result->pixels, 0);
 }
 
-/* Gives the number of objects that are near, but not around the centre. */
+/* Returns the number of objects that are near, but not around the centre. */
 static size_t check_ball(const conus_selection *selection, const conus_atlas *atlas)
 {
     const struct region *ball = &selection->region;
@@ -92,7 +92,7 @@ static size_t check_ball(const conus_selection *selection, const conus_atlas *at
         beside += result->distance > 0;
     }
     for (size_t object = 1; object <= atlas->object_count; object++) {
-        assert_true(distances[object] > ball->radius - 2e-5); /* what is within has a row */
+        assert_true(distances[object] > ball->radius - 2e-5); /* every object within the radius has a row */
     }
     return beside;
 }
@@ -185,7 +185,7 @@ static void cells_and_surfaces_are_as_near(void **state)
 {
     const struct fixture *fixture = *state;
     for (int mesh = 0; mesh < 2; mesh++) {
-        double right = mesh ? 40 : 0; /* where the voxels' cube is, and the same as a mesh */
+        double right = mesh ? 40 : 0; /* x of the voxels' cube, and of the same cube as a mesh */
         assert_nearest(fixture, right + 7, 8, 9, (double[]){right + 7, 8, 9, 0});
         assert_nearest(fixture, right + 15.5, 8, 9, (double[]){right + 12.5, 8, 9, 3});
         assert_nearest(fixture, right + 15.5, 16.5, 9, (double[]){right + 12.5, 12.5, 9, 5});
@@ -257,7 +257,7 @@ static void without_a_radius_a_ball_reaches_the_nearest(void **state)
         double found[3] = {NAN, NAN, NAN};
         for (size_t k = 0; k < conus_selection_count(selection); k++) {
             const conus_result *result = conus_selection_result(selection, k);
-            found[result->object] = result->distance; /* 0 is what is in no object */
+            found[result->object] = result->distance; /* 0 stands for voxels in no object */
         }
         assert_near(conus_selection_ball(selection), cases[i].radius, 0);
         for (size_t k = 0; k < 2; k++) {

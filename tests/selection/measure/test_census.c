@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The census of Eq. 10: the fast walk finds the voxels of the predicate, each once and in order. */
+/* The census of Eq. 10: the fast walk finds exactly the voxels of the predicate, each once and in order. */
 #include "atlas/space.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -11,11 +11,11 @@
 
 #include <string.h>
 
-/* What a walk has to call, in order. */
+/* State of a walk, which must report exactly the voxels in the region, in order. */
 struct expected {
     const struct region *region;
     const struct volume *volume;
-    size_t next; /* linear index of the first voxel that was not told about yet */
+    size_t next; /* linear index of the first voxel that was not reported yet */
     size_t found;
 };
 
@@ -53,7 +53,7 @@ static size_t check_walk(const struct region *region, const struct volume *volum
     return expected.found;
 }
 
-/* A region with the cone's place; its borders are often at whole and half millimetres. */
+/* A region in the place of the cone; its borders are often at whole and half millimetres. */
 static struct region random_region(uint64_t *state, const struct cone *cone)
 {
     struct region region;
@@ -102,7 +102,7 @@ static void test_walk_is_predicate(void **unused)
     assert_true(found > 1000000);
 }
 
-/* Doubles are added, multiplied and divided alike by every instruction set, so the cuts have the same bits. */
+/* Doubles are added, multiplied and divided alike by every instruction set, so the borders have the same bits. */
 static void check_kernels(const struct region *region, const struct volume *volume, size_t k)
 {
     struct region_rows rows;
@@ -155,7 +155,8 @@ static void add_voxel(struct sums *sum, const double point[3], double value, dou
     vec3_add_scaled(sum->moment, sum->moment, weight, point);
 }
 
-/* One voxel after the other, nothing left out: [object_count + 1], [0] the background of the parcellation. */
+/* Adds up one voxel after the other, without leaving any out: [object_count + 1], [0] is the background of the
+ * parcellation. */
 static void sum_up(struct sums *sums, const conus_atlas *atlas, const struct region *region)
 {
     for (size_t v = 0; v < atlas->volume_count; v++) {
@@ -255,8 +256,8 @@ static void test_results_are_sums_over_voxels(void **unused)
     }
 }
 
-/* Blocks of voxels, with the corner's voxel of some rows in an object of its own; every second volume is so fine that
- * runs would take more than labels. */
+/* Blocks of voxels, where in some rows the corner's voxel is another object. Every second volume is so fine that runs
+ * would take more memory than labels. */
 static conus_atlas *blocks(uint64_t *state, bool fine)
 {
     size_t dim[3];
@@ -287,7 +288,7 @@ static conus_status find_runs_and_finish(void *data)
     return status;
 }
 
-/* Rows of one voxel after the other: the first of each run. */
+/* Counts the runs of rows along an axis, one voxel after the other. */
 static size_t runs_along(const struct volume *volume, int axis)
 {
     const size_t *dim = volume->info.dim;
@@ -337,7 +338,7 @@ static void test_runs_are_labels(void **unused)
     }
 }
 
-/* One census that has counted enough to find the runs, and one of which it is the first region: that has none. */
+/* A census that has counted enough to find the runs gives the same as a new one, which has none. */
 static void test_runs_count_alike(void **unused)
 {
     (void)unused;
@@ -374,7 +375,7 @@ static void test_runs_count_alike(void **unused)
 
 enum { MANY = 72783, MANY_EDGE = 42 };
 
-/* As many areas as an atlas of cells may have, a voxel each. */
+/* As many areas as an atlas of voxels may have, a voxel each. */
 static conus_atlas *many_areas(void)
 {
     const conus_volume_info grid = scene_plain_grid((size_t[]){MANY_EDGE, MANY_EDGE, MANY_EDGE}, NULL);

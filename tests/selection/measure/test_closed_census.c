@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Volumes in a cone (Eq. 10) against closed forms: how fast the census of shapes painted in voxels converges. */
+/* Volumes in a cone (Eq. 10) against closed forms: the rate at which the census of shapes painted in voxels
+ * converges. */
 #include "atlas/atlas.h"
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
@@ -10,7 +11,7 @@
 
 enum { SIZES = 4, GRIDS = 16 };
 
-/* The question asked of a phantom, and the volume that answers it, in mm^3. */
+/* A cone or cylinder in a phantom, and the volume, mm^3, in closed form. */
 struct question {
     const char *phantom, *what;
     uint32_t label;
@@ -89,8 +90,8 @@ static double counted(const struct question *question, const conus_atlas *atlas)
     return volume;
 }
 
-/* The same by the book: every voxel of the label whose centre lies in the cone or cylinder and in the range of depths,
- * asked one by one. */
+/* The same by definition: every voxel of the label whose centre lies in the cone or cylinder and in the range, tested
+ * one by one. */
 static double counted_one_by_one(const struct question *question, const conus_atlas *atlas)
 {
     const struct volume *volume = &atlas->volumes[0];
@@ -120,7 +121,7 @@ static double counted_one_by_one(const struct question *question, const conus_at
     return count * fabs(vec3_dot(side, m + 8)); /* a voxel's volume */
 }
 
-/* Over grids turned this way and that, so that no voxel's centre happens to be on a border. */
+/* The mean over grids turned in several ways, so that no voxel's centre happens to be on a border. */
 static double relative_error(const struct question *question, double spacing)
 {
     uint64_t random = 11;

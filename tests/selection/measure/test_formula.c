@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Formulas of scores (Eq. 12): what they mean, and every way of getting one wrong. */
+/* Formulas of scores (Eq. 12): their values, and every kind of mistake in one. */
 #include "selection/measure/formula.h"
 #include "test.h"
 

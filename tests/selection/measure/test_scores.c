@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The table of scores (Eq. 12): each by its definition, in its range and units, and formulas of them. */
+/* The table of scores (Eq. 12): each score by its definition, in its range and units, and formulas of scores. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "scene.h"
@@ -42,8 +42,8 @@ static void with_k_1_it_is_0_on_the_surface_of_the_cone(void **state)
     }
 }
 
-/* In the de Haan's formula with all lengths in metres, and k a real number: 4 / 5 is 0 to a C compiler, and then the
- * distance would not matter. */
+/* The constants of de Haan's formula have all lengths in metres, and k is a real number: 4 / 5 is 0 to a C compiler,
+ * and then the distance would not matter. */
 static void k_is_four_fifths_and_the_unit_the_metre(void **state)
 {
     (void)state;
@@ -184,8 +184,8 @@ static void the_smallest_wins_unless_it_touches_the_rim(void **state)
     close_view(&view);
 }
 
-/* 16 x 16 voxels, each under one pixel of a cone of 90 degrees that is 8 mm above them. Of the four voxels in the
- * middle of the sides each has a label of its own, 1 to 4, and all touch the rim, whichever side it is. */
+/* 16 x 16 voxels, each under one pixel of a cone of 90 degrees that is 8 mm above them. The four voxels in the middle
+ * of the sides have labels 1 to 4, and all of them touch the rim, whichever side it is. */
 static void every_side_of_the_rim_counts(void **state)
 {
     (void)state;
@@ -247,7 +247,7 @@ static void formulas_weigh_scores(void **state)
     close_view(&view);
 }
 
-/* What has no score comes last, in the order of ties. */
+/* Objects without a score come last, in the order of ties. */
 static void what_has_no_value_ranks_last(void **state)
 {
     (void)state;
@@ -292,7 +292,7 @@ static void needs_are_known_and_checked(void **state)
     close_view(&view);
 }
 
-/* Every entry ranks, by itself and in a formula; those with a history not without one. */
+/* Every score that needs no history gives a finite number, and all have a description. */
 static void the_whole_table_works(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Volumes of closed surfaces in a region (Eq. 10) against closed forms, and against what volumes must add up to. */
+/* Volumes of closed surfaces in a region (Eq. 10) against closed forms, and against sums that they must give. */
 #include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "selection/measure/solids.h"
@@ -18,7 +18,7 @@ static struct region make_region(double degrees, double radius, bool square)
     return region;
 }
 
-/* The mesh is taken over. */
+/* Volume of a mesh, which is taken over, in a region. */
 static double volume_in(struct mesh *mesh, const struct region *region)
 {
     struct solids solids = {0};
@@ -94,7 +94,7 @@ static void a_cylinder_in_a_cube(void **state)
     assert_near(box_in((double[]){2, -5, -5}, cube[1], &region), segment * 5, 1e-9);
 }
 
-/* A plane at the angle b to the axis' normal, at the distance d: pi t^2 d^3 / (3 (cos^2 b - t^2 sin^2 b)^(3/2)), the
+/* A plane at the angle b to the axis's normal, at the distance d: pi t^2 d^3 / (3 (cos^2 b - t^2 sin^2 b)^(3/2)), the
  * cone below an ellipse; t = tan(angle / 2). Here the cone is turned, and the plane is the face of a large box. */
 static void an_oblique_plane(void **state)
 {
@@ -139,8 +139,8 @@ static void a_ball_and_a_cube(void **state)
     assert_near(box_in(cube[0], cube[1], &ball), 1000, 1e-9);
 }
 
-/* A tetrahedron from the apex, three corners in the cone: |det| / 6. A sphere in it: all of the mesh, to the last bit.
- */
+/* A tetrahedron from the apex and three corners in the cone: |det| / 6. A sphere in it: all of the mesh, to the last
+ * bit. */
 static void what_is_wholly_inside(void **state)
 {
     (void)state;
@@ -220,7 +220,7 @@ static void slabs_add_up(void **state)
     assert_true(cut > (int)test_trials(400) / 4);
 }
 
-/* What a triangle adds is what its four parts add, which pass the region's side, its range and its axis elsewhere. */
+/* A triangle adds as much as its four parts do, which cross the region's side, range and axis at other places. */
 static void parts_of_a_triangle_add_up(void **state)
 {
     (void)state;
@@ -297,7 +297,8 @@ static void six_pyramids_fill_space(void **state)
     }
 }
 
-/* Three rays that pass a ball of 4 mm do not make its volume larger than it is, and one that none passes is found. */
+/* Three rays that pass a ball of 4 mm do not make its volume larger than it is, and a ball between the rays is
+ * found. */
 static void answers_have_it(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Streamlines in regions (Eq. 19): by the tree against every segment one by one, to the bit; what bundles get of them
- * in closed form; groups, hiding, ways; every failing allocation. */
+/* Streamlines in regions (Eq. 19): by the tree against every segment one by one, to the bit; the measures of bundles in
+ * closed form; groups, hiding, directions; every failing allocation. */
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -11,7 +11,8 @@
 
 #include <string.h>
 
-/* Walks of 1 mm that turn a little at each step, of 1 to 150 points; some of none, and some that stand still. */
+/* Walks with steps of 1 mm that turn a little at each, of 1 to 150 points; some of no point, and some that do not
+ * move. */
 static void build_walks(struct tract_builder *builder, uint64_t *seed, size_t count)
 {
     tract_begin(builder);
@@ -65,7 +66,7 @@ static bool is_member(const conus_atlas *atlas, uint32_t number, uint32_t k)
     return found;
 }
 
-/* What one segment adds, in the units of parts, and its point nearest to the origin. */
+/* Adds one segment, in the units of parts, and finds its point nearest to the origin. */
 static bool add_segment(struct tract_part *sum, const struct region *region, const struct tractogram *tractogram,
                         uint64_t point, uint64_t next)
 {
@@ -154,7 +155,8 @@ static void check_list(const conus_atlas *atlas, uint32_t number, const struct r
     memory_free(list);
 }
 
-/* Every region by one census, which so has to forget; one bundle of two is hidden from the half on. */
+/* Tries every region with one census, which has to forget the last one; one bundle of two is hidden in the second
+ * half. */
 static void check_regions(const conus_atlas *atlas, uint64_t *seed, int regions, size_t found[2])
 {
     struct tract_census census = {0};
@@ -198,7 +200,7 @@ static void test_tree_and_no_tree(void **state)
     assert_true(found[1] > 300 && found[0] > 100);
 }
 
-/* Of a selection with all layers; object 0 where there is none. */
+/* Result of an object in a selection with all layers; object 0 where there is none. */
 static conus_result result_of(const conus_selection *selection, uint32_t number)
 {
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
@@ -247,8 +249,9 @@ static void test_lines_in_a_cone(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* From before the second line, where x = 20: 50 mm along it as the file has it, of 100, and turned, for the longest
- * runs along x, 0.5; from x = 0 0.7 and 0.3. A cylinder of 2 mm, and a range that ends before the line. */
+/* A cylinder of 2 mm holds 4 mm of the second line at x = 0. The line runs from x = 70 to -30, against the longest
+ * streamline, which defines the direction (Eq. 20): it is met after 70 of its 100 mm, so at 0.3. A range that ends
+ * before the line holds nothing. */
 static void test_ways(void **state)
 {
     (void)state;
@@ -287,8 +290,8 @@ static conus_atlas *atlas_of_lines(const double lines[][2][3], size_t count)
     return atlas;
 }
 
-/* Two streamlines of 100 mm that run against each other: the first one decides which way is along (Eq. 20). A device at
- * x = 20 meets it after 70 of its 100 mm; the second one, met after 30 mm, is turned, so 0.7 as well. */
+/* Two streamlines of 100 mm in opposite directions: the first one defines the direction (Eq. 20). A device at x = 20
+ * meets it after 70 of its 100 mm; the second one, met after 30 mm, is turned, so at 0.7 as well. */
 static void test_first_of_equally_long_ones_leads(void **state)
 {
     (void)state;
@@ -306,8 +309,8 @@ static void test_first_of_equally_long_ones_leads(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Beside a line that leaves the ball of 5 mm, streamlines of one point just within it and just without, where the
- * tree's rounded boxes do not decide: sqrt(3^2 + 3.999^2) = 4.9992, sqrt(3^2 + 4.001^2) = 5.0008. 2 of 3 streamlines, 5
+/* Beside a line that leaves the ball of 5 mm there are streamlines of one point just inside and just outside, where the
+ * tree's rounded boxes cannot decide: sqrt(3^2 + 3.999^2) = 4.9992, sqrt(3^2 + 4.001^2) = 5.0008. 2 of 3 streamlines, 5
  * mm. */
 static void test_points_beside_a_line(void **state)
 {
@@ -326,7 +329,7 @@ static void test_points_beside_a_line(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A streamline without length has no part of it before the nearest point. */
+/* A streamline of length 0 has no place along it: `along` is NaN. */
 static void test_along_a_point(void **state)
 {
     (void)state;
@@ -369,7 +372,7 @@ static void test_lines_in_a_ball(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* As if it had never been loaded. */
+/* A hidden bundle is as if it had never been loaded. */
 static void test_hidden_bundles(void **state)
 {
     (void)state;

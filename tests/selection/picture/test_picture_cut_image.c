@@ -27,7 +27,7 @@ static conus_atlas *load(void)
 
 static const conus_cut_view plain = {.mm_per_pixel = 0.5, .width = WIDTH, .height = HEIGHT, .fill = 1};
 
-/* sRGB of a pixel; what is not opaque is no pixel of a cut. */
+/* sRGB of a pixel; fails unless it is opaque, as all pixels of a cut are. */
 static void pixel_of(uint8_t rgb[3], const conus_image *image, size_t column, size_t row)
 {
     static const char *const channels[] = {"R", "G", "B"};
@@ -37,7 +37,7 @@ static void pixel_of(uint8_t rgb[3], const conus_image *image, size_t column, si
     }
 }
 
-/* How many pixels in a box differ from the plain cut's. */
+/* Number of pixels in a box that differ from the plain cut's. */
 static size_t count_changed(const conus_image *image, const uint8_t *rgba, size_t left, size_t top, size_t side)
 {
     size_t changed = 0;
@@ -104,7 +104,8 @@ static void letters_stand_where_the_axes_are(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* At most 0.14 of 400 pixels of 0.5 mm, 28 mm, is the bar: 20 mm, 40 pixels, and up to two of its round ends. */
+/* The bar is at most 0.14 of 400 pixels of 0.5 mm, 28 mm: so it is 20 mm, 40 pixels, and up to two of its round
+ * ends. */
 static void the_bar_is_as_long_as_it_says(void **state)
 {
     conus_atlas *atlas = load();
@@ -122,7 +123,7 @@ static void the_bar_is_as_long_as_it_says(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Pixels of the row through the middle that are not as the sheet or black, of the first @p width. */
+/* Number of pixels of the middle row, of the first @p width, that are neither paper nor black. */
 static size_t width_of_ball(const conus_image *image, size_t width)
 {
     size_t count = 0;
@@ -134,7 +135,7 @@ static size_t width_of_ball(const conus_image *image, size_t width)
     return count;
 }
 
-/* With the legend below, of an area and a pathway of these names, both of which the cone hits. */
+/* A sheet with the legend below, of an area and a pathway with these names, both of which the cone hits. */
 static conus_image *sheet_of(const char *area, const char *pathway)
 {
     static const uint32_t labels[8] = {1, 1, 1, 1, 1, 1, 1, 1};
@@ -149,7 +150,7 @@ static conus_image *sheet_of(const char *area, const char *pathway)
     assert_ok(conus_pose_along(&pose, (double[]){0, 0, 9}, (double[]){0, 0, -1}, NULL));
     assert_ok(conus_selector_create(&selector, atlas, &(conus_selector_options){.layers = CONUS_LAYERS_ALL}));
     assert_ok(conus_select(&selection, selector, &pose, 0.01));
-    assert_int_equal(conus_selection_count(selection), 3); /* and what hits nothing */
+    assert_int_equal(conus_selection_count(selection), 3); /* with `unassigned` */
     const conus_cut_view view = {.mm_per_pixel = 0.5, .width = WIDTH, .height = HEIGHT, .selection = selection};
     assert_ok(conus_cut_image(&image, atlas, &view, &(conus_view){.legend = CONUS_LEGEND_BELOW}));
     conus_selection_destroy(selection);
@@ -158,7 +159,7 @@ static conus_image *sheet_of(const char *area, const char *pathway)
     return image;
 }
 
-/* As the label says it in tables. */
+/* The legend tells an area from a pathway of the same name as tables do. */
 static void a_legend_tells_namesakes_apart(void **state)
 {
     conus_image *alike = sheet_of("Ball", "Ball");
@@ -214,7 +215,7 @@ static void a_legend_has_its_place(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The shape that comes first of a text, or of a line of that width; NULL = none. */
+/* The first shape that is a text, or a line of that width; NULL = none. */
 static const struct image_shape *find_shape(const conus_image *image, enum shape_kind kind, const char *text,
                                             double width)
 {
@@ -227,7 +228,7 @@ static const struct image_shape *find_shape(const conus_image *image, enum shape
     return NULL;
 }
 
-/* 3, 4 and 12 mm apart are 13; half a mm is a pixel, and what is 12 mm behind the cut is where it is seen. */
+/* 3, 4 and 12 mm apart are 13 mm. Half a mm is a pixel, and an end 12 mm behind the cut is drawn where it is seen. */
 static void a_measured_distance_is_drawn(void **state)
 {
     static const double places[2][6] = {{-10, 5, 0, -7, 9, 12}, {-10, 5, 0, -7, 90, 12}};

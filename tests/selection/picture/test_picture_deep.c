@@ -38,7 +38,7 @@ static void finish(struct fixture *fixture)
     conus_atlas_destroy(fixture->atlas);
 }
 
-/* From outside, at a random atlas with a pathway, so that many pixels have several intervals and some none. */
+/* A device outside of a random atlas with a pathway, so that many pixels have several intervals and some none. */
 static struct fixture make_fixture(uint32_t resolution, uint64_t seed)
 {
     conus_atlas *atlas = scene_atlas(&seed, 20, 1);
@@ -63,7 +63,7 @@ static struct exr_deep *write_and_read(const conus_selection *selection)
     return deep;
 }
 
-/* Depth along the axis of what is at `distance` along the ray of pixel (x, y), from the top left (Eq. 3). */
+/* Depth along the axis of the place at `distance` along the ray of pixel (x, y), counted from the top left (Eq. 3). */
 static double depth(const struct fixture *fixture, uint32_t n, uint32_t x, uint32_t y, double distance)
 {
     double u = (2.0 * x + 1) / n - 1;
@@ -87,7 +87,7 @@ static void check_sample(const struct exr_deep *deep, const struct fixture *fixt
     assert_true(exr_deep_float(deep, "A", x, y, s) == 1);
 }
 
-/* All intervals, each once, in the pixel that it is of; gives how many pixels are empty. */
+/* Checks that all intervals are there, each once, in its own pixel; returns the number of empty pixels. */
 static uint32_t check_samples(const struct exr_deep *deep, const struct fixture *fixture)
 {
     size_t count = 0;
@@ -112,7 +112,7 @@ static uint32_t check_samples(const struct exr_deep *deep, const struct fixture 
     return empty;
 }
 
-/* Objects that have samples; each has its name in the manifest, under its number and under its label. */
+/* Number of objects that have samples; each has its name in the manifest, under its number and under its label. */
 static size_t check_names(const struct exr_deep *deep, const struct fixture *fixture)
 {
     size_t interval_count = 0;
@@ -194,7 +194,8 @@ static void header_says_where_it_comes_from(void **state)
     finish(&fixture);
 }
 
-/* Rays of a cylinder are parallel to the axis: a depth is a distance; and what the range cuts begins and ends there. */
+/* Rays of a cylinder are parallel to the axis: a depth is a distance. Intervals that the range cuts begin and end at
+ * it. */
 static void a_cylinder_with_a_range(void **state)
 {
     (void)state;
@@ -219,7 +220,7 @@ static void a_cylinder_with_a_range(void **state)
     finish(&fixture);
 }
 
-/* Names as files have them, and one label for two objects. */
+/* Names with characters as files have them, and one label for two objects. */
 static void any_name_is_kept(void **state)
 {
     (void)state;
@@ -245,7 +246,7 @@ static void any_name_is_kept(void **state)
     finish(&fixture);
 }
 
-/* A plate of 270 x 270 voxels, each an area of its own: as many as the largest atlas has. */
+/* A plate of 270 x 270 voxels, each another area: as many as the largest atlas has. */
 static conus_atlas *plate(void)
 {
     enum { SIDE = 270, AREAS = 72783 };

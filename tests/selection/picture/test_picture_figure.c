@@ -51,7 +51,7 @@ static int make_scene(void **state)
     return 0;
 }
 
-/* With its renderer; skips the test where there is no GL. */
+/* The scene with its renderer; skips the test if there is no GL. */
 static struct scene need_scene(void **state)
 {
     struct scene *scene = *state;
@@ -91,7 +91,8 @@ static void need_font(void)
     }
 }
 
-/* CCF numbers that are 1000 (10 - z), 1000 (4 - y), 1000 (5 + x) of a world point; bregma's the mm from there. */
+/* CCF numbers of a world point are 1000 (10 - z), 1000 (4 - y), 1000 (5 + x); those from bregma are the mm from
+ * there. */
 static void the_legend_is_in_the_space_asked_for(void **state)
 {
     (void)state;
@@ -123,7 +124,7 @@ static void the_legend_is_in_the_space_asked_for(void **state)
     assert_string_equal(words, "radius 2.5 mm from AP 2.5, ML 0.75, DV 9.5 mm from bregma");
 }
 
-/* Which object's colour a pixel has, whatever the light; 0 where it is transparent. */
+/* The object whose colour a pixel has, however bright; 0 if it is transparent. */
 static uint32_t object_at(const struct scene *scene, const conus_image *image, uint32_t x, uint32_t y)
 {
     const struct image_rgba planes = image_rgba(image);
@@ -163,7 +164,7 @@ static uint32_t first_from(const struct scene *scene, const conus_image *image, 
     return object;
 }
 
-/* What a person sees who stands on that side, superior up; from above and below, anterior up. */
+/* The view of a person who stands on that side, with superior up; from above and below, with anterior up. */
 static void each_side_shows_what_is_there(void **state)
 {
     static const struct {
@@ -186,7 +187,7 @@ static void each_side_shows_what_is_there(void **state)
     }
 }
 
-/* Of white paper. */
+/* Darkness of a pixel on white paper. */
 static double ink_at(const conus_image *image, uint32_t x, uint32_t y)
 {
     return 1 - (double)conus_image_floats(image, "R")[(size_t)y * image->width + x];
@@ -196,7 +197,7 @@ struct box {
     uint32_t left, top, right, bottom; /* the last two are one past the end */
 };
 
-/* The box around the ink. */
+/* The smallest box around the ink in `in`. */
 static struct box shrink(const conus_image *image, struct box in)
 {
     struct box box = {in.right, in.bottom, in.left, in.top};
@@ -224,8 +225,8 @@ static double ink_in(const conus_image *image, struct box box)
     return sum;
 }
 
-/* The ink in the upper right quarter of the letter at the left or right edge: an L has none there, R, A and P have. The
- * whole letter's is in *all. */
+/* The part of the ink in the upper right quarter of the letter at the left or right edge: an L has none there; R, A and
+ * P have. *all becomes the whole letter's ink. */
 static double quarter_ink(double *all, const conus_image *image, bool at_right)
 {
     uint32_t tenth = image->width / 10;
@@ -272,7 +273,7 @@ static void letters_tell_left_from_right(void **state)
     conus_image_destroy(oblique);
 }
 
-/* What is drawn on nothing, laid over a colour, is what is drawn on that colour. */
+/* A picture on a transparent background, laid over a colour, equals the picture on that colour. */
 static void backgrounds_lie_behind(void **state)
 {
     struct scene scene = need_scene(state);
@@ -335,7 +336,7 @@ static void a_legend_outside_leaves_the_drawing_alone(void **state)
     conus_image_destroy(right);
 }
 
-/* The height of the sheet with the legend below, of what the device hits of the atlas. */
+/* Height of the sheet with the legend of the selection below. */
 static uint32_t height_with_legend(const struct scene *scene, conus_layers layers)
 {
     const conus_selector_options options = {.layers = layers};
@@ -355,8 +356,8 @@ static uint32_t height_with_legend(const struct scene *scene, conus_layers layer
     return height;
 }
 
-/* From 60 mm to the left the left ball (centre at 40 mm, radius 8: 11.5 degrees to its rim) hides the right one (80 mm,
- * 5.7 degrees) and nothing else: with all layers there is one row more. */
+/* Seen from 60 mm to the left, the left ball (centre at 40 mm, radius 8: 11.5 degrees to its rim) hides the right one
+ * (80 mm, 5.7 degrees) and nothing else: with all layers there is one row more. */
 static void what_is_behind_others_has_a_row_with_all_layers(void **state)
 {
     need_font();
@@ -366,7 +367,7 @@ static void what_is_behind_others_has_a_row_with_all_layers(void **state)
     assert_in_range(seven, six + 3, six + 30);
 }
 
-/* The box around a shape; of text to its capitals' height. */
+/* The box around a shape; around a text up to its capitals' height. */
 static struct draw_box box_of(const struct image_shape *shape)
 {
     double half = shape->kind == SHAPE_LINE ? shape->width / 2 : 0;
@@ -378,7 +379,7 @@ static struct draw_box box_of(const struct image_shape *shape)
                              fmax(shape->from[0], shape->to[0]) + half, fmax(shape->from[1], shape->to[1]) + half};
 }
 
-/* How many pixels of the drawing, on a transparent background, lie in the box. */
+/* Number of pixels of the drawing, on a transparent background, in the box. */
 static size_t drawn_in(const conus_image *image, const struct draw_box *box)
 {
     const float *opacity = conus_image_floats(image, "A");
@@ -392,7 +393,7 @@ static size_t drawn_in(const conus_image *image, const struct draw_box *box)
     return count;
 }
 
-/* The columns and rows of what is drawn. */
+/* First and last column and row of the drawing. */
 static void find_drawn(uint32_t low[2], uint32_t high[2], const conus_image *image)
 {
     const float *opacity = conus_image_floats(image, "A");
@@ -407,7 +408,7 @@ static void find_drawn(uint32_t low[2], uint32_t high[2], const conus_image *ima
     }
 }
 
-/* Width and height of what is drawn, pixels. */
+/* Width and height of the drawing, pixels. */
 static void find_extent(double out[2], const conus_image *image)
 {
     uint32_t low[2];
@@ -418,7 +419,7 @@ static void find_extent(double out[2], const conus_image *image)
     }
 }
 
-/* A picture whose text is kept as shapes, so that its pixels are of the drawing alone. */
+/* A picture whose text is kept as shapes, so that its pixels are the drawing alone. */
 static conus_image *render_shapes(const struct scene *scene, conus_view view)
 {
     view.shapes = true;
@@ -474,8 +475,7 @@ static double all(const double p[3])
     return 1;
 }
 
-/* Seen from the front, a cube fills a square picture up to its margins: no corner is free, but the drawing makes room.
- */
+/* Seen from the front, a cube fills a square picture up to its margins: no corner is free, and the drawing shrinks. */
 static void a_cube_makes_room_for_them(void **state)
 {
     (void)state;
@@ -493,8 +493,9 @@ static void a_cube_makes_room_for_them(void **state)
     conus_atlas_destroy(scene.atlas);
 }
 
-/* What is drawn of six balls, a cross or a square on a corner, leaves corners empty. In a square picture the legend
- * needs neither a column nor a row for itself; nothing lies under it in any, neither the cone's wide walls. */
+/* Six balls and a cross or a square on a corner leave corners of the picture empty. In a square picture the legend
+ * needs neither a column nor a row for itself. Nothing lies under it in any picture, not even the wide walls of the
+ * cone. */
 static void a_legend_leaves_what_is_beside_it_large(void **state)
 {
     static const uint32_t sizes[][2] = {{400, 300}, {400, 400}};
@@ -522,7 +523,8 @@ static void a_legend_leaves_what_is_beside_it_large(void **state)
     }
 }
 
-/* From the left, past the balls in front of it and above: they are in the lower right corner of the picture. */
+/* With a camera from the left, past the balls in front and above, scale and directions are in the lower right
+ * corner. */
 static void a_given_camera_has_them_where_nothing_is(void **state)
 {
     need_font();
@@ -536,7 +538,7 @@ static void a_given_camera_has_them_where_nothing_is(void **state)
     conus_image_destroy(image);
 }
 
-/* 18 mm before the middle of a ball of radius 8 it spans 52 degrees: all of a square picture of 30. */
+/* 18 mm before its middle a ball of radius 8 spans 52 degrees: all of a square picture of 30 degrees. */
 static void where_nothing_is_free_they_have_patches(void **state)
 {
     need_font();
@@ -548,11 +550,11 @@ static void where_nothing_is_free_they_have_patches(void **state)
     for (size_t i = 0; i < image->shapes->count; i++) {
         patches += image->shapes->items[i].kind == SHAPE_BOX;
     }
-    assert_int_equal(patches, 5); /* of four letters and the bar */
+    assert_int_equal(patches, 5); /* for four letters and the bar */
     conus_image_destroy(image);
 }
 
-/* What an axis from the left passes: the left ball, then the right one. */
+/* Segments of an axis from the left, which passes the left ball, then the right one. */
 static conus_segments *follow(const struct scene *scene)
 {
     conus_segments *segments = NULL;
@@ -574,8 +576,8 @@ static void columns_of(double out[2], const struct scene *scene, const conus_ima
     }
 }
 
-/* From the front the left ball is on the right. The line in a ball's colour is as long as the ball, seen through what
- * lies before it, and what is not passed is not drawn. */
+/* From the front the left ball is on the right. The line has a ball's colour for the length of the ball, and shows
+ * through objects in front of it. Balls that it does not pass are not drawn. */
 static void a_probe_is_a_line_in_the_colours_of_what_it_passes(void **state)
 {
     struct scene scene = need_scene(state);
@@ -599,7 +601,7 @@ static void a_probe_is_a_line_in_the_colours_of_what_it_passes(void **state)
         assert_true(line->from[0] - line->to[0] > 30);
         assert_near(line->from[1], 150, 1);
     }
-    assert_int_equal(object_at(&scene, image, 300, 150), 0); /* where the ball at the front would be */
+    assert_int_equal(object_at(&scene, image, 300, 150), 0); /* the ball at the front would be here */
     conus_image_destroy(image);
     conus_segments_destroy(segments);
 }
@@ -659,7 +661,7 @@ static void files_say_how_large_they_are(void **state)
     conus_image_destroy(plain);
 }
 
-/* Twice the pixels per inch on twice the pixels: the same sheet, legend included, to a few pixels. */
+/* Twice the pixels per inch on twice the pixels give the same sheet, legend included, to a few pixels. */
 static void letters_grow_with_the_resolution(void **state)
 {
     need_font();

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* The legend inside a picture: which rows it has where there are too many, and that it lies beside the drawing. */
+/* The legend inside a picture: its rows if there are too many, and its place beside the drawing. */
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -17,7 +17,7 @@
 
 enum { WIDTH = 400, HEIGHT = 300, DPI = 100, SLABS = 60, TEXT = 24 };
 
-/* Letters of 7.5 points, a 72nd inch each, and six tenths of them, the smallest. */
+/* The smallest letters: six tenths of 7.5 points, which are a 72nd inch each. */
 static const double SMALLEST = 0.6 * 7.5 / 72 * DPI;
 
 struct scene {
@@ -25,16 +25,16 @@ struct scene {
     conus_selector *selector;
     conus_selection *selection;
     conus_renderer *renderer;
-    conus_view view; /* what it is drawn with beside the size and the selection */
+    conus_view view; /* settings of the picture besides its size and selection */
 };
 
-/* 1 to 60 from left to right. */
+/* Labels 1 to 60 from left to right. */
 static double slabs(const double p[3])
 {
     return floor(p[0]) + SLABS / 2.0 + 1;
 }
 
-/* The same, and behind them, seen from the front, six more: 61 to 66 from left to right. */
+/* The same; behind them, as seen from the front, are six more: 61 to 66 from left to right. */
 static double slabs_and_more(const double p[3])
 {
     return p[1] > 0 ? slabs(p) : floor(p[0] / 10) + 64;
@@ -45,7 +45,7 @@ static double halves(const double p[3])
     return p[0] < 0 ? 1 : 2;
 }
 
-/* 1, but 2 from 10 mm before the middle on. */
+/* Label 1, but 2 from 10 mm before the middle on. */
 static double front_and_rest(const double p[3])
 {
     return p[1] < 10 ? 1 : 2;
@@ -53,7 +53,7 @@ static double front_and_rest(const double p[3])
 
 static const double left[3] = {-60, 0, 0}, front[3] = {0, 60, 0};
 
-/* Each label is called @p name. */
+/* An atlas in which each label is called @p name. */
 static conus_atlas *make_atlas(picture_function labels, const char *name)
 {
     const conus_volume_info grid = picture_grid((size_t[]){SLABS, 40, 40}, (double[]){1, 1, 1}, picture_identity);
@@ -65,7 +65,7 @@ static conus_atlas *make_atlas(picture_function labels, const char *name)
     return atlas;
 }
 
-/* Seen with all layers: from the left the first label is hit, each other one is behind. Takes the atlas over. */
+/* Selects with all layers. From the left the first label is hit, each other one is behind it. Takes the atlas over. */
 static struct scene see(conus_atlas *atlas, const double from[3], double degrees)
 {
     const conus_selector_options all = {.layers = CONUS_LAYERS_ALL, .resolution = 64};
@@ -91,7 +91,7 @@ static void finish_scene(struct scene *scene)
     conus_atlas_destroy(scene->atlas);
 }
 
-/* The row of one result. */
+/* The legend's row of a result. */
 static struct legend_row describe(char text[2][TEXT], const struct scene *scene, size_t index)
 {
     const conus_result *result = conus_selection_result(scene->selection, index);
@@ -118,8 +118,8 @@ static conus_status draw(conus_image **out, const struct scene *scene)
     return conus_render(out, scene->renderer, &view);
 }
 
-/* Where the expected legend is, the picture has that and nothing under it, and elsewhere there is a drawing. @p width
- * and @p height, in tenths of the picture's, are what the legend takes at least and at most. */
+/* Asserts that the picture has the expected legend and nothing under it, and a drawing elsewhere. @p width and @p
+ * height are the least and the most that the legend takes, in tenths of the picture's. */
 static void check_legend(const struct scene *scene, const struct legend *legend, const double width[2],
                          const double height[2])
 {
@@ -152,7 +152,7 @@ static void check_legend(const struct scene *scene, const struct legend *legend,
     font_destroy(font);
 }
 
-/* Of a cone, without another row. */
+/* Checks the legend of a cone that has no further rows. */
 static void check_rows(const struct scene *scene, const struct legend_row *rows, size_t count, const double width[2],
                        const double height[2])
 {
@@ -168,8 +168,8 @@ static void check_rows(const struct scene *scene, const struct legend_row *rows,
     check_legend(scene, &legend, width, height);
 }
 
-/* The first `shown` results, or all where that is 0, a row about the others if there are any, and what hits nothing:
- * the last result. */
+/* Checks a legend with the first `shown` results, or all if that is 0, a row about the others if there are any, and
+ * `unassigned`, the last result. */
 static void check(struct scene *scene, size_t shown, const double width[2], const double height[2])
 {
     char texts[SLABS + 1][2][TEXT];
@@ -200,8 +200,8 @@ static void need_font(void)
     }
 }
 
-/* The head has 1.15 + 1 + 1 lines of 1.45 em, the margins and the padding 3.4 em; an em has 6.25 pixels. In 300 pixels
- * fit 27.6 rows: the one that is hit, 24 behind, one about the other 35, and what hits nothing. */
+/* The head has 1.15 + 1 + 1 lines of 1.45 em, margins and padding 3.4 em; an em has 6.25 pixels. So 27.6 rows fit into
+ * 300 pixels: the one that is hit, 24 behind it, one about the other 35, and `unassigned`. */
 static void the_last_rows_behind_are_counted_in_one(void **state)
 {
     (void)state;
@@ -210,10 +210,10 @@ static void the_last_rows_behind_are_counted_in_one(void **state)
     check(&scene, 25, (double[]){2, 5}, (double[]){9, 10});
 }
 
-/* A cone of 34.4 degrees meets 12.4 mm to either side on the face, 40 mm before the device: 26 slabs first. At their
- * end, 60 mm away, it is 18.6 mm wide, which is 12 slabs more, behind these; at 80 mm it is in six of the others. Of
- * the 45 rows with what hits nothing, 18 are behind: without them 27 are left, and the row that counts them is one too
- * many. So all are there for the legend itself to count. */
+/* At the face, 40 mm before the device, a cone of 34.4 degrees reaches 12.4 mm to either side: it hits 26 slabs first.
+ * At the end of the slabs, 60 mm away, it reaches 18.6 mm, which is 12 slabs more, behind these; at 80 mm it is in six
+ * of the others. So there are 45 rows with `unassigned`, 18 of them behind. 27 are left without those, and the row that
+ * counts them is one too many. Therefore the rows that are hit are counted, too. */
 static void rows_that_are_hit_are_counted_with_the_others(void **state)
 {
     (void)state;
@@ -238,7 +238,7 @@ static void the_drawing_is_right_of_a_high_legend(void **state)
     check(&scene, 25, (double[]){5, 6}, (double[]){9, 10});
 }
 
-/* One of 70 letters leaves no width, but of three rows most of the height. */
+/* A name of 70 letters leaves no room in the width, but three rows leave most of the height. */
 static void the_drawing_is_below_a_wide_legend(void **state)
 {
     (void)state;
@@ -260,10 +260,10 @@ static void add_bundle(conus_atlas *atlas, const char *name, double x, double y)
     assert_ok(atlas_add_tractogram(atlas, &builder.made, name));
 }
 
-/* The cone of 8 degrees, 40 mm before its apex, goes through the first bundle, 15 mm before the brain, and at the end
- * of the brain, 90 mm away, it reaches 6.3 mm to either side: neither to the area from 10 mm on, nor to the two other
- * bundles, which begin 20 mm beside its axis. In an atlas with bundles what it does not reach is not drawn of areas,
- * and pale of bundles. A name of more than 42 letters makes all letters the smallest. */
+/* The cone of 8 degrees, 40 mm before its apex, goes through the first bundle, 15 mm before the brain. At the end of
+ * the brain, 90 mm away, it reaches 6.3 mm to either side: neither to the area from 10 mm on, nor to the two other
+ * bundles, which begin 20 mm beside its axis. In an atlas with bundles areas that the cone does not reach are not
+ * drawn, and such bundles are pale. A name of more than 42 letters makes all letters the smallest. */
 static void bundles_that_are_not_hit_have_rows(void **state)
 {
     (void)state;
@@ -276,7 +276,7 @@ static void bundles_that_are_not_hit_have_rows(void **state)
         add_bundle(atlas, names[k], -45, 40 * k);
     }
     struct scene scene = see(atlas, left, 8);
-    assert_int_equal(conus_selection_count(scene.selection), 3); /* with what hits nothing */
+    assert_int_equal(conus_selection_count(scene.selection), 3); /* with `unassigned` */
     for (size_t i = 0; i < 3; i++) {
         rows[i] = describe(texts[i], &scene, i);
     }
@@ -312,7 +312,7 @@ static void many_bundles_that_are_not_hit_are_counted(void **state)
     finish_scene(&scene);
 }
 
-/* An area beside bundles that is given an opacity is drawn, so it has a row, and no other area is left out. */
+/* An area beside bundles that is given an opacity is drawn, so it has a row; all other areas are left out. */
 static void an_area_that_is_given_an_opacity_has_a_row(void **state)
 {
     (void)state;
@@ -337,7 +337,8 @@ static void an_area_that_is_given_an_opacity_has_a_row(void **state)
     finish_scene(&scene);
 }
 
-/* Mean of the largest less the least channel, by the largest, of what is drawn in the right part of the picture. */
+/* Mean saturation of the drawing in the right part of the picture: the largest less the least channel, over the
+ * largest. */
 static double chroma(const struct scene *scene)
 {
     conus_image *image = NULL;
@@ -357,7 +358,7 @@ static double chroma(const struct scene *scene)
     return sum / count;
 }
 
-/* Eq. 8: pale is 0.16 of the colour and 0.3 of white. Seen from the front, only what is not hit is there. */
+/* Eq. 8: pale is 0.16 of the colour and 0.3 of white. From the front only objects that are not hit are seen. */
 static void what_is_given_an_opacity_or_listed_is_not_pale(void **state)
 {
     (void)state;
@@ -375,7 +376,7 @@ static void what_is_given_an_opacity_or_listed_is_not_pale(void **state)
     finish_scene(&scene);
 }
 
-/* What the cone does not hit is not there: as if each such area were given 0. */
+/* Without pale areas the picture is as if every area that the cone does not hit had opacity 0. */
 static void what_is_not_hit_can_be_left_out(void **state)
 {
     (void)state;
@@ -401,7 +402,7 @@ static void what_is_not_hit_can_be_left_out(void **state)
     finish_scene(&scene);
 }
 
-/* Without a cone, too, a legend of so many rows has these, and one about the other areas. */
+/* A legend without a cone that is limited to so many rows has these, and one about the other areas. */
 static void a_legend_without_a_cone_has_the_first_rows(void **state)
 {
     (void)state;
@@ -465,8 +466,7 @@ static double contrast(double a, double b)
     return (fmax(a, b) + 0.05) / (fmin(a, b) + 0.05);
 }
 
-/* Letters, those that say less, too, have a contrast of 4.5 on every grey, on other colours, and on both ends of the
- * default. */
+/* Letters, dim ones, too, have a contrast of 4.5 on every grey, on other colours, and on both ends of the default. */
 static void letters_have_contrast_on_any_background(void **state)
 {
     (void)state;
@@ -512,9 +512,9 @@ static void heat(uint8_t rgb[3], double part)
     }
 }
 
-/* Pathways of the probability 1 from a half on, both as heat: a bar from 50 to 100 %, and a number for each, which is
- * on the picture, too, on its colour: a disc of one and a half times the letters' height, 86 pixels large, less the
- * number and the rim. */
+/* Pathways with the probability 1 from a half on, both drawn as heat. The legend has a bar from 50 to 100 %, and for
+ * each pathway a disc with its number, which is on the picture, too. The disc has the pathway's colour; it is one and a
+ * half times as high as the letters, 86 pixels large, less the number and the rim. */
 static void haze_by_values_has_a_bar_and_numbers(void **state)
 {
     (void)state;
@@ -579,8 +579,8 @@ static void colour_streamlines(struct scene *scene, const char *by)
         conus_renderer_create(&scene->renderer, scene->atlas, &(conus_renderer_options){.streamline_colour = by}));
 }
 
-/* Of a picture without a cone, too: red, green and blue are the axes. The letters are as large as 0.42 of the width
- * allows. */
+/* A picture without a cone has the key, too: red, green and blue are the axes. The letters are as large as 0.42 of the
+ * width allows. */
 static void colours_of_directions_have_a_key(void **state)
 {
     (void)state;
@@ -604,9 +604,9 @@ static void colours_of_directions_have_a_key(void **state)
     finish_scene(&scene);
 }
 
-/* A bar from a number's largest value down to its least comes below a heading, behind what is hit: here of two
- * streamlines, 0.25 and 0.75. Between two marks it has LEGEND_BAR steps, each with the colour of its middle, which lies
- * between two of the five known ones. */
+/* The bar of a number, from its largest to its least value, comes below a heading behind the rows that are hit: here
+ * those of two streamlines, 0.25 and 0.75. Between two marks it has LEGEND_BAR steps, each with the colour of its
+ * middle, which lies between two of the five known ones. */
 static void colours_of_a_number_have_a_bar(void **state)
 {
     (void)state;

@@ -16,7 +16,7 @@ struct fixture {
     conus_selection *selection;
 };
 
-/* A random atlas with a pathway, looked at so that some pixels hit objects of both kinds and some hit nothing. */
+/* A random atlas with a pathway, seen so that some pixels hit objects of both kinds and some hit nothing. */
 static struct fixture make_fixture(uint32_t resolution, conus_aperture aperture)
 {
     uint64_t seed = 4;

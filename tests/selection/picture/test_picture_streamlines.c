@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* In a picture with a cone the streamlines that come into it stand out; without one all do. */
+/* In a picture with a cone the streamlines in the cone stand out; without a cone all do. */
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -26,7 +26,7 @@ static conus_atlas *two_streamlines(double radius, float aside)
     return atlas;
 }
 
-/* How much more red than blue light the half of the picture has: of a full tube much, of a pale one little. */
+/* How much more red than blue light the half of the picture has: a full tube gives much, a pale one little. */
 static double redness(const conus_image *image, bool right)
 {
     const struct image_rgba planes = image_rgba(image);
@@ -39,8 +39,8 @@ static double redness(const conus_image *image, bool right)
     return sum;
 }
 
-/* From the right of the head, so that anterior, +y, is on the right of the picture. The cone's own colours are not
- * red: it is thinned away. */
+/* From the right of the head, so that anterior, +y, is on the right of the picture. The cone is made transparent, since
+ * only streamlines may be red. */
 static void draw(double out[2], conus_renderer *renderer, const conus_selection *selection)
 {
     conus_image *image = NULL;
@@ -83,7 +83,7 @@ static void those_in_the_cone_stand_out(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Lines of a fortieth of a pixel: of a draft each row has a pixel of each, as a line of a whole one has. */
+/* Lines of a fortieth of a pixel: in a draft, too, each row has a pixel of each line. */
 static void a_draft_has_lines_without_gaps(void **state)
 {
     (void)state;

@@ -34,7 +34,7 @@ static double ball(const double p[3])
     return vec3_length(p) < 20;
 }
 
-/* Looks at `atlas` from the left with a cone of 20 degrees; skips the test where there is no GL. */
+/* Selects in `atlas` from the left with a cone of 20 degrees; skips the test if there is no GL. */
 static struct fixture make_fixture(conus_atlas *atlas, const double origin[3])
 {
     gl_context_destroy(test_gl_context(NULL, NULL));
@@ -131,7 +131,7 @@ static void options_show_in_the_picture(void **state)
     finish(&fixture);
 }
 
-/* A far device, one inside an area, one that misses everything, an atlas without areas. */
+/* A faraway device, one inside an area, one that misses everything, and an atlas without areas. */
 static void odd_scenes_are_pictures(void **state)
 {
     (void)state;
@@ -200,7 +200,7 @@ static void a_phantom_looks_as_it_did(void **state)
     finish(&fixture);
 }
 
-/* Two hundredths of light more, or less, are seen, wherever they are. */
+/* A change of the light by two hundredths is noticed, up or down, wherever it is. */
 static void a_change_of_brightness_is_seen(void **state)
 {
     (void)state;
@@ -229,7 +229,7 @@ static double two_halves(const double p[3])
     return vec3_length(p) < 20 ? (p[1] < 0 ? 1 : 2) : 0;
 }
 
-/* A picture of the atlas and what a cone from the left meets in it. */
+/* A picture of the atlas with the selection of a cone from the left. */
 static conus_image *draw_level(conus_atlas *atlas, const char *level)
 {
     const conus_selector_options options = {.level = level};

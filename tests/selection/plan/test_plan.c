@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Eq. 22: what holds, by how much, and which poses are best. Boxes of voxels, of which all follows by arithmetic; the
- * order against one found by looking at every pose. */
+/* Eq. 22: feasible poses, their slacks, and the best of them. Boxes of voxels, whose measures follow by arithmetic; the
+ * order against that found by comparing every two poses. */
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/memory.h"
@@ -118,7 +118,7 @@ static conus_constraint avoid(const char *names, double margin)
     return (conus_constraint){.kind = CONUS_CONSTRAINT_AVOID, .names = names, .limit = margin};
 }
 
-/* One needle along x at y = z = 13, from x = 0 to `far`, by one constraint of a needle 0.5 mm thick. */
+/* The verdict on one constraint, of a needle 0.5 mm thick along x at y = z = 13, from x = 0 to `far`. */
 static conus_verdict judge_one(const conus_constraint *constraint, double far)
 {
     struct needle_row row = {{0, 13, 13}, {1, 0, 0}, NAN, far};
@@ -156,8 +156,8 @@ static void check(conus_verdict got, bool holds, double value, double slack, dou
     }
 }
 
-/* In box 1 from 10 to the far end, 3 mm from its sides: of the depths with 3 >= delta all are left that are delta from
- * both ends of the box, or from one where the needle ends inside. */
+/* In box 1 from 10 to the far end, 3 mm from its sides: with 3 >= delta all depths are left that are at least delta
+ * from both ends of the box, or from one if the needle ends inside. */
 static void lengths_and_their_leeways(void **state)
 {
     (void)state;
@@ -185,7 +185,7 @@ static void a_union_has_no_inner_border(void **state)
     conus_constraint want = reach("1,3", 8);
     check(judge_one(&want, 40), true, 12, 4, 2);
     want.part[0] = 1;
-    want.part[1] = 10; /* of a needle to 21: the depths 11 to 20, 1 mm from the end before them */
+    want.part[1] = 10; /* of a needle to 21 the depths 11 to 20: 1 mm from the end before them */
     check(judge_one(&want, 21), true, 9, 1, 2);
     want.limit = 9;
     check(judge_one(&want, 21), true, 9, 0, 1);
@@ -298,7 +298,7 @@ static void measures_of_a_cylinder(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Rows that are no candidates are counted, and keep their numbers. */
+/* Rows that are no candidates are counted, and the others keep their numbers. */
 static void rows_without_a_needle(void **state)
 {
     (void)state;
@@ -329,8 +329,8 @@ static void rows_without_a_needle(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* All that a list of one says, the leeways of 2.5 and 3 mm of lengths_and_their_leeways() among it; before and after.
- */
+/* A pose tried alone has all measures of its row in a list, among them the leeways of 2.5 and 3 mm of
+ * lengths_and_their_leeways(); before and after a run. */
 static void a_pose_tried_by_itself(void **state)
 {
     (void)state;
@@ -379,9 +379,9 @@ static void a_pose_tried_by_itself(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Three shanks beside an axis at y = 13, z = 13 along x to 18: of usual turns (Eq. 2) the device's y is the world's z
- * and its x the world's -y. They lie at z = 13, 15 and 30: 3 mm, 1 mm inside of box 1, and outside of it; the last is
- * 14 mm above it from x = 10 on. */
+/* Three shanks beside an axis at y = 13, z = 13 along x to 18: with the usual rotation (Eq. 2) the device's y is the
+ * world's z and its x the world's -y. They lie at z = 13, 15 and 30: 3 mm and 1 mm inside of box 1, and outside of it;
+ * the last is 14 mm above it from x = 10 on. */
 static const double shanks[3][2] = {{0, 0}, {0, 2}, {0, 17}};
 
 static conus_planned try_shanks(struct answer *answer, const conus_atlas *atlas, const conus_constraint *want)
@@ -436,7 +436,7 @@ static void any_all_or_one_shank(void **state)
 
 enum { NEEDLES = 400, MANY = 2500 };
 
-/* Needles from round the boxes towards them. */
+/* Needles from around the boxes towards them. */
 static const char *write_random(const char *name, size_t count)
 {
     static struct needle_row rows[MANY];
@@ -456,7 +456,7 @@ static const char *write_random(const char *name, size_t count)
     return write_needles(name, rows, count);
 }
 
-/* All that a list says, as text. */
+/* A whole list as text. */
 static void describe(struct buffer *out, const struct answer *answer, size_t constraints)
 {
     char number[TEXT_NUMBER_SIZE];
@@ -527,7 +527,7 @@ static void same_with_any_threads_and_pruning(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* So many that maps tell of the later ones. */
+/* So many needles that maps decide about the later ones. */
 static void same_of_many(void **state)
 {
     (void)state;
@@ -554,7 +554,7 @@ static void same_of_many(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* With shanks, too, pruning and threads change nothing. */
+/* With shanks, too, neither pruning nor threads change anything. */
 static void same_of_many_shanks(void **state)
 {
     (void)state;
@@ -586,7 +586,7 @@ static void same_of_many_shanks(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A longer reach, a larger margin and a constraint more only take poses away. */
+/* A longer reach, a larger margin and one more constraint only remove poses. */
 static void stricter_is_fewer(void **state)
 {
     (void)state;
@@ -626,7 +626,8 @@ static double printed(double value)
     return strtod(text_number(text, value), NULL);
 }
 
-/* The list by its text alone: every pose is followed by one that is no better, of equal ones by a later candidate. */
+/* Checks the list by its text alone: no pose is followed by a better one, and equal ones are in the order of
+ * candidates. */
 static void ranks_by_what_is_printed(void **state)
 {
     (void)state;
@@ -657,7 +658,7 @@ static void ranks_by_what_is_printed(void **state)
                         (printed(a->score) == printed(b->score) && a->candidate < b->candidate));
         }
     }
-    /* Fronts as they are defined: each pose is one after the last front that has a better one. */
+    /* Fronts by definition: the front of a pose is one after the last front that has a better pose. */
     for (bool changes = true; changes;) {
         changes = false;
         for (size_t i = 0; i < count; i++) {
@@ -680,7 +681,7 @@ static void ranks_by_what_is_printed(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Without an answer, the poses that break one constraint, by the least. */
+/* Without a feasible pose, the poses that break one constraint by the least. */
 static void nearest_misses(void **state)
 {
     (void)state;
@@ -860,7 +861,7 @@ static void progress_ends_a_run(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* What a plan says: its list, its funnel, its misses and the best of each entry and target. */
+/* A plan as text: its list, its funnel, its misses and the best of each entry and target. */
 static char *tell(const conus_plan *plan, const conus_plan_options *options)
 {
     typedef const conus_plan_best *best_of(const conus_plan *plan, uint64_t number);
@@ -929,8 +930,8 @@ static bool halt_after(void *user, size_t done, size_t total)
     return false;
 }
 
-/* A plan of these options that takes over states and tries rows first to first + count. Its own state is the caller's.
- */
+/* A plan with these options that takes over states and tries rows first to first + count. The caller frees its
+ * state. */
 static conus_plan *run_part(char **state, conus_selector *selector, const struct asked *asked, char *const *known,
                             uint64_t first, uint64_t count, size_t after)
 {
@@ -958,7 +959,7 @@ static conus_plan *run_part(char **state, conus_selector *selector, const struct
     return halt.plan;
 }
 
-/* Cut anywhere, and joined, a plan says what it says in one run. */
+/* A plan that is cut into parts at any row and joined gives the same as in one run. */
 static void parts_make_the_whole(void **state)
 {
     (void)state;
@@ -1016,7 +1017,7 @@ static void parts_make_the_whole(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* After 2,048 poses maps decide what is not measured. The leeways of all are the same doubles as without. */
+/* After 2,048 poses maps replace some of the measurements. The leeways of all are the same doubles as without. */
 static void pruning_changes_no_digit(void **state)
 {
     (void)state;
@@ -1098,7 +1099,7 @@ static void states_that_are_none(void **state)
     assert_fails(conus_plan_run(plan, stream, 39), CONUS_ERROR_DATA);                        /* fewer than it knows */
     assert_fails(conus_plan_add_state(&end, plan, good, sizeof good - 1), CONUS_ERROR_ARGUMENT);
     conus_plan_destroy(plan);
-    for (int of_targets = 0; of_targets < 2; of_targets++) { /* with a map, of a state without one */
+    for (int of_targets = 0; of_targets < 2; of_targets++) { /* with a map, from a state without one */
         const conus_plan_options options = {.entries = of_targets ? 0 : ENTRIES, .targets = of_targets ? TARGETS : 0};
         assert_ok(conus_plan_create(&plan, selector, wants, 2, &options));
         assert_fails(conus_plan_add_state(&end, plan, good, sizeof good - 1), CONUS_ERROR_DATA);

@@ -35,7 +35,7 @@ static conus_atlas *box(void)
     return atlas;
 }
 
-/* Tries the needle from `at` along `along` to `far`; what it gives lives as long as the plan. */
+/* Tries the needle from `at` along `along` to `far`; the result lives as long as the plan. */
 static const conus_planned *try_needle(conus_plan **plan, conus_selector **selector, const conus_atlas *atlas,
                                        const conus_constraint *wants, size_t count, const conus_jitter_options *jitter,
                                        const double needle[7])
@@ -60,7 +60,7 @@ static double below(double x)
     return 0.5 * erfc(-x / sqrt(2));
 }
 
-/* The entry is off by s (e0, e1), what lay at the far end comes to lie towards what is off by u (e2, e3). */
+/* The entry is off by s (e0, e1); the far end moves towards the point that is off by u (e2, e3). */
 static void ends_are_off_by_their_errors(void **state)
 {
     (void)state;
@@ -105,9 +105,9 @@ static void ends_are_off_by_their_errors(void **state)
     }
 }
 
-/* The tip of a needle to x = 15 in the middle of the box is 5, 3 and 3 mm from its sides; what is off by less than its
- * depth is proven to hold. A tilt of s about both axes has the Rayleigh distribution, as the distance between both
- * ends' errors; a depth is normal. Sobol points at 4096 are within 0.003 of these integrals. */
+/* The tip of a needle to x = 15 in the middle of the box is 5, 3 and 3 mm from its sides, and errors smaller than these
+ * are proven to hold. A tilt of s about both axes has the Rayleigh distribution, as the distance between both ends'
+ * errors; a depth is normal. Sobol points at 4096 are within 0.003 of these integrals. */
 static void probabilities_are_integrals(void **state)
 {
     (void)state;
@@ -120,7 +120,7 @@ static void probabilities_are_integrals(void **state)
     const double sides = (2 * below(5 / 2.0) - 1) * pow(2 * below(3 / 2.0) - 1, 2);
     const struct {
         conus_jitter_options errors;
-        double p[4]; /* of each, and of all, NaN = not known */
+        double p[4]; /* of each constraint, and of all; NaN = unknown */
     } cases[] = {
         {{.samples = SAMPLES}, {1, 1, 1, 1}},
         {{.samples = SAMPLES, .shift = 2}, {sides, 1, 1, sides}},
@@ -153,8 +153,8 @@ static void probabilities_are_integrals(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Of needles 1 mm long and 14 mm apart a tilt moves the outer one along itself: it begins 1 mm before the box's end at
- * y = 16, or 2.2 mm behind it. Each of its poses is tried by itself; the inner one is far from the box. */
+/* Needles are 1 mm long and 14 mm apart, so a tilt moves the outer one along itself. It begins 1 mm before the box's
+ * end at y = 16, or 2.2 mm behind it. Each of its poses is tried by itself; the inner one is far from the box. */
 static void an_outer_shank_moves_farther(void **state)
 {
     (void)state;
@@ -196,8 +196,8 @@ static void an_outer_shank_moves_farther(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Rows of two from 1 mm before the far end on, 3 mm apart: depths 24, 21, 18, 15, and one at 12; the box is from 10 to
- * 20. */
+/* Rows of two contacts from 1 mm before the far end on, 3 mm apart: depths 24, 21, 18, 15, and one at 12; the box is
+ * from 10 to 20. */
 static void contacts_are_counted(void **state)
 {
     (void)state;
@@ -213,7 +213,7 @@ static void contacts_are_counted(void **state)
     assert_near(tried->leeway, 2, 1e-6); /* those at 15 are 3 mm inside, those at 18 and 12 are 2 */
     conus_pose_row row = {.id = "short", .range = {13, 25}, .pose = tried->pose};
     assert_ok(conus_plan_try(&tried, plan, &row));
-    assert_near(tried->verdicts[0].value, 4, 0); /* that at 12 is before the near end */
+    assert_near(tried->verdicts[0].value, 4, 0); /* the one at 12 is before the near end */
     row.range[1] = 21;                           /* at 20, where the box ends, 17 and 14 */
     assert_ok(conus_plan_try(&tried, plan, &row));
     assert_near(tried->verdicts[0].value, 4, 0);
@@ -249,7 +249,7 @@ static double sum_at(const conus_atlas *atlas, const double needle[7], double de
     return sum;
 }
 
-/* Against the mean of many points, which is off by less than the cells' ends, and at the contacts themselves. */
+/* Against the mean over many points, which is off by less than the cells' ends, and at the contacts themselves. */
 static void probabilities_along_an_axis(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Leeways (Eq. 22): against their definition by points along the axis and distances from everything that is not the
- * structure, one by one; and poses that deviate by less, none of which may break anything. */
+/* Leeways (Eq. 22): against their definition, by points along the axis and distances from everything that is not the
+ * structure, one by one; and against poses that deviate by less, none of which may break a constraint. */
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
@@ -43,7 +43,7 @@ static const char *write_ends(const char *name, const struct needles *needles)
     return path;
 }
 
-/* The poses of a file; their number is known whatever `top` is. */
+/* Runs the poses of a file; their number is known whatever `top` is. */
 static conus_plan *run(conus_selector *selector, const conus_constraint *constraints, size_t count, const char *path,
                        uint64_t top)
 {
@@ -56,7 +56,7 @@ static conus_plan *run(conus_selector *selector, const conus_constraint *constra
     return plan;
 }
 
-/* A grid turned, flipped and perhaps sheared, of blobs of objects 1 and 2. */
+/* A turned, flipped and perhaps sheared grid with blobs of objects 1 and 2. */
 static conus_atlas *blobs(uint64_t *seed)
 {
     conus_volume_info grid = scene_grid(seed, (const size_t[]){EDGE, EDGE, EDGE});
@@ -95,7 +95,7 @@ static double cell_distance(const struct volume *volume, const double cell[3], c
     return vec3_length(rest);
 }
 
-/* Distance from a point to what is not of object 1: other cells, and a layer of cells round the grid. */
+/* Distance from a point to everything that is not object 1: other cells, and a layer of cells around the grid. */
 static double other_distance(const struct volume *volume, const double point[3])
 {
     double best = INFINITY;
@@ -152,7 +152,7 @@ static void leeways_of_lengths_are_those_of_points(void **state)
             length += distance >= least ? step : 0;
             deepest = fmax(deepest, distance);
         }
-        if (planned && want.limit > 0) { /* of each stretch there are two ends within a step */
+        if (planned && want.limit > 0) { /* each stretch has two ends within a step */
             assert_near(length, want.limit, 8 * step);
         } else if (planned) {
             assert_near(least, deepest, step);
@@ -175,8 +175,8 @@ static void random_direction(double out[3], uint64_t *seed)
     vec3_scale(out, out, 1 / length);
 }
 
-/* Fills `out` with needles as long as `of`, whose points are all nearer than `limit` to those of `of` at equal depth:
- * that holds along a needle if it does at both ends. */
+/* Fills `out` with needles as long as `of`, all of whose points are nearer than `limit` to those of `of` at equal
+ * depth: if both ends are, so is all between them. */
 static void deviate(struct needles *out, double of[2][3], double limit, uint64_t *seed)
 {
     double axis[3];
@@ -196,8 +196,8 @@ static void deviate(struct needles *out, double of[2][3], double limit, uint64_t
     }
 }
 
-/* Poses listed from round `middle`, each with deviations within 0.999 of its leeway, and with one beyond that of what
- * it avoids: towards its nearest point. */
+/* Lists poses from around `middle`. For each of them deviations within 0.999 of its leeway break nothing, and one
+ * beyond the leeway of an avoided structure, towards its nearest point, does. */
 static void check_deviations(const conus_atlas *atlas, const conus_constraint *constraints, size_t count,
                              size_t avoided, const double middle[3], double size, double radius, uint64_t *seed)
 {
@@ -304,8 +304,8 @@ static void surfaces_let_poses_deviate(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Through the middle of a ball of R the points with D >= d are 2 (R - d) long; a surface of quadrilaterals is inside.
- */
+/* Through the middle of a ball of R the points with D >= d are 2 (R - d) long; a surface of quadrilaterals lies inside
+ * of it. */
 static void a_sphere(void **state)
 {
     (void)state;
@@ -323,7 +323,7 @@ static void a_sphere(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Streamlines of radius 2 along x: across one, at 1 mm from its line, the axis is in it for 2 sqrt(3) mm. */
+/* Streamlines of radius 2 along x: 1 mm from the line of one, an axis across it is in it for 2 sqrt(3) mm. */
 static void tubes(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Maps of plans: what they tell, against distances from all cells, one by one, and lengths in all cells. */
+/* Maps of plans: their answers, against distances from all cells, one by one, and lengths in all cells. */
 #include "base/geometry/math3.h"
 #include "scene.h"
 #include "selection/plan/plan_map.h"
@@ -11,7 +11,7 @@
 enum { EDGE = 7, AROUND = EDGE + 2, POINTS = 300, NEEDLES = 50, SAMPLES = 60 };
 static const uint32_t HAS[3] = {0, 1, 0};
 
-/* Blobs of objects 1 and 2 on a grid that is turned and flipped, with edges that differ. */
+/* Blobs of objects 1 and 2 on a turned and flipped grid, with edges of different lengths. */
 static conus_atlas *blobs(uint64_t *seed)
 {
     conus_volume_info grid = scene_grid(seed, (const size_t[]){EDGE, EDGE, EDGE});
@@ -32,7 +32,7 @@ static conus_atlas *blobs(uint64_t *seed)
     return scene_parcellation(&grid, labels);
 }
 
-/* Number `index` of the cells of the grid and of a layer round it: its voxel, and whether it is one of object 1. */
+/* Number `index` of the cells of the grid and of a layer around it: its voxel, and whether it is object 1. */
 static bool take_cell(double cell[3], const struct volume *volume, int index)
 {
     int at[3] = {index % AROUND - 1, index / AROUND % AROUND - 1, index / AROUND / AROUND - 1};
@@ -114,7 +114,8 @@ static struct needle random_needle(const struct volume *volume, uint64_t *seed)
     return needle;
 }
 
-/* What maps say of needles, and of a distance from the structure's cells or, outside, from others. */
+/* Compares the maps' answers about needles with distances from the structure's cells or, if `outside`, from the other
+ * cells. */
 static void check_needles(const struct volume *volume, const struct plan_map *map, bool outside, uint64_t *seed)
 {
     int told[3] = {0};
@@ -130,7 +131,7 @@ static void check_needles(const struct volume *volume, const struct plan_map *ma
             mat4_point(at, volume->voxel_from_world, at);
             double distance = distance_of(volume, at, outside);
             least = fmin(least, distance);
-            left += distance >= wanted + step ? step : 0; /* so is all of it from sample to sample */
+            left += distance >= wanted + step ? step : 0; /* so all of it is, from sample to sample */
         }
         if (outside) {
             double length = length_in(volume, &needle);
@@ -168,7 +169,7 @@ static void they_tell_what_is_so(void **state)
     }
 }
 
-/* Along a face a length is of either side; a grid whose axes are not perpendicular has no map. */
+/* A needle along a face may be on either side of it; a grid whose axes are not perpendicular has no map. */
 static void what_they_do_not_tell(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Sites: normals by closed forms, borders, spacing and depths against brute force, what is kept. */
+/* Sites: normals by closed forms; borders, spacing and depths by trying everything; and the sites that are kept. */
 #include "base/buffer.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
@@ -21,7 +21,7 @@ static void place(double out[3], size_t voxel)
     mat4_point(out, GRID, index);
 }
 
-/* 1: an ellipsoid with an arm to the edge of the grid, 2: what is around it, below a plane. */
+/* 1: an ellipsoid with an arm to the edge of the grid; 2: everything around it, below a plane. */
 static uint8_t label_at(size_t voxel)
 {
     double x = (double)(voxel % N);
@@ -63,7 +63,7 @@ static void destroy(struct made *made)
     conus_atlas_destroy(made->atlas);
 }
 
-/* mm from the centre of a voxel to the nearest centre that is not of its label, of a grid with 2 voxels more around. */
+/* mm from the centre of a voxel to the nearest centre with another label, in a grid with 2 voxels more around. */
 static double depth_of(const uint8_t *labels, size_t voxel)
 {
     double least = INFINITY;
@@ -129,7 +129,7 @@ static void targets_of_a_structure(void **state)
     destroy(&made);
 }
 
-/* Two lies at five sides of the grid; without these its deepest voxels would be at the bottom. */
+/* Object 2 touches five sides of the grid; if these did not count, its deepest voxels would be at the bottom. */
 static void the_edge_of_the_grid_ends_a_structure(void **state)
 {
     (void)state;
@@ -158,7 +158,7 @@ static void what_is_in_a_structure_is_kept(void **state)
     const conus_voxels voxels = voxels_of(made.labels);
     conus_roi *roi = NULL;
     assert_ok(conus_roi_create(&roi, &voxels, &(conus_roi_options){.threshold = 1.5}));
-    size_t counts[3] = {0}; /* by label */
+    size_t counts[3] = {0}; /* number of sites of each label */
     static double points[N * N * N][3];
     for (size_t voxel = 0; voxel < sizeof made.labels; voxel++) {
         place(points[voxel], voxel);
@@ -253,7 +253,7 @@ static void spacing_is_greedy(void **state)
 
 enum { BELTS = 24, AROUND = 48, SPHERE = BELTS * AROUND + 2 };
 
-/* A globe of belts: its normals are nearly those of the ball. */
+/* Writes a globe made of belts: its normals are nearly those of the ball. */
 static const char *write_globe(bool inside_out, bool is_open)
 {
     struct buffer text = {0};
@@ -290,8 +290,8 @@ static const char *write_globe(bool inside_out, bool is_open)
     return path;
 }
 
-/* With edges a, b, c along the axes the areas at the corner between them are bc/2, ca/2 and ab/2, inwards seen from the
- * fourth triangle, whose area is the same vector outwards: at its corners one axis is left. */
+/* With edges a, b, c along the axes the areas at the corner between them are bc/2, ca/2 and ab/2, with inward normals
+ * as seen from the fourth triangle, whose area is the same vector outwards: at its corners one axis is left. */
 static void normals_of_a_tetrahedron(void **state)
 {
     (void)state;

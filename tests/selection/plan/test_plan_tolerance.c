@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Tolerances (Eq. 23): a needle through boxes, by trigonometry, and random ones against scans of poses that are tried
- * one by one. Poses that are off are made here, from their ends. */
+/* Tolerances (Eq. 23): a needle through boxes, by trigonometry, and random needles against scans of poses tried one by
+ * one. The deviating poses are made here, from their ends. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "conus/plan.h"
@@ -35,7 +35,7 @@ static conus_atlas *boxes(void)
     return atlas;
 }
 
-/* A needle, its device's x and y, and what it is tried by. */
+/* A needle, its device's x and y, and the plan that tries it. */
 struct trial {
     conus_selector *selector;
     conus_plan *plan;
@@ -79,7 +79,7 @@ static conus_status find_box(conus_tolerance *row, struct trial *trial)
     return status ? status : conus_plan_box(row, trial->plan, tried, &trial->options);
 }
 
-/* Turns about an axis by the angle's half, as quaternions do. */
+/* Turns a vector about an axis by half the angle, as quaternions do. */
 static void turn(double v[3], const double axis[3], double angle)
 {
     double unit[3];
@@ -92,8 +92,8 @@ static void turn(double v[3], const double axis[3], double angle)
     vec3_add_scaled(v, v, 2 * sin(angle / 2) * sin(angle / 2), twice);
 }
 
-/* The verdict on a device at a place, with an axis and two sides: its shanks are tried by a plan of single needles. One
- * of them reaches, and each keeps clear. */
+/* Whether a device at a place, with an axis and two sides, is feasible: its shanks are tried by a plan of single
+ * needles. One of them must reach, and each must keep clear. */
 static bool is_held(conus_plan *single, const double (*shanks)[2], size_t count, conus_pose_row moved,
                     const double at[3], const double axis[3], const double (*sides)[3])
 {
@@ -112,7 +112,7 @@ static bool is_held(conus_plan *single, const double (*shanks)[2], size_t count,
     return reaches && is_clear;
 }
 
-/* The verdict on the device that is off by `s`. */
+/* The same for the device that is off by `s`. */
 static bool holds(const struct trial *trial, conus_plan *single, const double (*shanks)[2], size_t count,
                   const conus_tolerance *row, double s)
 {
@@ -145,7 +145,7 @@ static bool holds(const struct trial *trial, conus_plan *single, const double (*
     return is_held(single, shanks, count, moved, at, axis, (const double(*)[3])sides);
 }
 
-/* The same, off in five ways: it is turned about its x, then about what was its y, and shifted. */
+/* The same, off in five ways: turned about its x, then about its former y, and shifted. */
 static bool holds_off(const struct trial *trial, conus_plan *single, const double (*shanks)[2], size_t count,
                       const double off[5])
 {
@@ -192,7 +192,7 @@ static const conus_tolerance *row_of(const conus_tolerance *rows, conus_freedom 
     return row;
 }
 
-/* Where a rising function is 0. */
+/* The root of a rising function. */
 static double root(double (*function)(double), double low, double high)
 {
     for (int i = 0; i < 100; i++) {
@@ -202,13 +202,15 @@ static double root(double (*function)(double), double low, double high)
     return low;
 }
 
-/* A needle to 18 mm, turned about its entry at x = 0: it leaves box 1 by the side, 3 mm off, and comes in at x = 10. */
+/* A needle to 18 mm, turned about its entry at x = 0: it leaves box 1 by the side, 3 mm off the axis, and enters at x =
+ * 10. */
 static double missing_length(double angle)
 {
     return 5 - (fmin(18, 3 / sin(angle)) - 10 / cos(angle));
 }
 
-/* The needle is from x = 0 to 18 at y = z = 13, 3 mm from the sides of box 1, in which are 8 mm of it, of 5. */
+/* The needle is from x = 0 to 18 at y = z = 13, 3 mm from the sides of box 1. 8 mm of it are in the box, and 5 are
+ * needed. */
 static void length_in_a_box(void **state)
 {
     (void)state;
@@ -237,7 +239,8 @@ static void length_in_a_box(void **state)
     trial.options.pivot_at_tip = true;
     assert_ok(find(rows, &trial));
     check(row_of(rows, CONUS_FREEDOM_YAW, false), cap, SIZE_MAX);
-    /* About x = 15: to the sides it is the same before it and behind: 5 / cos in front, 3 behind. */
+    /* About x = 15 the sides are as far away on both sides of the pivot; the needle is in the box for 5 / cos in front
+     * of it and 3 behind. */
     trial.options = (conus_tolerance_options){.pivot = 15, .shifts = {{0, 2, 0}, {0, 0, -1}, {5, 0, 0}}};
     assert_ok(find(rows, &trial));
     check(row_of(rows, CONUS_FREEDOM_PITCH, true), cap, SIZE_MAX);
@@ -271,8 +274,8 @@ static void beside_a_wall(void **state)
     check(row_of(rows, CONUS_FREEDOM_DEPTH, true), 20, SIZE_MAX);
     check(row_of(rows, CONUS_FREEDOM_ELEVATION, true), asin(1.5 / 26), 0); /* the tip, above the wall at 25.96 */
     check(row_of(rows, CONUS_FREEDOM_ELEVATION, false), radians_from_degrees(20), 1);
-    /* About the tip the point nearest to the wall's edge, x = 24, sinks: the line's distance from the edge is
-     * 3 cos a - 2 sin a = 1.5, which is where a = acos(1.5 / sqrt(13)) - atan(2 / 3) > 20 degrees. */
+    /* When the needle turns about its tip, the point nearest to the wall's edge, x = 24, sinks: the line's distance
+     * from the edge is 3 cos a - 2 sin a = 1.5, so a = acos(1.5 / sqrt(13)) - atan(2 / 3) > 20 degrees. */
     trial.options.pivot_at_tip = true;
     assert_ok(find(rows, &trial));
     check(row_of(rows, CONUS_FREEDOM_ELEVATION, false), radians_from_degrees(20), 1);
@@ -283,7 +286,8 @@ static void beside_a_wall(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A height: the tip of the needle of beside_a_wall() that sinks by a mm and leans by 2 degrees, as often. */
+/* Height of the tip of the needle of beside_a_wall() that sinks by `factor` mm and leans by 2 degrees times
+ * `factor`. */
 static double sunken(double factor)
 {
     return factor + 26 * sin(radians_from_degrees(2) * factor) - 1.5;
@@ -298,7 +302,7 @@ static void box_above_a_wall(void **state)
         {.kind = CONUS_CONSTRAINT_LEAN, .direction = {1, 0, 0}, .limit = radians_from_degrees(20)}};
     const struct {
         double box[5], factor; /* 0 = none breaks up to 20 mm */
-        double proven; /* so much of it at least: along three of five ways nothing changes, but parts are many */
+        double proven; /* at least: along three of five ways nothing changes, but there are many parts */
         size_t constraint;
     } cases[] = {{{1, 1, 1, 2 * degree, 2 * degree}, root(sunken, 0, 1.5), 0.85, 0}, /* above the wall all along */
                  {{0, 0, 1, 2 * degree, 0}, root(sunken, 0, 1.5), 0.989, 0},
@@ -335,7 +339,7 @@ static void box_above_a_wall(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Of the tip, of what is first on the axis, of a part of it and of other needles. */
+/* Constraints on the tip, on the first object along the axis, on a part of it, and on other needles. */
 static void other_constraints(void **state)
 {
     (void)state;
@@ -398,7 +402,7 @@ static void other_constraints(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A needle that comes over the edge of the wall with 5 nm to spare, and a pose that breaks something as it is. */
+/* A needle that passes the edge of the wall with 5 nm to spare, and a pose that is not feasible itself. */
 static void grazed_and_broken(void **state)
 {
     (void)state;
@@ -411,7 +415,7 @@ static void grazed_and_broken(void **state)
     assert_ok(find(rows, &trial));
     const conus_tolerance *along = row_of(rows, CONUS_FREEDOM_X, false);
     assert_int_equal(along->method, CONUS_TOLERANCE_GRAZED);
-    assert_true(along->holds_to > 3.99 && along->holds_to < 4.01); /* the edge, less what slopes there */
+    assert_true(along->holds_to > 3.99 && along->holds_to < 4.01); /* the edge, less the slope there */
     assert_near(along->fails_at, 19, 2e-6);                        /* 1 mm of box 1 is left */
     assert_int_equal(along->constraint, 0);
     aim(&trial, (const double[]){0, 13, 11.5 - 1e-6}, (const double[]){1, 0, 0}, NAN, 26);
@@ -431,7 +435,7 @@ static void grazed_and_broken(void **state)
 
 enum { EDGE = 9, PLACES = 20, DEVIATIONS = 400 };
 
-/* A grid turned and flipped, of blobs of objects 1 and 2. */
+/* A turned and flipped grid with blobs of objects 1 and 2. */
 static conus_atlas *blobs(uint64_t *seed)
 {
     conus_volume_info grid = scene_grid(seed, (const size_t[]){EDGE, EDGE, EDGE});
@@ -450,7 +454,7 @@ static conus_atlas *blobs(uint64_t *seed)
     return scene_parcellation(&grid, labels);
 }
 
-/* Needles, and devices of three of which the last is aimed. */
+/* Needles, and devices of three needles whose last one is aimed. */
 static void random_needles(void **state)
 {
     (void)state;
@@ -519,7 +523,8 @@ static void random_needles(void **state)
     assert_true(found > 5);
 }
 
-/* The leeway of four contacts of seven is the fourth largest of as many tips': needles that end at them are tried. */
+/* The leeway of four contacts of seven is the fourth largest leeway of as many tips: needles that end at the contacts
+ * are tried. */
 static void contacts_are_as_many_tips(void **state)
 {
     (void)state;
@@ -594,7 +599,7 @@ static conus_status attempt(void *data)
     return status;
 }
 
-/* Each of the first ones, then ever fewer: a tolerance is thousands of verdicts. */
+/* Fails each of the first allocations, then ever fewer: a tolerance takes thousands of verdicts. */
 static void failing_allocations_are_survived(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Segments in a region (Eq. 19): chords in closed form, borders, and random segments and boxes against a search in long
- * double that knows a region only by how far a point is outside. */
+ * double that only uses the distance of a point outside of the region. */
 #include "base/geometry/math3.h"
 #include "selection/region/region_segment.h"
 #include "test.h"
@@ -25,7 +25,7 @@ static bool cut(double out[2], const struct region *region, const double a[3], c
     return region_segment(out, region, ends, inside);
 }
 
-/* mm of the segment that are inside; -1 where it does not come in. */
+/* mm of the segment that are inside; -1 if it does not enter. */
 static double inside_mm(const struct region *region, const double a[3], const double b[3])
 {
     double s[2];
@@ -35,8 +35,8 @@ static double inside_mm(const struct region *region, const double a[3], const do
 }
 
 /* The cone opens along z with half angle h. A line through (0, 0, z) at the angle b > h to the axis meets its sides at
- * z sin h / sin(b - h) and z sin h / sin(b + h) from there: the law of sines in the triangles of apex, point and side.
- */
+ * z sin h / sin(b - h) and z sin h / sin(b + h) from there: the law of sines in the triangles of apex, point and
+ * side. */
 static void test_cone_chords(void **state)
 {
     (void)state;
@@ -104,13 +104,14 @@ static void test_borders(void **state)
     (void)state;
     struct region region = cone_region((double[]){0, 0, 0}, (double[]){0, 0, 1}, 90);
     double s[2];
-    /* wholly inside, an end inside, and a point: exact, whatever is solved */
+    /* wholly inside, one end inside, and a point: exact, since no equation is solved */
     assert_true(cut(s, &region, (double[]){1, 2, 30}, (double[]){-3, 1, 40}));
     assert_true(s[0] == 0 && s[1] == 1);
     assert_true(cut(s, &region, (double[]){0, 0, 8}, (double[]){0, 0, 8}) && s[0] == 0 && s[1] == 1);
     assert_false(cut(s, &region, (double[]){9, 0, 8}, (double[]){9, 0, 8}));
     assert_true(cut(s, &region, (double[]){0, 0, 8}, (double[]){0, 0, -8}) && s[0] == 0 && s[1] == 0.5);
-    /* the nappe behind the apex is no part of it: not as a whole, and not where a line leaves one for the other */
+    /* the nappe behind the apex does not belong to the cone: neither as a whole, nor where a line goes from one to the
+     * other */
     assert_near(inside_mm(&region, (double[]){-50, 0, -30}, (double[]){50, 0, -30}), -1, 0);
     assert_near(inside_mm(&region, (double[]){0, 0, -40}, (double[]){0, 0, -30}), -1, 0);
     assert_near(inside_mm(&region, (double[]){1, 0, -40}, (double[]){1, 0, 40}), 39, 1e-12);
@@ -120,13 +121,13 @@ static void test_borders(void **state)
     region_ball(&region, (double[]){0, 0, 0}, 4); /* touched at one point, and missed by the least */
     assert_near(inside_mm(&region, (double[]){-8, 4, 0}, (double[]){8, 4, 0}), 0, 0);
     assert_near(inside_mm(&region, (double[]){-8, nextafter(4, 5), 0}, (double[]){8, nextafter(4, 5), 0}), -1, 0);
-    /* a segment that ends at the border, and one that only its line brings in */
+    /* a segment that ends at the border, and one whose line enters, but not the segment */
     assert_near(inside_mm(&region, (double[]){8, 0, 0}, (double[]){4, 0, 0}), 0, 0);
     assert_near(inside_mm(&region, (double[]){8, 0, 0}, (double[]){5, 0, 0}), -1, 0);
 }
 
-/* How many mm a point is beyond the border, as the distance from the tangent plane nearest to it; of a range's ends the
- * larger. A convex function of the point, 0 at the border, of slope 1 or less. */
+/* mm by which a point is beyond the border: its distance from the nearest tangent plane, or from an end of the range if
+ * that is larger. It is a convex function of the point, 0 at the border, of slope 1 or less. */
 static long double outside(const struct region *region, double ends[2][3], long double s)
 {
     long double p[3];
@@ -150,7 +151,7 @@ static long double outside(const struct region *region, double ends[2][3], long 
     return fmaxl((away - rim) * cosine, fmaxl(region->near - z, z - region->far));
 }
 
-/* Where the segment is deepest, by thirds; the function is convex. */
+/* The place where the segment is deepest, by thirds, since the function is convex. */
 static long double deepest(const struct region *region, double ends[2][3])
 {
     long double low = 0;
@@ -174,7 +175,7 @@ static void random_vector(double out[3], uint64_t *seed, double size)
     }
 }
 
-/* Any of five shapes, with a range or without. */
+/* A region of one of five shapes, with a range or without. */
 static struct region random_region(uint64_t *seed, double size)
 {
     struct cone cone = {.resolution = 16};
@@ -202,7 +203,7 @@ static struct region random_region(uint64_t *seed, double size)
     return region;
 }
 
-/* Segments of all lengths, some towards the apex, along the axis, along a side, or of equal ends. */
+/* Segments of all lengths, some towards the apex, along the axis or along a side, or with equal ends. */
 static void random_segment(double ends[2][3], uint64_t *seed, const struct region *region, double size)
 {
     double length = size * pow(10, test_random(seed, -4, 0.5));
@@ -234,7 +235,7 @@ static void check_segment(struct tally *tally, const struct region *region, doub
     long double at = deepest(region, ends);
     long double depth = outside(region, ends, at);
     if (fabsl(depth) <= allowed) {
-        tally->graze++; /* and either answer is right, but for what follows */
+        tally->graze++; /* and either answer is right, but for the conditions below */
     } else {
         assert_true(in == (depth < 0));
     }
@@ -272,7 +273,7 @@ static void test_random_segments(void **state)
     assert_true(tally.in > 5000 && tally.out > 5000 && tally.whole > 1000 && tally.graze < 3000);
 }
 
-/* Segments that touch, up to some last bits: the ball's and the cylinder's tangents, moved by a few of them. */
+/* Segments that touch, up to some last bits: tangents of the ball and the cylinder, moved by a few bits. */
 static void test_grazing(void **state)
 {
     (void)state;
@@ -285,7 +286,7 @@ static void test_grazing(void **state)
         random_segment(ends, &seed, &region, 100);
         depth = (double)outside(&region, ends, deepest(&region, ends));
         const double shift = depth * (1 + test_random(&seed, -1, 1) * pow(10, test_random(&seed, -16, -6)));
-        for (int a = 0; a < 3; a++) { /* the region moves towards the segment by what they are apart */
+        for (int a = 0; a < 3; a++) { /* the region moves towards the segment by the distance between them */
             double towards = ends[0][a] + (double)deepest(&region, ends) * (ends[1][a] - ends[0][a]) - region.origin[a];
             region.origin[a] += region.shape == REGION_BALL ? towards / (depth + region.radius) * shift : 0;
         }

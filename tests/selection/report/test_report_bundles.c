@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reports about bundles (Eq. 19): columns that tables have for them alone. The numbers are those of the four lines of
+/* Reports about bundles (Eq. 19): the columns that only bundles have. The numbers are those of the four lines of
  * tract_scene.h: a cylinder of 5 mm about the axis z holds 10 mm of the first and 8 mm (3-4-5) of the second. And the
  * points of streamlines in conus_report_voxels(): in closed form, and against a loop over all points. */
 #include "atlas/bundles.h"
@@ -47,7 +47,7 @@ static void assert_has(const char *text, const char *part)
     }
 }
 
-/* The nearest point, (0, 0, 30), is in the middle of its line. The rows of what is no bundle have n/a. */
+/* The nearest point, (0, 0, 30), is in the middle of its line. Rows of other objects have n/a. */
 static void tables_have_columns_for_bundles(void **state)
 {
     (void)state;
@@ -76,7 +76,7 @@ static void json_has_them(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Where the nearest point is along the bundle TSV has, and means only where something has values. */
+/* Only TSV has the place of the nearest point along the bundle; means are shown only for columns with values. */
 static void people_read_them(void **state)
 {
     (void)state;
@@ -93,7 +93,7 @@ static void people_read_them(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Hidden bundles are as if they were not there, and so are their columns. */
+/* Hidden bundles are as if they had not been loaded, and have no columns. */
 static void without_bundles_nothing_changes(void **state)
 {
     (void)state;
@@ -101,7 +101,7 @@ static void without_bundles_nothing_changes(void **state)
     const bool hidden[3] = {false, true, false};
     assert_ok(conus_atlas_set_hidden(atlas, hidden));
     char *text = report_of(atlas, CONUS_FORMAT_TSV, 0);
-    assert_has(text, "\tstreamlines\t"); /* of the one that is left */
+    assert_has(text, "\tstreamlines\t"); /* for the bundle that is left */
     free(text);
     conus_atlas_destroy(atlas);
     atlas = NULL;
@@ -117,9 +117,9 @@ static void without_bundles_nothing_changes(void **state)
 
 static const char voxel_header[] = "query\tpathway\ti\tj\tk\tx\ty\tz\tvalue\tdistance_mm\tkind\tindex\n";
 
-/* Streamlines along x at z = 30, one point a mm from -14 to 14: 0 and 3 at y = 0, 2 at y = 3; 1 has no point, 4 the one
- * point (0, 1, 30). Point 16, at x = 2, is where a run ends and the next begins. "both" is 0, 1, 2 and 4, "second" 2
- * and 3. */
+/* Streamlines along x at z = 30, with a point each mm from -14 to 14: 0 and 3 at y = 0, 2 at y = 3; 1 has no point, 4
+ * the one point (0, 1, 30). At point 16, x = 2, a run ends and the next begins. "both" is 0, 1, 2 and 4, "second" 2 and
+ * 3. */
 static conus_atlas *points_atlas(void)
 {
     static const uint32_t both[] = {0, 1, 2, 4};
@@ -142,7 +142,7 @@ static conus_atlas *points_atlas(void)
     return atlas;
 }
 
-/* A query that is a cylinder of 5.5 mm about the axis z, with these layers. */
+/* Adds a query with a cylinder of 5.5 mm about the axis z, with these layers. */
 static conus_status add_tube(conus_report **report, const conus_atlas *atlas, conus_layers layers, const char *name)
 {
     conus_selector *selector = NULL;
@@ -160,7 +160,7 @@ static conus_status add_tube(conus_report **report, const conus_atlas *atlas, co
     return status;
 }
 
-/* The points of one line whose |x| is up to @p reach. */
+/* Writes the points of one line whose |x| is up to @p reach. */
 static void put_line(struct buffer *out, const char *begin, int streamline, int y, int reach, const char *end)
 {
     for (int x = -reach; x <= reach; x++) {
@@ -192,7 +192,8 @@ static void check_voxels(conus_report *report, struct buffer *wanted)
     buffer_finish(wanted);
 }
 
-/* By bundle, streamline and point, each once in each of its bundles; not those of a hidden one; none of first hits. */
+/* Points are listed by bundle, streamline and point, each once in each of its bundles. Hidden bundles have none, and
+ * neither have first hits. */
 static void points_of_lines_in_a_cylinder(void **state)
 {
     (void)state;
@@ -249,7 +250,7 @@ static void put_point(struct buffer *out, const char *begin, uint32_t object, co
     buffer_format(out, "\tbundle\t%u\n", object);
 }
 
-/* Object 1 are the even streamlines, object 2 the others. */
+/* Object 1 is the even streamlines, object 2 the others. */
 static size_t put_all_points(struct buffer *out, const conus_atlas *atlas, const struct region *region)
 {
     const struct tractogram *tractogram = &atlas->tractograms[0];
@@ -302,7 +303,7 @@ static void points_of_walks_as_by_a_loop(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Of two atlases the one without bundles has no points, and n/a in the columns of the other. */
+/* The atlas without bundles has no points, and n/a in the columns of the other atlas. */
 static void one_of_two_atlases_has_bundles(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reports on how far needles stay from objects, of boxes whose distances are arithmetic. */
+/* Reports on the clearance of needles from boxes, whose distances follow by arithmetic. */
 #include "atlas/atlas.h"
 #include "conus/report.h"
 #include "mesh_scene.h"
@@ -46,7 +46,7 @@ static void destroy(struct made *made)
     conus_atlas_destroy(made->atlas);
 }
 
-/* The text of a report with the needle as query a; end the report. */
+/* The text of a report on the needle as query a; the caller ends the report. */
 static const char *text_of(conus_report **out, const struct made *made, const conus_report_options *options)
 {
     const char *text = NULL;
@@ -101,7 +101,7 @@ static void people_are_told_what_touches(void **state)
     destroy(&made);
 }
 
-/* A device without a thickness or an end, which nothing is near to. */
+/* A device without a radius and a far end, and no object near to it. */
 static void people_are_told_what_is_not_there(void **state)
 {
     (void)state;

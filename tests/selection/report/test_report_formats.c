@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reports in other programs' formats: what they take, and that they survive a lack of memory. */
+/* Reports in other programs' formats: the kinds of rows that they take, and failing allocations. */
 #include "base/buffer.h"
 #include "conus/report.h"
 #include "region_scene.h"
@@ -94,7 +94,7 @@ static void a_table_has_a_row_for_each_answer(void **state)
     report_scene_destroy(&scene);
 }
 
-/* Taken answer by answer, the parts are the whole. */
+/* The parts, taken answer by answer, make the whole. */
 static void parts_join_without_a_seam(void **state)
 {
     (void)state;
@@ -127,8 +127,8 @@ static void parts_join_without_a_seam(void **state)
     report_scene_destroy(&scene);
 }
 
-/* Rows are written by hand: parsed and dumped by jansson they are the same bytes, also of numbers with exponents, zeros
- * with a sign, and names that need care. */
+/* The writer does not use jansson: parsed and dumped by jansson its rows are the same bytes, also with exponents, zeros
+ * with a sign, and names that need escapes. */
 static void json_is_what_jansson_writes(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reports on several atlases that are joined: their rows are those of each report, put together with a column. */
+/* Joined reports on several atlases: the rows of each report, put together with a column. */
 #include "base/buffer.h"
 #include "conus/report.h"
 #include "report_scene.h"
@@ -18,7 +18,7 @@ struct scenes {
     struct report_scene at[ATLASES];
 };
 
-/* Three atlases that differ, asked the same. */
+/* Three different atlases with the same queries. */
 static struct scenes create_scenes(void)
 {
     struct scenes scenes;
@@ -35,7 +35,7 @@ static void destroy_scenes(struct scenes *scenes)
     }
 }
 
-/* Query `index`: the second one has no answer. */
+/* Adds query `index`; the second one has no answer. */
 static conus_status add_query(conus_report *report, const struct report_scene *scene, conus_rows rows, int index)
 {
     char id[16];
@@ -65,7 +65,7 @@ static const char *cell_of(conus_format format, size_t atlas)
     return format == CONUS_FORMAT_CSV ? in_csv[atlas] : format == CONUS_FORMAT_NDJSON ? in_json[atlas] : names[atlas];
 }
 
-/* What reports on each atlas alone write, query by query. */
+/* The wanted text: the rows of reports on each atlas alone, query by query. */
 static void put_wanted(struct buffer *out, const struct scenes *scenes, const conus_report_options *options)
 {
     conus_report *reports[ATLASES];
@@ -89,7 +89,7 @@ static void put_wanted(struct buffer *out, const struct scenes *scenes, const co
     assert_ok(buffer_status(out));
 }
 
-/* Joined, without queries yet. */
+/* Joins reports without queries. */
 static conus_status join(conus_report *out[ATLASES], const struct scenes *scenes, const conus_report_options *options)
 {
     conus_status status = CONUS_OK;
@@ -121,7 +121,7 @@ static void check_rows(const struct scenes *scenes, const conus_report_options *
     assert_ok(join(whole, scenes, options));
     assert_ok(join(taken, scenes, options));
     for (int query = 0; query < QUERIES; query++) {
-        for (size_t i = ATLASES; i-- > 0;) { /* in whatever order they are asked */
+        for (size_t i = ATLASES; i-- > 0;) { /* the order in which they are asked does not matter */
             assert_ok(add_query(whole[i], &scenes->at[i], options->rows, query));
             assert_ok(add_query(taken[i], &scenes->at[i], options->rows, query));
         }
@@ -150,7 +150,7 @@ static void rows_are_those_of_each_atlas_with_its_name(void **state)
     destroy_scenes(&scenes);
 }
 
-/* Two angles of one pose have one id: those of an atlas come before those of the next. */
+/* Two angles of one pose have one id: the rows of an atlas come before those of the next. */
 static void shares_of_a_pose_stay_together(void **state)
 {
     const conus_report_options options = {.rows = CONUS_ROWS_SHARES, .format = CONUS_FORMAT_NDJSON};
@@ -193,7 +193,7 @@ static void put_voxels(struct buffer *out, const struct report_scene *scene, con
     conus_report_destroy(report);
 }
 
-/* The same pose twice, an error between them: its voxels come twice, each time those of all atlases. */
+/* The same pose twice, with an error between: its voxels come twice, each time those of all atlases. */
 static void voxels_have_the_name_of_their_atlas(void **state)
 {
     struct scenes scenes = create_scenes();
@@ -221,7 +221,7 @@ static void voxels_have_the_name_of_their_atlas(void **state)
     destroy_scenes(&scenes);
 }
 
-/* Rows of a moved atlas have columns that those of another have not. */
+/* Rows on a moved atlas have columns that rows on another one lack. */
 static void a_moved_atlas_is_joined_with_moved_ones_only(void **state)
 {
     const double identity[16] = {[0] = 1, [5] = 1, [10] = 1, [15] = 1};
@@ -250,7 +250,7 @@ static void a_moved_atlas_is_joined_with_moved_ones_only(void **state)
     destroy_scenes(&scenes);
 }
 
-/* Their columns, or the questions, would not be the same. */
+/* Refused, since their columns or queries would differ. */
 static void what_does_not_belong_together_is_not_joined(void **state)
 {
     static const conus_report_options other[] = {{.atlas = "first"},
@@ -292,7 +292,7 @@ static void what_does_not_belong_together_is_not_joined(void **state)
     destroy_scenes(&scenes);
 }
 
-/* Other programs know no such column, and a name is needed. */
+/* Formats of other programs have no column for the atlas, and a name is needed. */
 static void some_reports_have_no_such_column(void **state)
 {
     struct report_scene scene = report_scene_create();

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reports on plans: all kinds of rows and formats, of needles beside a box, whose numbers follow by arithmetic. */
+/* Reports on plans: all kinds of rows and formats, for needles beside a box, whose numbers follow by arithmetic. */
 #include "base/files/file.h"
 #include "conus/report.h"
 #include "mesh_scene.h"
@@ -21,8 +21,8 @@ static const conus_constraint CONSTRAINTS[] = {
     {.kind = CONUS_CONSTRAINT_LEAN, .direction = {0, 0, 2}, .limit = 2},
 };
 
-/* Axes along x from 0 through the box from 10 to 40, to the depths 16, 13 and 27; another box is from 30 on, beside
- * which that of the first is all around. */
+/* Axes along x from 0 through the box from 10 to 40, to the depths 16, 13 and 27. A second box begins at 30; around it
+ * is that of the first. */
 static struct made make(void)
 {
     static const char needles[] = "query_id\tx\ty\tz\tdx\tdy\tdz\tfar\n"
@@ -54,7 +54,7 @@ static void destroy(struct made *made)
     conus_atlas_destroy(made->atlas);
 }
 
-/* All text of one report; the report is the caller's. */
+/* Writes all text of a report, which is the caller's. */
 static conus_status write_report(conus_report **out, const char **text, const struct made *made, conus_rows rows,
                                  conus_format format)
 {
@@ -68,8 +68,8 @@ static conus_status write_report(conus_report **out, const char **text, const st
     return status ? status : conus_report_text(text, &size, *out);
 }
 
-/* Whether the text of such a report has these lines from line `first` on, cells of TSV separated by spaces; without the
- * leeways of constraints, which are lower bounds. */
+/* Asserts that the report has these lines from line `first` on, with spaces for tabs, and without the leeways of
+ * constraints, which are lower bounds. */
 static void has_lines(const struct made *made, conus_rows rows, size_t first, const char *wanted)
 {
     conus_report *report = NULL;
@@ -93,7 +93,7 @@ static void has_lines(const struct made *made, conus_rows rows, size_t first, co
 }
 
 /* a is 6 mm in the first box and 14 mm from the second, c 17 and 3 mm, b 3 and 17 mm; all lean by 90 degrees, which is
- * less than 2 radians. c has 3 mm less the margin and the radius to spare, -0.5. */
+ * less than 2 radians. The slack of c is 3 mm less the margin and the radius, -0.5. */
 static void rows_follow_from_the_boxes(void **state)
 {
     (void)state;

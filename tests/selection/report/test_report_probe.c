@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Four blocks of 10 mm along x, from -20 mm on: 1 and 2 are of A, 3 of B, and both of All; 4 is nobody's. */
+/* Four blocks of 10 mm along x, from -20 mm on: 1 and 2 are parts of A, 3 of B, and both of All; 4 is in none. */
 static conus_atlas *make_atlas(void)
 {
     static uint8_t values[40];
@@ -110,7 +110,7 @@ static void make_frame(conus_frame *frame)
     }
 }
 
-/* The position at the start of a row, and the area with its side at the end. */
+/* A row starts with the position and ends with the area and its side. */
 static void electrodes_of_the_draft(void **state)
 {
     (void)state;
@@ -139,7 +139,7 @@ static void electrodes_of_the_draft(void **state)
     finish(&asked);
 }
 
-/* Positions in LPS, in place of those on the probe, and the units and words of each space. */
+/* Positions in LPS replace those on the probe, with the units and words of each space. */
 static void electrodes_in_a_space(void **state)
 {
     (void)state;
@@ -197,7 +197,7 @@ static void electrodes_in_a_space(void **state)
     finish(&asked);
 }
 
-/* One, Two and Three have A and B above them, which have All in common. */
+/* One, Two and Three are in A and B, which are both in All. */
 static void the_smallest_area_has_all_contacts(void **state)
 {
     (void)state;
@@ -224,7 +224,8 @@ static void the_smallest_area_has_all_contacts(void **state)
     finish(&asked);
 }
 
-/* Of the first probe 0 is the contact at x = -1, and 2 and 3 those at -5 and -15; of the second, the file's order. */
+/* On the first probe channel 0 is the contact at x = -1, and 2 and 3 are those at -5 and -15. The second probe has the
+ * file's order. */
 static void strings_follow_shanks_and_channels(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reports on what axes pass: the table for people, and shanks for SpikeGLX and Open Ephys, of boxes in each other. */
+/* Reports on the segments of axes: the table for people, and shanks for SpikeGLX and Open Ephys, in boxes inside each
+ * other. */
 #include "atlas/atlas.h"
 #include "conus/report.h"
 #include "mesh_scene.h"
@@ -9,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* From x = low to high; named by its number, of the colour 10 times it. */
+/* Adds a box from x = low to high, named by its number, with 10 times it as colour. */
 static void add_box(conus_atlas *atlas, double low, double high)
 {
     struct mesh box = mesh_scene_box((const double[]){low, -50, -50}, (const double[]){high, 50.5, 50.25});
@@ -25,8 +26,8 @@ struct made {
     conus_report *report;
 };
 
-/* An axis along x from 0, through boxes from 10 to 40 mm, in it from 20 to 30 and from 20 to 25 mm, and from 38 to 44
- * mm, which has a part with the first in common. */
+/* An axis along x from 0, through a box from 10 to 40 mm, boxes in it from 20 to 30 and from 20 to 25 mm, and one from
+ * 38 to 44 mm, which overlaps the first. */
 static struct made make(const conus_report_options *options, double far)
 {
     struct made made = {.atlas = mesh_scene_atlas()};
@@ -60,8 +61,8 @@ static const char *text_of(conus_report *report)
     return text;
 }
 
-/* At each depth one: the one entered last; from 20 to 25 mm, where two begin, the one that ends first; from 38 to 40 mm
- * the last one. Heights are from the tip at 50 mm. */
+/* Each depth has one area: the one entered last. From 20 to 25 mm, where two begin, it is the one that ends first; from
+ * 38 to 40 mm the last box. Heights are from the tip at 50 mm. */
 static void of_areas_in_each_other_the_innermost_counts(void **state)
 {
     (void)state;
@@ -79,8 +80,8 @@ static void of_areas_in_each_other_the_innermost_counts(void **state)
     destroy(&made);
 }
 
-/* Three rows of two: 5, 22 and 39 mm from the tip at 50 mm are 45, 28 and 11 mm deep, in none, the second and the
- * first. The next shank, which has no answer, keeps its channels; the one after it begins at 12. */
+/* Three rows of two: 5, 22 and 39 mm from the tip at 50 mm are 45, 28 and 11 mm deep: in none, in the second box and in
+ * the first. The next shank, which has no answer, keeps its channels; the one after it begins at 12. */
 static void channels_go_on_from_shank_to_shank(void **state)
 {
     (void)state;
@@ -155,7 +156,7 @@ static void what_does_not_go_together_is_refused(void **state)
     destroy(&made);
 }
 
-/* The table for people, with positions in LPS and an axis that meets nothing. */
+/* The table for people, with positions in LPS and an axis that meets no object. */
 static void people_get_a_table(void **state)
 {
     (void)state;

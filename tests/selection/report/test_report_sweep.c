@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Reports on sweeps: what they take, and that they survive a lack of memory in every format. */
+/* Reports on sweeps: the kinds of rows that they take, and failing allocations in every format. */
 #include "conus/report.h"
 #include "report_scene.h"
 #include "test.h"
@@ -29,7 +29,7 @@ static void only_what_it_is_for_is_taken(void **state)
     report_scene_destroy(&scene);
 }
 
-/* Two poses, an error and one of the poses again; then all that can be asked for. */
+/* Two poses, an error and one of the poses again; then every output. */
 static conus_status report_all(void *data)
 {
     const struct report_scene *scene = data;
@@ -74,7 +74,7 @@ static size_t count(const char *text, const char *word)
     return found;
 }
 
-/* Twelve angles of one pose: two tables, each with its header and each object once. */
+/* Twelve angles of one pose make two tables, each with its header and each object once. */
 static void shares_are_a_table_by_angle(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What reports say of results that are made up here, so that every value in the text can be worked out by hand. */
+/* Reports on made-up results, so that every value in the text can be worked out by hand. */
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "selection/report/report.h"
@@ -70,7 +70,7 @@ static conus_result result_of(uint32_t object, double score, double share, doubl
                           .centroid = {1.5, -2.5, 3.5}};
 }
 
-/* A query at a position, of a ball where `ball` is not 0. */
+/* Adds a query at a position, with a ball unless `ball` is 0. */
 static void add(struct made *made, const char *id, const double at[3], double ball, const conus_result *results,
                 size_t count)
 {
@@ -94,7 +94,7 @@ static void assert_text(struct made *made, const char *wanted)
 
 static const double nowhere[3] = {0, 0, 0};
 
-/* margin = 0.75 - 0.25: the scores' difference; the runner-up's share, 0.125, is another number. */
+/* The margin is the difference of the scores, 0.75 - 0.25, and not the runner-up's share, 0.125. */
 static void summaries_tell_by_how_much(void **state)
 {
     (void)state;
@@ -115,7 +115,7 @@ static void summaries_tell_by_how_much(void **state)
     finish(&made);
 }
 
-/* Nearest first; of equals the one with the better rank; what has no distance last. Neither is in the order of rank. */
+/* Nearest first; of equal distances the better rank; without a distance last. The list is not in the order of ranks. */
 static void afni_lists_all_by_distance(void **state)
 {
     (void)state;
@@ -145,7 +145,7 @@ static void afni_lists_all_by_distance(void **state)
     finish(&made);
 }
 
-/* Contacts along +z: in micrometres from the first. */
+/* Adds a contact along +z, in micrometres from the first. */
 static void add_contact(struct made *made, const char *id, double micrometres, uint32_t object)
 {
     const conus_result results[] = {result_of(object, 1, 0.75, 0), result_of(0, 0, 0.25, NAN)};
@@ -170,8 +170,8 @@ static void areas_border_halfway_between_contacts(void **state)
     finish(&made);
 }
 
-/* Contacts that go back: the borders 30, (60 - 20) / 2 = 20 and (-20 + 80) / 2 = 30 become 30, 30, 30; none goes back.
- */
+/* Contacts that go back: the borders 30, (60 - 20) / 2 = 20 and (-20 + 80) / 2 = 30 become 30, 30, 30, so that none
+ * goes back. */
 static void borders_never_go_back(void **state)
 {
     (void)state;
@@ -197,7 +197,7 @@ static void channels_count_from_0_and_skip_nothing(void **state)
     finish(&made);
 }
 
-/* Each trajectory would be a shank of its own, all of whose areas lie from 0 to 0. */
+/* Each trajectory would be a separate shank, all of whose areas lie from 0 to 0. */
 static void what_is_no_probe_is_refused(void **state)
 {
     (void)state;
@@ -242,7 +242,7 @@ static void a_contact_has_its_best_answer(void **state)
     finish(&made);
 }
 
-/* The text of a named column in the first row of a TSV. */
+/* The text in a column of the first row of a TSV. */
 static void cell_of(char out[64], struct made *made, const char *name)
 {
     const char *text = NULL;
@@ -262,7 +262,7 @@ static void cell_of(char out[64], struct made *made, const char *name)
     snprintf(out, 64, "%.*s", (int)field.size, field.data);
 }
 
-/* x and y of LPS grow to the left and to the back: each position of a row is turned. */
+/* x and y of LPS grow to the left and to the back: the signs of every position in a row change. */
 static void lps_turns_every_position(void **state)
 {
     (void)state;

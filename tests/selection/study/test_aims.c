@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Poses that lie or look where they hardly should (conus_aims): cones and boxes against many rays, counts by hand. */
+/* Poses that lie or point where they hardly should (conus_aims): cones and boxes against many rays, counts by hand. */
 #include "base/geometry/math3.h"
 #include "mesh_scene.h"
 #include "scene.h"
@@ -13,7 +13,7 @@ static double random_part(uint64_t *state)
     return test_random(state, 0, 1);
 }
 
-/* The smallest angle to the axis, as a tangent, of points of the box: those of a fine grid on its faces and inside. */
+/* The smallest angle to the axis, as a tangent, of points of the box: points of a fine grid on its faces and inside. */
 static double least_slope(const conus_pose *pose, const double low[3], const double high[3])
 {
     enum { STEPS = 40 };
@@ -33,8 +33,8 @@ static double least_slope(const conus_pose *pose, const double low[3], const dou
     return least;
 }
 
-/* A point of the grid is never farther than the box, and the box is never much nearer than the grid: a cone that holds
- * a point never misses, and one that is narrower by the grid's coarseness does. */
+/* No point of the grid is farther than the box, and the box is hardly nearer than the grid. So a cone that holds a
+ * point of it never misses the box, and a cone narrower by the grid's spacing does. */
 static void a_cone_misses_a_box_that_it_holds_no_point_of(void **state)
 {
     (void)state;
@@ -96,7 +96,7 @@ static void the_border_is_sharp(void **state)
     assert_false(aims_past(&cone, low, high));
 }
 
-/* Nothing that conus_select() meets is missed. */
+/* A pose that hits something by conus_select() never counts as missing. */
 static void what_is_hit_is_not_missed(void **state)
 {
     (void)state;
@@ -195,7 +195,7 @@ static void poses_are_counted_by_kind(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A needle begins inside. */
+/* A needle may begin inside. */
 static void a_cylinder_may_begin_inside(void **state)
 {
     (void)state;
@@ -217,7 +217,7 @@ static void a_cylinder_may_begin_inside(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* From the corner (x + 3, y + 4, z) of the box the way is 5 mm. */
+/* From the corner (x + 3, y + 4, z) of the box the distance is 5 mm. */
 static void points_may_lie_apart(void **state)
 {
     (void)state;
@@ -271,8 +271,8 @@ static uint64_t inside_first(const conus_atlas *atlas, const conus_selector_opti
     return inside.count ? inside.first : 0;
 }
 
-/* A box of 20 mm that faces inwards, number 2 a box in it of 4 mm, number 3 an open box elsewhere. Where points lie is
- * plain from their coordinates. */
+/* A box of 20 mm that faces inwards; number 2 is a box in it of 4 mm, number 3 an open box elsewhere. The coordinates
+ * show where points lie. */
 static void a_device_may_lie_inside_a_closed_surface(void **state)
 {
     (void)state;
@@ -282,7 +282,7 @@ static void a_device_may_lie_inside_a_closed_surface(void **state)
     struct mesh open = mesh_scene_box((double[]){30, -10, -10}, (double[]){50, 10, 10});
     const conus_selector_options plain = {0};
     uint32_t object;
-    mesh_scene_turn(&outer); /* whose volume is below 0 */
+    mesh_scene_turn(&outer); /* its volume is below 0 */
     open.triangle_count--;   /* the rest is not closed */
     mesh_scene_add(atlas, &outer);
     mesh_scene_add(atlas, &inner);
@@ -299,7 +299,7 @@ static void a_device_may_lie_inside_a_closed_surface(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Boxes of 4 and of 20 mm around a point, the smaller one first and last in the atlas: it is always the smaller. */
+/* Boxes of 4 and of 20 mm around a point, the smaller one first or last in the atlas: the smaller one counts. */
 static void the_smallest_surface_around_counts_in_any_order(void **state)
 {
     (void)state;
@@ -318,7 +318,7 @@ static void the_smallest_surface_around_counts_in_any_order(void **state)
     }
 }
 
-/* In the box around a torus of radii 10 and 3 mm, but only in places in its tube. */
+/* In the box around a torus of radii 10 and 3 mm only places in its tube are inside. */
 static void the_box_of_a_surface_is_not_its_inside(void **state)
 {
     (void)state;
@@ -333,7 +333,7 @@ static void the_box_of_a_surface_is_not_its_inside(void **state)
     assert_int_equal(inside_first(atlas, &plain, last, 3, &object), 3);
     assert_int_equal(object, 1);
     const conus_selector_options sliced = {.sampling = CONUS_SAMPLING_SLICES};
-    assert_int_equal(inside_first(atlas, &sliced, last, 3, &object), 0); /* which have no inside */
+    assert_int_equal(inside_first(atlas, &sliced, last, 3, &object), 0); /* slices know no inside */
     conus_atlas_destroy(atlas);
 }
 
@@ -351,8 +351,8 @@ static conus_reading reading_of(conus_selector *selector, const double from[3], 
     return reading;
 }
 
-/* All of them were meant to be at (160, 42, -5) and to look along -x, which hits 1 at x = 110. Where x and y change
- * their signs, the cone passes the block at a distance of 72 - 270 tan 0.1 = 45 mm or more. */
+/* All poses were meant to be at (160, 42, -5) and to look along -x, which hits 1 at x = 110. If x and y change their
+ * signs, the cone passes the block at a distance of 72 - 270 tan 0.1 = 45 mm or more. */
 static void a_pose_is_read_in_other_ways(void **state)
 {
     (void)state;
@@ -381,15 +381,15 @@ static void a_pose_is_read_in_other_ways(void **state)
         assert_near(m[12], 160, 1e-9);
         assert_near(m[13], 42, 1e-9);
         assert_near(m[14], -5, 1e-9);
-        assert_near(m[8], 1, 1e-12); /* it looks along -z of its own */
+        assert_near(m[8], 1, 1e-12); /* its own -z is its axis */
     }
     conus_selector_destroy(selector);
     conus_atlas_destroy(atlas);
 }
 
-/* From (0, 0, 50) upwards no way leads to the block, and a good pose needs none. The last looks at the block from less
- * than 1 mm: with x and y of its position negated it would, too, but of such a pose only the unit is doubted, and from
- * (200, 80, 0) it looks away. */
+/* From (0, 0, 50) no reading of an upward pose hits the block, and a pose that hits needs none. The last pose hits the
+ * block from less than 1 mm: with x and y of its position negated it would, too, but for such a pose only the unit is
+ * doubted, and from (200, 80, 0) it points away. */
 static void a_pose_may_have_no_other_reading(void **state)
 {
     (void)state;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Eq. 21: how far a needle stays from objects. Cells, triangles and tubes in closed form, and against a search that
- * knows no more than how far a point is from a cell, a triangle or a polyline. */
+/* Eq. 21: the clearance of needles from objects. Cells, triangles and tubes in closed form, and against a search that
+ * only uses the distance of a point from a cell, a triangle or a polyline. */
 #include "atlas/atlas.h"
 #include "atlas/bundles.h"
 #include "atlas/surface/mesh_near.h"
@@ -35,7 +35,7 @@ static conus_pose along(double x, double y, double z, double dx, double dy, doub
     return pose;
 }
 
-/* A row that is known: distance, depth, and the nearest point. */
+/* A known row: distance, depth, and the nearest point. */
 struct wanted {
     uint32_t object;
     double distance, depth;
@@ -88,7 +88,7 @@ static void a_box_is_as_far_as_its_nearest_part(void **state)
         /* touches a corner, and runs in a face */
         {{9, 21, 32}, {1, 1, 1}, {0, 0}, {1, 0, 0, {9, 21, 32}}},
         {{11, 0, 30}, {0, 1, 0}, {0, 0}, {1, 0, 18, {11, 18, 30}}},
-        /* looks away */
+        /* points away */
         {{10, 20, 40}, {0, 0, 1}, {0, 0}, {1, 7, 0, {10, 20, 33}}},
     };
     conus_atlas *atlas = one_cell();
@@ -105,8 +105,8 @@ static void a_box_is_as_far_as_its_nearest_part(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* How far `point` is from a cell, by the offsets x along its edges, each found in turn while the others are held: the
- * function is convex. Takes nothing of the library but the matrix. */
+/* Distance of `point` from a cell, by minimising the offsets x along its edges in turn while the others are fixed: the
+ * function is convex. Uses nothing of the library but the matrix. */
 static long double cell_distance(const struct volume *volume, const double voxel[3], const long double point[3])
 {
     const double *m = volume->info.world_from_voxel;
@@ -170,7 +170,8 @@ static double least_of_cell(const struct cell *cell, const struct needle *needle
     return (double)distance_at(cell, needle, low);
 }
 
-/* Cells of `object` that could be as near as `least`, by their centres and half diagonals; the least of them. */
+/* The least distance of the cells of `object`, of those that may be nearer than `least` by their centres and half
+ * diagonals. */
 static double least_of_object(const conus_atlas *atlas, uint32_t object, const struct needle *needle, double least)
 {
     double found = INFINITY;
@@ -244,7 +245,7 @@ static void volumes_are_as_far_as_their_nearest_cell(void **state)
     assert_true(apart > 200);
 }
 
-/* What the selector's last needle is from each object, for the limit alone; needles of any length. */
+/* Clearances of the selector's last needle, of any length, from each object, within the limit. */
 static const struct clearance *take(conus_selector *selector, const uint32_t *groups, const struct needle *needle,
                                     double limit)
 {
@@ -258,7 +259,7 @@ static const struct clearance *take(conus_selector *selector, const uint32_t *gr
     return &selector->clearance;
 }
 
-/* A needle of no length is a ball's centre. */
+/* A needle of length 0 is a ball's centre. */
 static void a_point_is_as_far_as_a_ball_says(void **state)
 {
     (void)state;
@@ -297,7 +298,7 @@ static void a_point_is_as_far_as_a_ball_says(void **state)
     assert_true(rows > 100);
 }
 
-/* Neither the limit nor what else is asked changes a bit; a group has the least of its members. */
+/* Neither the limit nor the other objects change a bit; a group has the least of its members. */
 static void an_answer_does_not_depend_on_the_question(void **state)
 {
     (void)state;
@@ -368,7 +369,7 @@ static void distances_fall_with_the_far_end(void **state)
     }
 }
 
-/* The grid and the needle moved together, as far as a metre. */
+/* The grid and the needle are moved together, by up to a metre. */
 static void motion_changes_nothing(void **state)
 {
     (void)state;
@@ -510,7 +511,7 @@ static void triangles_are_as_far_as_a_search_says(void **state)
     assert_true(crossed > 10 && crossed < 100);
 }
 
-/* The tree finds the same as all triangles, one by one. */
+/* The tree finds the same as a loop over all triangles. */
 static void surfaces_are_as_far_as_their_nearest_triangle(void **state)
 {
     (void)state;
@@ -551,7 +552,8 @@ static void surfaces_are_as_far_as_their_nearest_triangle(void **state)
     }
 }
 
-/* A closed box from (-3, -2, -1) to (3, 2, 1) as a surface: from inside, into it, past it. A sheet has no inside. */
+/* A closed box from (-3, -2, -1) to (3, 2, 1) as a surface: from inside, into it, past it. An open surface has no
+ * inside. */
 static void a_surface_is_entered_or_begun_in(void **state)
 {
     (void)state;
@@ -611,7 +613,7 @@ static void a_surface_with_holes_has_no_inside(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Half a nanometre beside the face x = 11 of the cell is touching, two are not. */
+/* Half a nanometre from the face x = 11 of the cell counts as touching, two do not. */
 static void what_rounding_may_make_of_touching_is_touching(void **state)
 {
     (void)state;
@@ -693,7 +695,7 @@ static void tubes_are_as_far_as_their_lines_less_the_radius(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* No point of the segment from line[0] to line[1] is nearer: its middle's distance, less half of its length. */
+/* Lower bound for the distance of a segment from line[0] to line[1]: its middle's distance, less half of its length. */
 static double distance_of_middle(double line[3][3], const struct needle *needle)
 {
     double half[3];
@@ -707,7 +709,7 @@ static double distance_of_middle(double line[3][3], const struct needle *needle)
     return vec3_length(foot) - vec3_length(half);
 }
 
-/* Streamlines at random, some of one point, in groups: against every segment, by a search along the needle. */
+/* Random streamlines, some of one point, in groups: against every segment, by a search along the needle. */
 static void bundles_are_as_far_as_their_nearest_tube(void **state)
 {
     (void)state;
@@ -803,7 +805,7 @@ static void the_radius_is_taken_off(void **state)
     clearances = measure(atlas, &thick, &pose, 0.7499);
     assert_int_equal(conus_clearances_count(clearances), 0);
     conus_clearances_destroy(clearances);
-    /* hidden objects, and a context, are nowhere */
+    /* hidden objects and a context are left out */
     uint64_t seed = 1;
     scene_add_blockers(atlas, &seed, (const size_t[]){5, 5, 5}, 0.9);
     assert_ok(conus_atlas_set_hidden(atlas, (const bool[]){false, true, false}));
@@ -814,7 +816,7 @@ static void the_radius_is_taken_off(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* With the index that was made before it was shared, or one of its own. */
+/* With the index made before the selector was shared, or with a separate one. */
 static void a_shared_selector_measures_as_well(void **state)
 {
     (void)state;

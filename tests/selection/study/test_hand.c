@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A trembling hand that presses a button (Eq. 12): what a history and the look back at the press are worth. The figures
- * of docs/model.md are these. */
+/* A trembling hand that presses a button (Eq. 12): the value of a history, and of looking back at the press.
+ * docs/model.md has the same figures. */
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/text.h"
@@ -16,7 +16,7 @@
 
 enum { TRIALS = 200 };
 
-/* Of how often something happens only all trials can tell. */
+/* Frequencies need all trials. */
 static void need_all_trials(void)
 {
     if (test_trials(TRIALS) < TRIALS) {
@@ -111,7 +111,7 @@ static double figure_in_docs(const char *page, const char *name, int column)
     return 0;
 }
 
-/* To the last digit but for what another libm makes of a borderline trial. */
+/* The figures are equal to the last digit, but for a borderline trial that another libm may decide otherwise. */
 static void the_documents_say_so(void **state)
 {
     const struct fixture *fixture = *state;
@@ -130,7 +130,7 @@ static void the_documents_say_so(void **state)
     bytes_finish(&bytes);
 }
 
-/* The poses as a file gives them back, digits cut, lead to the same. */
+/* The poses read back from a file, with digits cut off, lead to the same. */
 static void the_record_can_be_followed(void **state)
 {
     const struct fixture *fixture = *state;
@@ -165,7 +165,7 @@ static void the_record_can_be_followed(void **state)
 
 enum { CHECKS = 40, OBJECTS = 117 };
 
-/* Scores of a quick sweep over the left hemisphere, ten times a second for four seconds; 0 where there is none. */
+/* Scores during a quick sweep over the left hemisphere, ten times a second for four seconds; 0 if there is none. */
 static void sweep(double scores[CHECKS][OBJECTS], const conus_atlas *atlas, const char *score, int rate)
 {
     conus_selector *selector = NULL;
@@ -191,7 +191,7 @@ static void sweep(double scores[CHECKS][OBJECTS], const conus_atlas *atlas, cons
     conus_selector_destroy(selector);
 }
 
-/* Root mean square over what either of them has. */
+/* Root mean square over the entries that either of them has. */
 static double difference(double a[CHECKS][OBJECTS], double b[CHECKS][OBJECTS])
 {
     double sum = 0;
@@ -206,8 +206,8 @@ static double difference(double a[CHECKS][OBJECTS], double b[CHECKS][OBJECTS])
     return sqrt(sum / (double)count);
 }
 
-/* Areas appear from behind others, and contributions jump by pixels: what happens between two frames, no filter knows.
- * The limits are a little above the figures of docs/model.md. */
+/* Areas appear from behind others, and contributions jump by pixels: a filter cannot know what happens between two
+ * frames. The limits are a little above the figures of docs/model.md. */
 static void rates_differ_by_what_happens_between_frames(void **state)
 {
     const struct fixture *fixture = *state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a track remembers (Eq. 12): filters that are exact in time, and a window of entries and exits. */
+/* A track's history (Eq. 12): filters that are exact in time, and a window of entries and exits. */
 #include "base/geometry/math3.h"
 #include "selection/measure/history.h"
 #include "test.h"
@@ -32,7 +32,7 @@ static void filters_solve_their_equation(void **state)
     }
 }
 
-/* Cutting a step in two, whose inputs lie on one line, changes nothing, wherever the input and the state cross. */
+/* A step may be cut in two whose inputs lie on one line: nothing changes, wherever the input and the state cross. */
 static void steps_may_be_cut(void **state)
 {
     (void)state;
@@ -64,7 +64,7 @@ static void filters_stay_between_their_inputs(void **state)
     assert_near(filter_linear(0.5, 1e-12, 1, 0, 1e-9), 0.5, 1e-12);
 }
 
-/* c_s = c_g = 1/2 at 60 Hz, as the tracker has them. */
+/* c_s = c_g = 1/2 at 60 Hz, as in the tracker. */
 static struct history_constants constants(void)
 {
     return (struct history_constants){
@@ -169,7 +169,7 @@ static void at_the_reference_rate_it_is_the_original(void **state)
     }
 }
 
-/* A contribution as a hand's drift gives it: what is slower than half of the lowest rate. */
+/* A contribution that changes like the drift of a hand: more slowly than half of the lowest rate. */
 static double hand(double t)
 {
     return 0.5 + 0.3 * sin(2 * MATH3_PI * 0.6 * t) + 0.15 * sin(2 * MATH3_PI * 1.9 * t + 1);

@@ -35,7 +35,7 @@ static conus_atlas *tiles(const size_t dim[2], const double edge[2], double midd
     return scene_parcellation(&grid, labels);
 }
 
-/* Two half-spaces that meet at x = `edge`, looked at from `height` above their surface. */
+/* Two half-spaces that meet at x = `edge`, and a device `height` above their surface. */
 static conus_atlas *half_spaces(double edge)
 {
     return tiles((const size_t[]){2, 1}, (const double[]){1e5, 2e5}, edge);
@@ -184,8 +184,8 @@ static void a_shift_across_an_edge_is_a_normal_integral(void **state)
     }
 }
 
-/* With tilts (a, b) the axis meets the plane `height` below at x = -height b tan(h) / h, h = sqrt(a^2 + b^2), which is
- * Rayleigh's: an integral over h of the part of the circle on which x < edge. */
+/* With tilts (a, b) the axis meets the plane `height` below at x = -height b tan(h) / h, where h = sqrt(a^2 + b^2) has
+ * the Rayleigh distribution: an integral over h of the part of the circle on which x < edge. */
 static double tilted_below(double edge, double height, double tilt)
 {
     enum { STEPS = 100000 };
@@ -214,7 +214,7 @@ static void a_tilt_across_an_edge_is_one_too(void **state)
     }
 }
 
-/* Nine tiles of 8 mm: the middle one is hit where both coordinates are within 4 mm, none where one is beyond 12. */
+/* Nine tiles of 8 mm: the middle one is hit if both coordinates are within 4 mm, and none if one is beyond 12. */
 static void a_tile_is_a_product_of_integrals(void **state)
 {
     (void)state;
@@ -229,7 +229,7 @@ static void a_tile_is_a_product_of_integrals(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A ball of 10 mm, far below: its disc is hit with 1 - exp(-R^2 / 2 s^2). */
+/* A ball of 10 mm, far below: its disc is hit with the probability 1 - exp(-R^2 / 2 s^2). */
 static void a_ball_is_rayleighs(void **state)
 {
     (void)state;
@@ -244,7 +244,7 @@ static void a_ball_is_rayleighs(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Root mean square over edges of the error, and of the error that is stated. */
+/* Root mean square over edges of the true error, and of the reported one. */
 static void errors_with(double out[2], uint32_t samples)
 {
     enum { EDGES = 15 };
@@ -264,7 +264,7 @@ static void errors_with(double out[2], uint32_t samples)
     out[1] = sqrt(out[1]);
 }
 
-/* Random samples would be off by sqrt(p (1 - p) / N). */
+/* Random samples would have an error of sqrt(p (1 - p) / N). */
 static void the_error_falls_faster_than_by_chance(void **state)
 {
     (void)state;
@@ -305,9 +305,8 @@ static void without_errors_there_is_one_answer(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Tiles of 10 mm from x = -15 to 15; a cone of 8 mm around x = 1 holds much of 2, a strip of 4 mm of 3 and one of 2 mm
- * of
- * 1. 2 is always the best; of the other two, which never are, the one with the larger share comes first. */
+/* Tiles of 10 mm from x = -15 to 15. A cone of 8 mm around x = 1 holds much of 2, a strip of 4 mm of 3 and one of 2 mm
+ * of 1. Tile 2 is always the best; of the other two, which never are, the one with the larger share comes first. */
 static void what_is_never_best_is_ranked_by_share(void **state)
 {
     (void)state;
@@ -331,7 +330,7 @@ static double part_of_circle(double u)
     return fabs(u) >= 1 ? u > 0 : 0.5 + (u * sqrt(1 - u * u) + asin(u)) / MATH3_PI;
 }
 
-/* Its standard deviation where u is normal around 0, by the midpoint rule. */
+/* Standard deviation of part_of_circle(u) for normal u around 0, by the midpoint rule. */
 static double deviation_of_part(double sigma)
 {
     double sum = 0;
@@ -365,7 +364,7 @@ static void shares_are_means(void **state)
 
 enum { FEW = 32 };
 
-/* What each of FEW samples says of object 1. */
+/* Share and hit of object 1 in each of FEW samples. */
 struct samples {
     double share[FEW];
     double hit[FEW];
@@ -396,7 +395,7 @@ static void select_samples(struct samples *out, const conus_atlas *atlas, const 
     conus_selector_destroy(selector);
 }
 
-/* The variance of a population of which these are a sample: over n - 1, as Bessel has it. */
+/* The variance of a population, estimated from a sample: over n - 1 (Bessel). */
 static double sample_variance(const double *values, int n)
 {
     double mean = 0;
@@ -533,7 +532,7 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Ends at the fifth of the poses that it hears of, in their order. */
+/* Stops at the fifth pose that is reported, asserting their order. */
 static bool stop_at_five(void *user, size_t done, size_t total)
 {
     size_t *heard = user;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Eq. 16: rows, peaks and surfaces of what a region of interest covers, in closed form; and the crossings of lines that
- * tell the inside of surfaces. */
+/* Eq. 16: rows, peaks and surfaces in a region of interest, in closed form; and the crossings of lines that decide the
+ * inside of surfaces. */
 #include "atlas/atlas.h"
 #include "atlas/roi.h"
 #include "atlas/surface/mesh_lines.h"
@@ -18,7 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One row, the part outside of everything: 4 of the 8 cubes from x = 6.5 on. */
+/* One row, for the part outside of the atlas: 4 of the 8 cubes, from x = 6.5 on. */
 static void what_is_in_nothing_comes_last(void **state)
 {
     (void)state;
@@ -36,7 +36,7 @@ static void what_is_in_nothing_comes_last(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The peak is the value farthest from 0 on the threshold's side, of equal ones the first. */
+/* The peak is the value farthest from 0 on the threshold's side, and the first of equal ones. */
 static void peaks_are_found(void **state)
 {
     (void)state;
@@ -62,7 +62,8 @@ static void peaks_are_found(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Of two peaks the first in the file, (1, 0, 0), counts, though the other, (0, 0, 1), is on an earlier line along k. */
+/* Of two equal peaks the first in the file, (1, 0, 0), counts, though the other, (0, 0, 1), is on an earlier line along
+ * k. */
 static void of_equal_peaks_the_first_counts(void **state)
 {
     (void)state;
@@ -78,7 +79,7 @@ static void of_equal_peaks_the_first_counts(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Hidden areas are as if never loaded. */
+/* Hidden areas are as if they had not been loaded. */
 static void what_is_hidden_is_not_covered(void **state)
 {
     (void)state;
@@ -136,7 +137,7 @@ static void lines_along_edges_lose_nothing(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Half a ball in a region of cubes that ends in its middle: half of what the surface holds, as its triangles say. */
+/* Half a ball in a region of cubes that ends in its middle: half of the volume of its triangles. */
 static void check_ball(double radius, double edge, double tolerance)
 {
     conus_atlas *atlas = mesh_scene_atlas();
@@ -160,8 +161,8 @@ static void a_ball_is_counted_by_its_inside(void **state)
     check_ball(0.7, 2, 1e-7);
 }
 
-/* A plate of 0.05 mm has 0.2 mm^3, whatever the voxels are. Two of them reported as one area are measured by lines,
- * with bars of 1/4 mm round them: no more than the plates is counted. */
+/* A plate of 0.05 mm has 0.2 mm^3, whatever the voxels are. Two plates reported as one area are measured by lines, with
+ * bars of 1/4 mm around them: only the plates are counted. */
 static void thin_surfaces_count_as_they_are(void **state)
 {
     (void)state;
@@ -184,7 +185,7 @@ static void thin_surfaces_count_as_they_are(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A bar through four voxels, a quarter of each, of which two are the region. */
+/* A bar through four voxels, a quarter of each; the region is two of them. */
 static void surfaces_count_in_the_region_only(void **state)
 {
     (void)state;
@@ -220,7 +221,7 @@ static void surfaces_count_between_crossings(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A surface that faces inwards has the same inside; one that is open has none. */
+/* A surface that faces inwards has the same inside; an open one has none. */
 static void facing_does_not_matter_but_holes_do(void **state)
 {
     (void)state;
@@ -240,7 +241,7 @@ static void facing_does_not_matter_but_holes_do(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Two boxes that share 1 of 2 x 8 mm^3, reported as the area above them: what is in both counts once. */
+/* Two boxes that share 1 of 2 x 8 mm^3, reported as their parent: the common part counts once. */
 static void a_level_counts_what_is_in_two_parts_once(void **state)
 {
     (void)state;
@@ -323,7 +324,7 @@ static void what_is_no_region_is_refused(void **state)
     assert_int_equal(conus_overlap_count(NULL), 0);
 }
 
-/* The region of these tetrahedra, each of value 1 and four nodes of its own. */
+/* The region of these tetrahedra, each of value 1 and with four separate nodes. */
 static conus_roi *tetrahedra_region(const double (*corners)[3], size_t count)
 {
     const conus_volume_info info = {.path = "mesh"};
@@ -340,7 +341,8 @@ static conus_roi *tetrahedra_region(const double (*corners)[3], size_t count)
     return roi;
 }
 
-/* The plane x = 3.5 leaves (t / 3)³ of a tetrahedron whose corner lies t beyond it and whose other face is across x. */
+/* The plane x = 3.5 leaves (t / 3)³ of a tetrahedron whose corner lies t beyond it and whose opposite face is parallel
+ * to it. */
 static void tetrahedra_are_cut_by_voxels(void **state)
 {
     (void)state;
@@ -365,8 +367,8 @@ static void tetrahedra_are_cut_by_voxels(void **state)
     }
 }
 
-/* Six tetrahedra round a diagonal fill a box. Half a ball lies in it, by lines of half a millimetre; the rest is in no
- * object. A face across the lines is met exactly. */
+/* Six tetrahedra around a diagonal fill a box. Half a ball lies in it, measured by lines of half a millimetre; the rest
+ * is in no object. A face across the lines is met exactly. */
 static void tetrahedra_meet_surfaces(void **state)
 {
     (void)state;
@@ -401,7 +403,7 @@ static void tetrahedra_meet_surfaces(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Entries lie at the border of voxels; whether one is in a region of tetrahedra is told, too. */
+/* Entries lie at the border of voxels; the answer says whether one is in a region of tetrahedra, too. */
 static void sites_know_tetrahedra(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Eq. 17: what an axis passes. Volumes against a walk along sorted plane crossings; surfaces in closed form. */
+/* Eq. 17: the segments of an axis. Volumes against a walk along sorted plane crossings; surfaces in closed form. */
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "conus/report.h"
@@ -37,7 +37,7 @@ struct wanted {
     double entry, exit;
 };
 
-/* The rows, all of them and in this order. Ends the segments. */
+/* Asserts the rows, all of them and in this order. Ends the segments. */
 static void check_rows(conus_segments *segments, const struct wanted *wanted, size_t count, double tolerance)
 {
     assert_int_equal(conus_segments_count(segments), count);
@@ -66,7 +66,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* All crossings of an axis with the planes between a volume's cells, sorted, from 0 to behind the last one. */
+/* All crossings of an axis with the planes between a volume's cells, sorted, from 0 to beyond the last one. */
 static size_t cross_planes(double *out, const struct volume *volume, const double start[3], const double step[3])
 {
     size_t count = 0;
@@ -83,7 +83,7 @@ static size_t cross_planes(double *out, const struct volume *volume, const doubl
     return count;
 }
 
-/* Object of the cell that holds an index, 0 outside. */
+/* Object of the cell that holds an index; 0 outside. */
 static uint32_t object_at(const struct volume *volume, const double start[3], const double step[3], double t)
 {
     size_t at[3];
@@ -97,7 +97,7 @@ static uint32_t object_at(const struct volume *volume, const double start[3], co
     return volume_object(volume, at[0] + volume->info.dim[0] * (at[1] + volume->info.dim[1] * at[2]));
 }
 
-/* Between two crossings that follow each other the axis is in one cell, that of the point halfway. */
+/* Between two successive crossings the axis is in one cell: that of the point halfway. */
 static size_t walk(struct wanted *out, const struct volume *volume, const conus_pose *pose)
 {
     static double crossings[ROW_LIMIT];
@@ -121,7 +121,7 @@ static size_t walk(struct wanted *out, const struct volume *volume, const conus_
     return rows;
 }
 
-/* Whether a row is among those that were found, 1e-9 mm near. */
+/* Whether the segments have this row, to 1e-9 mm. */
 static bool is_among(const struct wanted *row, const conus_segments *segments)
 {
     for (size_t i = 0; i < segments->count; i++) {
@@ -134,7 +134,7 @@ static bool is_among(const struct wanted *row, const conus_segments *segments)
     return false;
 }
 
-/* Rows of objects do not overlap with others of their object, gaps with none, and all are in order. */
+/* Rows of an object do not overlap with others of it, gaps with none, and all are in order. */
 static void check_order(const conus_segments *segments)
 {
     for (size_t i = 0; i < segments->count; i++) {
@@ -149,7 +149,7 @@ static void check_order(const conus_segments *segments)
     }
 }
 
-/* Random parcellations with pathways on grids of their own, oblique and sheared, from inside and outside. */
+/* Random parcellations with pathways on separate grids, oblique and sheared, from inside and outside. */
 static void volumes_are_walked_cell_by_cell(void **state)
 {
     (void)state;
@@ -181,8 +181,8 @@ static void volumes_are_walked_cell_by_cell(void **state)
     assert_true(rows > 1000);
 }
 
-/* What all layers say of a cylinder of one ray: the same path for each object. The engine and the sampling of the
- * selector do not matter to the last bit. */
+/* For each object the segments sum to the path that a cylinder of one ray has with all layers. The engine and the
+ * sampling of the selector do not matter to the last bit. */
 static void lengths_sum_to_the_path_of_a_ray(void **state)
 {
     (void)state;
@@ -225,7 +225,7 @@ static void check_same(const conus_atlas *atlas, const conus_pose *pose, const c
         conus_segments_destroy(exact);
         return;
     }
-    for (int time = 0; time < 2; time++) { /* the second one has what the first one made */
+    for (int time = 0; time < 2; time++) { /* the second time it uses the tables that the first one made */
         assert_ok(conus_segments_create(&other, selector, pose));
         assert_int_equal(other->count, exact->count);
         assert_memory_equal(other->rows, exact->rows, exact->count * sizeof *exact->rows);
@@ -249,7 +249,7 @@ static void engines_and_sampling_do_not_matter(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* With what was made once, before or after. */
+/* With tables that were made once, before or after. */
 static void a_shared_selector_follows_as_well(void **state)
 {
     (void)state;
@@ -288,8 +288,8 @@ static conus_atlas *diagonal(void)
     return scene_parcellation(&grid, labels);
 }
 
-/* The axis meets every cell of label 1 at two corners, where cells of label 2 touch it: one segment of 4 diagonals. The
- * same a billionth of a degree off, where rounding leaves slivers. */
+/* The axis meets every cell of label 1 at two corners, where cells of label 2 touch it: one segment of 4 diagonals. A
+ * billionth of a degree off, where rounding leaves slivers, it is the same. */
 static void what_only_touches_is_no_segment(void **state)
 {
     (void)state;
@@ -302,7 +302,7 @@ static void what_only_touches_is_no_segment(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Along a face of cells the axis is in those that begin there: cells are half-open. Row y = 1 from x = 0 to 3 is 2, 1,
+/* Along a face the axis is in the cells that begin there, since cells are half-open. Row y = 1 from x = 0 to 3 is 2, 1,
  * 2, 2; row y = 0 is 1, 2, 2, 2. Hidden, 1 is a gap. */
 static void a_face_belongs_to_the_cell_that_begins_there(void **state)
 {
@@ -333,7 +333,7 @@ static void the_range_cuts_and_is_filled(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The same of one selector, whose own range is another; an end that is not given is its own. */
+/* The same with one selector, whose own range differs; an end that is not given is the selector's. */
 static void a_query_may_have_its_range(void **state)
 {
     (void)state;
@@ -354,7 +354,7 @@ static void a_query_may_have_its_range(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         conus_segments *segments = NULL;
         assert_ok(conus_selector_set_range(selector, cases[i].range));
-        for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) { /* which leave the last one */
+        for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) { /* refused ranges leave the last one */
             assert_fails(conus_selector_set_range(selector, bad[k]), CONUS_ERROR_ARGUMENT);
         }
         assert_ok(conus_segments_create(&segments, selector, &pose));
@@ -371,7 +371,7 @@ static void a_query_may_have_its_range(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* An axis without an end that meets nothing: one row, whose end is nowhere. */
+/* An axis without a far end that meets no object: one row, whose exit is at infinity. */
 static void an_axis_that_meets_nothing_has_one_row(void **state)
 {
     (void)state;
@@ -425,8 +425,8 @@ static void add_box(conus_atlas *atlas, double low, double high, double half)
     mesh_scene_add(atlas, &box);
 }
 
-/* Boxes in each other: all are passed, each from its own face to its own, the outer ones first. From within two of them
- * the entry is 0, or where the range begins. */
+/* Boxes inside each other: the axis passes all, each from its own face to its own, and the outer ones come first. From
+ * inside two of them the entry is 0, or the beginning of the range. */
 static void nested_surfaces_have_a_row_each(void **state)
 {
     (void)state;
@@ -445,8 +445,9 @@ static void nested_surfaces_have_a_row_each(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Spheres in each other, off their centre: chords of 2 sqrt(R^2 - d^2). Inscribed surfaces of 256 rings are up to R (1
- * - cos(pi/256)) within, 0.0023 mm of 30, and a chord's end slides along the axis by R / sqrt(R^2 - d^2) of that. */
+/* Spheres inside each other, beside their centre: chords of 2 sqrt(R^2 - d^2). Inscribed surfaces of 256 rings are up
+ * to R (1 - cos(pi/256)) inside, 0.0023 mm of 30, and a chord's end moves along the axis by R / sqrt(R^2 - d^2) of
+ * that. */
 static void spheres_have_their_chords(void **state)
 {
     (void)state;
@@ -484,8 +485,8 @@ static void a_torus_is_crossed_four_times(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Boxes that touch or lie in each other have with their parent one stretch, without a seam. Boxes apart stay two rows.
- */
+/* Boxes that touch or lie inside each other have one segment with their parent, without a seam. Boxes apart stay two
+ * rows. */
 static void a_level_joins_what_touches(void **state)
 {
     (void)state;
@@ -505,8 +506,8 @@ static void a_level_joins_what_touches(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Past an edge of a closed box, past a corner, and along a face, whose triangles it then sees edge-on: nothing of that
- * has a row without length. */
+/* Past an edge of a closed box, past a corner, and along a face, whose triangles are then edge-on: none of these makes
+ * a row of length 0. */
 static void a_closed_surface_that_is_grazed_has_no_point(void **state)
 {
     (void)state;
@@ -526,8 +527,8 @@ static void a_closed_surface_that_is_grazed_has_no_point(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A box without its face at x = 3, two triangles of mesh_scene_box(): the axis goes in and never out. The row has no
- * length, and the gap is on both sides of it; out of the range there is none. */
+/* A box without its face at x = 3, two triangles of mesh_scene_box(): the axis enters and never leaves it. The row has
+ * length 0, with the gap on both sides of it; outside of the range there is no row. */
 static void an_open_surface_is_crossed_where_it_is(void **state)
 {
     (void)state;

@@ -34,7 +34,7 @@ static void larger_voxels_hold_several(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The border of the slabs is at x = 3.5, the atlas ends at x, y, z = -0.5 and 7.5. */
+/* The border of the slabs is at x = 3.5; the atlas ends at x, y, z = -0.5 and 7.5. */
 static void check_cube(double edge, const double middle[3], double first, double second)
 {
     conus_atlas *atlas = region_scene_slabs();
@@ -52,7 +52,7 @@ static void check_cube(double edge, const double middle[3], double first, double
     conus_atlas_destroy(atlas);
 }
 
-/* Of a cube of 2 mm in the middle of the border, as maps of 2 mm have them on atlases of 1 mm, half is on each side. */
+/* A cube of 2 mm in the middle of the border, as maps of 2 mm have on atlases of 1 mm, is half on each side. */
 static void what_lies_across_a_border_is_divided(void **state)
 {
     (void)state;
@@ -66,7 +66,7 @@ static void what_lies_across_a_border_is_divided(void **state)
     check_cube(1, (const double[]){-1.5, 3, 3}, 0, 0);
 }
 
-/* What a header's rounding moves is no overlap; a thousandth of a voxel is one. */
+/* A shift as small as a header's rounding is no overlap; a thousandth of a voxel is one. */
 static void rounding_crosses_no_border(void **state)
 {
     (void)state;
@@ -75,7 +75,7 @@ static void rounding_crosses_no_border(void **state)
     check_cube(1, (const double[]){3.999, 3, 3}, 0.001, 0.999);
 }
 
-/* Slices of a quarter of a millimetre along one axis, by turns of two areas: a voxel of 1 mm is half in each. */
+/* Slices of a quarter of a millimetre along one axis belong to two areas in turn: a voxel of 1 mm is half in each. */
 static void thin_slices_along_any_axis_count(void **state)
 {
     (void)state;
@@ -102,8 +102,8 @@ static void thin_slices_along_any_axis_count(void **state)
     }
 }
 
-/* A grid whose axes are those of the world in some order and direction. Borders are at multiples of 1/16 mm: so two
- * coincide or are clearly apart. */
+/* A grid whose axes are those of the world in some order and direction. Borders are at multiples of 1/16 mm, so that
+ * two coincide or are clearly apart. */
 static conus_volume_info random_parallel(uint64_t *seed)
 {
     static const int orders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
@@ -193,7 +193,7 @@ static void parallel_grids_have_products_of_lengths_in_common(void **state)
 
 enum { POINTS = 11 }; /* of the lattice in a voxel, along each axis */
 
-/* What a search of every lattice point finds: points in each object, 0 = in none, and the peak. */
+/* Result of a search over every lattice point: points in each object, 0 = in none, and the peak. */
 struct found {
     uint64_t points;
     double peak;
@@ -222,7 +222,7 @@ static void note(struct found *found, double value, bool down)
     found->points++;
 }
 
-/* Notes what holds point `n` of a voxel. */
+/* Notes the object and the voxel that hold point `n` of a voxel. */
 static void search_point(struct found *found, const conus_atlas *atlas, const struct volume *region, size_t voxel,
                          size_t n)
 {
@@ -263,8 +263,8 @@ static void search(struct found *found, const conus_atlas *atlas, const conus_ro
     }
 }
 
-/* A lattice misses the volume on one side of a plane through a voxel by less than one in POINTS, mostly by far less, to
- * either side: of n voxels by about sqrt(n) times that. On one grid it misses nothing. */
+/* On one side of a plane through a voxel a lattice misses the volume by less than one in POINTS, mostly by far less, in
+ * either direction: for n voxels by about sqrt(n) times that. On one grid it misses nothing. */
 static void compare(const conus_overlap *overlap, const struct found *found, const conus_atlas *atlas, uint64_t voxels,
                     double voxel_mm3, bool one_grid)
 {
@@ -303,7 +303,7 @@ static void volumes_are_as_a_lattice_finds_them(void **state)
         for (size_t i = 0; i < count; i++) {
             values[i] = (float)test_random(&seed, -1, 1);
         }
-        values[count - 1] = round % 4 < 2 ? 1 : -1; /* so that there is a region */
+        values[count - 1] = round % 4 < 2 ? 1 : -1; /* so that the region is not empty */
         values[0] = count > 1 ? NAN : values[0];
         conus_voxels voxels = {
             .data = values, .type = CONUS_SCALAR_FLOAT32, .dim = {grid.dim[0], grid.dim[1], grid.dim[2]}};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Eq. 13: which angle admits an object, against a search of every voxel, against dense points of every triangle,
- * against the census of cones a little narrower and a little wider, and in closed form. And Eq. 14 of bundles. */
+/* Eq. 13: the angle that admits an object, against a search of every voxel, against dense points of every triangle,
+ * against the census of cones a little narrower and a little wider, and in closed form. And Eq. 14 for bundles. */
 #include "atlas/atlas.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -37,7 +37,7 @@ static conus_sweep *sweep_of(const conus_atlas *atlas, const conus_selector_opti
     return sweep;
 }
 
-/* Full opening of the narrowest cone that holds the point, between two depths. */
+/* Full opening angle of the narrowest cone that holds the point, between two depths. */
 static double opening(const conus_pose *pose, const double point[3], const double range[2])
 {
     const double *m = pose->world_from_device;
@@ -53,7 +53,7 @@ static double opening(const conus_pose *pose, const double point[3], const doubl
     return is_out || (depth <= 0 && vec3_length(v) > 0) ? INFINITY : 2 * atan2(vec3_length(cross), depth);
 }
 
-/* Of each object the least over its voxels, tried one by one. */
+/* The least opening angle of each object, found by trying all its voxels. */
 static void search_voxels(double *openings, const conus_atlas *atlas, const conus_pose *pose, const double range[2])
 {
     for (size_t i = 0; i <= atlas->object_count; i++) {
@@ -250,7 +250,7 @@ static void a_ball_is_admitted_at_its_tangent(void **state)
     conus_pose inside = pose_of((double[]){3, 4, 5}, (double[]){0, 0.6, 0.8});
     assert_ok(conus_sweep_create(&sweep, selector, &through, radians_from_degrees(1)));
     assert_true(find(sweep, 1)->angle == 0);
-    assert_near(find(sweep, 1)->distance, 100 - sqrt(400 - 19 * 19), 1); /* where the axis meets it, or leaves */
+    assert_near(find(sweep, 1)->distance, 100 - sqrt(400 - 19 * 19), 1); /* where the axis enters or leaves it */
     conus_sweep_destroy(sweep);
     assert_ok(conus_sweep_create(&sweep, selector, &inside, radians_from_degrees(1)));
     assert_true(find(sweep, 1)->angle == 0);
@@ -260,7 +260,7 @@ static void a_ball_is_admitted_at_its_tangent(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Between two depths there is nothing of the ball's surface on the axis, but its inside is. */
+/* Between two depths the axis meets nothing of the ball's surface, but it is inside. */
 static void what_is_inside_a_closed_surface_belongs_to_it(void **state)
 {
     (void)state;
@@ -280,7 +280,8 @@ static void what_is_inside_a_closed_surface_belongs_to_it(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Two shells, one in the other: between them and in the inner one is inside, unless the inner one faces inwards. */
+/* Two shells, one in the other: both the space between them and the inner one are inside, unless the inner one faces
+ * inwards. */
 static void shells_in_shells_count_as_intervals_do(void **state)
 {
     (void)state;
@@ -309,7 +310,8 @@ static void shells_in_shells_count_as_intervals_do(void **state)
     }
 }
 
-/* A box around the apex without a side: the axis meets the far side at 5, and nothing says that it is inside before. */
+/* A box around the apex with one side missing: the axis meets the far side at 5, and does not count as inside
+ * before. */
 static void an_open_surface_does_not_hold_the_axis(void **state)
 {
     (void)state;
@@ -330,8 +332,8 @@ static void an_open_surface_does_not_hold_the_axis(void **state)
 }
 
 /* Voxel centres at x = -5, 0 and 5 and z = -20 and -10, seen from the origin along -z: 1 and 2 on the axis, 3 and 4
- * both at atan(5 / 10) to its sides. Of equal angles the nearer comes first, then the lower number. The widest cone
- * that is asked for still admits what it just holds. */
+ * both at atan(5 / 10) to its sides. Of equal angles the nearer comes first, then the lower number. The widest allowed
+ * cone still admits an object that it just holds. */
 static void ties_go_to_the_nearer_then_to_the_lower_number(void **state)
 {
     (void)state;
@@ -360,7 +362,7 @@ static void ties_go_to_the_nearer_then_to_the_lower_number(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Of two bundles the hidden one is admitted by no angle. */
+/* The hidden one of two bundles is admitted by no angle. */
 static void a_hidden_bundle_is_not_admitted(void **state)
 {
     (void)state;
@@ -427,7 +429,7 @@ static void every_failing_allocation_is_survived(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The part of normal numbers below x. */
+/* The probability of a normal number below x. */
 static double below(double x)
 {
     return 0.5 * erfc(-x / sqrt(2));
@@ -443,9 +445,9 @@ static const conus_chance *chance_of(const conus_jitter *jitter, uint32_t object
     return NULL;
 }
 
-/* A straight streamline at the distance y from the axis of a cylinder of radius R comes in where the shift across it
- * does: with the probability of a normal number between -R - y and R - y. The tube that rays hit is 2 mm thicker, and
- * the cylinder's rays reach 31/32 of its radius. */
+/* A straight streamline at the distance y from the axis of a cylinder of radius R is in it with the probability of a
+ * normal shift between -R - y and R - y. The tube that rays hit is 2 mm thicker, and the cylinder's rays reach 31/32 of
+ * its radius. */
 static void a_bundle_is_in_the_cone_with_a_line_of_it(void **state)
 {
     (void)state;

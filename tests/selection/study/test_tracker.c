@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* A device followed through time (Eq. 12): the ranking with a history, and what a press confirms. */
+/* A device tracked over time (Eq. 12): the ranking with a history, and what a press of the trigger confirms. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "selection/report/report.h"
@@ -37,7 +37,7 @@ static void close_track(struct track *track)
     conus_atlas_destroy(track->atlas);
 }
 
-/* Looks down at (x, 0) from above. */
+/* A step with the device above (x, 0), looking down. */
 static conus_status try_step(struct track *track, double time, double x, bool trigger)
 {
     conus_pose pose;
@@ -96,7 +96,7 @@ static void one_row_is_a_beginning(void **state)
     close_track(&track);
 }
 
-/* 0.3 - 0.1 is a little less than 0.2 in binary; what was chosen at 0.2 was chosen 0.1 s ago nevertheless. */
+/* 0.3 - 0.1 is a little less than 0.2 in binary; the object selected at 0.2 was selected 0.1 s ago nevertheless. */
 static void a_moment_ago_is_not_missed_by_rounding(void **state)
 {
     (void)state;
@@ -150,7 +150,7 @@ static void what_left_stays_until_its_score_is_gone(void **state)
     close_track(&track);
 }
 
-/* With a score that has no history, too: else a press could confirm what has no row. */
+/* A row is there also with a score that has no history: otherwise a press could confirm an object without a row. */
 static void what_could_be_confirmed_has_a_row(void **state)
 {
     (void)state;
@@ -209,7 +209,7 @@ static void refuse_pose(struct track *track, double time)
     assert_null(selection);
 }
 
-/* What cannot be taken leaves no trace: the same as a stream without it. */
+/* Refused steps change nothing: the track is the same as without them. */
 static void bad_steps_leave_no_trace(void **state)
 {
     (void)state;
@@ -247,7 +247,7 @@ static void of_two_steps_at_one_time_the_later_counts(void **state)
     assert_near(score_of(&track, BALL), before, 0);
     assert_near(score_of(&track, ARM), 0, 0);
     step(&track, 1.1, AT_ARM, false);
-    double steep = score_of(&track, ARM); /* as if it had been there since 1 */
+    double steep = score_of(&track, ARM); /* as if the object had been there since 1 */
     close_track(&track);
     track = open_track("intenselect_plus", 0, NULL);
     step(&track, 1, AT_ARM, false);
@@ -304,8 +304,8 @@ static void options_have_ranges(void **state)
 
 enum { CHECKS = 4 };
 
-/* The scores of arm and ball at every half second, of a hand that sweeps to and fro. A contribution changes by 2 / n of
- * its range at least, so n is larger than a user's. */
+/* The scores of arm and ball at every half second, during a sweep to and fro. A contribution changes by at least 2 / n
+ * of its range, so n is larger than in normal use. */
 static void sweep(double scores[CHECKS][2], const char *score, uint32_t resolution, double rate, bool drop_frames)
 {
     struct track track = open_track(score, resolution, &(conus_tracker_options){.exponent = 1});
@@ -334,7 +334,7 @@ static void assert_same_scores(double got[CHECKS][2], double wanted[CHECKS][2])
     }
 }
 
-/* 30, 90 and 1000 Hz, and with two frames in five lost: within 1 % of the scores' range. */
+/* 30, 90 and 1000 Hz, and two frames in five lost: within 1 % of the scores' range. */
 static void every_rate_gives_the_same_scores(void **state)
 {
     (void)state;
@@ -414,7 +414,7 @@ static void every_failing_allocation_is_clean(void **state)
     close_track(&track);
 }
 
-/* A step that found no memory can be tried again, and gives what it would have given. */
+/* A step that failed for lack of memory can be repeated, and gives the same answer. */
 static void a_step_without_memory_changes_nothing(void **state)
 {
     (void)state;

@@ -39,8 +39,8 @@ static void add_point(uint64_t *random, double size, double step)
     }
 }
 
-/* Walks within about @p size mm of 0, with steps of up to @p step mm along each axis. Of ten streamlines one has no
- * point and one has one; of ten points one repeats that before it. */
+/* Walks within about @p size mm of 0, with steps of up to @p step mm along each axis. One of ten streamlines has no
+ * point and one has a single point; one of ten points repeats the one before it. */
 static void fill(uint64_t *random, size_t streamlines, double size, double step, double radius)
 {
     scene.tractogram = (struct tractogram){.points = scene.points, .first = scene.first, .radius = radius};
@@ -54,7 +54,7 @@ static void fill(uint64_t *random, size_t streamlines, double size, double step,
     }
 }
 
-/* The same points as near as halves come, in both forms. */
+/* The same points rounded to half precision, in both forms. */
 static void round_to_halves(void)
 {
     for (uint64_t i = 0; i < 3 * scene.tractogram.point_count; i++) { /* within 8 to 16, 1/128 apart */
@@ -64,7 +64,7 @@ static void round_to_halves(void)
     }
 }
 
-/* One object of all, or up to four groups: each streamline may be in several of them, or in none. */
+/* One object of all streamlines, or up to four groups: a streamline may be in several of them, or in none. */
 static void choose_objects(uint64_t *random)
 {
     bool all = test_random(random, 0, 2) < 1;
@@ -115,14 +115,14 @@ static struct tract_bundle random_rays(uint64_t *random, double origin[3], doubl
         for (int a = 0; a < 3; a++) {
             directions[a][ray] = direction[a];
         }
-        bundle.t[ray] = ray % 8 == 7 ? away : INFINITY; /* what a volume has hit, of object 4 */
+        bundle.t[ray] = ray % 8 == 7 ? away : INFINITY; /* the hit of a volume, of object 4 */
         bundle.object[ray] = ray % 8 == 7 ? 4 : 0;
         bundle.point[ray] = ray % 8 == 7 ? 12345 : UINT64_MAX;
     }
     return bundle;
 }
 
-/* Segment number k of a streamline: a point without a next one is a segment only if it is alone. */
+/* Segment number k of a streamline: a point without a next one is a segment only if it is the only point. */
 static bool segment_of(double interval[2], const struct tract_bundle *bundle, size_t ray, uint64_t from, uint64_t to,
                        uint64_t at)
 {
@@ -137,7 +137,7 @@ static bool segment_of(double interval[2], const struct tract_bundle *bundle, si
     return capsule_interval(interval, bundle->origin, direction, a, b, scene.tractogram.radius) && interval[1] >= 0;
 }
 
-/* Objects and points ascend, so the first of equals stays. */
+/* Objects and points come in ascending order, so the first of equals stays. */
 static void keep_nearer(struct tract_bundle *bundle, size_t ray, double t, uint32_t number, uint64_t at)
 {
     if (t < bundle->t[ray] || (t == bundle->t[ray] && number < bundle->object[ray])) {
@@ -159,14 +159,14 @@ static void loop_hits(struct tract_bundle *bundle, size_t ray, const struct trac
     }
 }
 
-/* Where the ray comes into a capsule, or out of one. */
+/* A place where the ray enters or leaves a capsule. */
 struct event {
     double t;
     int step; /* 1 or -1 */
     uint64_t point;
 };
 
-/* By t, ways in before ways out, then by the point. */
+/* By t, entries before exits, then by the point. */
 static int compare_events(const void *a, const void *b)
 {
     const struct event *one = a;
@@ -194,7 +194,7 @@ static size_t events_of(struct event *out, const struct tract_bundle *bundle, si
     return count;
 }
 
-/* The intervals between the places where the number of capsules around the ray leaves 0 and comes back to it. */
+/* The intervals between the places where the number of capsules around the ray rises from 0 and falls back to 0. */
 static size_t loop_intervals(conus_interval *out, const struct tract_bundle *bundle, size_t ray,
                              const struct tract_object *object)
 {
@@ -300,7 +300,7 @@ static void find_farthest(double out[3], size_t leaf, const double along[3])
     }
 }
 
-/* One ray, square to @p along, that only just hits the ball round a point. */
+/* One ray, perpendicular to @p along, that just touches the ball around a point. */
 static struct tract_bundle touching_ray(uint64_t *random, double origin[3], const double point[3],
                                         const double along[3])
 {
@@ -323,7 +323,7 @@ static struct tract_bundle touching_ray(uint64_t *random, double origin[3], cons
                                  .point = {UINT64_MAX}};
 }
 
-/* How many rays. */
+/* Returns the number of rays. */
 static size_t touch_all_leaves(struct counts *counts, uint64_t *random, const struct tract_rays *rays,
                                const double along[3])
 {
@@ -339,7 +339,7 @@ static size_t touch_all_leaves(struct counts *counts, uint64_t *random, const st
     return leaves;
 }
 
-/* Everything as by the loop, to the bit: hits, objects, points and intervals. */
+/* The tree gives the same as the loop, to the bit: hits, objects, points and intervals. */
 static void rays_find_what_a_loop_finds(void **state)
 {
     (void)state;
@@ -363,7 +363,7 @@ static void rays_find_what_a_loop_finds(void **state)
     assert_true(counts.hits > 500 && counts.intervals > 1500);
 }
 
-/* Leaves are cut along axes and diagonals; what only just reaches to there is hit. */
+/* Leaves are cut along axes and diagonals; a ray that just touches a point at a cut hits. */
 static void what_is_touched_is_hit(void **state)
 {
     (void)state;
@@ -408,7 +408,8 @@ static void halves_are_hit_as_their_floats(void **state)
 }
 
 /* A straight streamline along x from 0 to 10 of radius 1, and one across it. Seen from -z the two are equally near
- * where they cross, at (5, 0, 0): the lower object has it, and of one object the lower point. From inside t is 0. */
+ * where they cross, at (5, 0, 0): the lower object is hit, and within one object the lower point. From inside t is
+ * 0. */
 static void equally_near_ones_have_an_order(void **state)
 {
     (void)state;

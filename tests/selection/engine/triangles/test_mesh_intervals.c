@@ -11,7 +11,7 @@ enum { CLOSED = 1, INWARD, HALF };
 
 enum { RINGS = 8, SECTORS = 12 };
 
-/* Triangles of the sphere that have no corner in common, and two that have an edge in common with the first. */
+/* Triangles of the sphere without a common corner, and two that share an edge with the first. */
 enum { SOUTH = 0, MIDDLE = 60, NORTH = 150, BESIDE_MIDDLE = 61 };
 
 static conus_atlas *make_atlas(void)
@@ -31,7 +31,7 @@ static conus_atlas *make_atlas(void)
     return atlas;
 }
 
-/* An interval, and what leads to it. */
+/* An interval, and the crossings that lead to it. */
 struct crossed {
     int side;
     double t;
@@ -43,7 +43,7 @@ struct interval {
     uint32_t triangle;
 };
 
-/* One ray from @p depth below 0 on the z axis, through crossings in an order that is not theirs. */
+/* One ray from @p depth below 0 on the z axis, through crossings in the wrong order. */
 static void assert_intervals(uint32_t object, double depth, const struct crossed *crossed, size_t count,
                              const struct interval *wanted, size_t wanted_count)
 {
@@ -121,7 +121,8 @@ static void an_edge_counts_once(void **state)
                      INTERVALS({3, 20, 150}));
 }
 
-/* Every triangle of this sphere has vertices of its own. All of the south cap are found at the pole, and count once. */
+/* Every triangle of this sphere has separate vertices. A ray through the pole finds all of the south cap, which count
+ * once. */
 static void vertices_at_equal_positions_are_one_corner(void **state)
 {
     (void)state;
@@ -182,7 +183,7 @@ static void what_has_no_partner_has_no_length(void **state)
     assert_intervals(HALF, 30, CROSSED({1, 10, 1}, {1, 12, 40}, {-1, 14, 80}), INTERVALS({10, 10, 1}, {12, 14, 40}));
 }
 
-/* Pixels and objects at random: each ray passes each object once, and its intervals come back whole. */
+/* Pixels and objects at random: each ray passes each object once, and its interval comes back whole. */
 static void crossings_may_come_in_any_order(void **state)
 {
     (void)state;

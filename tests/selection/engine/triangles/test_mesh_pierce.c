@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* All layers of surfaces (Eq. 10): against every triangle tried in double, and against what is visible. */
+/* All layers of surfaces (Eq. 10): against every triangle tried in double, and against first hits. */
 #include "atlas/phantom/phantom_brain.h"
 #include "base/geometry/math3.h"
 #include "mesh_scene.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Single precision may put a ray on the other side of an edge that it passes within so much of the scene's size. */
+/* Single precision may put a ray on the other side of an edge if it passes within this part of the scene's size. */
 #define EDGE 1e-6
 
 enum { CROSSINGS = 1000 };
@@ -23,7 +23,7 @@ static conus_selection *select_all(const conus_atlas *atlas, const struct cone *
 
 enum { SIDE = 8 };
 
-/* A selector of an atlas of which several poses are asked, in SIDE x SIDE pixels. */
+/* A selector with SIDE x SIDE pixels, for several poses. */
 static conus_selector *selector_of_all(const conus_atlas *atlas)
 {
     const conus_selector_options options = {.layers = CONUS_LAYERS_ALL, .resolution = SIDE};
@@ -50,7 +50,7 @@ struct compared {
     size_t rays, intervals, inside, at_edges;
 };
 
-/* The intervals of closed surfaces: where the exits that lie ahead are not as many as the entries ahead. */
+/* The intervals of closed surfaces: a place is inside if not as many exits as entries lie ahead of it. */
 static size_t oracle_intervals(conus_interval *out, const struct crossing *crossings, size_t count)
 {
     size_t interval_count = 0;
@@ -73,7 +73,7 @@ static size_t oracle_intervals(conus_interval *out, const struct crossing *cross
     return interval_count;
 }
 
-/* True if the ray passes an edge of what it hits so closely that single precision may see it otherwise. */
+/* Whether the ray passes an edge of the triangle so closely that single precision may see it otherwise. */
 static bool is_at_edge(const struct mesh *mesh, const double origin[3], const double direction[3], double size)
 {
     for (size_t i = 0; i < mesh->triangle_count; i++) {
@@ -126,7 +126,7 @@ static void compare_object(const conus_selection *selection, uint32_t pixel, uin
     }
 }
 
-/* Eq. 9 and Eq. 10 agree: what is visible is the first interval, but for an apex that is inside. */
+/* Eq. 9 and Eq. 10 agree: the first hit is the first interval, unless the apex is inside. */
 static void compare_visible(const conus_selection *selection)
 {
     const struct evidence *evidence = &selection->evidence;
@@ -231,7 +231,7 @@ static double solid_angle(double corner[3][3])
     return copysign(4 * atan(sqrt(fmax(product, 0))), vec3_dot(corner[0], normal));
 }
 
-/* How often a closed surface winds around a point: all solid angles by 4 pi. */
+/* Winding number of a closed surface around a point: the sum of all solid angles over 4 pi. */
 static bool is_wound(const struct mesh *mesh, const double point[3])
 {
     double sum = 0;
@@ -249,7 +249,7 @@ static bool is_wound(const struct mesh *mesh, const double point[3])
     return nearbyint(winding) != 0;
 }
 
-/* Every corner a vertex of its own, as STL files have it. */
+/* A copy in which every corner is a separate vertex, as in STL files. */
 static struct mesh exploded(struct mesh *mesh)
 {
     struct mesh out;
@@ -262,7 +262,8 @@ static struct mesh exploded(struct mesh *mesh)
     return out;
 }
 
-/* Boxes of an atlas of cubes with edges of 4, of which many share an edge or a corner only; some are turned around. */
+/* Cubes with edges of 4 as surfaces of an atlas, many of which share only an edge or a corner; some are turned
+ * around. */
 static struct mesh cubes(uint64_t *random)
 {
     struct mesh all = {0};
@@ -291,7 +292,7 @@ static bool is_on_side(const double point[3])
     return on;
 }
 
-/* Whether a place between two on a ray is inside, unless they are too near to tell. */
+/* Asserts whether the ray is inside between two places, unless they are too near to tell. */
 static void assert_between(const struct mesh *mesh, const double origin[3], const double ray[3], double from, double to,
                            bool inside)
 {
@@ -345,9 +346,9 @@ static void intervals_are_where_the_surface_winds(void **state)
     assert_true(interval_count > 1000);
 }
 
-/* Two tetrahedra with an edge along x in common. The ray runs along z, 1e-5 beside the edge: through the first one from
+/* Two tetrahedra with a common edge along x. The ray runs along z, 1e-5 beside the edge: through the first one from
  * -1e-5 to 1e-5 (its sides are z = y and z = -y there), into the second one at 2e-5 (z = 2y) and out of it at 5.7,
- * where x + z = 6. Ways in that are so near to each other count twice all the same. */
+ * where x + z = 6. Entries as near to each other as these still count twice. */
 static void both_tetrahedra_at_an_edge_are_hit(void **state)
 {
     (void)state;
@@ -373,7 +374,7 @@ static void both_tetrahedra_at_an_edge_are_hit(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Of a surface with holes there are no intervals to compare with, but whether a ray crosses it, and where first. */
+/* A surface with holes has no intervals to compare. Compared are whether a ray crosses it, and where first. */
 static void compare_open(const conus_selection *selection, uint32_t pixel, uint32_t object, struct compared *tally)
 {
     const struct cone *cone = &selection->cone;
@@ -455,8 +456,8 @@ static void julich_brain_s_areas(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* The Allen atlas's meshes: every one bounds a solid, though most have edges with four triangles. From places inside
- * and beside each of them. */
+/* The Allen atlas's meshes from places inside and beside each: every one bounds a solid, though most have edges with
+ * four triangles. */
 static void compare_allen(uint64_t *random, conus_selector *selector, const struct mesh *mesh, uint32_t object,
                           struct compared *tally)
 {

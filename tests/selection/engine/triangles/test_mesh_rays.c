@@ -12,7 +12,7 @@ static const unsigned widths[] = {1, 4, 8, 16};
 
 enum { WIDTHS = 4 };
 
-/* Every test below holds for each. */
+/* The tracers; every test below runs with each. */
 static const struct mesh_tracer *const tracers[] = {
 #if CONUS_EMBREE
     &mesh_embree,
@@ -21,14 +21,14 @@ static const struct mesh_tracer *const tracers[] = {
 
 enum { TRACERS = sizeof tracers / sizeof tracers[0] };
 
-/* Single precision may put a ray on the other side of an edge that it passes within so much of the scene's size. */
+/* Single precision may put a ray on the other side of an edge if it passes within this part of the scene's size. */
 #define EDGE 1e-6
 
 struct tally {
     size_t rays, hits, at_edges;
 };
 
-/* True when what was found differs from what is true only because the ray passes an edge that closely. */
+/* Whether a hit differs from the true one only because the ray passes an edge that closely. */
 static bool is_at_edge(const conus_atlas *atlas, const struct mesh_hit *hit, const double origin[3],
                        const double direction[3], double size)
 {
@@ -64,7 +64,7 @@ static void random_point(uint64_t *random, double out[3], double size)
     }
 }
 
-/* Random rays from @p origin at points within @p size mm of 0 on every axis; nothing hit yet. */
+/* Random rays from @p origin at points within @p size mm of 0 on every axis, without a hit yet. */
 static void aim(uint64_t *random, struct mesh_bundle *out, double direction[3][MESH_RAYS_LIMIT], const double origin[3],
                 double size)
 {
@@ -169,7 +169,7 @@ static void finds_the_outermost_of_nested_spheres(void **test)
 
 #if CONUS_EMBREE
 
-/* The same rays through both: what differs passes an edge. */
+/* Traces the same rays with both; they may differ only at edges. */
 static void compare_tracers(uint64_t *random, struct mesh_rays *const rays[2], const conus_atlas *atlas,
                             const double origin[3], struct tally *tally)
 {
@@ -195,7 +195,7 @@ static void compare_tracers(uint64_t *random, struct mesh_rays *const rays[2], c
     }
 }
 
-/* 234,444 triangles, from inside, from a hand's distance and from far away. */
+/* 234,444 triangles, from inside, from nearby and from far away. */
 static void embree_and_the_own_tree_agree_on_the_brain(void **test)
 {
     (void)test;
@@ -233,8 +233,8 @@ static void aim_at_edges(uint64_t *random, double direction[3][MESH_RAYS_LIMIT],
     }
 }
 
-/* Rays at the edges of a closed sphere, from inside and far outside, but not at its silhouette; returns how many of
- * them found nothing. */
+/* Rays at the edges of a closed sphere, from inside and far outside, but not at its silhouette; returns the number of
+ * rays that hit nothing. */
 static size_t count_lost(const struct mesh_tracer *tracer, double low, double high, size_t *aimed)
 {
     uint64_t random = 11;
@@ -277,8 +277,8 @@ static void no_ray_slips_between_two_triangles(void **test)
     }
 }
 
-/* Where many triangles meet in a point, a ray that hits it to seven digits may slip through Embree: once in thousands.
- */
+/* At a point where many triangles meet, a ray that hits it to seven digits may slip through Embree: once in
+ * thousands. */
 static void hardly_any_ray_slips_through_a_vertex(void **test)
 {
     (void)test;
@@ -363,7 +363,8 @@ static void of_two_surfaces_in_one_place_the_lower_object_wins(void **test)
     conus_atlas_destroy(atlas);
 }
 
-/* Half a millimetre apart at a distance of 100 m: more than single precision could tell from the apex. */
+/* Half a millimetre between two surfaces at a distance of 100 m is more than single precision could tell from the
+ * apex. */
 static void far_contacts_are_exact(void **test)
 {
     (void)test;
@@ -414,8 +415,8 @@ static void widths_answer_alike_and_sparse_blocks_too(void **test)
 
 enum { PLACES = 5 };
 
-/* The same torus at random places, as objects that share it and as an atlas of moved copies; the fourth object is a
- * copy, too. */
+/* The same torus at random places: as objects that share its triangles, and as an atlas of moved copies; the fourth
+ * object is a copy, too. */
 static void place_tori(uint64_t *random, const struct mesh *shape, double places[PLACES][16],
                        struct mesh_object objects[PLACES], conus_atlas *atlas)
 {
@@ -433,7 +434,7 @@ static void place_tori(uint64_t *random, const struct mesh *shape, double places
     objects[3] = (struct mesh_object){atlas_object_mesh(atlas, 4), NULL};
 }
 
-/* Counts rays that both hit alike, and rays that differ. */
+/* Counts rays with equal hits, and rays that differ. */
 static void compare_places(uint64_t *random, struct mesh_rays *placed, struct mesh_rays *moved, size_t *hits,
                            size_t *differ)
 {

@@ -36,7 +36,7 @@ static void make_volume(struct volume *out, uint64_t *random)
     }
 }
 
-/* Largest r with nothing in the cube of half-edge r around the voxel; 1000 if the volume is empty. */
+/* Largest r for which the cube of half-edge r around the voxel is empty; 1000 if the volume is empty. */
 static long empty_radius(const struct volume *volume, const long at[3])
 {
     const long row = (long)volume->info.dim[0];
@@ -55,7 +55,7 @@ static long empty_radius(const struct volume *volume, const long at[3])
     return nearest - 1;
 }
 
-/* Codes never promise more than there is, are 0 on objects only, and near objects are exact. */
+/* A code is never larger than the true distance, is 0 only on objects, and is exact near objects. */
 static void codes_tell_how_far_it_is_empty(void **state)
 {
     (void)state;
@@ -110,7 +110,8 @@ static void the_box_just_holds_the_objects(void **state)
     }
 }
 
-/* Largest r up to 20 with the same in all voxels of the cube of half-edge r; beside the grid there is nothing. */
+/* Largest r up to 20 for which the cube of half-edge r holds only the same object; outside of the grid there is
+ * none. */
 static long uniform_radius(const struct volume *volume, const long at[3])
 {
     const long dim[3] = {(long)volume->info.dim[0], (long)volume->info.dim[1], (long)volume->info.dim[2]};
@@ -128,7 +129,7 @@ static long uniform_radius(const struct volume *volume, const long at[3])
     return 20;
 }
 
-/* Areas in place of the specks: blocks of some voxels' width that touch, and holes. */
+/* Areas instead of specks: adjacent blocks some voxels wide, and holes. */
 static void make_areas(struct volume *volume, uint64_t *random)
 {
     const size_t *dim = volume->info.dim;
@@ -139,7 +140,7 @@ static void make_areas(struct volume *volume, uint64_t *random)
     }
 }
 
-/* Of objects, too, codes never promise more than there is, and near borders they are exact. */
+/* Inside objects, too, a code is never larger than the true radius plus one, and near borders it is exact. */
 static void uniform_codes_tell_how_far_it_is_the_same(void **state)
 {
     (void)state;
@@ -176,7 +177,7 @@ static void uniform_codes_tell_how_far_it_is_the_same(void **state)
     }
 }
 
-/* That voxel and the next along an axis, whose index is `step` larger. */
+/* Checks a voxel and the next one along an axis, whose index is larger by `step`. */
 static void check_pair(const struct volume *volume, const struct object_colours *colours, size_t voxel, size_t step)
 {
     uint32_t a = volume_object(volume, voxel);
@@ -186,7 +187,7 @@ static void check_pair(const struct volume *volume, const struct object_colours 
     }
 }
 
-/* How many of the objects have no colour. */
+/* Returns the number of objects without a colour. */
 static size_t check_colours(const struct volume *volume, uint32_t objects)
 {
     const size_t *dim = volume->info.dim;
@@ -207,8 +208,8 @@ static size_t check_colours(const struct volume *volume, uint32_t objects)
     return without;
 }
 
-/* In a jumble of 24^3 voxels every object is beside every other, so that each needs a colour of its own: 40 objects
- * leave all but as many as there are colours without. */
+/* In a jumble of 24^3 voxels every object touches every other, so that each needs another colour: of 40 objects only as
+ * many have one as there are colours. */
 static void neighbours_differ_in_colour(void **state)
 {
     (void)state;
@@ -233,7 +234,8 @@ static void neighbours_differ_in_colour(void **state)
     }
 }
 
-/* A sparse volume has codes round the box of its objects only: those of the same objects, one by one, in all voxels. */
+/* A sparse volume has codes only in the box of its objects: the same codes as the same objects stored one by one in all
+ * voxels. */
 static void a_sparse_volume_has_the_same_codes(void **state)
 {
     (void)state;

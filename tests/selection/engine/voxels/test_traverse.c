@@ -42,7 +42,7 @@ static bool is_occupied(enum pattern pattern, uint64_t *random, const size_t at[
     }
 }
 
-/* Edges around what the codes are made of, or a long box. */
+/* Edges around the block sizes of the codes, or a long box. */
 static void pick_dim(uint64_t *random, size_t dim[3])
 {
     static const size_t edges[] = {1, 2, 3, 4, 5, 7, 8, 9, 31, 63, 64, 65};
@@ -55,7 +55,7 @@ static void pick_dim(uint64_t *random, size_t dim[3])
     }
 }
 
-/* With the index space for world, or one sheared and scaled. */
+/* Places the volume in index space, or in a sheared and scaled world. */
 static void place_volume(struct volume *volume, uint64_t *random, double scale)
 {
     double *m = volume->info.world_from_voxel;
@@ -95,7 +95,7 @@ static void end_volume(struct volume *volume, struct distance_map *map)
     volume_finish(volume);
 }
 
-/* In index space: anywhere, on faces, edges and corners, at centres, or next to those by 1e-13 to 1e-3. */
+/* A point in index space: anywhere, on faces, edges and corners, at centres, or next to those by 1e-13 to 1e-3. */
 static void pick_point(uint64_t *random, const struct volume *volume, double out[3])
 {
     size_t kind = any_of(random, 5);
@@ -116,7 +116,8 @@ static void pick_origin(uint64_t *random, const struct volume *volume, double ou
     }
 }
 
-/* In index space: along axes, diagonals of faces and of cells, almost along them, towards points like the above. */
+/* A direction in index space: along axes, diagonals of faces and of cells, almost along them, or towards points like
+ * the above. */
 static void pick_direction(uint64_t *random, const struct volume *volume, const double origin[3], double out[3])
 {
     double to[3];
@@ -133,7 +134,7 @@ static void pick_direction(uint64_t *random, const struct volume *volume, const 
     }
 }
 
-/* In index space. */
+/* Origin of a ray in index space. */
 static void begin_of(double out[3], const struct traverse_bundle *bundle, size_t ray, const struct volume *volume)
 {
     const double apart[3] = {bundle->origins[0][ray], bundle->origins[1][ray], bundle->origins[2][ray]};
@@ -182,7 +183,7 @@ static void ask_oracle(struct oracle_hit *wanted, const struct traverse_bundle *
     }
 }
 
-/* None, or the contact, or next to it. */
+/* No limit, or the contact, or one next to it. */
 static double pick_limit(uint64_t *random, double contact)
 {
     const double choices[] = {contact, nextafter(contact, -1), nextafter(contact, INFINITY), contact * (1 + 1e-9),
@@ -190,7 +191,7 @@ static double pick_limit(uint64_t *random, double contact)
     return contact < INFINITY ? fmax(0, choices[any_of(random, 5)]) : test_random(random, 0, 300);
 }
 
-/* Returns how many rays hit. */
+/* Returns the number of rays that hit. */
 static size_t walk_and_compare(struct traverse_bundle *bundle, const struct distance_map *map,
                                const struct volume *volume, const struct oracle_hit *wanted)
 {
@@ -216,7 +217,7 @@ static size_t walk_and_compare(struct traverse_bundle *bundle, const struct dist
     return hits;
 }
 
-/* Returns how many rays hit, with and without a limit. */
+/* Returns the number of rays that hit, with and without a limit. */
 static size_t compare_bundle(uint64_t *random, const struct distance_map *map, const struct volume *volume)
 {
     struct traverse_bundle bundle = {0};
@@ -233,7 +234,7 @@ static size_t compare_bundle(uint64_t *random, const struct distance_map *map, c
     return hits + walk_and_compare(&bundle, map, volume, wanted);
 }
 
-/* As traverse_bundle_pierce() gives them: by ray, then along the ray. */
+/* Lists intervals in the order of traverse_bundle_pierce(): by ray, then along the ray. */
 static void pierce_one_by_one(struct layers *out, const struct traverse_bundle *bundle, const struct distance_map *map,
                               const struct volume *volume)
 {
@@ -249,7 +250,7 @@ static void pierce_one_by_one(struct layers *out, const struct traverse_bundle *
     assert_ok(layers_sort(out, bundle->count));
 }
 
-/* The interval of the ray that is there first from `from` on; NULL if there is none. Sets the ray's first of all. */
+/* The first interval of the ray that reaches beyond `from`; NULL if there is none. Sets the ray's first of all. */
 static const conus_interval *first_from(const conus_interval **first, const struct layers *all, size_t ray, double from)
 {
     *first = NULL;
@@ -265,8 +266,8 @@ static const conus_interval *first_from(const conus_interval **first, const stru
     return NULL;
 }
 
-/* Kernels that begin later tell what is there then, or else what is first of all. Returns of how many rays that hit
- * something before they told what is there. */
+/* Kernels that begin at `from` give the object there or the next one, or else the first hit of all. Returns the number
+ * of rays with a hit before `from` for which they gave the former. */
 static size_t compare_later(uint64_t *random, const struct distance_map *map, const struct volume *volume)
 {
     alignas(64) double from[TRAVERSE_BUNDLE];
@@ -301,8 +302,8 @@ static size_t compare_later(uint64_t *random, const struct distance_map *map, co
     return told;
 }
 
-/* Areas of some voxels' width that touch, with holes, some with numbers too high for a colour; or so many in a jumble
- * that there are not colours for all; or the objects as they are. */
+/* Gives numbers to areas some voxels wide that touch, with holes, some with numbers too high for a colour; or to a
+ * jumble with more neighbours than colours; or leaves the objects as they are. */
 static void name_areas(struct volume *volume, uint64_t *random)
 {
     size_t width = 1 + any_of(random, 9);
@@ -332,7 +333,8 @@ static void assert_same_intervals(const struct layers *got, const struct layers 
     }
 }
 
-/* A bundle of one ray up to a limit: what begins there is whole, or goes on beyond it. `wanted` is without one. */
+/* A bundle of one ray up to a limit: an interval that begins before it is whole, or goes on beyond it. `wanted` is
+ * without a limit. */
 static void compare_limited(uint64_t *random, const struct traverse_bundle *all, const struct layers *wanted,
                             const struct distance_map *map, const struct volume *volume)
 {
@@ -369,7 +371,7 @@ static void compare_limited(uint64_t *random, const struct traverse_bundle *all,
     layers_finish(&got);
 }
 
-/* Returns how many intervals there are. */
+/* Returns the number of intervals. */
 static size_t compare_intervals(uint64_t *random, const struct distance_map *map, const struct distance_map *uniform,
                                 const struct volume *volume)
 {
@@ -398,7 +400,8 @@ static size_t compare_intervals(uint64_t *random, const struct distance_map *map
     return count;
 }
 
-/* Numbers from anywhere on, as many as a labelled map has codes for or more. Returns whether it has. */
+/* Numbers from an arbitrary one on, as many as a labelled map has codes for, or more. Returns whether it has codes for
+ * all. */
 static bool name_objects(struct volume *volume, uint64_t *random)
 {
     static const size_t widths[] = {1, 2, 100, LABELLED_OBJECTS, LABELLED_OBJECTS + 1, 3000};
@@ -448,14 +451,14 @@ static size_t count_kernels(void)
     return count;
 }
 
-/* Eq. 5, with limits as of a volume that was looked through before: what is exactly there counts. */
+/* Eq. 5, with limits as another volume's hit sets them: a contact exactly at the limit counts. */
 static void kernels_equal_the_plain_traversal(void **state)
 {
     (void)state;
     assert_true(compare_scenes(11, (int)test_trials(150), 1) > test_trials(15000) * count_kernels());
 }
 
-/* Eq. 10: what a ray is in, or comes to, at and behind the near end of a range. */
+/* Eq. 10: the object in which the ray is at the near end of a range, or the first one behind it. */
 static void kernels_begin_later(void **state)
 {
     (void)state;
@@ -473,7 +476,7 @@ static void kernels_begin_later(void **state)
     assert_true(told > test_trials(3000));
 }
 
-/* Voxels whose size, or one by whose size, is no single. */
+/* Voxels so small or so large that their size or its inverse is no float. */
 static void voxels_of_any_size_do(void **state)
 {
     (void)state;
@@ -505,7 +508,7 @@ static void kernels_list_the_intervals_of_single_rays(void **state)
     assert_true(intervals > test_trials(100000));
 }
 
-/* From the face between cells 1 and 2, which belongs to cell 2, down: cell 1 is hit at once. */
+/* From the face between cells 1 and 2, which belongs to cell 2, downwards: cell 1 is hit at once. */
 static void what_is_hit_at_once_is_at_zero(void **state)
 {
     (void)state;
@@ -525,7 +528,7 @@ static void what_is_hit_at_once_is_at_zero(void **state)
     distance_map_finish(&map);
 }
 
-/* 1024 x 1024 lines of 64 codes are the most; neither codes nor voxels are looked at. */
+/* 1024 x 1024 lines of 64 codes are the most; the limit depends on neither codes nor voxels. */
 static void large_volumes_have_no_labelled_map(void **state)
 {
     (void)state;
