@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# What is added to an atlas that is open in the window: tractograms, pathways and contexts.
+# Files added to an atlas that is open in the window: tractograms, pathways and contexts.
 load helpers
 load window
 
@@ -35,18 +35,18 @@ values = [random.randrange(256) + (0.5 if type == "f" else 0) for _ in range(sid
 open(name + ".nii", "wb").write(bytes(head) + struct.pack("<%d%s" % (side ** 3, type), *values))' "$@"
 }
 
-# queried [OPTION...]: what conus answers for the pose of the tests.
+# queried [OPTION...]: the answer of conus for the pose of the tests.
 queried() {
     conus query slabs.nii.gz "$@" --origin 3,4,40 --toward 3,4,0 --angle 30 --format tsv --quiet
 }
 
-# said [ARGUMENT...] <SCRIPT: as view, and $stderr is what the window says besides.
+# said [ARGUMENT...] <SCRIPT: runs view; $stderr is what the window prints besides.
 said() {
     cat >script
     run -0 --separate-stderr timeout $HANG "$CONUS" view "$@" --script script --quiet --size 400x256
 }
 
-# says TEXT: one line of what the last run said has it.
+# says TEXT: a line of the last run's messages has TEXT.
 says() {
     [ "$(grep -cF -e "$1" <<<"$stderr")" = 1 ] || { echo "said: $stderr"; echo "wanted: $1"; return 1; }
 }
@@ -87,7 +87,7 @@ END
     queried --pathway sphere.nii.gz,threshold=0.5 --streamlines two.tck,radius=3,name=Arc | diff last.tsv -
     # each differs from the others, so that nothing is compared with itself
     [ "$(sha256sum dropped.tsv opened.tsv less.tsv none.tsv last.tsv | cut -d' ' -f1 | sort -u | wc -l)" = 5 ]
-    # what the session knows of each: its word, its file, and its numbers, where pathways come before bundles
+    # the session has the option, file and numbers of each; numbers of pathways come before those of bundles
     jq -e --arg here "$PWD" --arg sum "$(sha256sum two.tck | cut -d' ' -f1)" --argjson bytes "$(stat -c %s two.tck)" '
         .opened.added[0] == {option: "--streamlines=\($here)/two.tck,radius=3,name=Arc", path: "\($here)/two.tck",
             sha256: $sum, bytes: $bytes, objects: [4]} and
@@ -96,7 +96,7 @@ END
         [.opened.added[] | .objects] == [[4], [3], []] and all(.opened.added[]; .sha256 | length == 64)' last.json
 }
 
-# enter_line TEXT: types it into the line that has the keys.
+# enter_line TEXT: types it into the line that has the keyboard.
 enter_line() {
     xdotool type --window "$window" "$1"
     pass
@@ -113,13 +113,13 @@ enter_line() {
     pass
     enter_line "$PWD/two.tck,radius=2"
     look '.opened.added[0].objects == [3] and (.opened.options[0] | endswith("/two.tck,radius=2"))'
-    # it stays, for the next one
+    # the list stays open for the next one
     tell 'results one.tsv' 'key ctrl+l' 'key ctrl+l'
     pass
     enter_line "$PWD/more.tck"
     look '.objects == 4'
     tell 'results two.tsv'
-    # the first one's change and take out: the list is 620 x 360 pixels in the middle of 1000 x 640
+    # Change and Remove of the first one: the list is 620 x 360 pixels in the middle of 1000 x 640
     click_at 294 174
     enter_line ,name=Arc
     look '[.opened.options[] | split("/")[-1]] == ["more.tck", "two.tck,radius=2,name=Arc"]'
@@ -166,11 +166,11 @@ END
     [ "$(jq -c '.hidden, .look.opacities, .angle_deg, .objects' before.json | tr '\n' ' ')" = '[4] [[4,0.5]] 20 4 ' ]
     [ "$(jq -c '.hidden, .look.opacities, .angle_deg, .objects' less.json | tr '\n' ' ')" = '[3] [[3,0.5]] 20 3 ' ]
     [ "$(jq -c '.hidden, .look.opacities, .angle_deg, .objects' other.json | tr '\n' ' ')" = '[4] [[4,0.5]] 20 4 ' ]
-    # one step: coming and going of files is none
+    # one step: adding and removing files is no step
     [ "$(jq -c '.hidden, .look.opacities, .angle_deg, .objects' undone.json | tr '\n' ' ')" = '[4] [[4,0.5]] 30 4 ' ]
     [ "$(jq -c '.hidden, .objects' back.json | tr '\n' ' ')" = '[4] 5 ' ]
     diff <(jq -c .orbit before.json) <(jq -c .orbit back.json)
-    # what was confirmed keeps its name where its file is gone, also in a state of before that
+    # a confirmed object keeps its name when its file is gone, also in an earlier state
     jq -e '[.confirmed[].object] == [3]' before.json
     for file in less other undone; do
         jq -e '[.confirmed[] | [.object, .name]] == [[0, "two"]]' $file.json
@@ -197,7 +197,7 @@ save both.json
 END
     [ -z "$stderr" ]
     jq -e '[.opened.options[] | split("/")[-1]] == ["t1.nii", "two.tck"]' both.json
-    # of whole numbers, too, and another volume takes its place
+    # voxels may be whole numbers, too, and another volume replaces the first
     conus phantom brain -o brain
     said slabs.nii.gz <<<$'drop t1.nii\ndrop brain/brain-context.nii.gz\nsave grey.json'
     [ -z "$stderr" ]
@@ -253,7 +253,7 @@ END
     says 'there is no --atlas-transform that could move it'
     says 'are they voxel indices, not mm? If all is well, add it once more.'
     says 'none of 2 points is in the box around the areas: is it in their space?'
-    # without an atlas there is nothing to add it to
+    # without an atlas nothing can be added
     printf 'drop two.tck\nwait 2\n' >script
     ASAN_OPTIONS=detect_leaks=0 run -0 --separate-stderr timeout $HANG "$CONUS" view --script script --quiet
     check_message 'two.tck: a tractogram: open the atlas that it belongs to first'
@@ -274,21 +274,21 @@ END
     queried --pathway map.nii,threshold=250 --streamlines two.tck,radius=2 --streamlines more.tck --hide more |
         diff made/made.tsv -
     grep -q $'\tmap\t' made/made.tsv
-    # elsewhere, and under another name, which its bundle has then
+    # the file is elsewhere, and has another name, which its bundle has then
     mv made moved
     mv moved/two.tck moved/renamed.tck
     printf 'results found.tsv\nsave found.json\n' | view moved/made.json
     sed 's/\tbundle\t1\ttwo\t/\tbundle\t1\trenamed\t/' moved/made.tsv | diff found.tsv -
     jq -e '[.opened.options[] | split("/")[-1]] ==
         ["t1.nii", "renamed.tck,radius=2", "map.nii,threshold=50", "more.tck"] and .hidden == [5]' found.json
-    # more.tck is what was hidden, whatever is gone
+    # more.tck was hidden, and stays hidden whichever other file is gone
     rm moved/renamed.tck moved/map.nii
     said moved/made.json <<<$'results less.tsv\nsave less.json'
     check_message 'made.json is opened without what is not found: two.tck, map.nii'
     [ "$(wc -l <<<"$stderr")" = 1 ]
     queried --streamlines more.tck --hide more | diff less.tsv -
     jq -e '.hidden == [3] and .objects == 3' less.json
-    # another file in its place is said in the window only
+    # another file in its place is reported in the window only
     python3 "$BATS_TEST_DIRNAME/tck.py" moved/more.tck 4,-5,9.9 4,6,9.8
     said moved/made.json <<<'results other.tsv'
     queried --streamlines moved/more.tck --hide more | diff other.tsv -
@@ -297,12 +297,12 @@ END
 @test "escape ends the reading of a tractogram, and the atlas stays" {
     scene
     hold_file slabs.nii.gz
-    touch released # for the first time
+    touch released # the first load
     live slabs.nii.gz 2>said
     tell "$AIM" 'save before.json'
     look true
     rm begun released
-    drop "$PWD/two.tck" # the atlas is read again before it
+    drop "$PWD/two.tck" # the atlas is read again before it is added
     wait_until "$child" test -e begun
     xdotool key --window "$window" Escape
     touch released
@@ -310,7 +310,7 @@ END
     look '.opened.options == []'
     diff before.json after.json
     queried | diff after.tsv -
-    # what is dropped is looked at while the window does what it is told
+    # a dropped file is read while the window does other things
     rm begun released
     drop "$PWD/slabs.nii.gz"
     wait_until "$child" test -e begun

@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# The window as somebody uses it who has no shell: started without arguments, driven by keys and mouse alone, which
+# The window as used by somebody without a shell: started without arguments, driven by keys and mouse alone, which
 # xdotool sends, without a script, and read by its title.
 load helpers
 load window
@@ -15,8 +15,8 @@ titled() {
     [ "$(xdotool getwindowname "$window" 2>/dev/null)" = "$1" ]
 }
 
-# tries_until CONDITION COMMAND...: what may come before the window is ready for it, and so is done again until the
-# condition, a command as text, holds; each of these may be done twice without harm.
+# tries_until CONDITION COMMAND...: repeats commands that may come before the window is ready for them, until the
+# condition, a command as text, holds. Each command must be harmless when it is repeated.
 tries_until() {
     local condition=$1 looks
     shift
@@ -31,7 +31,7 @@ tries_until() {
     done
 }
 
-# shows TITLE COMMAND...: likewise, until the window has this title.
+# shows TITLE COMMAND...: repeats commands until the window has this title.
 shows() {
     tries_until "titled '$1'" "${@:2}"
 }
@@ -54,7 +54,7 @@ search_300() {
     enter
 }
 
-# The 3-D pane is the first of the middle; where in it the slab is, is tried.
+# The 3-D pane is the first of the middle; the place of the slab in it is found by trying.
 across=0
 isolate_and_point() {
     xdotool key --window "$window" i
@@ -70,24 +70,24 @@ open_first() {
     xdotool key --window "$window" 1
 }
 
-# By the name that is proposed.
+# save_as: accepts the proposed name.
 save_as() {
     xdotool key --window "$window" ctrl+shift+s
     enter
 }
 
-# Likewise.
+# save_figure: accepts the proposed name.
 save_figure() {
     xdotool key --window "$window" ctrl+p
     enter
 }
 
-# quit: by Ctrl+Q. On a busy machine the form of figures was asked for twice and is open: its field takes all keys until
-# Escape leaves it, and once more leaves the form.
+# quit: presses Ctrl+Q. On a busy machine the form of figures may have been requested twice and be open again: its field
+# takes all keys until Escape leaves it, and a second one leaves the form.
 quit() {
     local looks
     while runs "$child"; do
-        xdotool key --window "$window" ctrl+q || : # the window may be gone before the key is let go
+        xdotool key --window "$window" ctrl+q || : # the window may be gone before the key is released
         for ((looks = 0; looks < 100; looks++)); do
             runs "$child" || break 2
             sleep 0.02
@@ -101,7 +101,7 @@ quit() {
     wait "$child"
 }
 
-# is_whole FILE.png: whether it is there to its last chunk.
+# is_whole FILE.png: whether the file is there to its last chunk.
 is_whole() {
     tail -c 12 "$1" 2>/dev/null | grep -q IEND
 }
@@ -110,7 +110,7 @@ is_there() {
     jq -e .objects "$1" >/dev/null 2>&1
 }
 
-# seen FILE: the window's picture once it is fine, with the mouse at its upper edge.
+# seen FILE: a picture of the window once it is fine, with the mouse at its upper edge.
 seen() {
     xdotool mousemove --window "$window" 900 5
     tell 'wait 8' settle "screenshot $1"
@@ -132,7 +132,7 @@ seen() {
     pass
     seen dragged.png
     run -1 conus diff before.png dragged.png
-    tell 'panes 320 0 0 0' # what it should be: the mouse was at 320
+    tell 'panes 320 0 0 0' # the border that the mouse must find: at 320
     seen wanted.png
     conus diff dragged.png wanted.png
     xdotool key --window "$window" backslash
@@ -154,7 +154,7 @@ seen() {
     export XDG_STATE_HOME=$PWD/state XDG_DATA_DIRS=$PWD/data HOME=$PWD CONUS_ATLAS_PATH=$PWD/mine
     conus phantom slabs -o mine
     conus phantom sphere -o mine
-    mkdir -p data/mricron/templates # so that S opens no sample where it comes too early
+    mkdir -p data/mricron/templates # so that S, pressed too early, opens no sample
     cp mine/sphere.nii.gz data/mricron/templates/aal.nii.gz
     start
     titled conus
@@ -170,14 +170,14 @@ seen() {
     mv slabs-session.json before.json
     jq -e '.hidden == [1] and .frozen == 1 and .has_pose == 1' before.json
     jq -e '.panels[1] > 384' state/conus/window.json
-    # what was read is what conus answers for that cone, hidden areas left out
+    # the area read from the title is the one that conus answers for that cone, without hidden areas
     jq -r '.world_from_device | "--origin=\(.[12]),\(.[13]),\(.[14]) --direction=\(-.[8]),\(-.[9]),\(-.[10])"' \
         before.json >axis
     read -ra cone <axis
     conus query slabs "${cone[@]}" --angle "$(jq .angle_deg before.json)" --hide 1 --format tsv --quiet >rows.tsv
     [ "$(awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
         NR == 2 { print $at["name"] }' rows.tsv)" = 'Slab posterior' ]
-    # again
+    # again, from the start
     cp before.json slabs-session.json
     start
     shows 'conus - slabs.nii.gz [slabs-session.json] - Slab posterior (held)' open_first

@@ -1,8 +1,9 @@
 #!/usr/bin/env bats
-# Atlases by name: the layouts of the programs that install some, what a name means, and what a list may not do.
+# Atlases by name: the folder layouts of the programs that install atlases, the meaning of a name, and the limits of the
+# list.
 load helpers
 
-# Nothing of this computer: each test makes the folders that it is about.
+# alone: uses nothing of this computer; each test makes its own folders.
 alone() {
     local name
     for name in CONUS_ATLAS_PATH FSLDIR SUBJECTS_DIR FREESURFER_HOME TEMPLATEFLOW_HOME AFNI_ATLAS_PATH \
@@ -63,7 +64,7 @@ listed() {
     conus atlases --format tsv "$@" | tail -n +2 | awk -F'\t' '{ print $2, $1 }'
 }
 
-# lists LINE...: these are all, and each loads under source:name as the file in the list.
+# lists LINE...: asserts that these are all, and that each loads under source:name as the file in the list.
 lists() {
     local source name kind spacing path labels
     listed | diff - <(printf '%s\n' "$@")
@@ -76,7 +77,7 @@ lists() {
     done <list
 }
 
-# field NAME COLUMN: of the atlas in the list.
+# field NAME COLUMN: a cell of the atlas in the list.
 field() {
     conus atlases --format tsv | awk -F'\t' -v name="$1" -v column="$2" '
         NR == 1 { for (i = 1; i <= NF; i++) if ($i == column) at = i } $1 == name { print $at }'
@@ -98,7 +99,7 @@ fsl_xml() {
     } >"$file"
 }
 
-# ---- The places ------------------------------------------------------------------------------------------------------
+# Places
 
 @test "mricron: labels are listed, images are not" {
     make_volumes
@@ -144,13 +145,13 @@ fsl_xml() {
         "fsl HarvardOxford-cort-maxprob-thr0-2mm"
     [ "$(field HarvardOxford-Cortical voxel_mm)" = 1 ]
     [ "$(field HarvardOxford-Cortical-2mm voxel_mm)" = 2 ]
-    # The names of the areas are those of the XML; words may be separated otherwise.
+    # The areas have the XML's names; words in the atlas's name may be separated otherwise.
     conus info fsl:harvard-oxford-cortical --format tsv | cut -f 3 | xargs | grep -qx 'name one two'
-    # The XML itself has the areas as probabilities.
+    # The XML itself lists the areas as probabilities.
     [ "$(field HarvardOxford-Cortical-prob kind)" = probabilities ]
     conus info harvard-oxford-cortical-prob --format json >json
     jq -e '[.objects[].name] == ["one", "two"] and .volumes[0].role == "probability"' json
-    # A volume that an XML names has its own name, too.
+    # A volume named in an XML has a name of its own, too.
     conus info HarvardOxford-cort-maxprob-thr25-2mm --format json >json
     jq -e '.installed.name == "HarvardOxford-Cortical-2mm"' json
 }
@@ -209,7 +210,7 @@ END
     lists "brainglobe example_mouse_100um_v1.2"
     conus info example_mouse_100um --format json >json
     jq -e '.installed.name == "example_mouse_100um_v1.2"' json
-    # Two versions: the name without one means neither.
+    # With two versions the name alone means neither.
     cp -r $atlas home/.brainglobe/example_mouse_100um_v1.10
     fails 2 'example_mouse_100um: 2 atlases have that name' info example_mouse_100um
 }
@@ -247,7 +248,7 @@ third() {
     conus cite toy_mouse_1000um >cited
     grep -q 'Someone 2026' cited
     grep -q 'https://example.org/toy' cited
-    # Somewhere else, as bg_config.conf says; [default_dirs] is the section that counts.
+    # BrainGlobe's folder may be set in bg_config.conf; its section [default_dirs] counts.
     third elsewhere 1_1 other
     write settings/bg_config.conf "[x]\nbrainglobe_dir = /nowhere\n[default_dirs]\nbrainglobe_dir = $PWD/elsewhere\n"
     BRAINGLOBE_CONFIG_DIR=$PWD/settings conus info other_1000um --format tsv | grep -q 'area of 1_1'
@@ -261,7 +262,7 @@ third() {
     fails 3 'the annotation of 1000 micrometres was not downloaded; python3 -c' info toy_mouse_1000um
     rm -r home/.brainglobe/brainglobe-atlasapi/annotation-sets
     fails 3 'the annotation of 1000 micrometres was not downloaded; python3 -c' info toy_mouse_1000um
-    # A manifest.json of another program is nobody's atlas.
+    # A manifest.json of another program is no atlas.
     write web/manifest.json '{"name": "page"}'
     fails 3 'no surfaces in this folder' info web
 }
@@ -275,9 +276,9 @@ third() {
     write $cache/tpl-MNI152NLin2009cAsym/tpl-MNI152NLin2009cAsym_atlas-Schaefer2018_desc-100Parcels7Networks_dseg.tsv \
         'index\tname\n1\tone\n2\ttwo\n'
     put t1.nii.gz "${mni}_T1w.nii.gz" "${mni}_label-GM_probseg.nii.gz" "${mni}_desc-brain_mask.nii.gz"
-    # What was not fetched yet is an empty file.
+    # A file that was not fetched yet is empty.
     : >"${mni}_atlas-HOCPA_desc-th25_dseg.nii.gz"
-    # datalad links to what it fetched, and keeps equal files once.
+    # datalad links to fetched files, and keeps equal files once.
     put l.nii.gz $cache/.git/annex/objects/content
     for cohort in 2 3; do
         mkdir $cache/tpl-MNIInfant/cohort-$cohort
@@ -370,7 +371,7 @@ END
     lists "mricrogl natbrainlab"
 }
 
-# ---- Names -----------------------------------------------------------------------------------------------------------
+# Names
 
 # two_places: mricron:aal and own:aal, with a voxel of difference, and mricron:brodmann.
 two_places() {
@@ -388,7 +389,7 @@ two_places() {
     rm brodmann
     conus info brodmann --format json >json
     jq -e '.installed.source == "mricron"' json
-    # What has a slash is never a name.
+    # A text with a slash is never a name.
     fails 3 './brodmann: cannot open: No such file or directory' info ./brodmann
     put l.nii.gz brodmann.nii.gz
     conus info brodmann.nii.gz,volume=0 --format json >json
@@ -406,12 +407,12 @@ two_places() {
     conus info MRICRON:AAL --format json >json
     jq -e '.volumes[0].spacing_mm[0] == 2' json
     [ "$(conus atlases --format names | xargs)" = "own:aal mricron:aal brodmann" ]
-    # One file that is found in two ways is no choice.
+    # One file that is found in two ways is not ambiguous.
     rm own/aal.nii.gz
     ln -s ../usr/share/mricron/templates/aal.nii.gz own/aal.nii.gz
     conus info aal --format json >json
     jq -e '.installed.source == "own"' json
-    # Within one source only a path says which.
+    # Two files of one source can be told apart by their paths only.
     put l.nii own/deeper/aal.nii
     fails 2 'give the path of one' info own:aal
 }
@@ -424,7 +425,7 @@ two_places() {
     fails 3 'did you mean aal?' info mricron:aall
     fails 3 "lists them)" info nothing-like-it
     not grep -q 'did you mean' <<<"$stderr"
-    # A control character of the command line does not come back.
+    # Control characters of the command line are not printed.
     run -3 --separate-stderr "$CONUS" info $'x\e[31m'
     not grep -q $'\e' <<<"$stderr"
 }
@@ -458,7 +459,7 @@ two_places() {
     diff rows.tsv b.tsv
 }
 
-# ---- The list --------------------------------------------------------------------------------------------------------
+# The list
 
 @test "an empty list says where it looked" {
     answers atlases
@@ -501,7 +502,7 @@ two_places() {
     done
     [ "$(conus atlases --format tsv | wc -l)" -eq 4 ]
     [ "$(conus atlases --format tsv | awk -F'\t' '{ print NF }' | sort -u)" = 6 ]
-    # Each name that is shown is one that is found.
+    # Each name that is shown can be found.
     conus atlases --format names | while IFS= read -r name; do
         conus info "$name" --format tsv >/dev/null
     done
@@ -541,7 +542,7 @@ two_places() {
     export CONUS_ATLAS_PATH=$PWD/own
     chmod 0 own/closed
     local plainly=()
-    if [ -r own/closed ]; then # root, who can do without that
+    if [ -r own/closed ]; then # root can read it all the same
         plainly=(setpriv --bounding-set "-dac_override,-dac_read_search")
     fi
     if "${plainly[@]}" test -r own/closed; then

@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# What no atlas should be: one clear line, exit code 3, and no file left behind.
+# Input that is no atlas: one clear line, exit code 3, and no file left behind.
 load helpers
 
 # ball: ball.nii, a good volume of 16^3 bytes at offset 352, to be damaged.
@@ -16,8 +16,8 @@ poke() {
     printf '%b' "$(printf '\\x%s' "$@")" | dd of="$file" bs=1 seek="$offset" conv=notrunc status=none
 }
 
-# refuses TEXT FILE: as an atlas, FILE ends info and query in code 3 with a line that begins with its name and has TEXT
-# in it, and leaves no output.
+# refuses TEXT FILE: asserts that info and query of FILE as an atlas end in code 3 with a line that begins with its name
+# and has TEXT in it, and leave no output.
 refuses() {
     fails 3 "$2: $1" info "$2"
     fails 3 "$2: $1" query "$2" --origin 0,0,90 --toward 0,0,0 -o out.tsv --voxels voxels.tsv --voxels-of all
@@ -52,7 +52,7 @@ refuses() {
     fails 3 'is a device or pipe' overlap ball.nii pipe.nii
 }
 
-# Here the stack of the shell's children is limited for good, so each runs in a shell of its own.
+# The limit on the stack is permanent for a shell's children, so each command runs in another shell.
 @test "64 KB of stack are enough, and change no answer" {
     ball
     gzip -k ball.nii
@@ -169,7 +169,7 @@ refuses() {
     fails 3 '536870912' info bomb.nii.gz --max-memory 512M
     ball
     fails 3 'ball.nii: file of 4448 bytes, allowed are 1024 (--max-memory)' info ball.nii --max-memory 1K
-    # each voxel takes 2 bytes as a number, whatever it takes in the file
+    # a label takes 2 bytes, whatever it takes in the file
     fails 3 'ball.nii: labels: found 4096 voxels, which take 2 bytes each, allowed are 5000 bytes (--max-memory)' \
         info ball.nii --max-memory 5000
 }
@@ -233,7 +233,7 @@ refuses() {
     refuses 'HDF5, but no volume of MINC: there is no /minc-2.0/image/0/image' coil.mat
     head -c 9000 box.mnc >cut.mnc
     refuses 'HDF5: cannot open it: ' cut.mnc
-    ball # an affine of FSL asks the volume for its place only
+    ball # an affine of FSL needs the volume for its placement only
     printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >flirt.mat
     conus query ball.nii --atlas-transform flirt.mat,from=ball.nii,to=box.mnc --origin 0,0,90 --toward 0,0,0 \
         --angle 5 --quiet -o moved.tsv
@@ -260,7 +260,7 @@ store() {
 
 PLACE=,resolution=1000,orientation=asr
 
-# no_store TEXT: store.zarr ends info in code 3 with one line that has TEXT in it.
+# no_store TEXT: asserts that info of store.zarr ends in code 3 with one line that has TEXT in it.
 no_store() {
     fails 3 "$1" info "store.zarr$PLACE" --no-cache
 }
@@ -310,9 +310,9 @@ no_store() {
     run -0 --separate-stderr "$CONUS" info "store.zarr$PLACE" --no-cache --format tsv
     shard 0 4 3 4
     no_store 'a chunk of 4 bytes from byte 0 on lies outside of the file, or over another or the index'
-    shard 0 4 10 4 # over the index
+    shard 0 4 10 4 # reaches over the index
     no_store 'a chunk of 4 bytes from byte 8 on lies outside'
-    shard 0 4 70 4 # 56, where the file has 40 bytes
+    shard 0 4 70 4 # 56 bytes, but the file has 40
     no_store 'a chunk of 4 bytes from byte 56 on lies outside'
 }
 
@@ -321,7 +321,7 @@ no_store() {
     echo '{"zarr_format": 2, "shape": [2, 2, 2], "chunks": [1, 2, 2], "dtype": "|u1", "order": "C", "compressor": null,
         "fill_value": null}' >two.zarr/.zarray
     printf 1111 >two.zarr/0.0.0
-    printf 9999 >two.zarr/2.0.0 # there is no such row
+    printf 9999 >two.zarr/2.0.0 # the array has no such row
     fails 3 'two.zarr/1.0.0: is not there, and fill_value does not say what it holds' info two.zarr$PLACE
     sed -i 's/"fill_value": null/"fill_value": 50/' two.zarr/.zarray
     run -0 --separate-stderr "$CONUS" info two.zarr$PLACE --no-cache

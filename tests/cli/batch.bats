@@ -16,7 +16,7 @@ batch() {
     conus batch sphere.nii.gz --poses poses.tsv --angle 12 "$@"
 }
 
-# hold_batch ARGUMENT...: the same in blocks of 100 poses, held after the first of them (helpers.bash).
+# hold_batch ARGUMENT...: the same in blocks of 100 poses, stopped after the first of them (helpers.bash).
 hold_batch() {
     hold batch sphere.nii.gz --poses poses.tsv --angle 12 --block 100 "$@"
 }
@@ -66,7 +66,7 @@ wait_for_lines() {
     done
 }
 
-# Poses around three shells with ranges of their own; every fifth has none, every third only a far end.
+# ranged_poses: poses around three shells with ranges; every fifth has none, every third only a far end.
 ranged_poses() {
     awk -v n="$1" -v OFS='\t' 'BEGIN {
         print "query_id", "x", "y", "z", "tx", "ty", "tz", "near", "far"
@@ -76,7 +76,7 @@ ranged_poses() {
     }' >ranged.tsv
 }
 
-# alone ARGUMENT...: the answers to each row of ranged.tsv on its own, by --range; 20,44 has what it has not.
+# alone ARGUMENT...: the answers to each row of ranged.tsv on its own, by --range; 20,44 stands for missing ends.
 alone() {
     local pose near far first=1
     while IFS= read -r pose; do
@@ -393,7 +393,7 @@ alone() {
 @test "what other processes left behind does not stand in the way" {
     setup_ball 5
     batch -o rows.tsv
-    # Under the names of versions before: rows.json.PID.part, of the processes to come.
+    # Partial files under the names of older versions, rows.json.PID.part, of the next processes.
     local next=$(sh -c 'echo $$')
     for pid in $(seq "$next" $((next + 300))); do
         echo left >"rows.json.$pid.part"
@@ -425,11 +425,11 @@ alone() {
     rm torn.tsv torn.json
     cp journal torn.tsv.journal
     cp part torn.tsv.part
-    printf X | dd of=torn.tsv.part bs=1 seek=9000 conv=notrunc status=none # or reached it wrong
+    printf X | dd of=torn.tsv.part bs=1 seek=9000 conv=notrunc status=none # or reached it damaged
     batch -o torn.tsv --resume
     cmp rows.tsv torn.tsv
     rm torn.tsv torn.json
-    sed '4s/^\([0-9]*\) [0-9]* /\1 99 /' journal >torn.tsv.journal # the journal reached it wrong: other counts, same bytes
+    sed '4s/^\([0-9]*\) [0-9]* /\1 99 /' journal >torn.tsv.journal # the journal is damaged: other counts, the same bytes
     not cmp -s journal torn.tsv.journal
     cp part torn.tsv.part
     batch -o torn.tsv --resume
@@ -516,7 +516,7 @@ alone() {
     cmp rows.tsv stopped.tsv
 }
 
-# stop SIGNAL CODE: ends process $pid with the signal, whereupon its exit code must be CODE.
+# stop SIGNAL CODE: ends process $pid with the signal; its exit code must be CODE.
 stop() {
     local code=0
     kill "-$1" "$pid"
@@ -524,8 +524,8 @@ stop() {
     [ "$code" -eq "$2" ] || { echo "ended with $code"; return 1; }
 }
 
-# pipe_in OPTION...: a batch in the background, whose process is $pid, of the poses and half a line more from a pipe that
-# then falls silent.
+# pipe_in OPTION...: starts a batch in the background, process $pid, on a pipe that has the poses and half a line more,
+# and then is silent.
 pipe_in() {
     [ -p silent ] || mkfifo silent
     env --default-signal=INT "$CONUS" batch sphere.nii.gz --poses - --angle 12 --block 100 "$@" <silent >piped.tsv 2>said 3>&- &
@@ -642,13 +642,13 @@ pipe_in() {
         --segments e.csv
 }
 
-# example NAME: the code of docs/batch.md whose fence has that name.
+# example NAME: prints the code of docs/batch.md whose fence has that name.
 example() {
     awk -v fence="\`\`\`sh $1" '$0 == fence { inside = 1; next } /^```/ { inside = 0 } inside' \
         "$BATS_TEST_DIRNAME/../../docs/batch.md"
 }
 
-# setup_example: what the examples of docs/batch.md call by name.
+# setup_example: makes the files that the examples of docs/batch.md name.
 setup_example() {
     setup_ball 100
     mv sphere.nii.gz aal.nii.gz

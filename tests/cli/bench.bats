@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# conus-bench as a user types it: everything small, for its answers and its JSON and never for its times.
+# conus-bench as a user types it: everything small, for its answers and its JSON, and never for its times.
 load helpers
 
 bench() {
@@ -19,11 +19,11 @@ bench() {
         and has("min_ms") and has("p90_ms") and has("repeats") and has("equal")] | all' all.json
     jq -e '[.runs[] | .equal or .other_by_design] | all' all.json
     jq -e '[.ratios[] | type == "number"] | all' all.json
-    # Where there are OpenGL and VTK only what draws to a display may be left out, and Python, which lacks the
-    # sanitizers' runtime. The test bench.python asks for it.
+    # With OpenGL and VTK only scenarios that draw to a display may be left out, and Python, which lacks the sanitizers'
+    # runtime. The test bench.python covers that one.
     jq -e '(.versions.gl | startswith("none")) or .versions.vtk == "none" or
         ([.left_out | keys[] | test("^(vtk|peers_|the Python package)")] | all)' all.json
-    # Every scenario that help lists was run or is said to have been left out.
+    # Every scenario of the help was run or is reported as left out.
     bench --help | sed -n '/^scenarios:/,/^$/p' | awk 'NR > 1 && NF { print $1 }' | grep -vx all >names
     [ "$(wc -l <names)" -ge 9 ]
     while read -r name; do

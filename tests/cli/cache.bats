@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: BSD-3-Clause
-# The cache of atlases: answers are the same with it, and --no-cache, $CONUS_CACHE and conus cache do what they say.
+# The cache of atlases: it changes no answer, and --no-cache, $CONUS_CACHE and conus cache work as documented.
 
 load helpers
 
@@ -15,12 +15,12 @@ entries() {
     find cache -name '*.atlas' 2>/dev/null | wc -l
 }
 
-# Files that changed within the last two seconds are not kept.
+# is_kept: files that changed within the last two seconds are not kept.
 is_kept() {
     are_kept 1 "$@"
 }
 
-# are_kept N ARGUMENT...: N entries at least.
+# are_kept N ARGUMENT...: asserts that there are at least N entries.
 are_kept() {
     "$CONUS" query "${@:2}" > /dev/null
     [ "$(entries)" -ge "$1" ]
@@ -41,7 +41,7 @@ are_kept() {
     CONUS_CACHE=off "$CONUS" info "$atlas" --format json > without
     "$CONUS" info "$atlas" --format json > second
     cmp without second
-    # What is done to it afterwards: the voxels are copied then.
+    # Options that change the atlas after it was attached: the voxels are copied then.
     for how in "--hemispheres merged" "--hide Precentral_L" "--level 1" "--context $TEMPLATES/ch2.nii.gz --context-blocks 90" \
         "--pathway $TEMPLATES/ch2.nii.gz,threshold=100"; do
         # shellcheck disable=SC2086
@@ -72,7 +72,7 @@ are_kept() {
         [[ $output == *"--format has no effect without list"* ]]
     done
     [ "$(entries)" = 1 ]
-    # One form of a path, however the atlas was named.
+    # The entry is the same however the path was written.
     (cd "$TEMPLATES" && XDG_CACHE_HOME=$OLDPWD/cache "$CONUS" query ./aal.nii.gz "${AIM[@]}" > /dev/null)
     [ "$(entries)" = 2 ]
     [ "$("$CONUS" cache list --format tsv | cut -f 1,4 | tail -n +2 | sort -u)" = "atlas	$(realpath "$atlas")" ]
@@ -152,7 +152,7 @@ put("groups/Some.uint32", "I", [1, 3])
 END
 }
 
-# same_answers OPTION...: rows and notes with the cache, without it, and with what it then has.
+# same_answers OPTION...: rows and notes with the cache, without it, and with the entry that was made are the same.
 same_answers() {
     local command
     for command in "query phantom/sphere.nii.gz ${AIM[*]} --layers all --format json" \
@@ -171,7 +171,7 @@ same_answers() {
 @test "streamlines of the command line are kept, whatever their name and radius; answers and notes are the same" {
     own_cache
     "$CONUS" phantom sphere -o phantom
-    python3 "$BATS_TEST_DIRNAME/tck.py" walk.tck -30,0,0 0,3,0 30,0,0 -- 5,5,5 -- 0,0,-40 1,0,40 # one of one point
+    python3 "$BATS_TEST_DIRNAME/tck.py" walk.tck -30,0,0 0,3,0 30,0,0 -- 5,5,5 -- 0,0,-40 1,0,40 # a streamline of one point
     make_trx lines.trx
     wait_until "$BASHPID" are_kept 3 phantom/sphere.nii.gz --streamlines walk.tck --streamlines lines.trx "${AIM[@]}"
     [ "$(entries)" = 3 ]
@@ -180,7 +180,7 @@ same_answers() {
     same_answers --streamlines "$PWD/./lines.trx"
     printf '1 0 0 4\n0 1 0 0\n0 0 0.9 0\n0 0 0 1\n' > shear.txt
     same_answers --streamlines lines.trx,moves --streamlines walk.tck --atlas-transform shear.txt
-    [ "$(entries)" = 4 ] # one was named by another path
+    [ "$(entries)" = 4 ] # one entry is for another path
     [ "$("$CONUS" cache list --format tsv | cut -f 4 | sort -u | grep -Ec '(lines|walk)\.t')" -ge 2 ]
     fails 2 'radius 101 mm, allowed is above 0 to 100' \
         query phantom/sphere.nii.gz "${AIM[@]}" --streamlines walk.tck,radius=101
@@ -188,7 +188,7 @@ same_answers() {
     same_answers --streamlines walk.tck
 }
 
-# far OF: a tractogram of 100,000 points, of which so many lie in the sphere and the others far away, evenly mixed.
+# far COUNT: a tractogram of 100,000 points, COUNT of which lie in the sphere and the others far away, evenly mixed.
 far() {
     /usr/bin/python3 -c '
 import struct, sys
@@ -213,13 +213,13 @@ with open("far.tck", "wb") as file:
     printf '1 0 0 4\n0 1 0 0\n0 0 0.9 0\n0 0 0 1\n' > shear.txt
     same_answers --streamlines far.tck
     same_answers --streamlines far.tck,moves --streamlines far.tck,name=Still --atlas-transform shear.txt
-    far 20000 # as many bytes
+    far 20000 # as many bytes as before
     same_answers --streamlines far.tck
 }
 
 @test "of many points a sample tells that they lie well; where it does not, all are counted" {
     "$CONUS" phantom sphere -o phantom
-    # rows: points inside, note. 59,000 are more than a half, which is the limit, but no sample says so for sure.
+    # rows: points inside, note. 59,000 are above the limit, a half, but no sample can tell that for sure.
     while read -r inside note; do
         far "$inside"
         run -0 --separate-stderr "$CONUS" query phantom/sphere.nii.gz "${AIM[@]}" --streamlines far.tck
@@ -294,7 +294,7 @@ has_index() {
     "$CONUS" cache clear
     "$CONUS" query series.nii.gz,volume=0 "${AIM[@]}" --pathway "$pathway" --no-cache > /dev/null
     [ "$("$CONUS" cache list --format tsv | wc -l)" = 1 ]
-    # By a pathway alone, too.
+    # For a pathway alone, too.
     "$CONUS" phantom sphere -o phantom
     wait_until $$ has_index phantom/sphere.nii.gz "${AIM[@]}" --pathway "$pathway" --quiet
 }

@@ -45,8 +45,8 @@ cells() {
     [[ "$stderr" == *"conus: 6 candidates: "* ]]
 }
 
-# Asked again, the listed poses have the same text, but for their numbers of entry and target; the lengths are those of
-# the segments, and the distances those of the clearances.
+# Asked again, the listed poses are the same text, but for the numbers of entry and target; their lengths are those of
+# the segments, and their distances those of the clearances.
 @test "a pose that is written is the same pose again" {
     needles
     conus $P --avoid Ball --depth target+4 --tilt 6,3 --radius 1 --top 40 -q -o plan.tsv --poses-out poses.tsv
@@ -132,7 +132,8 @@ cells() {
     fails 2 '--entry-angle has no effect without --from' $U --poses targets.txt --depth 9 --entry-angle 3
 }
 
-# Voxels at the border of the ball, and its centre; those of the ball's right half are not within the U.
+# Entries are voxels at the border of the ball, the target is its centre; those of the ball's right half are not within
+# the U.
 @test "targets of a structure, and entries of a mask" {
     needles
     run -0 --separate-stderr conus plan u-shape.nii.gz --reach Ball --from entries.txt --toward centroid --depth target --top all
@@ -231,8 +232,8 @@ cells() {
     grep -q targets.txt plan.json
 }
 
-# The best of each vertex is its first in the list of all, of whatever turn; the box has 8. Without nibabel the
-# bytes alone are compared.
+# The best pose of each vertex is its first in the list of all, with whatever turn; the box has 8 vertices. Without
+# nibabel only the bytes are compared.
 @test "a map has the best pose of each vertex" {
     needles
     local asked=($U --toward voxels,spacing=9 --depth target+4 --avoid Ball --radius 1 -q --force
@@ -280,8 +281,8 @@ for i, point in enumerate(points):
 END
 }
 
-# Entries are the border of a mask, targets voxels: of each, the best of its rows in the list of all. NaN is where none
-# is, and a comment names the volumes. Without nibabel the bytes alone are compared.
+# Entries are the border of a mask, targets voxels: each has the best of its rows in the list of all. Voxels without a
+# pose are NaN, and a comment names the volumes. Without nibabel only the bytes are compared.
 @test "maps of voxels have the best pose of each entry and of each target" {
     needles
     conus query u-shape.nii.gz --origin 40,0,5 --toward 0,0,5 --radius 6 --range 9,12 -q -o rows.tsv \

@@ -3,7 +3,7 @@
 
 load helpers
 
-# What ccf.py writes is made once; the tests only read it.
+# ccf.py's files are made once; the tests only read them.
 setup_file() {
     (cd "$BATS_FILE_TMPDIR" && python3 "$BATS_TEST_DIRNAME/ccf.py")
 }
@@ -14,7 +14,7 @@ setup() {
 
 forms='allen.nrrd ras.nii globe'
 
-# The label at each point, and the position reported for it, to the files labels and places.
+# ask: writes the label at each point, and the position reported for it, to the files labels and places.
 ask() {
     run -0 --separate-stderr "$CONUS" query "$@" --radius 0.001 --format tsv --quiet
     awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
@@ -119,7 +119,7 @@ END
         --quiet --format tsv
     [[ $output == *$'\tarea\t60\t60\t'* ]]
     run -0 --separate-stderr "$CONUS" overlap ras.nii ras.nii --threshold 165 --space ccf --quiet --format tsv
-    # label 165 is voxels 60 to 65, 32 to 39, 38 to 56: the first of them in the file is its last AP and DV
+    # label 165 is voxels 60 to 65, 32 to 39, 38 to 56: the first one in the file has the last AP and DV
     awk -F '\t' 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
                  NR == 2 { x = $at["peak_x"]; y = $at["peak_y"]; z = $at["peak_z"]
                      exit !(x > 12000 && x < 13200 && y > 6400 && y < 8000 && z > 7600 && z < 11400) }' <<<"$output"
@@ -176,7 +176,7 @@ END
 }
 
 @test "the CCF goes along with an atlas that an affine moves, and a note says so" {
-    # from where the poses are to the atlas: half as large, and shifted
+    # a matrix from the space of the poses to the atlas's: half as large, and shifted
     printf '0.5 0 0 3\n0 0.5 0 4\n0 0 0.5 5\n0 0 0 1\n' >"$BATS_TEST_TMPDIR/half.txt"
     run -0 --separate-stderr "$CONUS" query ras.nii --space ccf --point 5433,341,5761 --radius 0.001 --format tsv \
         --atlas-transform "$BATS_TEST_TMPDIR/half.txt"
@@ -215,7 +215,7 @@ END
     run -0 --separate-stderr "$CONUS" query ras.nii --space bregma --origin 20,2,-2 --direction 1,0,0 --angle 3
     [[ $stderr == *'points away from the atlas'* ]]
     [[ $stderr != *'counted downward'* ]]
-    # so read it begins at AP 5400, DV 832, ML 7739 um, voxel 27, 4, 38: 1 + 4 + 0 + 110
+    # read so, it begins at AP 5400, DV 832, ML 7739 um, voxel 27, 4, 38: 1 + 4 + 0 + 110
     run -0 --separate-stderr "$CONUS" query ras.nii --space bregma --origin 0,2,0.5 --toward 0,2,3 --angle 3
     [[ $stderr == *'points away from the atlas; with DV counted downward it would hit 115 first'* ]]
 }

@@ -51,14 +51,14 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
 @test "a point without a radius: what is here, and its neighbours, nearest first" {
     nested
     answers query nested.nii.gz --point 0,0,0
-    [ "${lines[0]}" = 'ball of radius 8 mm around (0.00, 0.00, 0.00), RAS mm' ] # 2 doubled until the inner shell, 6.6 mm off, is in it
+    [ "${lines[0]}" = 'ball of radius 8 mm around (0.00, 0.00, 0.00), RAS mm' ] # 2 mm, doubled until the inner shell, 6.6 mm off, is in the ball
     [ "${lines[1]}" = 'at the point: Core' ]
     has 'ranked by share, then distance, nearest first'
     answers query nested.nii.gz --point 0,0,0 --format json
     has '"radius_mm": 8'
-    # 13 mm off the centre the point is in the inner shell; the core is 13 - 8 mm away, the outer shell 16 - 13.
+    # The point 13 mm off the centre is in the inner shell; the core is 13 - 8 mm away, the outer shell 16 - 13.
     answers query nested.nii.gz --point 13,0,0 --radius 12 --format tsv
-    [ "$(cell name 1)" = 'Shell outer' ] # by rank the one with more voxels
+    [ "$(cell name 1)" = 'Shell outer' ] # the one with more voxels has rank 1
     answers query nested.nii.gz --point 13,0,0 --radius 12 --order depth --format tsv
     [ "$(cell name 1)" = 'Shell inner' ]
     answers query nested.nii.gz --point 13,0,0 --format tsv
@@ -69,12 +69,12 @@ AIM='--origin 0,0,100 --toward 0,0,0 --angle 20'
     run -0 --separate-stderr conus query nested.nii.gz --point 300,0,0 --radius 5
     check_message 'note: the point lies outside of the atlas; the nearest to it is Shell outer, 276.00 mm away'
     has 'at the point: no area, pathway or bundle'
-    # Several atlases are asked about one ball, that of the first: 8 mm, which all are.
+    # Several atlases are asked about one ball, that of the first: 8 mm, which lies wholly in it.
     conus phantom sphere -o . --size 64
     answers query nested.nii.gz --atlas sphere.nii.gz --point 0,0,0
     has 'at the point: Sphere'
     [ "$(grep -c '^ball of radius 8 mm' <<<"$output")" -eq 1 ]
-    # In voxels of 1 mm with centres at halves: counted here.
+    # Counted here: voxels of 1 mm with centres at halves.
     voxels=$(awk 'BEGIN { for (i = -8.5; i < 9; i++) for (j = -8.5; j < 9; j++) for (k = -8.5; k < 9; k++)
         n += i * i + j * j + k * k <= 64; print n }')
     has "100.00 %      $voxels     $voxels.0"

@@ -1,8 +1,8 @@
 #!/usr/bin/env bats
-# conus cite: the paragraph says what was asked, and nothing that was not.
+# conus cite: the paragraph describes the query that was asked, and nothing else.
 load helpers
 
-# cites RESULT [OPTION...]: what is written about it, on one line.
+# cites RESULT [OPTION...]: the paragraph about it, on one line.
 cites() {
     answers cite "$@"
     output=$(tr '\n' ' ' <<<"$output")
@@ -134,7 +134,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     has 'by several deformation fields and affine transforms. Its voxels'
 }
 
-# An axis has no rays: neither their method nor a share or score is told of.
+# An axis has no rays: neither their method nor a share or score is described.
 @test "segments and shanks" {
     scene
     conus query nested.nii.gz $aim --range 10,90 --segments rows.tsv -o cone.tsv
@@ -192,7 +192,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     mkdir moved study
     mv a.tsv a.json moved/
     cd study
-    run -0 --separate-stderr "$CONUS" cite ../moved/a.tsv # of files that are missing, stderr says so
+    run -0 --separate-stderr "$CONUS" cite ../moved/a.tsv # stderr names missing files
     [[ "$stderr" == *'../moved/a.tsv: cannot be verified: nested.nii.gz is missing'* ]]
     output=$(tr '\n' ' ' <<<"$output")
     has 'x: its files are not here as they were, to look for a reference (file x.atlas.json, SHA-256 '
@@ -205,7 +205,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     has 'are not here as they were'
     jq '.references = [1]' x.atlas.json >y.atlas.json
     fails 3 'references[0]: ' info y.atlas.json
-    # BIDS and TemplateFlow: the nearest description, but none of a study in which an atlas of another name lies.
+    # BIDS and TemplateFlow: the nearest description counts, but not that of a study with an atlas of another name.
     mkdir -p study/tpl-X/anat
     cp nested.nii.gz study/tpl-X/anat/tpl-X_atlas-N_dseg.nii.gz
     cp nested.nii.gz study/nested.nii.gz
@@ -240,7 +240,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     fails 3 'not a sidecar of conus' cite b.tsv
 }
 
-# What a sidecar says that is not what its command line gives would stand in a paper.
+# A changed sidecar that is cited would put a wrong statement into a paper.
 @test "a result that does not verify is not cited" {
     scene
     conus query nested.nii.gz $aim -o a.tsv
@@ -256,7 +256,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     cp kept.json a.json
     sed -i '2s/1/2/' a.tsv
     fails 1 'a.tsv was changed after conus wrote it' cite a.tsv
-    fails 1 'a.tsv was changed after conus wrote it' cite a.json # beside which it is
+    fails 1 'a.tsv was changed after conus wrote it' cite a.json # beside the sidecar
     rm a.tsv
     run -0 --separate-stderr "$CONUS" cite a.json
     [ "$stderr" = 'conus: a.json: cannot be verified: the result that it is beside is not there' ]
@@ -264,7 +264,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     [[ "$output" != *verified* ]]
 }
 
-# Sidecars from before the question was recorded.
+# Older sidecars do not record the question.
 @test "a sidecar that does not name the question is cited as one that does" {
     scene
     printf 'query_id\tx\ty\tz\ttx\tty\ttz\n1\t0\t0\t90\t0\t0\t0\n' >poses.tsv
@@ -296,7 +296,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     fails 3 'Question: names rows that this conus' cite cone.tsv --sidecar other.json --unverified
 }
 
-# What a file of poses has is recorded, where the poses are not: nothing is said that does not apply.
+# The batch records the options that its file of poses used, not the poses: the paragraph describes only those options.
 @test "of a batch and a track only what applies is said" {
     scene
     local header='x\ty\tz\ttx\tty\ttz' row='0\t100\t0\t0\t0\t0'
@@ -337,7 +337,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     conus track nested.nii.gz --poses step-angles.tsv --angle 30 -q -o g.json
     cites g.json
     has "a full opening angle of 30°, or the step's own where the file gives one,"
-    jq 'del(.Batch.own_angles, .Batch.points)' a.json >older.json # which did not say it
+    jq 'del(.Batch.own_angles, .Batch.points)' a.json >older.json # older versions did not write it
     cites a.tsv --sidecar older.json --unverified
     has "or the pose's own where the file gives one"
 }

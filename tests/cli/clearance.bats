@@ -1,9 +1,9 @@
 #!/usr/bin/env bats
-# --clearance: how far needles stay from objects, and where.
+# --clearance: the distance of needles from objects, and the nearest places.
 #
-# The arms of u-shape are boxes with a face at x = 12 and y from -6 to 6; its ball has cells up to x = 5, whose outermost
-# reach from y = -2 to 2. So a needle along y at x = 8 passes the arm at 4 mm from y = -6 on, and the ball at 3 mm from
-# y = -2 on.
+# The arms of u-shape are boxes with a face at x = 12 and y from -6 to 6; its ball has cells up to x = 5, whose
+# outermost reach from y = -2 to 2. So a needle along y at x = 8 passes the arm at 4 mm from y = -6 on, and the ball at
+# 3 mm from y = -2 on.
 
 load helpers
 
@@ -24,10 +24,10 @@ poses() {
     [ "$(tr '\t\n' ' ;' <rows.tsv)" = "query kind index name distance_mm clearance_mm depth_mm x y z near_x near_y near_z;1 area 2 Ball 3 2 18 8 -2 5 5 -2 5;1 area 1 U 4 3 14 8 -6 5 12 -6 5;" ]
     [ "$(jq -c .Settings rows.json)" = '{"range_mm":[0,40],"radius_mm":1,"within_mm":10}' ]
     [ "$(jq -r '.Queries[0] | keys | join(" ")' rows.json)" = "query world_from_device_ras" ]
-    # The tip at y = -9, and a distance that is just within.
+    # The tip is at y = -9, and the limit just includes the distance.
     answers query ${NEEDLE/0,40/0,11} -q --clearance -,within=4 --format tsv
     [ "$(sed 1d <<<"$output" | tr '\t' ' ')" = "1 area 1 U 5 4 11 8 -9 5 12 -6 5" ]
-    printf 'x\ty\tz\tdx\tdy\tdz\tfar\n8\t-20\t5\t0\t1\t0\t11\n' >own.tsv # the same tip, of the row's own range
+    printf 'x\ty\tz\tdx\tdy\tdz\tfar\n8\t-20\t5\t0\t1\t0\t11\n' >own.tsv # the same tip, from the row's own range
     [ "$(conus query u-shape.nii.gz --pose own.tsv --range 0,40 --radius 1 -q --clearance -,within=4 --format tsv)" = "$output" ]
     answers query ${NEEDLE/0,40/0,11} -q --clearance -,within=3.999
     has 'no area, pathway or bundle is that near'
@@ -58,7 +58,7 @@ poses() {
     [ "$(sed -n 2p wanted.tsv | cut -f 1-5)" = $'lost\terror\tn/a\tline 2: column x: "nan" is not a finite number\tn/a' ]
     run -1 --separate-stderr conus batch u-shape.nii.gz --poses poses.tsv $needle --threads 3 --block 4 \
         --clearance rows.tsv,within=7 --segments segments.tsv -o answers.tsv
-    [ "$(wc -l <<<"$stderr")" -eq 1 ] # what is said of the poses is said once
+    [ "$(wc -l <<<"$stderr")" -eq 1 ] # the note about the poses is given once
     cmp wanted.tsv rows.tsv
     cmp answer.tsv answers.tsv
     for i in 0 1; do
@@ -66,7 +66,7 @@ poses() {
     done
     conus merge part[01].tsv -o merged.tsv
     cmp wanted.tsv merged.tsv
-    run -1 conus batch u-shape.nii.gz --poses poses.tsv $needle --clearance rows.tsv,within=7 --resume # nothing is left
+    run -1 conus batch u-shape.nii.gz --poses poses.tsv $needle --clearance rows.tsv,within=7 --resume # nothing is left to do
     fails 2 'there is a file already' batch u-shape.nii.gz --poses poses.tsv $needle --clearance rows.tsv,within=8 --resume
     for file in wanted rows merged; do
         run -0 "$CONUS" verify $file.tsv

@@ -9,7 +9,7 @@ import tempfile
 NAMES = {"query", "kind", "index", "name", "abbreviation", "atlas", "bundle", "end_a", "end_b", "bundle_index",
          "end_a_index", "end_b_index", "runner_up", "runner_up_index", "pathway", "error"}
 KEYS = {"query", "kind", "index", "atlas", "i", "j", "k", "order", "bundle_index", "end_a_index", "end_b_index", "end_a",
-        "end_b"}  # by which rows belong together
+        "end_b"}  # keys of rows that belong together
 
 
 def is_number(cell):

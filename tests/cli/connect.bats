@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# conus connect, query --endpoints and --connectivity: which areas streamlines connect.
+# conus connect, query --endpoints and --connectivity: the areas that streamlines connect.
 
 load helpers
 
@@ -23,8 +23,9 @@ load helpers
     fails 2 "--connectivity" connect u-shape.nii.gz --atlas u-shape.nii.gz --connectivity matrix.tsv
 }
 
-# The arms of the U are boxes from x = -22 to -12 and 12 to 22, the ball reaches from -5 to 5. From arm to arm, twice, the
-# second time from right to left, at z = 15; from the left arm to the ball; to 1.5 mm before the right arm; and alone.
+# The arms of the U are boxes from x = -22 to -12 and 12 to 22, the ball reaches from -5 to 5. The streamlines: two from
+# arm to arm, the second from right to left, at z = 15; one from the left arm to the ball; one to 1.5 mm before the
+# right arm; and one in no area.
 lines() {
     conus phantom u-shape -o .
     python3 "$BATS_TEST_DIRNAME/tck.py" lines.tck -17,0,5 17,0,5 -- 17,0,5 -17,0,15 17,0,5 -- -17,0,5 0,0,5 -- \
@@ -63,7 +64,8 @@ says_identical() {
     [ "$(jq -r '.Queries[0].endpoint_radius_mm' none.json)" = 0 ]
 }
 
-# A cylinder of 1 mm along y through (8, 0, 5) has the first and the fourth, the next one the last.
+# A cylinder of 1 mm along y through (8, 0, 5) contains parts of the first and the fourth streamline, the next one of
+# the last.
 @test "streamlines in cylinders of several poses" {
     lines
     printf 'query_id\tx\ty\tz\tdx\tdy\tdz\n%s\n%s\n%s\n' $'first\t8\t-20\t5\t0\t1\t0' $'second\t0\t20\t0\t0\t1\t0' \
@@ -113,7 +115,7 @@ says_identical() {
     [ "$(rows rows.tsv)" = "U U 2 52.4400903;U unassigned 2 13.75;unassigned unassigned 1 10;" ]
 }
 
-# of_atlas NAME FILE: the rows of one of several atlases, without the column that names it.
+# of_atlas NAME FILE: the rows of one of several atlases, without the atlas's column.
 of_atlas() {
     awk -F'\t' -v OFS='\t' -v name="$1" 'NR == 1 || $2 == name { $2 = ""; sub(OFS OFS, OFS); print }' "$2"
 }

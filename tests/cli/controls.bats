@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# The controls of the window: what it shows is what conus query and conus sweep print with the same options.
+# The controls of the window: it shows what conus query and conus sweep print with the same options.
 load helpers
 load window
 
@@ -10,7 +10,8 @@ nested() {
     printf '20\tShell\tS\t40\n4000000001\tCore\tC\t40\n40\tBall\tB\tn/a\n' >>tree.tsv
 }
 
-# What conus query is asked by, and the window by `ask`; each for five poses. Behind a colon: of the atlas.
+# Options of conus query and of the window's command `ask`, each used for five poses. Behind a colon: options of the
+# atlas.
 questions=(
     ''
     '--layers=all --order=depth'
@@ -43,7 +44,7 @@ questions=(
         done
     done | { echo 'angle 14'; cat; } >commands
     view nested.nii.gz --labels tree.tsv <commands
-    i=0 # behind what bats may have left in it
+    i=0 # bats may have left a value in i
     for k in "${!questions[@]}"; do
         { head -1 poses.tsv; sed -n "$((i + 2)),$((i + 6))p" poses.tsv; } >five.tsv
         local options=(--angle 14)
@@ -168,7 +169,7 @@ END
 @test "texts of the panels have the theme's colours, and pale ones its opacity" {
     panels=$BATS_TEST_DIRNAME/../../apps/viewer/panes
     run -1 grep -nE 'ui_(text_coloured|tint)\(\(ui_colour\)|\? \(ui_colour\)\{2|ui_dim\([^)]*[0-9]\.' "$panels"/panel_*.c
-    # no tip names a key that is another's
+    # no tip names another widget's key
     run -1 grep -nE 'comma and full stop|\( and \) change|B changes it|< and > the nearer' "$panels"/panel_*.c
 }
 

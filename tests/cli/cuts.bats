@@ -36,7 +36,7 @@ END
     nothing_left sphere.nii.gz sphere.json sphere.tsv
 }
 
-# height FILE: of a PNG, pixels.
+# height FILE: height of a PNG, pixels.
 height() {
     head -c 24 "$1" | tail -c 4 | od -An -tu1 | awk '{ print $3 * 256 + $4 }'
 }
@@ -104,7 +104,7 @@ mosaic:100 800x600
 END
 }
 
-# colours FILE: how many pixels have the five most frequent colours that are no grey.
+# colours FILE: number of pixels of the five most frequent colours that are no grey.
 colours() {
     /usr/bin/python3 - "$1" <<'END'
 import sys

@@ -78,7 +78,7 @@ def check(conus, atlas, plane, place, radiological):
     pixels = picture_of(conus, "cut.png", "--cuts", f"{plane}:{place}", "--fill", "1", "--size", "700x600",
                         *["--radiological"] * radiological)
     found = found_labels(pixels)
-    # Where the labels are in the plane, by points of 0.1 mm.
+    # Finds the labels in the plane, by points of 0.1 mm.
     step, reach = 0.1, 80
     along = numpy.arange(-reach, reach, step) + step / 2
     fine = numpy.zeros((along.size, along.size, 3)) + along[None, :, None] * right - along[:, None, None] * up
@@ -100,7 +100,7 @@ def check(conus, atlas, plane, place, radiological):
     assert area.sum() > 20000, area.sum()
     differing = found != expected(x, y)
     assert differing[area].mean() < 0.03, f"{plane} {place}: {differing[area].mean():.3f} of the pixels differ"
-    # The extents are known to a pixel: what differs has a border so near.
+    # The extents are known to a pixel: every differing pixel has a border that near.
     near = numpy.zeros(differing.sum(), bool)
     for dx, dy in itertools.product((-1.5, -0.75, 0, 0.75, 1.5), repeat=2):
         near |= found[differing] == expected(x[differing] + dx, y[differing] + dy)
@@ -122,7 +122,7 @@ def main():
             for radiological in (False, True):
                 seen |= check(conus, atlas, plane, place, radiological)
     assert seen == set(COLOURS), seen
-    # All of one sheet's cuts through a point: each has pixels of the area that the point is in.
+    # All cuts of one sheet go through a point: each has pixels of the area in which the point is.
     at = nibabel.load("blocks.nii.gz").affine @ (12, 20, 18, 1)
     sheet = found_labels(picture_of(conus, "sheet.png", "--cuts", "axial,coronal,sagittal", "--fill", "1",
                                     f"--at={at[0]},{at[1]},{at[2]}", "--size", "1200x500"))

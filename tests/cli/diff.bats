@@ -30,7 +30,8 @@ result() {
     run -1 conus diff a.tsv b.tsv --tolerance 0.009
 }
 
-# Columns of names and labels are texts, whatever they look like; so are those that no result of conus has.
+# Columns of names and labels are compared as texts, also where they look like numbers; so are columns that no result of
+# conus has.
 @test "names that look like numbers are no numbers" {
     head='query\tkind\tindex\tname\tabbreviation\tatlas\tshare\tgroup\n'
     row='1\tarea\t1\t%s\t%s\taal\t%s\t%s\n'
@@ -52,7 +53,7 @@ result() {
     done
 }
 
-# What has a number in a cell of these columns is a name: every other column of every result is of numbers.
+# A column with a number as a name must be one of these: every other column of every result has numbers.
 @test "columns are of names or of numbers as their cells are" {
     conus phantom nested -o . --size 24 --spacing 3,3,3
     conus phantom bundle -o .

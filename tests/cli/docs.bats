@@ -1,17 +1,17 @@
 #!/usr/bin/env bats
-# What the documents show is what the programs do: the examples of every page are run, and the lists of docs/commands.md
-# are compared with the program's own.
+# The documents show what the programs do: the examples of every page are run, and the lists of docs/commands.md are
+# compared with the program's own.
 load helpers
 ROOT=$BATS_TEST_DIRNAME/../..
 DOCS=$ROOT/docs/commands.md
 
-# The one thing in the examples that differs between machines.
+# same_engine: replaces the only part of the examples' output that differs between machines.
 same_engine() {
     sed -E 's/engine rays, [a-z0-9]+/engine rays, any/'
 }
 
-# examples PAGE: runs the page's examples in a folder of their own, which has the atlases of mricron-data if they are
-# installed, and compares what they print. scripts/check-docs --help says which blocks are examples.
+# examples PAGE: runs the page's examples in a separate folder, which has the atlases of mricron-data if they are
+# installed, and compares their output. scripts/check-docs --help says which blocks are examples.
 examples() {
     local folder
     folder=$(basename "$1" .md)
@@ -25,12 +25,12 @@ examples() {
     diff <(same_engine <"$folder.said") <(same_engine <"$folder.got")
 }
 
-# is_walk PAGE: whether all its examples, from the first on, are about the brains of mricron-data and draw pictures.
+# is_walk PAGE: whether all its examples, from the first on, use the brains of mricron-data and draw pictures.
 is_walk() {
     [[ $1 == */tutorial.md || $1 == */recipes.md ]]
 }
 
-# need_walk: or the test is skipped.
+# need_walk: skips the test if that is not possible.
 need_walk() {
     need_aal
     [ "$TEMPLATES" = /usr/share/mricron/templates ] || skip "the pages name /usr/share/mricron/templates"

@@ -32,8 +32,8 @@ def main():
     right_handed = rows[0][0] * rows[1][1] * rows[2][2] > 0
     if right_handed:
         flirt[0].reverse()
-    side = -1 if right_handed else 1  # of FSL's x, which goes to the left with a right-handed grid...
-    side *= 1 if rows[0][0] > 0 else -1  # ... of which x goes to the right
+    side = -1 if right_handed else 1  # FSL's x goes to the left in a right-handed grid...
+    side *= 1 if rows[0][0] > 0 else -1  # ... whose x goes to the right
     middle = [n - dim[0] / 2 for n in range(dim[0])]
     x = {
         "metres": [-mm / 1000] * dim[0],

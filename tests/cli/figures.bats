@@ -1,5 +1,6 @@
 #!/usr/bin/env bats
-# Figures of the window: what it saves is what conus render draws, and keys, a name and the clipboard lead to it.
+# Figures of the window: a saved figure is the picture that conus render draws, and keys, a name and the clipboard lead
+# to it.
 load helpers
 load window
 
@@ -10,7 +11,7 @@ of_session() {
         "--camera-toward=\($o[:3] | map(tostring) | join(","))"' "$1"
 }
 
-# same A B: the same size, and no byte of a pixel differs by more than one level.
+# same A B: asserts that both have the same size, and that no byte of a pixel differs by more than one level.
 same() {
     /usr/bin/python3 - "$@" <<'END'
 import sys
@@ -89,7 +90,7 @@ END
     [ "$(stat -c %Y.%i figure-1.png)" = "$before" ]
     xdotool key --window "$window" ctrl+shift+p
     look true
-    look '.confirmed == []' # Enter was for the question
+    look '.confirmed == []' # Enter answered the question
     if command -v xsel >/dev/null; then
         (while sleep 0.1; do tell 'wait 1'; done) & # the window answers between frames
         pid=$!

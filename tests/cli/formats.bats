@@ -68,7 +68,7 @@ probe() {
     fails 2 'none of its choices' track slabs.nii.gz --poses probe.tsv --format bids
 }
 
-# contacts N: probe.tsv of N contacts along +y through both slabs, some of which are nowhere.
+# contacts N: probe.tsv of N contacts along +y through both slabs; some of them have no position.
 contacts() {
     conus phantom slabs -o .
     awk -v n="$1" 'BEGIN {
@@ -142,7 +142,7 @@ oddly_named() {
     printf 'index\tname\n1\tfirst, "upper" part\n300\t=cmd|x!A0\n' >names.tsv
 }
 
-# same_cells A.csv B.tsv: Python's csv and pandas read the same cells from both; lines end as RFC 4180 says.
+# same_cells A.csv B.tsv: Python's csv and pandas read the same cells from both; lines end as RFC 4180 requires.
 same_cells() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON'
 import csv, sys

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
-# The window as it was when somebody looked at it: tests/golden/window-*.txt are scripts, window-*.png what they showed.
-# CONUS_WRITE_GOLDEN=1 writes those anew that differ (scripts/golden).
+# Pictures of the window that somebody has looked at: tests/golden/window-*.txt are scripts, window-*.png their
+# pictures. CONUS_WRITE_GOLDEN=1 writes those anew that differ (scripts/golden).
 load helpers
 
 GOLDEN=$BATS_TEST_DIRNAME/../golden
@@ -14,8 +14,8 @@ teardown_file() {
     stop_screen
 }
 
-# looks_as NAME ATLAS [OPTION...]: the script NAME.txt shows NAME.png. A pixel differs where a channel does by more than
-# 0.05 of white, in linear light; one in 1000 may, since drivers differ at edges.
+# looks_as NAME ATLAS [OPTION...]: asserts that the script NAME.txt shows NAME.png. A pixel differs if a channel does by
+# more than 0.05 of white, in linear light; one pixel in 1000 may, since drivers differ at edges.
 looks_as() {
     local name=$1 differing
     shift

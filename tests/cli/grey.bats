@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# A grey volume is no atlas: every command that takes one says so in one line, before anything else.
+# A grey volume is no atlas: every command that takes an atlas says so in one line, before anything else.
 load helpers
 
 setup_file() {
@@ -17,7 +17,7 @@ grey() {
     printf 'time_s\tx\ty\tz\ttx\tty\ttz\n0\t120\t20\t40\t0\t-18\t10\n' >poses.tsv
 }
 
-# refuses ARGUMENT...: in one line with the way on, leaving nothing behind.
+# refuses ARGUMENT...: asserts one line with advice, and that nothing is left behind.
 refuses() {
     fails 3 't1.nii.gz: looks like an image, not like labels' "$@"
     [[ "$stderr" == *'conus atlases'*--context*--pathway*--labels-anyway* ]]
@@ -44,7 +44,7 @@ refuses() {
     command -v mpirun >/dev/null || skip "no mpirun"
     [ -x "${CONUS%/cli/conus}/mpi/conus-mpi" ] || skip "conus-mpi is not built"
     grey
-    export ASAN_OPTIONS=detect_leaks=0 # OpenMPI forgets what it made once
+    export ASAN_OPTIONS=detect_leaks=0 # OpenMPI does not free everything
     run -3 --separate-stderr mpirun --oversubscribe --allow-run-as-root -n 2 "${CONUS%/cli/conus}/mpi/conus-mpi" batch \
         t1.nii.gz --poses poses.tsv -o rows.tsv 3>&-
     [[ "$stderr" == *'t1.nii.gz: looks like an image, not like labels'* ]]
@@ -54,7 +54,7 @@ refuses() {
 @test "the window refuses it" {
     need_window
     grey
-    export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
+    export ASAN_OPTIONS=detect_leaks=0 # Mesa does not free 128 bytes of a driver that is unloaded before anything was drawn
     echo settle >script
     run -3 --separate-stderr timeout 120 "$CONUS" view t1.nii.gz --script script --quiet
     check_message 't1.nii.gz: looks like an image, not like labels'

@@ -1,20 +1,20 @@
-# What every file here loads. CONUS is the program under test; CTest sets it.
+# Loaded by every file here. CONUS is the program under test; CTest sets it.
 bats_require_minimum_version 1.5.0
 : "${CONUS:?is the path of the conus program}"
 TEMPLATES=${CONUS_TEMPLATES:-/usr/share/mricron/templates}
 
-# No test touches the cache of whoever runs it; tests/cli/cache.bats has one of its own.
+# No test touches the user's cache; tests/cli/cache.bats has its own.
 export CONUS_CACHE=${CONUS_CACHE:-off}
 
-# Seconds after which what hangs is ended: nothing else takes so long, however busy the machine is.
+# Seconds after which a hanging command is ended: nothing else takes so long, however busy the machine is.
 HANG=900
 
-# Else mpirun's hwloc opens the X display :0, which may be that of another test, and ends with it.
+# Otherwise mpirun's hwloc opens the X display :0, which may be that of another test, and ends with it.
 export HWLOC_COMPONENTS=-gl
-# Where there is no /sys, as in a bare chroot, it says so on stderr, which may be a pipe that a test has filled.
+# Without /sys, as in a bare chroot, hwloc complains on stderr, which may be a pipe that a test has filled.
 export HWLOC_HIDE_ERRORS=2
 
-# A pipe that nobody writes: waiting for it starts no process. Made here, since it changes $!.
+# A pipe that nobody writes to: waiting for it starts no process. It is made here, since that changes $!.
 exec {never}<> <(:)
 
 setup() {
@@ -41,12 +41,12 @@ end_children() {
     children=()
 }
 
-# runs PID: whether it does, and is not only waiting to be reaped.
+# runs PID: whether the process runs, and is not only waiting to be reaped.
 runs() {
     grep -q '^State:[[:space:]]*[^Z]' "/proc/$1/status" 2>/dev/null
 }
 
-# wait_until PID COMMAND...: until COMMAND succeeds, which process PID shall bring about before it ends.
+# wait_until PID COMMAND...: repeats COMMAND until it succeeds; fails if process PID ends before.
 wait_until() {
     local pid=$1 begun=$SECONDS
     shift
@@ -57,7 +57,7 @@ wait_until() {
     done
 }
 
-# not COMMAND...: that it fails. bats passes over a failing `! COMMAND` unless it comes last in a test.
+# not COMMAND...: asserts that it fails. bats ignores a failing `! COMMAND` unless it comes last in a test.
 not() {
     ! "$@"
 }
@@ -67,20 +67,20 @@ has_lines() {
     [ -e "$2" ] && [ "$(wc -l <"$2")" -ge "$1" ]
 }
 
-# is_conus PID [PROGRAM]: whether it has become that.
+# is_conus PID [PROGRAM]: whether the process has become that program.
 is_conus() {
     local program=${2:-$CONUS}
     [ "$(cat "/proc/$1/comm")" = "${program##*/}" ]
 }
 
-# catches_signals PID [PROGRAM]: whether it is a conus that has seen to SIGINT.
+# catches_signals PID [PROGRAM]: whether the process is conus and handles SIGINT.
 catches_signals() {
     local mask
     mask=$(sed -n 's/^SigCgt:[[:space:]]*/0x/p' "/proc/$1/status")
     is_conus "$@" && [ $((mask >> 1 & 1)) -eq 1 ]
 }
 
-# fill_progress: the pipe progress, which is full as long as file descriptor 6 is open.
+# fill_progress: makes the pipe progress, which stays full as long as file descriptor 6 is open.
 fill_progress() {
     rm -f progress
     mkfifo progress
@@ -88,15 +88,15 @@ fill_progress() {
     ! dd if=/dev/zero of=progress bs=4096 oflag=nonblock 2>filled
 }
 
-# hold batch ARGUMENT...: in the background, as process $pid, which is held after its first block: it waits to write its
-# progress into a pipe that is full.
+# hold batch ARGUMENT...: starts it in the background, as process $pid, and stops it after its first block: it waits to
+# write its progress into a pipe that is full.
 hold() {
     fill_progress
     env --default-signal=INT "$CONUS" "$@" --progress json 2>progress 3>&- 6>&- &
     pid=$!
 }
 
-# let_go CODE: what is held goes on to its end, with this exit code; what it said is in the file said.
+# let_go CODE: lets the stopped process run to its end, with this exit code; its messages are in the file said.
 let_go() {
     local code=0
     exec 7<progress 6>&-
@@ -106,24 +106,25 @@ let_go() {
     [ "$code" -eq "$1" ] || { echo "ended with $code"; return 1; }
 }
 
-# took_signal PID: whether none waits for it, or it is no more.
+# took_signal PID: whether no signal is pending for it, or it has ended.
 took_signal() {
     ! runs "$1" || grep -qs '^ShdPnd:[[:space:]]*0*$' "/proc/$1/status"
 }
 
-# stop_held SIGNAL CODE: what is held gets the signal, and ends with this exit code.
+# stop_held SIGNAL CODE: sends the signal to the stopped process, which must end with this exit code.
 stop_held() {
     kill "-$1" "$pid"
     wait_until "$pid" took_signal "$pid"
     let_go "$2"
 }
 
-# wait_for_blocks N FILE: until the journal of FILE, which process $pid writes, has N blocks below its first two lines.
+# wait_for_blocks N FILE: waits until the journal of FILE, which process $pid writes, has N blocks below its first two
+# lines.
 wait_for_blocks() {
     wait_until "$pid" has_lines $((2 + $1)) "$2.journal"
 }
 
-# free_port: one that nobody listens on, and from which no connection starts by itself.
+# free_port: prints a port on which nobody listens and from which no connection starts by itself.
 free_port() {
     /usr/bin/python3 - <<'END'
 import random, socket
@@ -138,7 +139,7 @@ while True:
 END
 }
 
-# listens PORT: whether a process of this machine does.
+# listens PORT: whether a process of this machine listens on it.
 listens() {
     grep -qsE "^ *[0-9]+: [0-9A-F]+:$(printf %04X "$1") [0-9A-F]+:0000 0A " /proc/net/tcp /proc/net/tcp6
 }
@@ -147,7 +148,8 @@ conus() {
     "$CONUS" "$@"
 }
 
-# fails CODE TEXT ARGUMENT...: conus ends with CODE, says one line that contains TEXT on stderr, and nothing on stdout.
+# fails CODE TEXT ARGUMENT...: asserts that conus ends with CODE, prints one line with TEXT on stderr, and nothing on
+# stdout.
 fails() {
     local code=$1 text=$2
     shift 2
@@ -156,32 +158,32 @@ fails() {
     [ -z "$output" ] || { echo "unexpected output: $output"; return 1; }
 }
 
-# check_message TEXT: what the last run said is one line, "conus: ..." with TEXT in it.
+# check_message TEXT: asserts that the last run's messages are one line, "conus: ..." with TEXT in it.
 check_message() {
     # shellcheck disable=SC2154 # bats sets stderr and stderr_lines
     [ "${#stderr_lines[@]}" -eq 1 ] || { echo "not one line: $stderr"; return 1; }
     [[ "$stderr" == "conus: "*"$1"* ]] || { echo "said: $stderr"; echo "wanted: $1"; return 1; }
 }
 
-# answers ARGUMENT...: conus succeeds and says nothing on stderr.
+# answers ARGUMENT...: asserts that conus succeeds and prints nothing on stderr.
 answers() {
     run --separate-stderr "$CONUS" "$@"
     [ "$status" -eq 0 ] && [ -z "$stderr" ] || { echo "exit code $status, said: $stderr"; return 1; }
 }
 
-# gl ARGUMENT...: answers, or the test is skipped where there is no OpenGL.
+# gl ARGUMENT...: answers, or skips the test without OpenGL.
 gl() {
     run --separate-stderr "$CONUS" "$@"
     [ "$status" -ne 4 ] || skip "$stderr"
     [ "$status" -eq 0 ] && [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
 }
 
-# has TEXT: the last run wrote TEXT.
+# has TEXT: asserts that the last run printed TEXT.
 has() {
     [[ "$output" == *"$1"* ]] || { echo "wrote: $output"; echo "wanted: $1"; return 1; }
 }
 
-# nothing_left FILE...: only these files are here.
+# nothing_left FILE...: asserts that only these files are here.
 nothing_left() {
     local found wanted
     found=$(find . -type f | sort)
@@ -196,13 +198,13 @@ cell() {
         'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) column = i } NR == row + 1 { print $column }' <<<"$output"
 }
 
-# aal: path of the AAL atlas, or the test is skipped.
+# need_aal: aal is the path of the AAL atlas; skips the test without it.
 need_aal() {
     aal=$TEMPLATES/aal.nii.gz
     [ -r "$aal" ] || skip "no mricron-data ($aal)"
 }
 
-# need_pixels: Python's OpenImageIO, or the test is skipped. To look for it takes a tenth of what it takes to load it.
+# need_pixels: skips the test without Python's OpenImageIO. Looking for it takes a tenth of the time of loading it.
 need_pixels() {
     /usr/bin/python3 -c 'import importlib.util, sys; sys.exit(not importlib.util.find_spec("OpenImageIO"))' ||
         skip "no python3-openimageio"
@@ -218,8 +220,8 @@ sphere() {
     conus phantom sphere -o . "$@"
 }
 
-# start_screen WxH: a display without a screen for the tests of a file, if there is Xvfb. It does not begin anew when its
-# last window closes: one that opens meanwhile would find no display.
+# start_screen WxH: starts a display without a screen for the tests of a file, if there is Xvfb. The display does not
+# restart when its last window closes: a window that opens meanwhile would find no display.
 start_screen() {
     command -v Xvfb >/dev/null || return 0
     Xvfb -displayfd 3 -screen 0 "$1x24" -noreset -nolisten tcp 3>"$BATS_FILE_TMPDIR/display" 2>/dev/null &
@@ -233,7 +235,7 @@ stop_screen() {
     [ ! -f "$BATS_FILE_TMPDIR/screen" ] || kill "$(cat "$BATS_FILE_TMPDIR/screen")"
 }
 
-# need_window: or the test is skipped.
+# need_window: skips the test if no window can be opened.
 need_window() {
     [ -x "${CONUS%/*}/conus-view" ] || skip "conus-view is not built"
     [ -f "$BATS_FILE_TMPDIR/screen" ] || skip "no Xvfb"
@@ -253,8 +255,8 @@ EOF
       printf 'T\t0\t0\t5\t1\t0\t0\t0\t1\t0\t0\t0\t1\n'; } >scan.txt
 }
 
-# starts_once COMMAND ARGUMENT...: conus answers, and starts conus-hdf5 one time. That may write no file: each start makes
-# a folder.
+# starts_once COMMAND ARGUMENT...: asserts that conus answers and starts conus-hdf5 once. conus-hdf5 may write no file,
+# so each start makes a folder.
 starts_once() {
     rm -rf starts
     mkdir starts

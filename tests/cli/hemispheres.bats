@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# Left and right areas in the window: split, merged and one side only, while it is open.
+# Left and right areas in the open window: split, merged, and one side only.
 load helpers
 load window
 
@@ -18,7 +18,7 @@ poses() {
     } }' >poses.tsv
 }
 
-# aims NAME: of a script, the poses and the files NAME1.tsv to NAME5.tsv.
+# aims NAME: lines of a script for the poses and the files NAME1.tsv to NAME5.tsv.
 aims() {
     local row
     for row in 1 2 3 4 5; do
@@ -27,7 +27,7 @@ aims() {
     done
 }
 
-# answers_are NAME [OPTION...]: those files are what conus query answers with the options.
+# answers_are NAME [OPTION...]: asserts that those files are the answers of conus query with the options.
 answers_are() {
     local name=$1 row
     shift
@@ -56,7 +56,7 @@ answers_are() {
         printf 'second on\nsecond angle 25\nsecond aim %s\n' "$(sed -n 2p poses.tsv)"
         printf 'hemispheres split\nsecond results second.tsv\nask --layers=all\n'
         aims all
-        printf 'key f8\nsettle\nkey f8\nsettle\n' # over merged
+        printf 'key f8\nsettle\nkey f8\nsettle\n' # from split over merged to as is
         aims back
         echo 'save back.json'
     } >commands
@@ -81,11 +81,11 @@ answers_are() {
     jq -e '.opened.options[-1] == "--hemispheres=split" and .objects == 10' one.json
     { echo 'save two.json'; aims two; printf 'hemispheres as-is\nsave three.json\nhemispheres split\nsave four.json\n'; } | view --session one.json
     answers_are two --hemispheres split --hide 'Five left'
-    diff <(jq 'del(.atlas)' one.json) <(jq 'del(.atlas)' two.json) # which has a folder now
-    # only a half was hidden, or less opaque: the whole is neither; and back again each half is as the whole
+    diff <(jq 'del(.atlas)' one.json) <(jq 'del(.atlas)' two.json) # the second one has a folder now
+    # only one half was hidden, or less opaque: the whole is neither; split again, each half is as the whole is
     jq -e '.hidden == [] and .look.opacities == [] and .objects == 6' three.json
     jq -e '.hidden == [] and .look.opacities == []' four.json
-    # what was confirmed keeps its name where it is no area any more
+    # a confirmed area keeps its name where there is no such area any more
     jq -e '.confirmed[0] | .object == 0 and .name == "Three left"' three.json
     echo 'save five.json' | view --session three.json
     diff <(jq .confirmed three.json) <(jq .confirmed five.json)
@@ -158,7 +158,8 @@ END
     bands
     poses
     python3 "$BATS_TEST_DIRNAME/tck.py" arc.tck -9,-9,3 9,-9,3 -- -9,9,3 9,9,3
-    # split, and a file comes; merged, and it is there still; it goes and comes, merged; as is, and it is there
+    # a file is added to the split atlas and is there when it is merged; it is removed and added when merged, and is
+    # there as is
     { printf '%s\n' 'angle 25' 'ask --layers=all' 'key f8' 'drop arc.tck'; aims split
       printf '%s\n' 'choose "Five left"' 'key h' 'choose arc' 'key h' 'opacity arc 0.5' 'orbit 33 12' 'save split.json' \
           'key f8' 'save merged.json' 'take-out arc.tck'; aims without
@@ -176,7 +177,7 @@ END
     jq -e '[.opened.options[] | split("/")[-1]] == ["names.tsv", "arc.tck", "--hemispheres=merged"]' back.json
 }
 
-# It is held after the window has opened the file once.
+# The load stops after the window has opened the file once.
 @test "Escape while it loads leaves all as it was" {
     bands
     poses
@@ -221,17 +222,17 @@ END
     cp -p bands.tsv kept.tsv
     background timeout $HANG "$CONUS" view bands.nii --script script --quiet --size 400x256 2>said
     wait_until "$child" test -e 0.tsv
-    touch -d 2020-01-01 bands.nii # another file, perhaps
+    touch -d 2020-01-01 bands.nii # it may be another file
     touch go1
     wait_until "$child" test -e 1.tsv
     rm bands.nii
     touch go2
     wait_until "$child" test -e 2.tsv
-    cp -p kept.nii bands.nii # it is back as it was, but the table beside it is another one
+    cp -p kept.nii bands.nii # the file is back, but the table beside it is another one
     sed -i 's/Four/Fourth/' bands.tsv
     touch go3
     wait_until "$child" test -e 3.tsv
-    cp -p kept.tsv bands.tsv # and all is well
+    cp -p kept.tsv bands.tsv # everything is back
     touch go4
     wait "$child"
     diff 0.tsv 1.tsv
@@ -260,7 +261,7 @@ END
     conus query "${with[@]}" --atlas other.nii "${aim[@]}" --hemispheres split --format tsv -q | diff one.tsv -
     grep -q Ball one.tsv
     jq -e '.look.grey == [0, 2] and .look.pathways == [[11, "own"]] and .drawn == 1' one.json
-    # a level that is gone with them ends
+    # a level that does not exist any more is dropped
     printf 'index\tname\tparent_id\n1\tTop_L\t9\n2\tTop_R\t9\n3\tThree\t9\n4\tFour\t9\n5\tFive\t9\n6\tSix\t9\n9\tAll\tn/a\n' >tree.tsv
     printf '%s\n' 'ask --layers=all --level=All' 'angle 40' 'aim 3 90 2 3 0 2' 'hemispheres split' 'results kept.tsv' \
         'ask "--level=All left" --layers=all' 'hemispheres as-is' 'results gone.tsv' | view bands.nii --labels tree.tsv

@@ -62,13 +62,13 @@ load helpers
     [ -z "$stderr" ]
 }
 
-# Whatever a name holds: ESC, CSI of 8 bits, a line separator, an override of the direction.
+# Names may contain ESC, CSI of 8 bits, a line separator, or an override of the direction.
 @test "what steers a terminal in names of areas and files does not reach it" {
     local odd=$'\x1b]0;t\x07\xc2\x9b31m\xe2\x80\xa8\xe2\x80\xae'
     sphere --size 16
     rm sphere.json
     mv sphere.nii.gz "a$odd.nii.gz"
-    printf 'index\tname\n1\tBall%s\n' "${odd#*$'\x07'}" >"a$odd.tsv" # a table with ESC in it is none
+    printf 'index\tname\n1\tBall%s\n' "${odd#*$'\x07'}" >"a$odd.tsv" # a text with ESC in it is no table
     for arguments in 'info' 'info --format tsv' 'info --format json' 'info --format tree' \
         'query --origin 0,0,90 --toward 0,0,0' 'query --origin 0,0,90 --toward 0,0,0 --format csv' \
         'query --origin 0,0,90 --toward 0,0,0 --format json' 'sweep --origin 0,0,90 --toward 0,0,0' \

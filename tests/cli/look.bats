@@ -1,9 +1,9 @@
 #!/usr/bin/env bats
-# How the atlas looks in the window: by words of scripts, by keys, and by the mouse over a cut.
+# The appearance of the atlas in the window: by commands of scripts, by keys, and by the mouse over a cut.
 load helpers
 load window
 
-# phantoms: nested balls, which are the context, too.
+# phantoms: nested balls, which are also the context.
 phantoms() {
     conus phantom nested -o . --size 32
 }
@@ -42,7 +42,7 @@ END
     diff words.json words2.json
     diff before.json again.json
     diff <(jq .look before.json) <(jq .look reset.json)
-    # a step is a twentieth of what was found up, and a tenth of its logarithm in contrast
+    # a step is a twentieth of the first window upwards, and a tenth of its logarithm in contrast
     jq -e '.look.opacity_of_the_rest == 0.9 and .background == "white" and .look.grey[0] < .look.grey[1]' keys.json
 }
 
@@ -68,7 +68,7 @@ END
     look "(.look.grey[1] - .look.grey[0]) / $width | . > 0.999999 and . < 1.000001"
     xdotool mouseup 1
     look true
-    until look '.look.grey == null'; do # two clicks of which frames may come between
+    until look '.look.grey == null'; do # two clicks with frames between them
         xdotool click --repeat 2 --delay 10 1
     done
     xdotool keyup ctrl

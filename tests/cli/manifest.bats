@@ -2,12 +2,12 @@
 # conus manifest, and manifests as atlases, as a user types it.
 load helpers
 
-# makes ARGUMENT...: conus manifest succeeds, whatever it says on stderr.
+# makes ARGUMENT...: asserts that conus manifest succeeds, whatever it prints on stderr.
 makes() {
     run -0 --separate-stderr "$CONUS" manifest "$@"
 }
 
-# said TEXT: the last run said TEXT on stderr.
+# said TEXT: asserts that the last run printed TEXT on stderr.
 said() {
     # shellcheck disable=SC2154 # bats sets stderr
     [[ "$stderr" == *"$1"* ]] || { echo "said: $stderr"; echo "wanted: $1"; return 1; }
@@ -26,7 +26,7 @@ said() {
     mkdir scene
     conus phantom slabs -o scene --size 24
     conus phantom sphere -o other --size 24
-    cp other/sphere.nii.gz scene/fornix.nii.gz # without its table: ones, mostly zero
+    cp other/sphere.nii.gz scene/fornix.nii.gz # without its table: mostly zero, otherwise one
     makes scene
     [ "$output" = scene/scene.atlas.json ]
     said 'slabs.nii.gz: parcellation, named by a label table'
@@ -105,7 +105,7 @@ END
     has 'the manifest has 2 parcellations, it can say of each (labels)'
     run -3 "$CONUS" "${ask[@]}" --hemispheres split
     has 'split: the areas lie on 2 grids'
-    # The manifest's name is in AFNI's rows, so another name is another answer.
+    # AFNI's rows have the manifest's name, so another name makes another answer.
     printf 'name\tx\ty\tz\tsize\nA1\t0\t9\t0\tn/a\n' >sub_electrodes.tsv
     cp two/two.atlas.json two/same.atlas.json
     for name in two same; do
@@ -150,7 +150,7 @@ END
     mkdir -p set/left set/right
     cp brain/brain-0[13579]-*.gii set/left
     cp brain/brain-0[2468]-*.gii set/right
-    mv set/right/brain-02-AntR.surf.gii set/right/anterior.surf.gii # one without a number
+    mv set/right/brain-02-AntR.surf.gii set/right/anterior.surf.gii # one has no number
     makes set
     answers info set/set.atlas.json --format tsv
     [ "$(grep -c ^area <<<"$output")" -eq 9 ]
@@ -164,7 +164,7 @@ END
     fails 2 'a name without / is needed' manifest empty --name a/b
 }
 
-# complaint TEXT JSON: info must refuse the manifest with exit code 3 and one line that holds TEXT.
+# complaint TEXT JSON: asserts that info refuses the manifest with exit code 3 and one line that has TEXT.
 complaint() {
     printf '%s' "$2" >m.atlas.json
     fails 3 "m.atlas.json: $1" info m.atlas.json

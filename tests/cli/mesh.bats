@@ -2,7 +2,7 @@
 # conus mesh, as a user types it.
 load helpers
 
-# A cache of the test's own, and the program that makes the meshes.
+# need_mesh: a separate cache, and the program that makes the meshes.
 need_mesh() {
     export XDG_CACHE_HOME=$PWD/cache
     [ -x "$(dirname "$CONUS")/conus-mesh" ] || skip "no conus-mesh: built without VTK"
@@ -53,7 +53,7 @@ volume_of() {
     awk -v a="$volume" -v b="$(volume_of file/1_Sphere.obj)" 'BEGIN { exit !(b > 0 && (8 * b / a - 1) ^ 2 < 1e-8) }'
 }
 
-# Of several files on one grid the first has the same bytes in both scenes, and the labels are the same, too.
+# In both scenes the first of the files on one grid has the same bytes and the same labels.
 @test "surfaces of joined parcellations are those of all files" {
     need_mesh
     for second in sphere torus; do

@@ -2,8 +2,7 @@
 # conus-mpi batch against conus batch.
 load helpers
 
-# OpenMPI forgets memory of parts that it unloads, so that LeakSanitizer, where there is one, would end it with a code of
-# its own.
+# OpenMPI does not free memory of parts that it unloads, for which LeakSanitizer would end it with another code.
 export ASAN_OPTIONS=detect_leaks=0
 mpi=(mpirun --oversubscribe --allow-run-as-root)
 
@@ -52,7 +51,7 @@ setup_poses() {
 @test "error rows and exit codes are those of conus batch" {
     setup_poses
     printf '1\t1\tx\t4\t5\t6\n' >>poses.tsv
-    printf '1\t1\ty\t4\t5\t6\n' >>poses.tsv # another one behind it, which a rank may meet first
+    printf '1\t1\ty\t4\t5\t6\n' >>poses.tsv # another one behind it, which a rank may reach first
     conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv 2>alone || [ $? -eq 1 ]
     grep -q 'no answer to 2 of .* poses, the first in line .*"x"' alone
     for n in 2 3; do
@@ -92,7 +91,7 @@ setup_poses() {
     diff <(grep -Ev 'CommandLine|Checksum' rows.json) <(grep -Ev 'CommandLine|Checksum' ranks.json)
 }
 
-# Two poses early and two late, in other parts: with --block 1 a part has 16 poses, and ranks share them.
+# Two early and two late poses are in different parts: with --block 1 a part has 16 poses, and the ranks share them.
 @test "poses that lie or look where they hardly should are told of once, as conus batch does" {
     setup_poses 120
     printf '0\t0\t5\t0\t0\t90\n0\t0\t90\t0\t0\t180\n' >>poses.tsv
@@ -150,13 +149,13 @@ setup_poses() {
     ranks 2 sphere.nii.gz --poses poses.tsv --block 8 -o shared.tsv --verbose 2>said
     grep -q 'in memory once' said
     (
-        ulimit -f 20000 # in KB, of memory that is a file, too
+        ulimit -f 20000 # in KB; the shared memory is a file, too
         ranks 2 sphere.nii.gz --poses poses.tsv --block 8 -o own.tsv --verbose 2>said
     )
     run ! grep 'in memory once' said
     cmp rows.tsv shared.tsv
     cmp rows.tsv own.tsv
-    # of two atlases the one that can be is shared, and the rows are the same
+    # of two atlases the one that fits is shared, and the rows are the same
     conus phantom slabs -o . --size 16
     conus batch slabs.nii.gz --atlas sphere.nii.gz --poses poses.tsv --summary -q -o both.tsv
     (
@@ -167,7 +166,7 @@ setup_poses() {
     cmp both.tsv one.tsv
 }
 
-# setup_begun: poses, the rows wanted of them, and a batch killed.tsv that had room for no more than 20 KB of them.
+# setup_begun: makes poses, the wanted rows, and a batch killed.tsv that had room for at most 20 KB of them.
 setup_begun() {
     setup_poses 1000
     conus batch sphere.nii.gz --poses poses.tsv -o rows.tsv
@@ -175,9 +174,9 @@ setup_begun() {
     has_lines 5 killed.tsv.journal
 }
 
-# all_catch_signals: whether the ranks, which are the children of process $pid, are answering poses.
+# all_catch_signals: whether all ranks, which are children of process $pid, are answering poses.
 all_catch_signals() {
-    read -r -a children <"/proc/$pid/task/$pid/children" || true # a line without its end
+    read -r -a children <"/proc/$pid/task/$pid/children" || true # the line has no end
     [ "${#children[@]}" -eq "$1" ] || return
     for child in "${children[@]}"; do
         catches_signals "$child" "$CONUS_MPI" || return
@@ -186,8 +185,8 @@ all_catch_signals() {
     children=()
 }
 
-# hold_ranks N: goes on with killed.tsv, on ranks that are the children of process $pid. They cannot come to their end:
-# the first waits to write its progress into a pipe that is full, and the others wait for it.
+# hold_ranks N: resumes killed.tsv on ranks that are children of process $pid, and that cannot finish: the first waits
+# to write its progress into a pipe that is full, and the others wait for it.
 hold_ranks() {
     local command=("$CONUS_MPI" batch sphere.nii.gz --poses poses.tsv --block 1 -o killed.tsv --resume --progress json)
     fill_progress
@@ -197,7 +196,8 @@ hold_ranks() {
     wait_until "$pid" all_catch_signals "$1"
 }
 
-# end_held SIGNAL PID...: until all has ended that hold_ranks has started, while it was held.
+# end_held SIGNAL PID...: sends the signal to these processes, and waits until all that hold_ranks has started have
+# ended.
 end_held() {
     kill "$@"
     wait "$pid" 2>/dev/null && return 1
@@ -206,7 +206,7 @@ end_held() {
     [ ! -e killed.tsv ]
 }
 
-# resume COMMAND...: what was killed becomes the file of one run.
+# resume COMMAND...: resumes the killed batch, whose file must become that of one run.
 resume() {
     "$@" sphere.nii.gz --poses poses.tsv -o killed.tsv --resume
     cmp rows.tsv killed.tsv
@@ -221,7 +221,7 @@ resume() {
     ranks 2 sphere.nii.gz --poses poses.tsv -o killed.tsv --angle 11 --resume 2>again && return 1 || [ $? -eq 2 ]
     [ "$(grep -c '^conus: .*written with other settings' again)" -eq 1 ]
     hold_ranks 4
-    end_held -KILL "$pid" "${children_held[@]}" # all of it
+    end_held -KILL "$pid" "${children_held[@]}" # all processes
     hold_ranks 3
     end_held -KILL "${children_held[1]}" # a rank
     cp killed.tsv.part part
@@ -238,7 +238,7 @@ resume() {
 
 @test "ranks killed in the midst of writing, and resumed" {
     setup_begun
-    printf 'ulimit -f 40\nexec "$@"\n' >limited.sh # SIGXFSZ ends who writes more than 40 KB
+    printf 'ulimit -f 40\nexec "$@"\n' >limited.sh # SIGXFSZ ends a process that writes more than 40 KB
     local command=(bash limited.sh "$CONUS_MPI" batch sphere.nii.gz --poses poses.tsv --block 1 -o killed.tsv --resume)
     "${mpi[@]}" --mca btl 'tcp,self' -n 2 "${command[@]}" 3>&- && return 1
     flock --timeout $HANG killed.tsv.journal true
@@ -254,7 +254,7 @@ resume() {
     resume ranks 3 --block 7
 }
 
-# said_how_to_go_on FILE: once, or not at all if it had not the time; and nothing else.
+# said_how_to_go_on FILE: asserts that the advice was given once, or not at all if there was no time; and nothing else.
 said_how_to_go_on() {
     local wanted='^conus: interrupted after [0-9]* poses; continue with: conus-mpi batch .* -o killed.tsv .*--resume$'
     [ "$(grep -c "$wanted" "$1")" -le 1 ] || { cat "$1"; return 1; }
@@ -340,11 +340,11 @@ said_how_to_go_on() {
     [ "$(grep '^conus: ' said)" = "$(grep '^conus: ' also)" ]
 }
 
-# pretend_nodes: `mpi` starts ranks on the nodes a, b and c, which are this machine.
+# pretend_nodes: `mpi` starts ranks on the nodes a, b and c, which are all this machine.
 pretend_nodes() {
     cat >agent <<'END'
 #!/bin/sh
-# What mpirun calls in the place of ssh HOST COMMAND...; nodes do not share temporary files.
+# mpirun calls this instead of ssh HOST COMMAND...; nodes do not share temporary files.
 host=$1
 shift
 mkdir -p "nodes/$host"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# conus overlap: what regions of interest cover.
+# conus overlap: the areas that regions of interest cover.
 
 load helpers
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
-# conus page: the atlas, the question and the rows are in the page as they are. What a browser makes of them is tested by
-# scripts/web, which needs one.
+# conus page: the page contains the atlas, the query and the rows unchanged. scripts/web, which needs a browser, tests
+# the page itself.
 load helpers
 
 setup() {

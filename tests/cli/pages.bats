@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# Man pages and completions say what --help says: the programs write all three from one table of options.
+# Man pages and completions agree with --help: the programs write all three from one table of options.
 load helpers
 
 # write_pages [PROGRAM]: its pages, in the folder pages.
@@ -7,28 +7,28 @@ write_pages() {
     "${1:-$CONUS}" --write-pages pages
 }
 
-# view_program: $VIEW is conus-view, or the test is skipped.
+# view_program: sets $VIEW to conus-view, or skips the test.
 view_program() {
     VIEW=${CONUS%/*}/conus-view
     [ -x "$VIEW" ] || skip "conus-view is not built"
 }
 
-# commands: those that conus explains itself.
+# commands: prints the commands that conus lists.
 commands() {
     conus help | sed -n 's/^  \([a-z]*\)  .*/\1/p' | grep -vx -e help -e view
 }
 
-# help_options COMMAND...: the long options in its --help, in their order.
+# help_options COMMAND...: prints the long options in its --help, in order.
 help_options() {
     "$@" --help | sed -n 's/^  \(-., \|    \)--\([a-z0-9-]*\).*/\2/p'
 }
 
-# man_options PAGE: the long options that it explains, in their order.
+# man_options PAGE: prints the long options that it explains, in order.
 man_options() {
     sed -n 's/^\(\\fB\\-.\\fR, \)\?\\fB\\-\\-\([a-z0-9\\-]*\)\\fR.*/\2/p' "$1" | tr -d '\\'
 }
 
-# complete_bash FILE WORD...: what bash offers for the last word.
+# complete_bash FILE WORD...: prints what bash offers for the last word.
 complete_bash() {
     env -i HOME="$HOME" PATH="$PATH" bash --norc --noprofile -c '
         source "$1"
@@ -40,7 +40,7 @@ complete_bash() {
         printf "%s\n" "${COMPREPLY[@]}"' bash "$@"
 }
 
-# complete_fish FILE LINE: the words that fish offers at the end of the line.
+# complete_fish FILE LINE: prints the words that fish offers at the end of the line.
 complete_fish() {
     HOME=$PWD XDG_CONFIG_HOME=$PWD XDG_DATA_HOME=$PWD fish --no-config -c "source $1; complete -C '$2'" | cut -f 1
 }
@@ -81,7 +81,7 @@ complete_fish() {
     grep -q -- '--origin X,Y,Z' text
     grep -qF -- 'conus query ATLAS (--origin X,Y,Z' text
     grep -qF -- '--pathway FILE[,KEY=VALUE]...' text
-    # A choice is told as the help tells it.
+    # A choice is explained as in the help.
     for text in <(conus query --help) text; do
         tr -s ' \n' '  ' <"$text" | grep -qF 'volumes and values: visible (default), all'
     done
@@ -126,7 +126,7 @@ installed() {
 @test "shells offer the names of installed atlases" {
     installed
     write_pages
-    # env -i of complete_bash has no $CONUS_ATLAS_PATH: a program of that name that has it.
+    # complete_bash runs with env -i, without $CONUS_ATLAS_PATH: so a program of conus's name sets it.
     mkdir bin
     printf '#!/bin/sh\nCONUS_ATLAS_PATH="%s" XDG_DATA_DIRS="%s" exec "%s" "$@"\n' "$PWD/own" "$PWD" "$CONUS" >bin/conus
     chmod +x bin/conus
@@ -137,7 +137,7 @@ installed() {
     [ "$(complete_bash pages/conus.bash conus query a --atlas = sph)" = sphere ]
     [ -z "$(complete_bash pages/conus.bash conus diff ball)" ]
     [ -z "$(complete_bash pages/conus.bash conus query a --angle ball)" ]
-    # "own:ball" comes as three words, of which the last is completed.
+    # bash passes "own:ball" as three words and completes the last one.
     cp -r own other
     sed -i "s|$PWD/own|$PWD/own:$PWD/other|" bin/conus
     [ "$(complete_bash pages/conus.bash conus query own : sph | sort -u)" = sphere ]
@@ -177,7 +177,7 @@ installed() {
 @test "zsh is given commands, options and choices" {
     command -v zsh || skip "there is no zsh"
     write_pages
-    # Completion runs in zsh's line editor only: here its two workers print what they are given.
+    # zsh completes only in its line editor: here its two functions print their arguments.
     complete_zsh() {
         zsh -fc '
             _arguments() { [[ $1 == -C ]] && { state=rest line=($chosen); return } ; shift; printf "%s\n" "$@" }

@@ -41,7 +41,7 @@ scaled() {
     [ "${stderr_lines[0]}" = 'conus: note: 2 pathways: values of no usual scale, measured by the largest; thresholds 50, 100' ]
     [ "${stderr_lines[1]}" = "conus: note: 2 pathways: $share" ]
     [ "${lines[-1]}" = '4 pathways: values from 50 on (a), from 0.25 on (sphere, two), from 100 on (b) in 4 files' ]
-    run -0 "$CONUS" info slabs.nii.gz --pathway sphere.nii.gz --pathway two.nii.gz # which says all
+    run -0 "$CONUS" info slabs.nii.gz --pathway sphere.nii.gz --pathway two.nii.gz # one note for all
     has "pathway sphere: $share"
     has "pathway two: $share"
     # shellcheck disable=SC2086

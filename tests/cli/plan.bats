@@ -27,8 +27,8 @@ columns() {
               printf "%s%s", cell ~ /^-?[0-9.]+$/ ? sprintf("%.4f", cell) + 0 : cell, i < n ? " " : ";" } }' <<<"$output"
 }
 
-# With a margin of 3 mm a has 5 - 1 - 3 = 1 mm to spare, and b 5 mm. The reach of 5 mm has the leeway d with 10 - 2 d = 5,
-# where both ends of the arm count, which is 2.5 mm for a and b.
+# With a margin of 3 mm the slack of a is 5 - 1 - 3 = 1 mm, that of b 5 mm. The reach of 5 mm has the leeway d with 10 -
+# 2 d = 5, where both ends of the arm count, which is 2.5 mm for a and b.
 @test "what reaches and keeps clear is listed, the largest leeway first" {
     needles
     answers $U --reach U,length=5 --avoid Ball,margin=3 --format tsv -q
@@ -71,7 +71,7 @@ columns() {
     [[ "$stderr" == *"every candidate breaks more than one of them"* ]]
 }
 
-# The needle of other.tsv is 6 mm beside those here. The axes enclose 45 degrees with (-1, 0, 1).
+# The needle of other.tsv is 6 mm beside those here. The axes are at 45 degrees to (-1, 0, 1).
 @test "all kinds of constraints, in the order of the command line" {
     needles
     printf 'x\ty\tz\tdx\tdy\tdz\tfar\n40\t6\t5\t-1\t0\t0\t30\n' >other.tsv
@@ -201,8 +201,9 @@ columns() {
     nothing_left needles.tsv u-shape.nii.gz u-shape.tsv u-shape.json
 }
 
-# A depth that is off by 2 mm (normal): b and a end 3 and 7 mm behind 23, where the reach is just long enough, and 5 and
-# 1 mm before 31, where the ball's margin begins. So b holds both with the probability of -3 to 5 mm, a of -7 to 1.
+# The depth has a normal error of 2 mm. b and a end 3 and 7 mm behind 23, where the reach is just long enough, and 5 and
+# 1 mm before 31, where the ball's margin begins. So b is feasible with the probability of an error from -3 to 5 mm, a
+# of one from -7 to 1.
 @test "how probable it is that a pose holds when it is not exactly known" {
     needles
     local ask="$U --reach U,length=5 --avoid Ball,margin=3 --jitter entry=0,target=0,depth=2 --samples 4096 -q"
@@ -224,8 +225,8 @@ columns() {
     [[ "${lines[0]}" == *"p ok"* ]]
 }
 
-# Contacts every 2 mm from the tip on, in the U from 18 to before 28: of a and b at 26, 24, 22, 20 and 18, of c, whose last
-# one is at 22, three, of d at 20 and 18.
+# Contacts every 2 mm from the tip on; the U is from 18 to before 28. Of a and b the contacts at 26, 24, 22, 20 and 18
+# are in it, of c, whose last one is at 22, three, of d those at 20 and 18.
 @test "contacts in a structure" {
     needles
     answers $U --reach U,contacts=5 --contacts 8,1,2,0 --format tsv -q --infeasible
@@ -236,8 +237,8 @@ columns() {
         "tip_mm": 0}' plan.json
 }
 
-# A is 0.08 k in the slices k = 0 to 11, which lie from z = -6 to 6. From z = -8 on to 6 that is 0.08 (0 + ... + 11) in
-# 14 mm; contacts at 5.5, 3.5 and 1.5 are in the slices 11, 9 and 7.
+# A has 0.08 k in the slices k = 0 to 11, which lie from z = -6 to 6. From z = -8 to 6 the mean is 0.08 (0 + ... + 11)
+# over 14 mm; contacts at 5.5, 3.5 and 1.5 are in the slices 11, 9 and 7.
 @test "probabilities along the axis and of contacts" {
     /usr/bin/python3 - <<'END'
 import struct
@@ -265,7 +266,7 @@ END
     [ "$(columns reach1_probability)" = "0.72;" ]
 }
 
-# b ends 5 mm before the margin of the ball, and has 8 of 5 mm in U, 3 mm too much.
+# b ends 5 mm before the margin of the ball, and has 8 of 5 mm in U, 3 mm more than needed.
 @test "how far each pose may be off" {
     needles
     answers $U --reach U,length=5 --avoid Ball,margin=3 --tolerance - --format tsv -q
@@ -294,14 +295,14 @@ END
     fails 2 'both on standard output' $U --reach U --tolerance - --constraints -
 }
 
-# Of a needle along -x the device's y is the world's z, its x the world's y. Shanks at y = 0 and 30: the second passes
-# nothing.
+# For a needle along -x the device's y is the world's z, its x the world's y. Shanks are at y = 0 and 30: the second
+# passes nothing.
 @test "several shanks: any of them reaches, all keep clear, or one is asked" {
     needles
     local two='--shanks 0,0;30,0'
     answers $U --reach U,length=5 --avoid Ball,margin=3 $two -q --format tsv -o one.tsv --constraints rows.tsv
     answers $U --reach U,length=5 --avoid Ball,margin=3 -q --format tsv -o none.tsv
-    cmp one.tsv none.tsv # what the axis has is the best of the reach, and the worst of what is avoided
+    cmp one.tsv none.tsv # the axis has the best value of the reach, and the worst of the avoided structure
     [ "$(cut -f 12 rows.tsv | sort | uniq -c | tr -s ' \n' ' ')" = " 4 1 1 shank " ]
     answers $U --reach U,shank=2 $two -q --infeasible --constraints - --format tsv
     [ "$(columns query holds value shank)" = "a 0 0 2;b 0 0 2;c 0 0 2;d 0 0 2;" ]
@@ -330,7 +331,7 @@ END
 }
 
 # Rows of other commands about the same needles have the same numbers, byte for byte. A reach of several segments is
-# their sum, and is left out here.
+# their sum, and is not compared here.
 @test "poses of the list, asked by batch, have the same answers" {
     [ -e "$TEMPLATES/aal.nii.gz" ] || skip "mricron-data is not installed"
     python3 - >needles.tsv <<END
@@ -358,8 +359,8 @@ END
     cmp wanted found
 }
 
-# Likewise of the cone's rows; pierced is the part of its 208 pixels. Needles from the side towards the ball at (0, 0, 5),
-# of which the fourth passes it.
+# The same for the rows of a cone; pierced is the part of its 208 pixels. Needles from the side towards the ball at (0,
+# 0, 5); the fourth misses it.
 @test "what a pose has in its cone or cylinder, asked by batch, is the same" {
     needles
     printf 'e\t0\t40\t5\t0\t-1\t0\t45\nf\t0\t40\t6\t0\t-1\t0\t38\n' >>needles.tsv

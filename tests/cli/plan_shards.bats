@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# conus plan in parts: shards that are joined and plans that are resumed write what one run writes.
+# conus plan in parts: joined shards and resumed plans write the same as one run.
 
 load helpers
 
@@ -32,7 +32,7 @@ needles() {
     answers verify merged.tsv
 }
 
-# Pruning changes no byte, and makes what is resumed quick.
+# Pruning changes no byte, and makes resuming quick.
 @test "a plan that is killed or interrupted is resumed, and may be resumed again" {
     needles
     local own="$ask --toward voxels --avoid Ball,margin=0.5 --top 30"
@@ -70,7 +70,7 @@ needles() {
     fails 2 '--shard needs a file of poses, not standard input' plan u-shape.nii.gz --reach U --poses - --shard 0/2 -o c.tsv
     fails 2 'exclude each other' $few --merge a.tsv --shard 0/2 -o c.tsv
     fails 2 'a.tsv: its journal is of shard 0/2; --force begins anew' $few --shard 1/2 -o a.tsv --resume -q
-    printf '40 0 5\n' >entries.txt # half as many: the shard was of others
+    printf '40 0 5\n' >entries.txt # half as many entries: the shard belongs to other ones
     fails 2 'other settings, poses, atlas' $few --merge a.tsv --merge b.tsv -q
     needles
     head -c -1 a.tsv.journal >cut && mv cut a.tsv.journal

@@ -1,12 +1,12 @@
 #!/usr/bin/env bats
-# Files of poses: what other programs write, and ten files that no program should write.
+# Files of poses: those of other programs, and ten hostile ones.
 load helpers
 SAMPLES=$BATS_TEST_DIRNAME/../fuzz/corpus/poses
 HEADER='query_id\tx\ty\tz\tdx\tdy\tdz\n'
 FIRST='first\t0\t0\t100\t0\t0\t-1\n'
 LAST='last\t100\t0\t0\t-1\t0\t0\n'
 
-# answered FILE CODE [OPTION...]: what the good poses answer, whatever stands between them.
+# answered FILE CODE [OPTION...]: the answers to the good poses, whatever lies between them.
 answered() {
     local file=$1 code=$2
     shift 2
@@ -287,7 +287,7 @@ same_answers() {
     [ "$(cell query 1)" = 'target/M1 left' ]
 }
 
-# Contacts of a head, 0.06 to 0.1 m from the origin, in a table that says mm.
+# Contacts of a head, 0.06 to 0.1 m from the origin, in a table in mm.
 @test "electrodes in metres that are said to be in mm have a note, in query and in batch" {
     sphere --size 16
     printf 'name\tx\ty\tz\nA\t0.05\t0.03\t0.01\nB\t-0.05\t0.01\t0.09\n' >sub-01_electrodes.tsv
@@ -303,7 +303,7 @@ same_answers() {
     [[ "$stderr" != *'in metres'* ]]
 }
 
-# The ball of 20 mm fits into x from -20 to 20; two of five points are farther right than 25 mm, then one of five.
+# The ball of 20 mm reaches from x = -20 to 20. First two of five points are farther right than 25 mm, then one of five.
 @test "points of which more than a fifth lie outside of the atlas have a note, in query and in batch" {
     sphere
     printf '%s 0 0 p\n' 1 26 2 27 3 >points.txt
@@ -346,7 +346,7 @@ same_answers() {
     done
     fails 3 'standard input: more than 32768 bytes' query sphere.nii.gz --pose - --max-memory 32K <many_electrodes.tsv
     { printf %b "$HEADER"; yes "$(printf %b "$FIRST")" | head -2000; } >poses.tsv
-    rm sphere.json # beside the volume, where a label table is looked for; those have less
+    rm sphere.json # beside the volume it would be taken for a label table; those have less
     answers query sphere.nii.gz --pose poses.tsv --max-memory 32K --format tsv
 }
 
@@ -478,7 +478,7 @@ matsimnibs() { printf '%s %s 0 -40\n%s %s 0 -20\n0 0 -1 90\n0 0 0 1\n' "-$2" "$1
         answers query "$aal" --pose coil.txt --poses-format simnibs --any-space --angle 20 --format tsv
         [ "$(cut -f 1-8 <<<"$output")" = "$wanted" ]
     done
-    # The same 16 numbers by themselves are a matrix, which points along -z: away from the brain.
+    # The same 16 numbers alone are a matrix, which points along -z: away from the brain.
     run -0 --separate-stderr "$CONUS" query "$aal" --pose coil.txt --angle 20 --format tsv
     [ "$(cell name 1)" = unassigned ]
     [[ "$stderr" == *'looking the other way it would hit Precentral_L first' ]]
@@ -514,7 +514,7 @@ matsimnibs() { printf '%s %s 0 -40\n%s %s 0 -20\n0 0 -1 90\n0 0 0 1\n' "-$2" "$1
     fails 3 'lead-dbs.mat: positions are in "Lead-DBS scrf", the atlas in another space' \
         batch "$aal" --poses "$SAMPLES/lead-dbs.mat" --poses-format lead-dbs-native --radius 2
     answers query "$aal" --pose "$SAMPLES/lead-dbs.mat" --radius 2 --format tsv -q
-    # ... unless the atlas comes to the subject. 5 mm to the right: areas lie where they lay, but for 5 mm.
+    # ... unless the atlas was moved to the subject: here by 5 mm to the right.
     printf '1 0 0 5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
     matsimnibs 0 1 >coil.txt
     answers query "$aal" --pose coil.txt --poses-format simnibs --atlas-transform right.txt --angle 20 --format tsv -q

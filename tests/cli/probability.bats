@@ -38,13 +38,13 @@ row() {
 @test "--probability says from which probability on a voxel belongs to an area" {
     maps
     voxels() { run -0 --separate-stderr "$CONUS" info "$@" --format json; jq -c '[.objects[].voxels]' <<<"$output"; }
-    [ "$(voxels maps.xml)" = '[512,512]' ] # 8 k of 25 and more: 8 planes of 64
+    [ "$(voxels maps.xml)" = '[512,512]' ] # 8 k reaches 25 in 8 planes of 64
     [ "$(voxels maps.xml --probability 0.5)" = '[320,320]' ]
     [ "$(voxels maps.xml --probability 0.88)" = '[64,64]' ]
     [ "$(voxels maps.xml --probability 1)" = '[0,0]' ]
     run -0 --separate-stderr "$CONUS" info maps.xml --probability 0.5
     [[ "$stderr$output" == *'2 areas by probabilities of 0.5 and more (values: percent)'* ]]
-    # It wins over the manifest's.
+    # The option has priority over the manifest.
     echo '{"conus_atlas": 1, "probabilities": [{"fsl": "maps.xml", "threshold": 0.8}]}' >maps.atlas.json
     [ "$(voxels maps.atlas.json)" = '[128,128]' ]
     [ "$(voxels maps.atlas.json --probability 0.5)" = '[320,320]' ]
@@ -52,7 +52,7 @@ row() {
 
 @test "contacts, their values and the settings follow it, in every command" {
     maps
-    # A is 0.56 in plane 7, from z = 7 - 6 = 1 on; of 0.25 and more it begins in plane 4.
+    # A has 0.56 in plane 7, from z = 7 - 6 = 1 on; with the threshold 0.25 it begins in plane 4.
     answers query --force maps.xml --only A $AIM -o rows.tsv
     [ "$(row A distance_mm contact_value)" = '38 0.319999993' ]
     answers query --force maps.xml --only A $AIM --probability 0.5 -o rows.tsv
@@ -64,8 +64,8 @@ row() {
     cmp batch.tsv wanted.tsv
     run -0 "$CONUS" track --force maps.xml --only A --poses poses.tsv --radius 1 --probability 0.5 -q --format tsv -o rows.tsv
     [ "$(row A distance_mm contact_value)" = '41 0.560000002' ]
-    # Of B the centre that is the first in a growing cone is the farthest, in plane 4: 38.5 mm away, and off the axis by
-    # 0.3 and 0.2 mm.
+    # The centre of B that a growing cone reaches first is the farthest, in plane 4: 38.5 mm away, and 0.3 and 0.2 mm
+    # off the axis.
     answers sweep --force maps.xml --only B --origin 0.2,0.3,-40 --toward 0.2,0.3,0 --probability 0.5 -q --format tsv -o rows.tsv
     row B distance_mm | awk '{ exit !($1 - sqrt(38.5 ^ 2 + 0.3 ^ 2 + 0.2 ^ 2) < 1e-6) }'
     row B distance_mm | awk '{ exit !($1 > 38.5) }'
@@ -96,7 +96,7 @@ row() {
     printf 'A\nB\n' >probseg/maps_probseg.txt
     cp maps.nii maps.xml both
     conus phantom slabs -o both --size 24
-    # written FOLDER JQ: what jq finds in the folder's manifest, which loads.
+    # written FOLDER JQ: the result of a jq filter on the folder's manifest, which must load.
     written() {
         run -0 --separate-stderr "$CONUS" manifest "$1"
         run -0 --separate-stderr "$CONUS" info "$1/$1.atlas.json" --format json

@@ -31,7 +31,7 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     sed 1d of_probe | diff <(sed 1d alone) -
     [ "$(cell query 1)/$(cell probe 1)/$(cell shank_id 1)/$(cell channel 1)" = e0/probe1/n/a/19 ]
     conus query slabs.nii.gz --probe np.json "${AIM[@]}" --format tsv -q | diff <(printf '%s\n' "$output") -
-    # From the entry, 30 mm before the tip.
+    # Depths from the entry, 30 mm before the tip.
     conus query slabs.nii.gz --probe np.json --origin 0,-15.4,0 --direction 0,1,0 --range 0,30 --format tsv -q | diff <(printf '%s\n' "$output") -
     printf 'x\ty\tz\tdx\tdy\tdz\tnear\tfar\n0\t-15.4\t0\t0\t1\t0\t0\t30\n' >entry.tsv
     conus query slabs.nii.gz --probe np.json --pose entry.tsv --range 0,7 --format tsv -q | diff <(printf '%s\n' "$output") -

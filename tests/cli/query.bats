@@ -2,7 +2,8 @@
 # conus query, as a user types it.
 load helpers
 
-# The same pixels and distance by numpy: along each of the 208 rays, in steps of 0.002 mm, the label of the nearest voxel.
+# The same pixels and distance by numpy: the label of the nearest voxel along each of the 208 rays, in steps of 0.002
+# mm.
 @test "AAL from the left: the answer of the README" {
     need_aal
     answers query "$aal" --origin=-90,20,20 --toward=0,-10,10 --angle 20 --format tsv
@@ -85,7 +86,7 @@ load helpers
     nothing_left sphere.{nii.gz,tsv,json} a.{tsv,json} b.json c.txt{,.json}
 }
 
-# checksum SIDECAR: as docs/formats.md says it; numbers stand as they are in the file, which has 9 digits.
+# checksum SIDECAR: computed as docs/formats.md describes; numbers are as in the file, with 9 digits.
 checksum() {
     python3 - "$1" <<'END'
 import hashlib, json, re, sys
@@ -108,7 +109,7 @@ END
     [ "$(jq -c '[.Outputs[].path]' one.json)" = '["in.nii.gz",null]' ]
     [ "$(jq '[.Inputs[], .Outputs[], .Atlas.volumes[], .Atlas.files[] | .bytes] | add' one.json)" -eq \
         "$(cat poses.tsv in.nii.gz rows.tsv sphere.nii.gz sphere.tsv | wc -c)" ]
-    # As docs/formats.md says it, by another program.
+    # As docs/formats.md describes, by another program.
     [ "$(jq -r .Checksum one.json)" = "$(checksum one.json)" ]
     fails 2 'does not end in .json' query sphere.nii.gz --pose poses.tsv --sidecar rows.tsv
     fails 2 'has no effect with JSON' query sphere.nii.gz --pose poses.tsv --sidecar a.json --format json
@@ -205,11 +206,11 @@ END
     [ "$(cell name 1)/$(cell share 1)/$(cell distance_mm 1)" = Sphere/1/0 ]
 }
 
-# The phantom is a ball of 10 mm around 0; every remedy that is told has been tried.
+# The phantom is a ball of 10 mm around 0; every suggested correction was tried.
 @test "poses that lie or look where they hardly should are told of, once, beside the answer" {
     sphere --size 32
     local answer
-    says() { # says TEXT ARGUMENT...: an answer, and one line that is TEXT
+    says() { # says TEXT ARGUMENT...: an answer, and one line, which is TEXT
         local text=$1
         shift
         run -0 --separate-stderr "$CONUS" "$@"
@@ -248,7 +249,7 @@ END
     says 'hand.tsv: 1 of 1 cones point away from the atlas, the first in line 2; looking the other way it would hit Sphere first' \
         track sphere.nii.gz --poses hand.tsv --format tsv
     printf '0\t0\t90\t0\t0\t-1\t1\n' >>hand.tsv
-    answers track sphere.nii.gz --poses hand.tsv --format tsv # a hand looks here and there
+    answers track sphere.nii.gz --poses hand.tsv --format tsv # a device in the hand points here and there
 }
 
 @test "the default ranking is by share" {
@@ -274,7 +275,7 @@ END
     [ "$(cell pixels 1)" = 4096 ]
 }
 
-# Eq. 15: beyond 120 degrees. Of the pyramid of 170 degrees, the buffer's corners are not in it.
+# Eq. 15: beyond 120 degrees. The corners of the buffer are not in the pyramid of 170 degrees.
 @test "the answer says where rays are spread evenly in angle" {
     sphere --size 32
     local aim='--origin 0,0,100 --toward 0,0,0'
@@ -383,7 +384,7 @@ END
     [[ "${stderr_lines[1]}" == *'sphere.tsv is not a label table of a known format: passed over' ]]
 }
 
-# refuses TEXT COMMAND ARGUMENT...: it is refused, and no file here changes or comes.
+# refuses TEXT COMMAND ARGUMENT...: asserts that it is refused, and that no file here is changed or made.
 refuses() {
     local text=$1 before
     shift
@@ -392,7 +393,7 @@ refuses() {
     [ "$(find . -type f -exec sha256sum {} + | sort)" = "$before" ]
 }
 
-# One rule for every command and every option that names a file.
+# The same rule for every command and every option that names a file.
 @test "no file is replaced without --force, and no sidecar replaces what is none" {
     conus phantom nested -o . --size 24 --spacing 3,3,3
     python3 "$BATS_TEST_DIRNAME/tck.py" lines.tck -30,0,0 30,0,0 -- 0,-20,0 0,0,9
@@ -453,7 +454,7 @@ refuses() {
     fails 3 'none/x.tsv: cannot write: No such file' overlap nested.nii.gz nested.nii.gz --threshold 300 -o none/x.tsv
 }
 
-# Else what is written could not be verified: the sidecar has no such name.
+# Otherwise the output could not be verified: the sidecar cannot hold such a name.
 @test "names that no sidecar can hold are refused where they would be recorded" {
     conus phantom nested -o . --size 24 --spacing 3,3,3
     local odd aim='--origin 0,-100,0 --toward 0,0,0 -q' ball

@@ -1,10 +1,10 @@
 #!/usr/bin/env bats
-# What the README shows is what the program says.
+# The README shows the program's real output.
 load helpers
 
 README=$BATS_TEST_DIRNAME/../../README.md
 
-# block FIRST SECOND: what the README's console block shows below the command "$ FIRST \", newline, "SECOND".
+# block FIRST SECOND: the lines of the README's console block below the command "$ FIRST \", newline, "SECOND".
 block() {
     awk -v first="\$ $1 \\\\" -v second="    $2" '
         /^```/ { inside = 0 } inside { print } previous == first && $0 == second { inside = 1 } { previous = $0 }' "$README"

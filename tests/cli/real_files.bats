@@ -2,7 +2,7 @@
 # Every file of the templates and of the collection of bad ones: an answer, or one clear line.
 load helpers
 
-# survives FILE: info and query end as they should; more than refusing is not asked of bad files.
+# survives FILE: asserts that info and query end with a documented code; bad files need only be refused.
 survives() {
     run --separate-stderr "$CONUS" info "$1"
     case $status in

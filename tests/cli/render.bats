@@ -56,7 +56,7 @@ png_size() {
     [ ! -e c.png ]
 }
 
-# session: six poses on a sphere, of which one is broken and one is a file's nightmare.
+# session: six poses on a sphere; one is broken and one has a name that no file can have.
 session() {
     printf 'query_id,x,y,z,tx,ty,tz,angle\n' >session.csv
     printf '%s\n' 'left,-60,0,0,0,0,0,20' 'top,0,0,60,0,0,0,20' 'broken,0,0,60,0,0,60,20' \
@@ -168,8 +168,8 @@ session() {
     [ ! -e a.png ]
 }
 
-# A ball of glass, whose outline has a contrast of at least 3 to white (WCAG 2.2, 1.4.11, for what is no text): the
-# darkest of the first pixels in the middle row. Before it, all is white.
+# A ball of glass whose outline has a contrast of at least 3 to white (WCAG 2.2, 1.4.11): the darkest of its first
+# pixels in the middle row. Before it all is white.
 @test "glass on white has an outline" {
     sphere --size 24
     awk 'BEGIN { for (j = 0; j <= 24; j++) for (i = 0; i < 48; i++) { t = j * 3.14159265 / 24; p = i * 3.14159265 / 24

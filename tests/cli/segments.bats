@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# --segments: what axes pass; --order depth; and shanks for SpikeGLX and Open Ephys.
+# --segments: the objects along an axis; --order depth; and shanks for SpikeGLX and Open Ephys.
 #
 # The U of u-shape: arms of 10 mm from x = -22 to -12 and 12 to 22, and a ball of 5 mm radius between them, in voxels of
 # 1 mm whose faces are at whole numbers. An axis from x = 40 along -x at z = 5 passes arm, ball and arm at the depths 18
@@ -190,14 +190,14 @@ shanks() {
     wanted="(18000,28000,$u,U)(35000,45000,$ball,Bal)(52000,62000,$u,U)"
     answers query $AXIS --range 0,80 --format spikeglx -q
     [ "$output" = "[0,0]$wanted" ]
-    # With 80 - 62 = 18 mm below the last one; a range that ends in an area cuts it.
+    # 80 - 62 = 18 mm are below the last object; a range that ends in an area cuts it.
     answers query $AXIS --range 20,60 --format spikeglx -q
     [ "$output" = "[0,0](0,8000,$u,U)(15000,25000,$ball,Bal)(32000,40000,$u,U)" ]
     shanks >poses.tsv
     answers query u-shape.nii.gz --pose poses.tsv --range 0,80 --format spikeglx -q
     [ "$output" = "[0,0]$wanted"$'\n'"[0,1]$wanted" ]
     [ "$(conus batch u-shape.nii.gz --poses poses.tsv --range 0,80 --format spikeglx -q)" = "$output" ]
-    # Each with the range of its row.
+    # The range of each row counts.
     awk -v OFS='\t' '{ print $0, NR == 1 ? "near\tfar" : NR == 2 ? "20\t60" : "n/a\t80" }' poses.tsv >ranged.tsv
     answers query u-shape.nii.gz --pose ranged.tsv --format spikeglx -q
     [ "$output" = "[0,0](0,8000,$u,U)(15000,25000,$ball,Bal)(32000,40000,$u,U)"$'\n'"[0,1]$wanted" ]

@@ -1,8 +1,9 @@
 #!/usr/bin/env bats
-# Several atlases in one question: query, sweep, track, batch, merge and diff with --atlas.
+# Several atlases in one query: query, sweep, track, batch, merge and diff with --atlas.
 load helpers
 
-# atlases: two phantoms in one space, ball.nii.gz and slabs.nii.gz, and poses.tsv that look at both; one is no pose.
+# atlases: two phantoms in one space, ball.nii.gz and slabs.nii.gz, and poses.tsv that point at both; one row is no
+# pose.
 atlases() {
     conus phantom sphere -o . --size 24 --spacing 3,3,3
     conus phantom slabs -o . --size 16
@@ -15,8 +16,8 @@ atlases() {
     }' >poses.tsv
 }
 
-# put_together NAME FILE NAME FILE...: for each query of the first TSV its rows in each file, with a column for the name.
-# Rows of a query stand together in a file; that is all that is used of how conus writes them.
+# put_together NAME FILE NAME FILE...: for each query of the first TSV its rows in each file, with a column for the
+# name. It relies only on the rows of a query being together in a file.
 put_together() {
     local arguments=()
     while [ $# -gt 0 ]; do
@@ -32,7 +33,8 @@ put_together() {
     ' "${arguments[@]}"
 }
 
-# same_rows COMMAND ARGUMENT...: the rows of `conus COMMAND ball --atlas slabs` are those of each, put together.
+# same_rows COMMAND ARGUMENT...: asserts that the rows of `conus COMMAND ball --atlas slabs` are those of each, put
+# together.
 same_rows() {
     local command=$1
     shift
@@ -162,7 +164,7 @@ END
     has 'areas at level 1'
     has '  Group '
     answers batch ball.nii.gz --level 1 --atlas slabs.nii.gz --poses <(head -2 poses.tsv) -q
-    # the ball as a context blocks all rays of the cone, for the slabs, too: the second atlas
+    # the ball as a context blocks all rays of the cone, for the slabs, the second atlas, too
     same_rows query --origin 0,0,90 --toward 0,0,0 --context ball.nii.gz --context-blocks 1
     [ "$(awk -F '\t' '$2 == "slabs" { print $3 "/" $10 }' both.rows)" = unassigned/1 ]
 }

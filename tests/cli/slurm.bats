@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# The job array of docs/batch.md in a Slurm of one node, which this test brings up for itself.
+# The job array of docs/batch.md in a Slurm of one node, which this test starts itself.
 load helpers
 
 write_configuration() {
@@ -34,7 +34,7 @@ PartitionName=all Nodes=$host Default=YES MaxTime=INFINITE State=UP
 END
 }
 
-# slurm_up: until a node is idle, or the test is skipped.
+# slurm_up: waits until a node is idle, or skips the test.
 slurm_up() {
     for program in munged slurmctld slurmd sbatch; do
         command -v "$program" >/dev/null || skip "no $program"
@@ -57,8 +57,8 @@ slurm_up() {
     done
 }
 
-# They write to the folder until they have ended. munged misses a signal that comes just before it
-# waits for its next client, so that it is told again.
+# The daemons write to the folder until they have ended. munged misses a signal that comes just before it waits for its
+# next client, so it is sent again.
 teardown() {
     for daemon in slurmd slurmctld munged; do
         [ -s "slurm/$daemon.pid" ] || continue

@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
-# Every command does once what it is for. scripts/test runs this file, and that of refused inputs, with the sanitizers;
-# what the answers are is compared without, in the files of the commands.
+# Every command runs once. scripts/test runs this file, and that of refused inputs, with the sanitizers; the files of
+# the commands compare the answers without them.
 load helpers
 
 setup_file() {
@@ -64,7 +64,7 @@ atlas() {
     answers verify rows.tsv
     mpi=${CONUS%/*}/../mpi/conus-mpi
     [ -x "$mpi" ] && command -v mpirun >/dev/null || skip "no conus-mpi"
-    # OpenMPI forgets memory of parts that it unloads.
+    # OpenMPI does not free memory of parts that it unloads.
     ASAN_OPTIONS=detect_leaks=0 mpirun --oversubscribe --allow-run-as-root -n 2 "$mpi" batch nested.nii.gz \
         --poses poses.tsv --block 1 -o ranks.tsv --quiet 3>&-
     cmp rows.tsv ranks.tsv

@@ -8,24 +8,25 @@ own_folders() {
     export XDG_STATE_HOME=$PWD/state XDG_DATA_DIRS=$PWD/data HOME=$PWD/home
 }
 
-# page COMMAND...: of the page alone. Mesa forgets 240 bytes of a driver that is unloaded before anything was drawn.
+# page COMMAND...: runs the page alone. Mesa does not free 240 bytes of a driver that is unloaded before anything was
+# drawn.
 page() {
     ASAN_OPTIONS=detect_leaks=0 timeout $HANG "$CONUS" view --quiet "$@"
 }
 
-# remembers PATH...: whether the list of what was opened is that.
+# remembers PATH...: whether these are the recent files.
 remembers() {
     [ -e state/conus/recent.json ] || return 1
     [ "$(jq -c . state/conus/recent.json)" = "$(jq -cn '{conus_recent: 1, atlases: $ARGS.positional}' --args "$@")" ]
 }
 
-# left_open PATH...: leave the list of what was opened.
+# left_open PATH...: writes the list of recent files.
 left_open() {
     mkdir -p state/conus
     jq -n '{conus_recent: 1, atlases: $ARGS.positional}' --args "$@" >state/conus/recent.json
 }
 
-# queried ATLAS [OPTION...]: what conus answers for the pose of the tests.
+# queried ATLAS [OPTION...]: the answer of conus for the pose of the tests.
 queried() {
     conus query "$@" --origin 3,90,2 --toward 3,0,2 --angle 20 --format tsv --quiet
 }
@@ -53,7 +54,7 @@ $AIM
 results home.tsv
 END
     queried home/slabs.nii.gz | diff home.tsv -
-    # where there is no page, there is nothing to type into
+    # without the page nothing can be typed
     printf 'type slabs.nii.gz\n' >script
     run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --script script --quiet --size 400x256
     check_message 'script:1: type PATH, on the start page or where a file is chosen is needed, or it could not be done'
@@ -105,7 +106,7 @@ END
         <(awk -F '\t' '$2 == "nested"' first.tsv | cut -f 1,3-)
     diff <(queried sphere.nii.gz | tail -n +2) <(awk -F '\t' '$2 == "sphere"' first.tsv | cut -f 1,3-)
     queried slabs.nii.gz | diff second.tsv -
-    # what is seen otherwise stays: colours, and which side is which
+    # other settings of the view stay: colours, and which side is shown where
     jq -e '.safe_colours and .radiological == 1' second.json
     printf '%s\npicture alone.png 64 64\n' "$AIM" | view slabs.nii.gz --safe-colours
     conus diff second.png alone.png
@@ -138,7 +139,7 @@ END
     check_message 'key KEY is needed'
 }
 
-# open_from FOLDER ATLAS: with a window that stays until the atlas is remembered, then is closed.
+# open_from FOLDER ATLAS: opens a window, waits until the atlas is remembered, and closes it.
 open_from() {
     background env -C "$1" timeout $HANG "$CONUS" view "$2" --quiet
     wait_until "$child" find_window
@@ -237,7 +238,7 @@ END
         "--hemispheres=split", "--atlas=\($here)/u-shape.nii.gz", "--space=lps"] and .opened.folder == $here' left.json
     mkdir below
     local how
-    for how in '--session ../left.json' ../left.json; do # from another folder, as an option and as what is to be opened
+    for how in '--session ../left.json' ../left.json; do # from another folder, as an option and as the file to open
         printf 'results %s/again.tsv\npicture %s/again.png 64 64\n' "$PWD" "$PWD" >script
         # shellcheck disable=SC2086 # two words
         run -0 --separate-stderr env -C below timeout $HANG "$CONUS" view $how --script ../script --quiet \
@@ -246,12 +247,12 @@ END
         diff left.tsv again.tsv
         conus diff left.png again.png
     done
-    # one that is dropped is opened as well, and is the same again
+    # a dropped session is opened as well, and is the same again
     printf 'drop left.json\nsave dropped.json\nresults again.tsv\n' | view elsewhere/slabs.nii.gz
     diff left.tsv again.tsv
     local names='(.atlas, .further_atlases[].atlas) |= sub(".*/"; "")' # which have paths now
     diff <(jq "$names" left.json) <(jq "$names" dropped.json)
-    # the command line comes before what the session says
+    # the command line has priority over the session
     printf 'index\tname\n1\tuno\n300\tdue\n' >other.tsv
     printf 'results again.tsv\n' | view --session left.json --labels other.tsv
     grep -q uno again.tsv
@@ -264,14 +265,14 @@ END
     conus phantom slabs -o .
     sphere --size 16
     printf '%s\nsave left.json\nresults left.tsv\n' "$AIM" | view slabs.nii.gz
-    # renamed, it has the checksum still; where there is no table beside it any more, names are others
+    # a renamed file is found by its checksum; without a table beside it the names are others
     mkdir moved
     mv slabs.nii.gz moved/renamed.nii.gz
     mv slabs.tsv moved/renamed.tsv
     cp left.json moved
     printf 'results again.tsv\n' | view --session moved/left.json
     diff left.tsv again.tsv
-    mkdir others # one as large is another
+    mkdir others # two files of one length
     head -c "$(stat -c %s moved/renamed.nii.gz)" /dev/zero >others/zeros.nii.gz
     left_open "$PWD/others/zeros.nii.gz" "$PWD/moved/renamed.nii.gz"
     printf 'results again.tsv\n' | view --session left.json
@@ -284,14 +285,14 @@ END
     [ "${stderr_lines[1]}" = 'conus: session: of an atlas with 2 areas and pathways, this one has 1' ]
     [ ${#stderr_lines[@]} -eq 2 ]
     diff left.tsv again.tsv
-    # one that does not fit leaves what is open as it was, with its name and what can be taken back
+    # a session that does not fit leaves the open atlas, with its name and its history
     printf 'save sphere.json\n' | view sphere.nii.gz
     jq '.objects = 7' left.json >moved/bad.json
     printf 'angle 9\nwait 1\nangle 11\nwait 1\ndrop moved/bad.json\nkey ctrl+z\nkey ctrl+s\n' >script
     run -0 --separate-stderr timeout $HANG "$CONUS" view --session sphere.json --script script --quiet
     check_message 'of an atlas with 7 areas and pathways, this one has 2'
     [ "$(jq .angle_deg sphere.json)" = 9 ]
-    # or none
+    # without an atlas open, too
     printf 'key escape\ndrop sphere.nii.gz\nsave other.json\n' >script
     run -0 --separate-stderr timeout $HANG "$CONUS" view --session left.json --script script --quiet
     [ "$(jq .objects other.json)" = 1 ]
@@ -303,10 +304,10 @@ END
     command -v xdotool >/dev/null || skip "no xdotool"
     sphere --size 16
     echo nonsense >none.nii
-    # --only is for none.nii: it would let the sphere fail
+    # --only applies to none.nii: the sphere would fail with it
     background timeout $HANG "$CONUS" view none.nii --only Nobody --quiet 2>said
     wait_until "$child" grep -q '^conus: none.nii: ' said
-    wait_until "$child" find_window # files are read while it opens
+    wait_until "$child" find_window # files are read while the window opens
     local view=$child code=0
     timeout $HANG /usr/bin/python3 -B "$BATS_TEST_DIRNAME/x11_client.py" drop "$window" "$PWD/sphere.nii.gz"
     either() { has_lines 2 said || remembers "$PWD/sphere.nii.gz"; }
@@ -340,12 +341,12 @@ END
     mv brain-0[12]-*.gii 'surfaces of 100% ä'
     conus phantom nested -o .
     live
-    drop "$PWD/surfaces of 100% ä" # of GIFTI surfaces, whose names say their labels
+    drop "$PWD/surfaces of 100% ä" # GIFTI surfaces, whose names are their labels
     tell "$AIM" 'results folder.tsv'
     look true
     [ "$(jq -r .atlas "look$looks.json")" = "$PWD/surfaces of 100% ä" ]
     queried 'surfaces of 100% ä' | diff folder.tsv -
-    # on an atlas, too, whose place the new one takes; several files are none
+    # also on an open atlas, which the new one replaces; several files at once are refused
     drop "$PWD/nested.nii.gz" "$PWD/nested.tsv"
     look '.objects == 2'
     drop "$PWD/nested.nii.gz"
@@ -404,7 +405,7 @@ END
     queried slabs.nii.gz --atlas sphere.nii.gz | diff both.tsv -
     queried slabs.nii.gz | diff first.tsv -
     queried sphere.nii.gz | diff opened.tsv -
-    # what was set and confirmed stays, until another atlas takes the place of this one
+    # settings and confirmed objects stay, until another atlas replaces this one
     jq -e '.drawn == 2 and (.further_atlases | length) == 1 and (.opened.options | length) == 1' both.json
     jq -e --slurpfile was before.json '(.confirmed | map(del(.atlas))) == $was[0].confirmed and .world_from_device == $was[0].world_from_device' both.json
     jq -e 'has("drawn") or has("further_atlases") | not' first.json
@@ -469,7 +470,7 @@ END
     tell "$AIM" 'save before.json'
     xdotool key --window "$window" ctrl+n
     pass
-    xdotool key --window "$window" v # no key of the brain, but typed
+    xdotool key --window "$window" v # typed, not a key of the brain
     pass
     xdotool keydown --window "$window" Escape # leaves the line
     pass
@@ -484,14 +485,14 @@ END
     xdotool key --window "$window" ctrl+n
     pass
     local down=100
-    until look '.objects == 3'; do # down the page, until the entry is met
+    until look '.objects == 3'; do # click down the page until the entry is hit
         down=$((down + 12))
         [ $down -lt 400 ]
         xdotool mousemove --window "$window" 200 $down
         pass
         xdotool click 1
         pass
-        xdotool key --window "$window" r # no key of the page, but an answer
+        xdotool key --window "$window" r # an answer, not a key of the page
     done
     leave
 }
@@ -507,7 +508,7 @@ END
     live sphere.nii.gz --size 1000x640
     xdotool key --window "$window" ctrl+o
     pass
-    xdotool type --window "$window" a/ # behind the folder where conus was started
+    xdotool type --window "$window" a/ # behind the folder in which conus was started
     pass
     for key in Down Return; do # b c
         xdotool keydown --window "$window" $key
@@ -533,7 +534,7 @@ END
     diff before.json after.json
     xdotool key --window "$window" ctrl+o
     pass
-    # by the mouse: down the list of one file, until a click meets it
+    # by the mouse: click down the list of one file until it is hit
     local down=140
     until look '.objects == 3'; do
         xdotool keyup --window "$window" Return

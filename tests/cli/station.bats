@@ -26,8 +26,8 @@ end_peer() {
     wait "$peer" 2>/dev/null || true
 }
 
-# start_track OPTION...: conus track in the background, process $track, until it is ready to be ended by a signal, and to
-# be connected to, where the first option is --listen PORT.
+# start_track OPTION...: starts conus track in the background, process $track, and waits until a signal would end it
+# and, if the first option is --listen PORT, until it accepts connections.
 start_track() {
     background env --default-signal=INT "$CONUS" track sphere.nii.gz "$@" >steps.tsv
     track=$child
@@ -77,7 +77,7 @@ followed() {
     sphere
     port=$(free_port)
     cat >send.py <<'END'
-# A tracker that looks at the sphere, and passes on what it receives to the protocol's own receiver.
+# A tracker that points at the sphere, and forwards what it receives to the protocol's own receiver.
 import select, socket, struct, sys
 from openigtlink import transform
 conus = socket.create_connection(("127.0.0.1", int(sys.argv[1])))

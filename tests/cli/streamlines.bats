@@ -215,7 +215,7 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
     tck far.tck 500,0,0 510,0,0
     run -0 --separate-stderr "$CONUS" query slabs.nii.gz --origin 0,0,100 --toward 0,0,0 --streamlines far.tck
     check_message 'note: bundle far: none of 2 points is in the box around the areas: is it in their space?'
-    # all of 0 to 31, as indices of the 32 voxels would be; a TCK is in mm
+    # all coordinates are from 0 to 31, as indices of the 32 voxels would be; a TCK is in mm
     tck positive.tck 0,0,0 9,9,9 20,20,20
     printf '# vtk DataFile Version 3.0\nSPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n%s\nLINES 1 4\n3 0 1 2\n' \
         '0 0 0 9 9 9 20 20 20' >positive.vtk
@@ -233,7 +233,7 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
 
 @test "--atlas-transform leaves what the command line adds where it is, and says where it lay better" {
     scene
-    printf '1 0 0 500\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >away.txt # where poses are is 500 mm to the left
+    printf '1 0 0 500\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >away.txt # the space of the poses is 500 mm to the left
     run -0 --separate-stderr "$CONUS" info slabs.nii.gz --streamlines two.tck --atlas-transform away.txt
     has 'reaches      x -10 to 10, y 0 to 10, z 0 to 0 mm'
     has 'bundle two: 0 % of its points are in the box around the areas, 60 % were before these were moved'
@@ -243,9 +243,9 @@ open("arc.trx/header.json", "w").write("{\"NB_STREAMLINES\": 2, \"NB_VERTICES\":
     not grep -q 'bundle two:' <<<"$output"
 }
 
-# A point p of the atlas comes to lie at 2 R (p - (1, 2, 3)), where R turns (x, y, z) to (y, -x, z): all numbers are
-# exact. So (0, 0, 100) comes to (-4, 2, 194), (0, 0, 0) to (-4, 2, -6), and tubes are twice as thick. A cone does not
-# change by that, nor do shares and counts; lengths become twice as long.
+# A point p of the atlas goes to 2 R (p - (1, 2, 3)), where R turns (x, y, z) to (y, -x, z): all numbers are exact. So
+# (0, 0, 100) goes to (-4, 2, 194), (0, 0, 0) to (-4, 2, -6), and tubes are twice as thick. Neither the cone nor shares
+# and counts change; lengths double.
 @test "what moves is hit as it would be in the atlas's space" {
     scene
     tck own.tck 0,-10,20 0,4,20
@@ -297,7 +297,7 @@ manifest_scene() {
     has 'reaches      x -5 to 15, y 0 to 10, z 0 to 0 mm'
     has 'reaches      x 0 to 0, y 0 to 0, z 10 to 20 mm'
     has '2 bundles'
-    answers info scene.atlas.json --atlas-transform shift.txt # moves all that the scene has
+    answers info scene.atlas.json --atlas-transform shift.txt # it moves everything in the scene
     has 'reaches      x 0 to 20, y 0 to 10, z 0 to 0 mm'
     has 'reaches      x 5 to 5, y 0 to 0, z 10 to 20 mm'
     echo '{"conus_atlas": 1, "streamlines": ["two.tck"]}' >only.atlas.json
@@ -416,7 +416,7 @@ TUBE='--origin 0,0,100 --direction 0,0,-1 --radius 5 --layers all --streamlines 
     [ "$(table_cell streamlines)/$(table_cell distance_mm)/$(table_cell near_y)" = 2/1/3 ]
 }
 
-# The cell of the first row of rows.tsv.
+# table_cell: a cell of the first row of rows.tsv.
 table_cell() {
     awk -F '\t' -v name="$1" 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } NR == 2 { print $at[name] }' rows.tsv
 }
@@ -530,7 +530,7 @@ assert (found["low"][2], found["high"][:1], found["high"][2]) == (-30, [12], 30)
     has 'spm.nii.gz: 1 of 2 streamlines are left out, with a point that has no place'
     tck two.tck 500,0,0 501,0,0
     fails 3 'two.tck: no streamline is where the field leads to' info scene.atlas.json --atlas-transform spm.nii.gz
-    tck edge.tck 20,0,0 22,0,0 # in the box of 24 mm, and out of it where it ends at 16 mm
+    tck edge.tck 20,0,0 22,0,0 # in the box of 24 mm, and outside of the one that ends at 16 mm
     run -0 --separate-stderr "$CONUS" info nested.nii.gz --streamlines edge.tck --atlas-transform spm.nii.gz
     has 'bundle edge: 0 % of its points are in the box around the areas, 100 % were before these were moved'
     run -0 --separate-stderr "$CONUS" info nested.nii.gz --streamlines edge.tck,moves --atlas-transform spm.nii.gz

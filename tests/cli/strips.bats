@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# conus render --strips: several probes in one picture, with what each passes as a strip beside it.
+# conus render --strips: several probes in one picture, with a strip beside it for what each passes.
 #
 # The U of u-shape has arms of 10 mm and a ball between them (segments.bats).
 load helpers
@@ -19,7 +19,7 @@ import csv
 import xml.etree.ElementTree as tree
 rows = [row for row in csv.DictReader(open("rows.tsv"), delimiter="\t")]
 areas = [row for row in rows if row["kind"] == "area"]
-first = min(float(row["entry_mm"]) for row in areas)  # where the strips begin; at 80 mm they end
+first = min(float(row["entry_mm"]) for row in areas)  # the strips begin here, and end at 80 mm
 svg = tree.parse("two.svg").getroot()
 space = "{http://www.w3.org/2000/svg}"
 boxes = [box for box in svg.iter(space + "rect") if box.get("fill") != "none"]
@@ -69,7 +69,7 @@ END
     [ ! -e bad.svg ]
 }
 
-# The atlas is about 30 mm wide: a bar of more than 20 mm would be that of a picture in which it is a dot.
+# The atlas is about 30 mm wide: a bar of more than 20 mm would mean that it is a dot in its picture.
 @test "a probe that passes nothing is noted, and what is shown is as large as without it" {
     probes
     printf 'far\t3000\t0\t90\t3000\t0\t95\n' >>two.tsv
@@ -88,8 +88,8 @@ END
     [ -z "$stderr" ]
 }
 
-# letters_apart FILE.svg: no two of its texts touch, if a letter is 0.7 of their size high; and the name "Probe" is there,
-# and directions, but for those that point along the view.
+# letters_apart FILE.svg: asserts that no two of its texts touch, if a letter is 0.7 of their size high; and that there
+# are the name "Probe" and the directions, except those along the view.
 letters_apart() {
     /usr/bin/python3 - "$1" <<'END'
 import sys
@@ -110,7 +110,7 @@ END
 @test "the name of a probe lies on no direction, and no direction on another" {
     conus phantom u-shape -o .
     printf 'query_id\tx\ty\tz\ttx\tty\ttz\nProbe\t5\t0\t40\t0\t0\t5\n' >high.tsv
-    # from below, left and behind: the cross is where its name would be
+    # seen from below, left and behind, the cross of directions is where the name would be
     printf 'query_id\tx\ty\tz\ttx\tty\ttz\nProbe\t-30\t-40\t-40\t0\t0\t5\n' >low.tsv
     for camera in -100,100,90 -100,100,10 -110,20,15 -110,-20,60 -30,-120,30 -20,30,120; do
         gl render u-shape.nii.gz --poses high.tsv --range 0,50 --strips --size 500x300 -o "./$camera.svg" --opacity 0 -q \

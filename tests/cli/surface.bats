@@ -24,15 +24,15 @@ square() {
     array TRIANGLE INT32 'Dimensionality="2" Dim0="4" Dim1="3"' "0 1 4 0 4 3 1 2 5 1 5 4"
 }
 
-# Labels 7 on the left, 3 on the right and 7 between.
+# labels: 7 on the left, 3 on the right and 7 between.
 labels() {
     echo '<LabelTable><Label Key="7">west</Label><Label Key="3" Red="1" Green="0" Blue="0">east</Label></LabelTable>'
     array LABEL INT32 "Dimensionality=\"1\" Dim0=\"$1\"" "7 7 3 7 7 3 ${2:-}"
 }
 
-# Of 16 x 16 pixels, 208 have their centre in the disc. With t = tan(2.5 degrees), the nearest look t/16 to the side twice,
-# and meet the plane at 30 sqrt(1 + 2 (t/16)^2) = 30.0002234, 30 t/16 = 0.0818643 from 5; the farthest on the disc, 7.5
-# and 2.5 pixels off the middle, at 30 sqrt(1 + t^2 62.5/64) = 30.027911.
+# 208 of 16 x 16 pixels have their centre in the disc. With t = tan(2.5 degrees), the nearest rays are t/16 off to the
+# side twice, and meet the plane at 30 sqrt(1 + 2 (t/16)^2) = 30.0002234, 30 t/16 = 0.0818643 from 5; the farthest on
+# the disc, 7.5 and 2.5 pixels off the middle, at 30 sqrt(1 + t^2 62.5/64) = 30.027911.
 @test "a surface is one area, called as its file" {
     square | gifti >lh.pial.surf.gii
     run -0 --separate-stderr "$CONUS" query lh.pial.surf.gii --origin 5,5,30 --toward 5,5,0 --angle 5 --format tsv
@@ -50,8 +50,8 @@ labels() {
     [ "$(cut -f 10,17-21 <<<"${lines[1]}")" = "208	30.0002234	30.027911	0	n/a	n/a" ]
 }
 
-# A tetrahedron of 500 / 3 mm^3 and the mirror image of one of 400 / 3 beside it, whose triangles were not turned around:
-# their signed volumes sum to 100 / 3, of 300 that are solid.
+# A tetrahedron of 500 / 3 mm^3 and the mirror image of one of 400 / 3 beside it, whose triangles were not turned
+# around: their signed volumes sum to 100 / 3, and the solids to 300.
 @test "a surface with parts that face different ways is closed, but has no fraction" {
     { array POINTSET FLOAT32 'Dimensionality="2" Dim0="8" Dim1="3"' "1 0 0 11 0 0 1 10 0 1 0 10 -1 0 0 -9 0 0 -1 10 0 -1 0 10"
       array TRIANGLE INT32 'Dimensionality="2" Dim0="8" Dim1="3"' "0 2 1 0 1 3 0 3 2 1 2 3 4 6 5 4 5 7 4 7 6 5 6 7"; } | gifti >halves.gii
@@ -193,8 +193,8 @@ labels() {
     done
 }
 
-# names_files FILE...: what a query of $atlas leaves, in JSON and in EXR, names exactly these files with sha256sum's sums;
-# volumes have a list of their own.
+# names_files FILE...: asserts that the JSON and EXR of a query of $atlas name exactly these files with sha256sum's
+# sums; volumes have another list.
 names_files() {
     local file sum words
     read -ra words <<<"$atlas"
@@ -214,7 +214,7 @@ names_files() {
     atlas=slabs.nii.gz names_files slabs.nii.gz slabs.tsv
     mv slabs.tsv kept
     printf '1 One\n2 Two\n' >slabs.nii.txt
-    cp slabs.nii.txt slabs.txt # looked at, and not contradicted
+    cp slabs.nii.txt slabs.txt # read, and not contradicted
     head -c 768 /dev/zero | tr '\0' '\1' >slabs.lut
     atlas=slabs.nii.gz names_files slabs.nii.gz slabs.lut slabs.nii.txt
     rm slabs.nii.txt slabs.txt slabs.lut

@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# conus sweep: which angle admits what, shares by angle, chances under errors of the pose.
+# conus sweep: the angles that admit objects, shares by angle, probabilities under errors of the pose.
 
 load helpers
 
@@ -147,7 +147,7 @@ import math, sys
 assert all(math.isclose(float(a), 2 * math.degrees(math.atan(b / 100)), rel_tol=1e-8)
            for a, b in zip(sys.argv[1:], (3, 4)))' "$(cell angle_deg 1)" "$(cell angle_deg 2)"
     # shellcheck disable=SC2086
-    answers sweep slabs.nii.gz $aim $both --only arc,dot --range 0,95 # the point of arc alone
+    answers sweep slabs.nii.gz $aim $both --only arc,dot --range 0,95 # only the one point of arc
     [ "$(cell name 1)/$(cell y 1)/$(cell z 1)/$(wc -l <<<"$output")" = arc/30/10/2 ]
     # shellcheck disable=SC2086
     answers sweep slabs.nii.gz $aim $both --hide arc

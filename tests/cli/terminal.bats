@@ -1,8 +1,8 @@
 #!/usr/bin/env bats
-# What a terminal shows: tables that fit, bold headers, colours, progress. terminal.py is the terminal.
+# Output on a terminal: tables that fit, bold headers, colours, progress. terminal.py plays the terminal.
 load helpers
 
-# on COLUMNS COMMAND...: on a terminal as wide as that.
+# on COLUMNS COMMAND...: runs it on a terminal of that width.
 on() {
     /usr/bin/python3 "$BATS_TEST_DIRNAME/terminal.py" "$@"
 }
@@ -14,7 +14,7 @@ setup_nested() {
     unset NO_COLOR COLUMNS
 }
 
-# plain: without the sequences that make text bold or coloured.
+# plain: removes the sequences that make text bold or coloured.
 plain() {
     sed 's/\x1b\[[0-9;]*m//g'
 }
@@ -39,7 +39,7 @@ plain() {
     on 200 "$CONUS" "${ask[@]}" | plain | cmp - all
     on 0 "$CONUS" "${ask[@]}" | plain | cmp - all
     COLUMNS=80 on 0 "$CONUS" "${ask[@]}" | plain | grep -q ' left out: '
-    COLUMNS=200 on 80 "$CONUS" "${ask[@]}" | plain | grep -q ' left out: ' # the terminal knows better
+    COLUMNS=200 on 80 "$CONUS" "${ask[@]}" | plain | grep -q ' left out: ' # the terminal's own width counts
 }
 
 @test "a file, a pipe and other formats have all columns, and no colour" {
@@ -69,7 +69,7 @@ plain() {
         not grep -q $'\x1b' shown
         grep -q '^conus: note: the device lies inside' shown
     done
-    env NO_COLOR= /usr/bin/python3 "$BATS_TEST_DIRNAME/terminal.py" 200 "$CONUS" "${ask[@]}" | grep -q $'\x1b' # an empty one is none
+    env NO_COLOR= /usr/bin/python3 "$BATS_TEST_DIRNAME/terminal.py" 200 "$CONUS" "${ask[@]}" | grep -q $'\x1b' # an empty one counts as none
     run -0 --separate-stderr conus "${ask[@]}"
     [[ $stderr != *$'\x1b'* ]]
 }
@@ -89,7 +89,7 @@ plain() {
 @test "long work shows how far it is, with the time left, and leaves no trace of it" {
     setup_nested
     conus phantom sphere -o . --size 64
-    grow() { # grow COMMAND: with 4096, 8192, ... poses or samples, until it succeeds: progress is shown after 100 ms
+    grow() { # grow COMMAND: runs it with 4096, 8192, ... poses or samples, until it succeeds: progress is shown after 100 ms
         local n
         for ((n = 4096; n <= 1048576; n *= 2)); do
             rm -f chances.* rows.* query.*
@@ -99,7 +99,7 @@ plain() {
         echo "$1: no progress of $n"
         return 1
     }
-    shows() { # shows TEXT COMMAND...: somewhere in what it shows is a progress that TEXT fits, and nothing is left of it
+    shows() { # shows TEXT COMMAND...: asserts that it shows a progress with TEXT, and that nothing of it is left
         local text=$1
         shift
         on 100 "$@" >shown

@@ -2,7 +2,7 @@
 # conus track, as a user types it.
 load helpers
 
-# hand ROW...: poses in hand.tsv; a row is time, y aimed at, trigger. The sphere of 20 mm is at the origin.
+# hand ROW...: poses in hand.tsv; a row is time, y of the point aimed at, trigger. The sphere of 20 mm is at the origin.
 hand() {
     {
         printf 'time_s\tx\ty\tz\ttx\tty\ttz\ttrigger\n'
@@ -13,7 +13,7 @@ hand() {
     } >hand.tsv
 }
 
-# keeps ARGUMENT...: conus track with code 1 and one message that contains $1.
+# skips TEXT ARGUMENT...: asserts that conus track ends with code 1 and one message with TEXT.
 skips() {
     local text=$1
     shift
@@ -41,7 +41,7 @@ skips() {
     answers track sphere.nii.gz --poses hand.tsv --selected --format tsv
     [ "${#lines[@]}" -eq 5 ]
     [ "$(cell name 1)/$(cell selected 1)" = Sphere/1 ]
-    [ "$(cell name 3)/$(cell selected 3)/$(cell confirmed 3)" = Sphere/0/1 ] # selected is nothing by then
+    [ "$(cell name 3)/$(cell selected 3)/$(cell confirmed 3)" = Sphere/0/1 ] # no object is selected by then
     [ "$(cell kind 4)/$(cell confirmed 4)" = unassigned/0 ]
 }
 
@@ -80,7 +80,7 @@ skips() {
         env --default-signal=INT "$CONUS" track sphere.nii.gz --poses - -o "$signal.tsv" <silent 3>&- &
         exec 5>silent
         { cat hand.tsv; printf '0.3\t0\t0'; } >&5
-        wait_until $! catches_signals $! # it has read the header by then, and all that came with it
+        wait_until $! catches_signals $! # it has read the header by then, and everything that came with it
         kill -"$signal" $!
         wait $!
         exec 5>&-

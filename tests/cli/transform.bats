@@ -1,11 +1,12 @@
 #!/usr/bin/env bats
-# --atlas-transform: the atlas comes to the poses.
+# --atlas-transform: moves the atlas to the poses.
 
 load helpers
 
 aim='--origin 0,-100,0 --toward 0,0,10 --angle 20'
 
-# A shift of 7 mm to the right as each file that says so: points of the poses, 7 mm less to the right.
+# shifts: a shift of 7 mm to the right in each format: the transform takes points of the poses 7 mm less far to the
+# right.
 shifts() {
     conus phantom nested -o .
     printf '1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
@@ -60,7 +61,7 @@ shifts() {
     done
     answers query nested.nii.gz $aim --atlas-transform ffd.tfm --format json --quiet
     [ "$(jq -c '[.Atlas.way_to_atlas[] | keys[0]]' <<<"$output")" = '["matrix","spline","matrix"]' ]
-    # kept as it was packed
+    # packed in the cache
     echo '{"conus_atlas": 1, "parcellation": "nested.nii.gz", "transform": {"file": "list.tfm", "transform": 1}}' \
         >one.atlas.json
     answers query one.atlas.json $aim --format tsv --quiet
@@ -100,7 +101,7 @@ shifts() {
     cmp plain.png moved.png
     answers render nested.nii.gz -o away.png --origin 0,-100,0 $aim --atlas-transform right.txt
     run -1 cmp -s plain.png away.png
-    # the whole atlas as a region: all of each area is in it, until the atlas is elsewhere
+    # the whole atlas as a region covers all of each area, until the atlas is moved
     answers overlap nested.nii.gz nested.nii.gz --threshold 1 --format tsv --quiet
     [ "$(cell fraction 1)" = 1 ]
     sed -i s/32/8/ right.txt
@@ -140,7 +141,7 @@ shifts() {
         >far.atlas.json
     run -0 --separate-stderr "$CONUS" query far.atlas.json --angle 20 $aim
     [[ "$stderr" == *'in the head of'*'; without the transform it would be 100 %'* ]]
-    sed -i 's/"context": /&{"moves": true, "file": /; s/}$/}}/' far.atlas.json # it comes along
+    sed -i 's/"context": /&{"moves": true, "file": /; s/}$/}}/' far.atlas.json # it is moved along
     run -0 --separate-stderr "$CONUS" query far.atlas.json --angle 20 $aim
     not grep -q 'in the head of' <<<"$stderr"
 }
@@ -159,7 +160,7 @@ shifts() {
         answers query lab/$manifest.atlas.json $ask
         diff wanted - <<<"$output"
     done
-    # the option comes first on the way of a point
+    # on a point's way the option comes first
     printf '0 -1 0 0\n1 0 0 0\n0 0 1 0\n0 0 0 1\n' >turn.txt
     answers query nested.nii.gz $ask --atlas-transform turn.txt --atlas-transform right.txt
     echo "$output" >wanted
@@ -180,7 +181,7 @@ shifts() {
     for atlas in 'nested.nii.gz --atlas-transform right.txt' one.atlas.json; do
         local batch="batch $atlas --poses poses.tsv --angle 20 -o rows.tsv --quiet"
         conus $batch --force
-        answers $batch --resume # it is finished
+        answers $batch --resume # it is finished already
         sed -i 's/7/8/' right.txt
         fails 2 'there is a file already' $batch --resume
         cp kept.txt right.txt
@@ -211,7 +212,8 @@ shifts() {
     [[ "$stderr" == *'mirror.txt mirrors: left areas of the atlas are right ones where poses are'* ]]
 }
 
-# An image that lies 500 mm away from the atlas, and so is no image of its space; which one that is depends on the way.
+# An image 500 mm away from the atlas cannot be one of its space; the direction of the matrix decides which of the two
+# it is.
 @test "the images of an FSL matrix are held against the atlas" {
     shifts
     conus phantom nested -o far
@@ -244,7 +246,7 @@ END
     [ "$(jq '.moved.atlas_from_world[0][1] | . != 0 and . > -1e-15 and . < 1e-15' <<<"$output")" = true ]
 }
 
-# right.h5 shifts like right.txt, in two steps; field.h5 by a field; linked.h5 leads to another file.
+# right.h5 shifts like right.txt, in two steps; field.h5 by a field; linked.h5 refers to another file.
 composites() {
     shifts
     [ -x "$(dirname "$CONUS")/conus-hdf5" ] || skip "no conus-hdf5"

@@ -1,9 +1,10 @@
 #!/usr/bin/env bats
-# Two tools in the window: of one tracker, of a tracker of its own, and by keys.
+# Two tools in the window: of one tracker, each of its own tracker, and moved by keys.
 load helpers
 load window
 
-# track PORT NAME X Y Z [NAME X Y Z]: a tracker that sees upright tools there until the window goes; $child stays.
+# track PORT NAME X Y Z [NAME X Y Z]: starts a tracker that sees upright tools there until the window ends; $child
+# stays.
 track() {
     local view=$child
     background env PYTHONPATH="$BATS_TEST_DIRNAME" /usr/bin/python3 -B - "$@" 4>&- <<'END_OF_TRACKER'
@@ -22,7 +23,7 @@ END_OF_TRACKER
     child=$view
 }
 
-# is_query FILE X Y Z OPTION...: FILE is what conus query answers for an upright tool there.
+# is_query FILE X Y Z OPTION...: asserts that FILE is the answer of conus query for an upright tool there.
 is_query() {
     printf '1 0 0 %s\n0 1 0 %s\n0 0 1 %s\n0 0 0 1\n' "$2" "$3" "$4" >pose.txt
     conus query nested.nii.gz --pose pose.txt "${@:5}" --format tsv --quiet | diff "$1" -

@@ -13,7 +13,7 @@ load helpers
 
 @test "the start loads nothing that only pictures and the triangles of surfaces need" {
     run -0 --separate-stderr env LD_DEBUG=files "$CONUS" --version
-    [[ $stderr == *libjansson* ]] # that it says what is loaded
+    [[ $stderr == *libjansson* ]] # it names the loaded libraries
     for library in libcairo libembree libepoxy libfontconfig libfreetype libOpenEXR libpng; do
         [[ $stderr != *"$library"* ]]
     done
@@ -42,7 +42,7 @@ load helpers
         has "usage: conus $command "
         has "conus $command --help has all options."
         [ "$(sed -n '/^Examples/,/^$/p' <<<"$output" | grep -c conus)" -ge 1 ]
-        # Each option is in the whole help, and says there how it begins here.
+        # Each option is in the whole help, which begins with the text of the short one.
         options=$(grep -oE '^ {2,6}(-[a-z], )?--[a-z-]+' <<<"$output")
         [ "$(wc -l <<<"$options")" -le 7 ]
         while IFS= read -r option; do
@@ -80,7 +80,7 @@ sweep uncertain jitter
 render colour background
 render color background
 END
-    for word in colour color uncertain parallel; do # those of query are other commands'
+    for word in colour color uncertain parallel; do # those options of query belong to other commands
         conus query --help | grep -qi -- "$word"
     done
     fails 2 'unknown option --save; did you mean -o, --output?' query a.nii --save

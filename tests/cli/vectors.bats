@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# conus render -o fig.svg and fig.pdf: text is text, and lines are lines.
+# conus render -o fig.svg and fig.pdf: text stays text, and lines stay lines.
 load helpers
 
 need_readers() {
@@ -51,7 +51,7 @@ BOX='blocks.nii.gz --labels blocks.txt --cuts axial:0 --origin=-90,0,0 --toward=
     not grep -q '<text' bare.svg
     FONTCONFIG_FILE=$PWD/none.conf answers render sphere.nii.gz --cuts axial -o bare.pdf
     mkdir library
-    : >library/libcairo.so.2 # no library
+    : >library/libcairo.so.2 # an empty library
     LD_LIBRARY_PATH=$PWD/library fails 3 'libcairo.so.2 cannot be loaded (Debian: libcairo2)' \
         render sphere.nii.gz --cuts axial -o x.pdf
     [ ! -e x.pdf ]

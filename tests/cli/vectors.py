@@ -50,7 +50,7 @@ def check_svg():
     assert float(texts["L"].get("x")) < float(texts["R"].get("x"))
     assert float(texts["A"].get("y")) < float(texts["P"].get("y"))
     image, = root.iter(SVG + "image")
-    # The outline of 40 x 60 mm says how long a mm is, and the bar is as long as its text says.
+    # The outline of 40 x 60 mm gives the length of a mm; the bar is as long as its text says.
     box, = [numbers(path.get("d")) for path in root.iter(SVG + "path") if path.get("stroke") == "#1e5ac8"]
     assert len(box) == 4, box
     # The outline is not in the pixels: a row near the box's edge, where no cone is, has one colour.
@@ -65,7 +65,7 @@ def check_svg():
     lines = [numbers(path.get("d")) for path in root.iter(SVG + "path") if path.get("d").count("L") == 1]
     bar = max(numpy.ptp(line[:, 0]) for line in lines)
     assert abs(bar - length * pixels_per_mm.mean()) < 0.01 * bar, (bar, length, pixels_per_mm)
-    # The cone's wall in the cut: apex at (-90, 0), half of 20 degrees, so its lines are so far from the axis.
+    # The cone's wall in the cut: apex at (-90, 0), half of 20 degrees, so its lines diverge from the axis by that.
     cone = numpy.concatenate([numbers(path.get("d")) for path in root.iter(SVG + "path")
                               if path.get("stroke") == "#ffaa28"])
     middle = (box.min(axis=0) + box.max(axis=0)) / 2

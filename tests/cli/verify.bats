@@ -1,8 +1,8 @@
 #!/usr/bin/env bats
-# conus verify: results of every kind are answered again from their sidecars, and what is changed is named.
+# conus verify: results of every kind are answered again from their sidecars, and every change is named.
 load helpers
 
-# make NAME COMMAND ARGUMENT...: a result out/NAME; rows without an answer are one, too.
+# make NAME COMMAND ARGUMENT...: makes a result out/NAME; rows without an answer are allowed.
 make() {
     local name=$1
     shift
@@ -18,7 +18,7 @@ inputs() {
     printf 'index\tname\tparent_id\n1\tOuter\t20\n300\tInner\t20\n20\tShell\tn/a\n4000000001\tCore\tn/a\n' >tree.tsv
     printf 'Shell\nCore\n' >list.txt
     printf '1 0 0 7\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >right.txt
-    cp right.txt right.mat # of FSL
+    cp right.txt right.mat # a matrix of FSL
     printf '{"conus_atlas": 1, "parcellation": "atlas/nested.nii.gz",
         "transform": {"file": "right.mat", "from": "atlas/sphere.nii.gz", "to": "atlas/nested.nii.gz"}}' >right.atlas.json
     python3 "$BATS_TEST_DIRNAME/fields.py" rel atlas/slabs.nii.gz field.nii.gz 8
@@ -34,7 +34,7 @@ inputs() {
     cp atlas/sphere.tsv own/ball_atlas.tsv
 }
 
-# Every kind of result, of every command that has one, in the folder study. The list of them is study/results.
+# Makes every kind of result, of every command that writes one, in the folder study. study/results lists them.
 setup_file() {
     local aim='--origin 0,-100,0 --toward 0,0,0 --angle 30' results=()
     local S=atlas/sphere.nii.gz L=atlas/slabs.nii.gz N=atlas/nested.nii.gz
@@ -111,7 +111,7 @@ setup_file() {
     cp -r . "$BATS_FILE_TMPDIR/kept"
 }
 
-# The folder of one test: all that was made, unchanged. Replays have their folders in a place of their own.
+# study: the folder of one test, with unchanged copies of all results. Replays have their folders elsewhere.
 study() {
     cp -r "$BATS_FILE_TMPDIR/study/." .
     mkdir -p "$BATS_TEST_TMPDIR/tmp"
@@ -123,7 +123,7 @@ inventory() {
     find . -type f -exec sha256sum {} + | sort
 }
 
-# says CODE TEXT ARGUMENT...: verify ends with CODE and writes TEXT, on stderr where there is no verdict.
+# says CODE TEXT ARGUMENT...: asserts that verify ends with CODE and writes TEXT, on stderr if there is no verdict.
 says() {
     local code=$1 text=$2
     shift 2
@@ -203,7 +203,7 @@ says() {
     printf '\xff' | dd of=atlas/sphere.nii.gz bs=1 seek=300 conv=notrunc status=none
     says 3 'atlas/sphere.nii.gz changed: its SHA-256 is not the recorded one; atlas/sphere.nii.gz: ' out/q.tsv
     gzip -dc "$BATS_FILE_TMPDIR/kept/atlas/sphere.nii.gz" >voxels
-    printf 'x' | dd of=voxels bs=1 seek=148 conv=notrunc status=none # of the header's description
+    printf 'x' | dd of=voxels bs=1 seek=148 conv=notrunc status=none # in the header's description
     gzip -nc voxels >atlas/sphere.nii.gz
     says 1 'answered the same again, but not all else is as it was' out/q.tsv
     has 'atlas/sphere.nii.gz changed'
@@ -241,10 +241,10 @@ says() {
     sed -i "s/$sum/0${sum:1}/" out/range.json
     says 1 'out/range.json was changed' out/range.tsv
     has 'atlas/sphere.nii.gz changed'
-    sed -i '2i "TaskName": "rest",' out/tube.json # what others add is theirs
+    sed -i '2i "TaskName": "rest",' out/tube.json # keys of other programs are theirs
     sed -i 's/"Description": "pixels of/"LongName": "Pixels", &/' out/tube.json
     says 0 identical out/tube.tsv
-    sed -i 's/"Units": "degree"/"Units": "radian"/' out/tube.json # the checksum is not of it
+    sed -i 's/"Units": "degree"/"Units": "radian"/' out/tube.json # the checksum does not cover it
     says 1 'offset_deg.Units is "radian" there, and "degree" when it is answered again' out/tube.tsv
     jq 'del(.Checksum)' out/sweep.json >edited
     cp edited out/sweep.json
@@ -257,8 +257,8 @@ says() {
     says 3 'begins with "conus trick"' out/selected.json
 }
 
-# What stands in a sidecar must be what a new answer says, whether the Checksum is left as it is, recomputed or missing:
-# each value of each kind of sidecar is changed alone.
+# A sidecar must equal that of a new answer, whether the Checksum is left as it is, recomputed or missing: each value of
+# each kind of sidecar is changed alone.
 @test "every value of a sidecar that is changed is noticed, with the checksum recomputed" {
     study
     run -0 python3 "$BATS_TEST_DIRNAME/leaves.py" "$CONUS" out/{several,batch,merged,job1,sweep,track,passed,ends-rows}.tsv \
@@ -269,7 +269,7 @@ says() {
     [ "${#lines[@]}" -eq 1 ]
 }
 
-# A question that was another one, sealed anew.
+# A changed question with a new checksum.
 @test "a forged sidecar is not identical" {
     study
     jq '.Space = {orientation: "LPS", units: "cm"} | .Settings.resolution = 64 | .Settings.engine = "gl" |
@@ -279,7 +279,7 @@ says() {
     says 1 'Space.orientation is "LPS" there, and "RAS" when it is answered again' out/q.tsv
     jq 'del(.Checksum)' forged.json >out/q.json
     says 1 'Space.orientation is "LPS" there, and "RAS" when it is answered again' out/q.tsv
-    jq '.Batch = {}' "$BATS_FILE_TMPDIR/kept/out/range.json" >out/range.json # what conus alone writes
+    jq '.Batch = {}' "$BATS_FILE_TMPDIR/kept/out/range.json" >out/range.json # written by conus alone
     says 3 'Batch: no shard' out/range.tsv
 }
 
@@ -299,7 +299,7 @@ says() {
     sed -i '2s/1/2/' out/poses.tsv
     says 1 'line 2' out/poses.tsv
     says 1 'why: it was written by conus 0.0.1; this is' out/poses.tsv
-    sed -i 's/"Units": "mm"/"Units": "cm"/' out/q.json # what it has must be so
+    sed -i 's/"Units": "mm"/"Units": "cm"/' out/q.json # conus's own keys must be right
     says 1 'Units is "cm" there, and "mm"' out/q.tsv
     jq 'del(.GeneratedBy[0].CommandLine)' out/q.json >old
     mv old out/q.json
@@ -310,7 +310,7 @@ says() {
     study
     mkdir -p else/far else/atlas
     mv out/q.tsv out/q.json else/
-    says 0 identical else/q.tsv # from this folder the paths are what they were
+    says 0 identical else/q.tsv # seen from this folder the paths are as they were
     cp -r atlas/. else/atlas
     mv atlas away
     mv else/atlas/sphere.nii.gz else/far/renamed.bin
@@ -343,7 +343,7 @@ says() {
     says 0 identical abs.tsv
     mv a b
     says 0 identical abs.tsv --search b
-    # What `overlap` calls a region is its path, which is another one now: that is said.
+    # `overlap` names a region by its path, which has changed: verify says so.
     says 1 "\"query\": \"$here/a/atlas/slabs.nii.gz" region.json --search b
     CONUS_ATLAS_PATH=own says 0 identical out/name.tsv
     says 0 identical out/name.tsv
@@ -369,7 +369,7 @@ says() {
     says 3 'not a sidecar of conus' atlas/sphere.tsv --sidecar atlas/sphere.json
 }
 
-# hostile COMMAND-LINE TEXT: a sidecar with it is refused, and nothing else happens.
+# hostile COMMAND-LINE TEXT: asserts that a sidecar with it is refused, and that nothing else happens.
 hostile() {
     jq --arg line "$1" '.GeneratedBy[0].CommandLine = $line | del(.Checksum)' "$BATS_FILE_TMPDIR/kept/out/q.json" >out/q.json
     cp "$BATS_FILE_TMPDIR/kept/out/q.tsv" out/q.tsv
@@ -441,13 +441,13 @@ store() {
     cp -r b/two.zarr a/
     mv b c
     mkdir d
-    mv c/two.zarr/.zattrs d # nothing is put into the store
+    mv c/two.zarr/.zattrs d # nothing is written into the store
     rm -r a/two.zarr
     says 3 'zarr: ' rows.tsv --search .
     [ "$(find . -type l | wc -l)" -eq 0 ]
     mv d/.zattrs c/two.zarr/
     cp -r c/two.zarr a/
-    printf 3333 >a/two.zarr/1/1.0.0 # behind, where nothing is asked
+    printf 3333 >a/two.zarr/1/1.0.0 # in a chunk that is not read
     says 1 'it is answered the same again, but not all else is as it was' rows.tsv
     has 'answered again from 3 files, 2 with the SHA-256'
     has 'Atlas.volumes[0].sha256 is '
@@ -488,7 +488,7 @@ store() {
     says 1 'line 2, query 1, Frontal_Inf_Opel_L: name: Frontal_Inf_Opel_L, answered again: Frontal_Inf_Oper_L' path.tsv
 }
 
-# Every option with a text must be one that verify knows, or a sidecar with it is refused.
+# verify must know every option with a text, or refuse a sidecar with it.
 @test "every option of the commands that are answered again is known, or refused on purpose" {
     study
     local text='--angles --atlas --atlas-transform --clearance --connect --connectivity --contacts --context --coordsystem --deep --endpoints --hide --image --jitter --jobs

@@ -43,7 +43,7 @@ END
         conus query nested.nii.gz --origin="$x,$y,$z" --toward="$tx,$ty,$tz" --angle 14 --format tsv >wanted
         diff "$(printf 'view%02d.tsv' $i)" wanted
         [ $i -gt 4 ] || conus query nested.nii.gz --origin="$x,$y,$z" --toward="$tx,$ty,$tz" --angle 9 --format tsv >second
-        [ $i -gt 8 ] || diff "$(printf 'second%02d.tsv' $i)" second # it stays where the fifth pose put it
+        [ $i -gt 8 ] || diff "$(printf 'second%02d.tsv' $i)" second # it stays in the fifth pose
         i=$((i + 1))
     done <poses
     [ $i -eq 10 ]
@@ -79,7 +79,7 @@ END
             --layers "$layers" -o query/$file
         cmp view/$file query/$file || [ $file = c.json ]
     done
-    # a window has no command line of its own, and so no question and another checksum; files have their names
+    # a window has no command line, and so no question and another checksum; files have their names
     for file in a b c; do
         for from in view query; do
             jq 'del(.GeneratedBy[].CommandLine, .Question, .Checksum, .Outputs[].path)' $from/$file.json >$from.$file
@@ -117,7 +117,7 @@ END
     [[ $stderr == *'not known to be the Allen CCF'* ]]
 }
 
-# in_columns ATLAS OPTION...: what conus query answers in one atlas, with a column that names it.
+# in_columns ATLAS OPTION...: the answer of conus query for one atlas, with the atlas's column.
 in_columns() {
     conus query "$1.nii.gz" "${@:2}" --format tsv --quiet | awk -v name="$1" 'BEGIN { FS = OFS = "\t" }
         { $1 = $1 OFS (NR == 1 ? "atlas" : name); print }'
@@ -150,7 +150,7 @@ in_columns() {
     diff view4.tsv opened.tsv
     diff left.json opened.json
     [ "$(jq -c '[.drawn, .hidden, .further_atlases[].hidden]' left.json)" = '[3,[1],[1],[]]' ]
-    # one that cannot be loaded is as if ATLAS could not be
+    # an atlas that cannot be loaded fails like ATLAS itself
     echo nonsense >none.nii
     export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
     run -3 --separate-stderr timeout $HANG "$CONUS" view nested.nii.gz --atlas none.nii --script /dev/null --quiet --size 400x256
@@ -248,7 +248,7 @@ END
     [ "$(jq -c '[.thresholds, .transfer, .safe_colours]' one.json)" = \
         '[[{"pathway":"Arc","threshold":32000.5}],null,true]' ]
     sed 's/"transfer": null/"transfer": [[0, 0, 0, 0, 0], [100.5, 1, 0.5, 0.25, 0.3]]/' one.json >edited.json
-    # edited points stay when what is seen is otherwise changed, and go with a session that has none
+    # edited points stay when other settings of the view change, and go with a session without any
     view scene.atlas.json --session edited.json <<'END'
 results left.tsv
 save two.json
@@ -266,7 +266,7 @@ END
     diff one.json three.json
     cmp edited.png again.png
     run -1 cmp -s edited.png one.png
-    # of an older program: what it does not say stays
+    # values that a session of an older program lacks stay
     jq 'del(.thresholds, .transfer, .safe_colours)' before.json >old.json
     printf 'threshold Arc 32000.5\nkey c\nopen old.json\nsave kept.json\n' | view scene.atlas.json
     diff <(jq -S '.thresholds, .safe_colours' one.json) <(jq -S '.thresholds, .safe_colours' kept.json)
@@ -366,7 +366,7 @@ open one.json
 save three.json
 picture opened.png 511 616
 END
-    # the screen's right is -x, since what is behind it lies towards -y: -318 + 640 - 315.5, -85.5 + 400 - 308
+    # the screen's right is -x, since the scene behind it lies towards -y: -318 + 640 - 315.5, -85.5 + 400 - 308
     conus query nested.nii.gz --origin 30,900,60 --toward 6.5,200,6.5 --angle 6 --format tsv | diff head.tsv -
     conus query nested.nii.gz --origin 30,900,60 --toward=-3.72,200,31.14 --angle 6 --format tsv | diff other.tsv -
     grep -q area head.tsv
@@ -422,7 +422,7 @@ END
     printf '%s\n' '-1 0 0 -636' '0 0 1 400' '0 1 0 -181' '0 0 0 1' >screen.txt
     printf '%s\n' '1 0 0 0' '0 1 0 0' '0 0 1 10' '0 0 0 1' >world.txt
     cat >send.py <<'END'
-# A tracker that sees the glasses, and no more once left.json is there.
+# A tracker that sees the glasses until left.json is there.
 import os, socket, sys, time
 from openigtlink import transform
 seen, lost = (transform(b"GlassesToTracker", *place) for place in ((53, 1800, 110), (0, 0, 0)))
@@ -432,7 +432,7 @@ while not os.path.exists("left.json"):
     time.sleep(0.02)
 conus.sendall(lost)
 conus.shutdown(socket.SHUT_WR)
-while conus.recv(65536): # until the other side has read it all, and leaves
+while conus.recv(65536): # until the other side has read everything, and closes the connection
     pass
 open("lost", "w")
 END
@@ -504,7 +504,8 @@ END
     need_window
     need_pixels
     conus phantom nested -o .
-    # the innermost of three balls; hidden; again; then none is chosen, and the crosshair is in its middle still
+    # the innermost of three balls is chosen, hidden and shown again; then none is chosen, and the crosshair stays in
+    # its middle
     view nested.nii.gz --size 1000x640 <<'END'
 quiet-status
 settle
@@ -531,11 +532,11 @@ def panes(name):
     return {pane: pixels[y:y + high, x:x + wide] for pane, (x, y, wide, high) in boxes.items()}
 none, chosen, hidden, again, escaped = map(panes, ("none", "chosen", "hidden", "again", "escaped"))
 for pane in boxes:
-    amber = abs(chosen[pane] - (255, 200, 90)).max(axis=2) < 40 # nearly as the outline and the name
+    amber = abs(chosen[pane] - (255, 200, 90)).max(axis=2) < 40 # nearly the colour of the outline and the name
     changed = (chosen[pane] != none[pane]).any(axis=2)
     assert (amber & changed).sum() > 100, pane
     assert (again[pane] == chosen[pane]).all() and (escaped[pane] == none[pane]).all(), pane
-assert (hidden["3-D"] == none["3-D"]).all() # where it was not to be seen before
+assert (hidden["3-D"] == none["3-D"]).all() # where the ball was not visible before
 END
 }
 
@@ -550,7 +551,7 @@ END
         xdotool mousemove --window "$window" $((170 + step % 10)) 148
     done
     tell 'results mouse.tsv'
-    until look '.confirmed[0].object == 1'; do # two clicks are a double one where two frames are quick enough
+    until look '.confirmed[0].object == 1'; do # two clicks count as a double one if the frames between are quick enough
         xdotool click --repeat 2 --delay 10 1
     done
     local before
@@ -574,11 +575,11 @@ END
     distance=$(jq '.orbit[3]' look$looks.json)
     tap F6 F6 space space # the hits, their list, its first heading
     look '.results.order == "name" and .frozen == 0'
-    tap Escape Escape # out of the list, and back to the panes
+    tap Escape Escape # leave the list, and return to the panes
     look '.has_pose == 1'
     tap shift+Right shift+Down shift+Prior ctrl+Prior Left Prior
     look '.crosshair == [2, 1, 4] and .magnification > 1.09 and .magnification < 1.11'
-    # 0.025 of a pane's height is 3.5 times as much in radians, 5 degrees; a click of the wheel is a tenth
+    # 0.025 of a pane's height turns by 3.5 times as much in radians, 5 degrees; a click of the wheel is a tenth
     look "(.orbit[4] * 180 / 3.14159265 - 10 + 5.0134 | fabs) < 0.001 and .orbit[3] < 0.91 * $distance"
     tap Escape
     look '.has_pose == 0'
@@ -606,18 +607,18 @@ def count(name, x, y, width, height, low, high):
     return ((pixels >= low) & (pixels <= high)).all(axis=2).sum()
 white = (200, 200, 200), (255, 255, 255)
 orange = (200, 120, 20), (255, 190, 90)
-the_list, pane = (704, 20, 290, 200), (60, 540, 511, 75) # and its words at the lower edge
+the_list, pane = (704, 20, 290, 200), (60, 540, 511, 75) # and its text at the lower edge
 assert count("fresh.png", *the_list, *white) > 100
 assert count("old.png", *the_list, *white) == 0
 for place in the_list, pane:
     assert count("fresh.png", *place, *orange) == 0 < 50 < count("old.png", *place, *orange), place
-# the words are twice as high as those of a list, where a capital has 11 pixels
+# the text is twice as high as that of a list, where a capital has 11 pixels
 high = lambda name, x, y, wide: sum(count(name, x, row, wide, 1, *orange) > 8 for row in range(y, y + 40))
 assert high("old.png", 704, 24, 290) >= 18 and high("old.png", 60, 535, 300) >= 18
 END
 }
 
-# shown PICTURE COLOUR: a picture of the window once the cone has this colour. A tool that moves never settles.
+# shown PICTURE COLOUR: takes a picture of the window once the cone has this colour. A tool that moves never settles.
 shown() {
     until /usr/bin/python3 -B "$BATS_TEST_DIRNAME/cone_colour.py" "$1" "$2"; do
         runs "$child"
@@ -669,7 +670,7 @@ END
     local code=0
     leave || code=$?
     [ $code -eq 3 ]
-    diff live.tsv old.tsv # which stays
+    diff live.tsv old.tsv # the answer stays
     has_lines 2 said
     grep -q '"here:there" is no address and port' said
 }
@@ -698,7 +699,7 @@ END
     jq -e '.follow == "tip" and .crosshair == [0, 28, 0]' again.json
 }
 
-# at_apex FILE.json: the options of conus query for the cone of a session.
+# at_apex FILE.json: the cone of a session as options of conus query.
 at_apex() {
     jq -r '.world_from_device | "--origin=\(.[12]),\(.[13]),\(.[14]) --direction=\(-.[8]),\(-.[9]),\(-.[10])"' "$1"
 }
@@ -746,7 +747,7 @@ END
     grep -q unassigned eye.tsv
     [ "$(wc -l <none.tsv)" -eq 1 ]
     [ "$(jq -c '[.has_pose, .frozen]' none.json)" = '[0,0]' ]
-    # a session of before says nothing of it
+    # an older session does not have these values
     jq 'del(.one_ray, .apex_at_eye, .follow)' cone.json >old.json
     printf 'key 1\nkey x\nkey g\nopen old.json\nsave kept.json\n' | view nested.nii.gz
     [ "$(jq -c '[.one_ray, .apex_at_eye, .follow]' kept.json)" = '[1,1,"tip"]' ]
@@ -797,7 +798,7 @@ END
     [ "$(jq .angle_deg two.json)" = 16 ]
     printf 'angle 17\nkey ctrl+s\n' | view slabs.nii.gz --session one.json
     [ "$(jq .angle_deg one.json)" = 17 ]
-    printf 'angle 19\nkey ctrl+s\n' | view slabs.nii.gz # there was none: it asks where
+    printf 'angle 19\nkey ctrl+s\n' | view slabs.nii.gz # there was no session: it asks where
     [ ! -e slabs-session.json ]
     printf 'angle 19\nkey ctrl+s\nkey enter\nwait 2\n' | view slabs.nii.gz
     [ "$(jq .angle_deg slabs-session.json)" = 19 ]
@@ -813,7 +814,7 @@ END
         xdotool mousemove --window "$window" $((170 + step % 10)) 148
     done
     pose=$(jq -c .world_from_device "look$looks.json")
-    until look ".world_from_device != $pose"; do # it follows
+    until look ".world_from_device != $pose"; do # the cone follows the mouse
         step=$((step + 1))
         xdotool mousemove --window "$window" $((170 + step % 10)) 148
     done
@@ -822,7 +823,7 @@ END
     pose=$(jq -c .world_from_device "look$looks.json")
     xdotool mousemove --window "$window" 177 146 mousemove --window "$window" 172 151 mousemove --window "$window" 50 150
     look ".frozen == 1 and .world_from_device == $pose"
-    xdotool mousedown 1 # pressed on a panel, it is no click of the pane
+    xdotool mousedown 1 # a press on a panel is no click on the pane
     look true
     xdotool mousemove --window "$window" 177 148
     look true
@@ -878,7 +879,7 @@ END
     local view=$child step=0
     wait_until "$view" test -e ready.png
     find_window
-    # who is connected hears what the cone hits: the sphere once the mouse is over it, and a frame was drawn for that
+    # a connected program receives what the cone hits: the sphere, once the mouse is over it and a frame was drawn
     exec 5<>"/dev/tcp/127.0.0.1/$port"
     background cat <&5 >told
     until grep -aq Sphere told; do
@@ -890,7 +891,7 @@ END
     exec 5>&-
     touch moved
     wait "$view"
-    # the frames of the script's own commands, and what events come when a window appears; 2 s at any pace would be dozens
+    # the frames of the script's own commands, and events of the new window; 2 s of continuous drawing would be dozens
     [ "$(jq .frame_ms.count still.json)" -lt 15 ]
 }
 
@@ -906,7 +907,7 @@ END
     wait_until "$child" find_window
     xdotool key --window "$window" --delay 5 plus h u plus h u plus h u plus h u plus h u plus h u
     close_window "$window"
-    wait_until "$child" not find_window # so the keys, which came before, were seen to
+    wait_until "$child" not find_window # so the earlier keys were handled
     touch released
     wait "$child"
 }
@@ -948,7 +949,7 @@ END
     background timeout $HANG "$CONUS" view sphere.nii.gz --quiet >said 2>&1
     wait_until "$child" find_window
     xdotool windowsize "$window" 801 602 windowmove "$window" 31 22
-    close_window "$window" # events come in the order of what was asked of the screen
+    close_window "$window" # events come in the order of the requests to the display
     wait "$child"
     [ ! -s said ] || { cat said; return 1; }
     [ "$(jq -c '[.width, .height, .x, .y]' state/conus/window.json)" = '[801,602,31,22]' ]
@@ -989,7 +990,7 @@ END
     xdotool key --window "$window" ctrl+0
     close_it
     [ "$(jq .zoom state/conus/window.json)" = 1 ]
-    # scripts see the size that they ask for, and texts as large as the screen asks for
+    # scripts see the size that they ask for, and texts as large as the screen needs
     printf 'wait 4\nscreenshot large.png\nkey ctrl++\nkey f1\nwait 4\nscreenshot help.png\nkey escape\nkey ctrl+0\nwait 4\nscreenshot again.png\n' >script
     need_pixels
     run -0 timeout $HANG "$CONUS" view --script script --quiet --size 1400x900
@@ -1001,7 +1002,7 @@ assert oiio.ImageBuf("large.png").get_pixels(oiio.UINT8).shape[:2] == (900, 1400
 END
 }
 
-# is_at WxH+X+Y: whether $window is there, and so large.
+# is_at WxH+X+Y: whether $window is there, and of that size.
 is_at() {
     local WIDTH HEIGHT X Y
     eval "$(xdotool getwindowgeometry --shell "$window" | grep -E '^(WIDTH|HEIGHT|X|Y)=')"
@@ -1070,7 +1071,7 @@ is_at() {
     conus phantom bundle -o .
     /usr/bin/python3 "${BATS_TEST_DIRNAME:?}"/random_actions 80 5 bundle.tck >script
     run -0 --separate-stderr timeout $HANG "$CONUS" view u-shape.nii.gz --script script --quiet --size 320x240
-    # Once a file is asked for twice, its points do not have to be near the areas; nothing else may be said.
+    # When a file is added again, its points do not have to be near the areas; no other note is allowed.
     not grep -vE 'not added: bundle|not as when it was opened|hemispheres: merged' <<<"$stderr"
 }
 
@@ -1183,7 +1184,7 @@ END
     grep -q Sphere wand.tsv
 }
 
-# watched ATLAS [OPTION...]: a window whose status line is looked at; the mouse is over its panels.
+# watched ATLAS [OPTION...]: starts a window for looking at its status line, with the mouse over its panels.
 watched() {
     rm -f commands look*.json pass*.json
     xdotool mousemove 5 5
@@ -1192,7 +1193,7 @@ watched() {
     wait_until "$child" test -e before.png
 }
 
-# status_at X Y PNG: the window once it has seen that the mouse is there, which is elsewhere than before.
+# status_at X Y PNG: takes a picture once the window has noticed that the mouse, which was elsewhere, is there.
 status_at() {
     rm -f "$3"
     xdotool mousemove --window "$window" "$1" "$2"
@@ -1220,7 +1221,7 @@ status_at() {
         leave
         rm before.png
     done
-    # another atlas, whose ball is smaller, so that in 3-D it is deeper; in a cut the place is the same
+    # another atlas with a smaller ball, so that a point in 3-D is deeper; in a cut the place is the same
     conus phantom sphere -o small --size 16
     watched sphere.nii.gz --atlas small/sphere.nii.gz
     status_at 640 110 both.png

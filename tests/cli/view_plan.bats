@@ -1,9 +1,9 @@
 #!/usr/bin/env bats
-# Plans in the window: its list is that of conus plan, and what is left in a session comes back.
+# Plans in the window: its list is that of conus plan, and a session restores the plan.
 load helpers
 load window
 
-# Needles of plan.bats: b is the best one, then a. The device's first shank is far from all.
+# Needles of plan.bats: b is the best one, then a. The device's first shank is far from everything.
 needles() {
     conus phantom u-shape -o .
     printf '%s\t40\t0\t5\t-1\t0\t0\t%s\n' query_id far a 30 b 26 c 36 d 20 |
@@ -97,7 +97,7 @@ settle
 plan opened.tsv
 END
     diff other.tsv opened.tsv
-    # what cannot be is refused, and an atlas without a plan gets one
+    # invalid targets are refused, and an atlas without a plan gets one
     printf 'target Ball\nsave same.json\n' >script
     run -0 --separate-stderr timeout $HANG "$CONUS" view u-shape.nii.gz --avoid Ball --script script --quiet
     check_message 'constraint 1 avoids all that constraint 2 reaches'

@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# --atlas-transform with deformation fields: of ITK, SPM and FSL, in chains, and what is no such field.
+# --atlas-transform with deformation fields: of ITK, SPM and FSL, in chains, and files that are no such field.
 
 load helpers
 
@@ -36,8 +36,8 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     done
 }
 
-# Of a ball of radius R that was shifted by d, 1 - 3 d / (4 R) + d^3 / (16 R^3) is where it was: with 20 mm, 0.8505 for 4
-# mm and 0.704 for 8 mm.
+# After a ball of radius R was shifted by d, the part 1 - 3 d / (4 R) + d^3 / (16 R^3) of it is where it was: with 20
+# mm, 0.8505 for 4 mm and 0.704 for 8 mm.
 @test "an atlas that a field leaves with less than four fifths in the head has a note" {
     sphere
     for mm in 4 8; do
@@ -65,7 +65,7 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     sed -i 's/"other"/"relative"/' moved.atlas.json
     run -0 --separate-stderr "$CONUS" query moved.atlas.json $aim
     [[ "$stderr" == *"the vectors are taken for displacements, but look like positions"* ]]
-    fails 3 'transform: abs.nii.gz' query moved.atlas.json $aim --max-memory 2M # the voxels of 1 MB fit
+    fails 3 'transform: abs.nii.gz' query moved.atlas.json $aim --max-memory 2M # the voxels, 1 MB, fit
 }
 
 @test "fields and affines are a chain, and the rows say where the contact is in the atlas" {
@@ -79,7 +79,7 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     [ "$output" = "$plain" ]
     [ "$(cell atlas_y 1)" = "$(cell contact_y 1)" ]
     awk -v moved="$(cell contact_x 1)" -v own="$(cell atlas_x 1)" 'BEGIN { exit (moved + 8 - own) ^ 2 > 1e-12 }'
-    # two fields of 4 mm, and one after the other back: once sought, nothing is lost
+    # two fields of 4 mm, also moved back through both: searched once, nothing is lost
     field itk 4
     answers query nested.nii.gz --atlas-transform itk.nii.gz --atlas-transform itk.nii.gz $aim --layers all \
         --format tsv --quiet
@@ -101,7 +101,7 @@ images=,from=nested.nii.gz,to=nested.nii.gz
     printf '1 0 0 5\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >five.txt
     for file in five.txt itk.nii.gz; do
         conus query --force nested.nii.gz --atlas-transform $file $aim -q --mask mask.nii.gz >answer.txt
-        # all of it is in the areas whose voxels it has: none is in no area
+        # the region is in the areas that have its voxels: no part is in none
         answers overlap nested.nii.gz mask.nii.gz --atlas-transform $file --format tsv --quiet
         [[ $output == *$'\tarea\t'* && $output != *unassigned* ]]
     done

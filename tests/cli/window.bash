@@ -1,4 +1,4 @@
-# What the tests of the window share: a display without a screen for each file, and a window that is told what to do.
+# Shared by the tests of the window: a display without a screen for each file, and a window that takes commands.
 setup_file() {
     start_screen 1280x800
 }
@@ -7,8 +7,8 @@ teardown_file() {
     stop_screen
 }
 
-# view ATLAS [OPTION...] <SCRIPT: succeeds without a word. The window is small, and drawn in half the time of one of
-# 1000x640, unless the test looks at pixels of one of another --size.
+# view ATLAS [OPTION...] <SCRIPT: asserts that it succeeds without a message. The window is small, and drawn in half the
+# time of one of 1000x640, unless the test asks for another --size to look at pixels.
 view() {
     cat >script
     [[ " $* " == *" --size "* ]] || set -- "$@" --size 400x256
@@ -16,14 +16,15 @@ view() {
     [ -z "$stderr" ] || { echo "said: $stderr"; return 1; }
 }
 
-# live [ATLAS] [OPTION...]: a window that does what `tell` says, and waits between that. It is process $child, its window
-# $window. Its frames are drawn in a third of the time of those of 1000x640, unless the test asks for another --size.
+# live [ATLAS] [OPTION...]: starts a window that does what `tell` says, and waits in between. It is process $child, its
+# window $window. Its frames are drawn in a third of the time of those of 1000x640, unless the test asks for another
+# --size.
 live() {
     need_window
     command -v xdotool >/dev/null || skip "no xdotool"
     [[ " $* " == *" --size "* ]] || set -- "$@" --size 500x320
     mkfifo commands
-    exec 4<>commands # to read, too, so that opening it waits for nobody
+    exec 4<>commands # to read, too, so that opening it does not block
     background timeout $HANG "$CONUS" view "$@" --script commands --quiet 4>&-
     looks=0
     tell settle
@@ -35,20 +36,20 @@ tell() {
     printf '%s\n' "$@" >&4
 }
 
-# leave: the script has ended, and all of it was done.
+# leave: ends the script; asserts that all of it was done.
 leave() {
     exec 4>&-
     wait "$child"
 }
 
-# pass: after the frames that what xdotool did may take.
+# pass: waits for as many frames as xdotool's events may take.
 pass() {
     looks=$((looks + 1))
     tell 'wait 8' "times pass$looks.json"
     wait_until "$child" test -e "pass$looks.json"
 }
 
-# look FILTER: whether FILTER of jq is true of the window's session, after the frames that what xdotool did may take.
+# look FILTER: whether FILTER of jq is true of the window's session, after the frames that xdotool's events may take.
 look() {
     looks=$((looks + 1))
     tell 'wait 8' "save look$looks.json"
@@ -56,17 +57,17 @@ look() {
     jq -e "$1" "look$looks.json" >/dev/null
 }
 
-# find_window: that of process $child, which has been started.
+# find_window: finds the window of process $child.
 find_window() {
     window=$(xdotool search --onlyvisible --name '^conus( - .*)?$' 2>/dev/null)
 }
 
-# close_window ID: as a window manager does.
+# close_window ID: closes it as a window manager does.
 close_window() {
     /usr/bin/python3 -B "$BATS_TEST_DIRNAME/x11_client.py" close "$1"
 }
 
-# click_at X Y: pixels of the window.
+# click_at X Y: clicks at pixels of the window.
 click_at() {
     xdotool mousemove --window "$window" "$1" "$2"
     pass
@@ -76,7 +77,7 @@ click_at() {
     pass
 }
 
-# drop PATH...: as a file manager does, on $window, which is told to look at events meanwhile.
+# drop PATH...: drops files as a file manager does, on $window, which handles events meanwhile.
 drop() {
     local view=$child
     background timeout $HANG /usr/bin/python3 -B "$BATS_TEST_DIRNAME/x11_client.py" drop "$window" "$@" 4>&-
@@ -97,7 +98,7 @@ hold_file() {
     export ASAN_OPTIONS=${ASAN_OPTIONS-}:verify_asan_link_order=0
 }
 
-# hold_mesh: two.atlas.json, an atlas of two files, of which the first is held and the second is no surface.
+# hold_mesh: two.atlas.json, an atlas of two files; opening the first waits, and the second is no surface.
 hold_mesh() {
     printf 'v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >first.obj
     echo '<?xml version="1.0"?><GIFTI Version="1.0">' >second.surf.gii

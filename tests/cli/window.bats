@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# What takes the keyboard, the pages for files, and what comes back with a session.
+# Widgets that take the keyboard, the pages for files, and the values that a session restores.
 load helpers
 load window
 
@@ -19,7 +19,7 @@ enter() {
     xdotool type --window "$window" "$PWD/else where/slabs.nii.gz"
     pass
     enter
-    xdotool key --window "$window" r # the answer
+    xdotool key --window "$window" r # the answer of the dialog
     look '.objects == 2 and (.atlas | endswith("/else where/slabs.nii.gz"))'
     leave
 }
@@ -47,7 +47,7 @@ enter() {
     xdotool type --window "$window" "$PWD/bad.nii"
     pass
     enter
-    xdotool type --window "$window" "$PWD/slabs.nii.gz" # in place of the one that failed
+    xdotool type --window "$window" "$PWD/slabs.nii.gz" # it replaces the one that failed
     pass
     enter
     xdotool key --window "$window" r
@@ -87,7 +87,7 @@ key enter
 wait 2
 END
     [ -e here/shot.png ]
-    [ "$(ls here/conus-2*.json | wc -l)" -eq 1 ] # the folder that was chosen is proposed
+    [ "$(ls here/conus-2*.json | wc -l)" -eq 1 ] # the chosen folder is proposed
 }
 
 @test "cuts are where they were when a session is opened again, though they follow the tip" {
@@ -109,7 +109,7 @@ END
     jq -e '.crosshair == [5, 1, 2]' started.json
 }
 
-# key_at NAME: pressed and let go; a key that is held moves on in a list after a while.
+# key_at NAME: presses and releases it; a key that is held moves on in a list after a while.
 key_at() {
     xdotool key --window "$window" "$1"
     pass
@@ -129,9 +129,9 @@ key_at() {
     key_at Down
     key_at Return
     look ".layers == \"all\" and .confirmed == [] and .hidden == [] and .orbit == $orbit"
-    xdotool key --window "$window" l # the list is closed: keys are the brain's again
+    xdotool key --window "$window" l # the list is closed: keys belong to the brain again
     look '.layers == "visible"'
-    click_at 1085 357 # What is asked
+    click_at 1085 357 # the heading above the query's settings
     click_at 1085 407 # View, below Expert
     click_at 914 482  # Outlines
     look '.outlines == 0'

@@ -19,7 +19,7 @@ void thing_destroy(thing *thing);
 kind thing_kind(const thing *thing);
 answer thing_answer(const thing *thing);
 END
-    # Of the same name as the public header.
+    # A file with the name of the public header.
     cat >inner/thing.h <<'END'
 #include <conus/thing.h>
 struct part { int number; };
@@ -44,13 +44,13 @@ END
     commit old
 }
 
-# commit NAME: of the library as it is.
+# commit NAME: commits the library as it is.
 commit() {
     git add CMakeLists.txt include inner library.c scripts
     git -c user.name=nobody -c user.email=nobody@example.org commit -q -m "$1"
 }
 
-# changed SED: the library as it was, with this change in each file; then scripts/abi.
+# changed SED: makes this change in each file of the library as it was; then runs scripts/abi.
 changed() {
     cd "$BATS_FILE_TMPDIR/a library"
     git checkout -q .
@@ -59,13 +59,13 @@ changed() {
     run scripts/abi HEAD
 }
 
-# holds SED: after this change, compiled callers still run.
+# holds SED: asserts that compiled callers still run after this change.
 holds() {
     changed "$1"
     [ "$status" -eq 0 ] && [[ "$output" == *'run with this library: libconus.so.0, '* ]] || { echo "$1: $output"; return 1; }
 }
 
-# breaks SED TEXT: after this change they do not, and TEXT says why.
+# breaks SED TEXT: asserts that they do not, and that TEXT says why.
 breaks() {
     changed "$1"
     [ "$status" -eq 1 ] && [[ "$output" == *"$2"*'do not run with this library' ]] || { echo "$1: $output"; return 1; }

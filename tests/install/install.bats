@@ -1,5 +1,6 @@
 #!/usr/bin/env bats
-# cmake --install: programs, library and headers work where they are put, also after a move, and go away again.
+# cmake --install: programs, library and headers work where they are installed, also after a move, and are removed
+# again.
 load ../cli/helpers
 : "${CONUS_BUILD:?is the folder of the build}"
 
@@ -11,18 +12,18 @@ setup_file() {
     mv "$BATS_FILE_TMPDIR/a prefix" "$MOVED"
     LIBRARIES=$(dirname "$(find "$MOVED" -name libconus.so)")
     ATLAS=$(realpath "$SOURCES/../../data-samples/u-shape.nii.gz")
-    # What the consumers ask, asked by the program of the build: 0.7 radians are 40.107 degrees.
+    # The consumers' question, answered by the program of the build: 0.7 radians are 40.107 degrees.
     EXPECTED="$("$CONUS" --version | cut -d ' ' -f 2) $("$CONUS" query "$ATLAS" --origin 0,0,60 --toward 0,0,0 \
         --angle 40.107045 --format tsv | sed -n '2p' | cut -f 4)"
     export MOVED LIBRARIES ATLAS EXPECTED
 }
 
-# needs_plain_build: what is compiled by others cannot be linked with a library that has sanitizers.
+# needs_plain_build: other projects' programs cannot be linked with a library that has sanitizers.
 needs_plain_build() {
     [ -z "${CONUS_SANITIZE-}" ] || skip "the library is built with sanitizers"
 }
 
-# consumer_answers PROGRAM: as conus itself does.
+# consumer_answers PROGRAM: asserts that it answers as conus itself does.
 consumer_answers() {
     run -0 "$1" "$ATLAS"
     [ "$output" = "$EXPECTED" ] || { echo "wrote: $output"; return 1; }
@@ -37,7 +38,7 @@ consumer_answers() {
 }
 
 @test "each installed program answers --version and --help, and refuses another option" {
-    export ASAN_OPTIONS=detect_leaks=0 # OpenMPI forgets what it made once
+    export ASAN_OPTIONS=detect_leaks=0 # OpenMPI does not free everything
     local programs=0
     for program in "$MOVED"/bin/*; do
         run -0 --separate-stderr "$program" --version
@@ -66,7 +67,7 @@ consumer_answers() {
     check_message 'CONUS_MESH: /nowhere/mesh is no program; conus-mesh is needed (Debian package conus-mesh)'
     run -3 --separate-stderr env PATH=/nowhere "$PWD/alone/bin/conus" view sphere.nii.gz
     check_message 'conus view: the program conus-view is not installed (Debian package conus-view)'
-    mkdir closed # a program that is there and is none
+    mkdir closed # a folder in the place of a program
     printf 'no program' >closed/conus-view
     run -3 --separate-stderr env PATH="$PWD/closed" "$PWD/alone/bin/conus" view sphere.nii.gz
     check_message 'conus view: the program conus-view cannot be started: Permission denied'
@@ -103,7 +104,7 @@ consumer_answers() {
 
 @test "a program is built by pkg-config, shared and static" {
     needs_plain_build
-    # A shell splits what pkg-config says; it escapes the spaces of paths for eval.
+    # A shell splits pkg-config's output, which escapes the spaces of paths for eval.
     export PKG_CONFIG_PATH="$LIBRARIES/pkgconfig"
     eval "cc -o shared '$SOURCES/consumer/consumer.c' $(pkg-config --cflags --libs conus)"
     eval "cc -o static '$SOURCES/consumer/consumer.c' $(pkg-config --cflags conus) '$LIBRARIES/libconus.a' \
@@ -154,7 +155,7 @@ consumer_answers() {
     done
 }
 
-# check_uninstall TOP: what was installed there, and compiled by Python since, goes away again.
+# check_uninstall TOP: asserts that everything installed there, and compiled by Python since, is removed.
 check_uninstall() {
     [ -x "$1/bin/conus" ]
     [ ! -d "$1/lib/python3" ] || /usr/bin/python3 -m compileall -q "$1/lib/python3"

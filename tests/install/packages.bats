@@ -1,5 +1,5 @@
 #!/usr/bin/env bats
-# packaging/debian against what `cmake --install` puts down. scripts/package builds the packages.
+# packaging/debian against the files of `cmake --install`. scripts/package builds the packages.
 load ../cli/helpers
 : "${CONUS_BUILD:?is the folder of the build}"
 
@@ -7,14 +7,14 @@ DEBIAN=$BATS_TEST_DIRNAME/../../packaging/debian
 
 setup_file() {
     cmake --install "$CONUS_BUILD" --prefix "$BATS_FILE_TMPDIR/usr" >"$BATS_FILE_TMPDIR/log"
-    local folder # Debian has libraries in one of the machine's own
+    local folder # Debian has libraries in a folder of the machine's architecture
     mkdir "$BATS_FILE_TMPDIR/usr/lib/x"
     folder=$(dirname "$(find "$BATS_FILE_TMPDIR/usr" -name libconus.so)")
     mv "$folder"/libconus* "$folder/cmake" "$folder/pkgconfig" "$BATS_FILE_TMPDIR/usr/lib/x"
 }
 
-# claimed: the files that the lists of packages, and that of what is in none, name; each as often as it is named. Only the
-# web page's is not below usr: it is from a build of its own.
+# claimed: the files in the lists of packages and in that of files in none; each as often as it is listed. Only the web
+# page's files are not below usr: they come from another build.
 claimed() {
     local pattern
     sed -n '/^usr/p' "$DEBIAN"/*.install "$DEBIAN/not-installed" | while read -r pattern _; do
