@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file The VTK classes that people use today for the same questions: selector, picker, locators and volume mappers,
- * each as its documentation shows it. C++ stays behind this header; nothing here is part of the library. Drawing needs
- * a display (X, or Xvfb): CONUS_ERROR_GL without one. No context of VTK's stays current. */
+ * each as its documentation shows it. C++ stays behind this header; nothing here is part of the library.
+ *
+ * Drawing needs a display (X, or Xvfb): CONUS_ERROR_GL without one. No context of VTK's stays current. */
 #ifndef CONUS_BENCH_PEERS_PEERS_H
 #define CONUS_BENCH_PEERS_PEERS_H
 

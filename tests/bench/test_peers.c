@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* VTK's pickers and its selector against conus, on a labelled volume of two slabs across the y axis: voxels of 1 mm, y
- * from 6 to 12 mm ("Slab anterior") and from -12 to -6 mm ("Slab posterior"). From y = -100 mm along +y the posterior
- * slab begins at a depth of 88 mm, with the voxel whose centre lies at 88.5 mm. */
+ * from 6 to 12 mm ("Slab anterior") and from -12 to -6 mm ("Slab posterior").
+ *
+ * From y = -100 mm along +y the posterior slab begins at a depth of 88 mm, with the voxel whose centre lies at 88.5
+ * mm. */
 #include "atlas/phantom/phantom.h"
 #include "base/geometry/math3.h"
 #include "selection/engine/engine.h"

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Phantoms through the public interface, against answers worked out on paper. A painted shape holds every voxel whose
- * centre is inside. So with d half a voxel's diagonal it contains the shape shrunk by d and lies in the shape grown by
- * d, and the hits of these two are bounds for a ray's hit (Eq. 5). */
+/* Phantoms through the public interface, against answers worked out on paper.
+ *
+ * A painted shape holds every voxel whose centre is inside. So with d half a voxel's diagonal it contains the shape
+ * shrunk by d and lies in the shape grown by d, and the hits of these two are bounds for a ray's hit (Eq. 5). */
 #include "atlas/phantom/phantom.h"
 #include "atlas/space.h"
 #include "base/geometry/math3.h"

@@ -302,7 +302,7 @@ static void box_above_a_wall(void **state)
         {.kind = CONUS_CONSTRAINT_LEAN, .direction = {1, 0, 0}, .limit = radians_from_degrees(20)}};
     const struct {
         double box[5], factor; /* 0 = none breaks up to 20 mm */
-        double proven; /* at least: along three of five ways nothing changes, but there are many parts */
+        double proven;         /* at least: along three of five ways nothing changes, but there are many parts */
         size_t constraint;
     } cases[] = {{{1, 1, 1, 2 * degree, 2 * degree}, root(sunken, 0, 1.5), 0.85, 0}, /* above the wall all along */
                  {{0, 0, 1, 2 * degree, 0}, root(sunken, 0, 1.5), 0.989, 0},
