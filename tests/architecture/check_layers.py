@@ -35,9 +35,9 @@ APPS = {
     "apps/cli": "apps/link apps/options apps/settings apps/figures apps/pages apps/batch apps/cli/answers"
     " apps/cli/verify apps/cli/cite",
     "apps/mpi": "apps/options apps/pages apps/batch",
-    "apps/mesh": "loaders/child",  # mesh_protocol.h: what conus and conus-mesh send each other
+    "apps/mesh": "loaders/child",  # mesh_protocol.h: the messages between conus and conus-mesh
     "apps/web": "",
-    "apps/hdf5": "base/child",  # hdf5_protocol.h: what conus and conus-hdf5 send each other
+    "apps/hdf5": "base/child",  # hdf5_protocol.h: the messages between conus and conus-hdf5
     "apps/viewer/pictures": "apps/link apps/options",
     "apps/viewer/devices": "apps/link",
     "apps/viewer/model": "apps/options apps/settings apps/viewer/pictures",
@@ -195,7 +195,8 @@ def find_calls():
         (used if kind in "Uwv" else defined)[name].add(objects[path[:-1]])
     calls = collections.defaultdict(set)
     for name, users in used.items():
-        # What several files define is main(), what C++ inlines, or a file's second copy for another program.
+        # A name that several files define is main(), an inline function of C++, or a file's second copy for another
+        # program.
         for user, owner in itertools.product(users, defined[name]):
             if user != owner and len(defined[name]) == 1:
                 calls[user, owner].add(name)

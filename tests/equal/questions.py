@@ -33,7 +33,7 @@ SCORES = ["share", "centre", "distance", "nearness", "visibility", "proximity", 
 ANGLES = [1, 5, 10, 20, 40, 60, 90, 130]
 
 
-# ---------------------------------------------------------------- input files
+# input files
 def spiral(count, radius, centre=(0, 0, 0)):
     """(origin, target, angle) of COUNT devices on a sphere around the centre; all look to its inside."""
     for i in range(count):
@@ -135,7 +135,7 @@ def write_inputs(folder):
         {"iEEGCoordinateSystem": "MNI152Lin", "iEEGCoordinateUnits": "mm"}) + "\n")
     put("plain_electrodes.tsv", "name\tx\ty\tz\tsize\tgroup\n" + shafts)
 
-    # a hand that trembles, with a trigger, a gap and a row before its time
+    # a trembling hand, with a trigger, a gap and a row out of time
     lines = ["time_s\tx\ty\tz\ttx\tty\ttz\ttrigger"]
     for i in range(90):
         time = i / 30 + (3 if i > 70 else 0)
@@ -173,7 +173,7 @@ def write_inputs(folder):
         "settle\nresults window/all.tsv\norbit 40 20\nsettle\nscreenshot window/layers.png\n")
 
 
-# ---------------------------------------------------------------- groups of commands
+# groups of commands
 def phantoms(ask):
     for kind in PHANTOMS:
         ask(f"phantom {kind} -o ph", quick=True)
@@ -500,7 +500,7 @@ def renders(ask):
     for form in ("png", "exr"):
         ask(f"render {brain} {small} {BRAIN_AIM} --angle 20 {camera} --no-legend -o {{o}}/cone.{form}",
             quick=form == "png")
-        # the sight from the device itself
+        # the view from the device itself
         ask(f"render {brain} {small} {BRAIN_AIM} --angle 20 --camera-origin=-110,-60,60 "
             f"--camera-toward=-30,-20,25 "
             f"--field-of-view 60 --no-legend -o {{o}}/sight.{form}")
@@ -594,7 +594,7 @@ def refusals(ask):
         ask(words, fails=True, quick=True)
 
 
-# ---------------------------------------------------------------- data that may be absent
+# data that may be absent
 def labelled(ask, atlas, table, aim, quick=False):
     """What is asked of every atlas."""
     ask(f"info {atlas} --format json", quick=quick)

@@ -24,7 +24,7 @@ import zipfile
 import zlib
 
 CHECKED, LIMIT_S = 60000, 20
-# Which of them took the square of their size once, or could.
+# The parts whose time once grew with the square of their size, or could.
 CHECKS = ("rows, TSV", "rows of one name", "parents that are missing", "--only", "depth, TSV",
           "depth, from the root down", "a circle", "tree of a manifest, voxels", "OBJ objects", "GIFTI labels",
           "TRX groups", "parts of a surface", "contacts of a shaft", "diff, rows")
@@ -32,7 +32,7 @@ CONE = ["--origin", "0,0,60", "--toward", "0,0,0", "--angle", "5", "--resolution
 AFFINE = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
 
 
-# ---- Files ----------------------------------------------------------------------------------------------------------
+# Files
 
 def write(path, data):
     with open(path, "wb" if isinstance(data, bytes) else "w") as file:
@@ -89,7 +89,7 @@ def triangle_soup(n):
     return [(i % 100, i // 100 % 100, i // 10000) for i in range(n)]
 
 
-# ---- Labels ---------------------------------------------------------------------------------------------------------
+# Labels
 
 def labels(folder, n):
     tall = -(-n // 10000)
@@ -261,7 +261,7 @@ def only_list(folder, n):
                                                           "".join([f"n{i}\n" for i in range(1, n + 1)]))]
 
 
-# ---- Surfaces -------------------------------------------------------------------------------------------------------
+# Surfaces
 
 def obj(folder, n):
     points, corners = grid(n)
@@ -409,7 +409,7 @@ def freesurfer(folder, n):
     return ["info", write(f"{folder}/lh.pial", data)]
 
 
-# ---- Streamlines ----------------------------------------------------------------------------------------------------
+# Streamlines
 
 def with_tracts(folder, name, data):
     return ["info", small(folder), "--streamlines", write(f"{folder}/{name}", data)]
@@ -516,7 +516,7 @@ def tt(folder, n):
     return with_tracts(folder, "t.tt", data)
 
 
-# ---- Manifests ------------------------------------------------------------------------------------------------------
+# Manifests
 
 def manifest(folder, **content):
     return ["info", write(f"{folder}/m.atlas.json", json.dumps({"conus_atlas": 1, **content}))]
@@ -605,7 +605,7 @@ def itk_chain(folder, n):
     return ["info", small(folder), "--atlas-transform", write(f"{folder}/a.tfm", text)]
 
 
-# ---- Poses ----------------------------------------------------------------------------------------------------------
+# Poses
 
 def posed(folder, name, text, *more):
     size = [] if "--radius" in more else ["--angle", "5"]
@@ -744,7 +744,7 @@ def track(folder, n):
             f"{folder}/t.tsv"]
 
 
-# ---- Volumes and results --------------------------------------------------------------------------------------------
+# Volumes and results
 
 def slabs(folder, name, head):
     return ["info", write(f"{folder}/{name}", head.encode() + SLABS), "--labels-anyway"]
@@ -829,7 +829,7 @@ def recon_matlab(folder, n):
     return ["query", small(folder), "--pose", reco, "--radius", "1", "--any-space", "--format", "tsv"]
 
 
-# Of which reader, what there is many of, and files with so many.
+# Group, description of what there are many of, and a function that writes files with so many.
 CASES = [
     ("labels", "labels of a volume", labels),
     ("labels", "rows, TSV", rows_tsv),
@@ -941,7 +941,7 @@ CASES = [
 ]
 
 
-# ---- Measuring ------------------------------------------------------------------------------------------------------
+# Measuring
 
 def run(conus, case, n, limit_s):
     """CPU seconds, peak bytes, the exit code and the message of one process; None where the limit ended it."""
@@ -949,8 +949,8 @@ def run(conus, case, n, limit_s):
     try:
         arguments = [conus, *case(folder, n)]
         with open(f"{folder}/.err", "w+") as err, open(f"{folder}/.out", "w") as out:
-            # By way of a shell that ends at once, whose child then is ours: what begins as a copy of this process has
-            # the peak memory of this one.
+            # A shell starts it as a child and ends at once, so that the child becomes ours: a fork of this process
+            # would count this one's peak memory as its own.
             script = f'ulimit -t {limit_s}; "$@" & echo $! >"{folder}/.pid"'
             subprocess.run(["/bin/sh", "-c", script, "sh", *arguments], stdin=subprocess.DEVNULL, stdout=out, stderr=err,
                            env={**os.environ, "CONUS_CACHE": "off"}, check=True)

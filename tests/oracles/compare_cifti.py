@@ -87,7 +87,7 @@ def write_cifti(path, axes, labels, dtype, big, exponent):
         for field in ("dim", "intent_code", "intent_name", "datatype", "bitpix"):
             header[field] = image.nifti_header[field]
         xml = nib.nifti1.Nifti1Extension("comment", image.header.to_xml())
-        xml._code = 32  # as Cifti2Extension writes it, which takes the byte order of the machine
+        xml._code = 32  # written by Cifti2Extension, in the byte order of the machine
         header.extensions.append(xml)
         data = labels.astype(dtype).reshape((1, 1, 1, 1) + labels.shape)
         nib.save(nib.Nifti2Image(data, None, header), path)

@@ -81,7 +81,7 @@ def compare(name, conus, atlas, kinds, table, radius=0.0, within=10.0, options=(
                   for owner, found in pieces.nearest(line, within + radius + 1e-6).items()}
         keys = [(row["kind"], int(row["index"])) for row in mine]
         assert len(set(keys)) == len(keys), (name, number, keys)
-        for key in set(keys) ^ set(wanted):  # only what is as far as the limit may be in one of both
+        for key in set(keys) ^ set(wanted):  # only an object exactly at the limit may be missing in one of both
             assert key in wanted and abs(wanted[key][1].distance - radius - within) <= tolerance(within + radius), \
                 (name, number, entry, key, wanted.get(key), [row for row in mine if (row["kind"], int(row["index"])) == key])
         order = [float(row["clearance_mm"]) for row in mine]

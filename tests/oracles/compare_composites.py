@@ -65,7 +65,7 @@ def affine_step(random, kind):
         matrix = turn + np.diag(scale - 1)
         matrix[~np.eye(3, dtype=bool)] += skew
         return [*versor, *shift, *scale, *skew], centre, centred(matrix, centre, shift)
-    if kind == "QuaternionRigidTransform":  # ITK takes the length along, squared
+    if kind == "QuaternionRigidTransform":  # ITK takes the squared length into account
         long = random.uniform(0.9, 1.1)
         return [*(long * versor), long * np.cos(angle / 2), *shift], centre, centred(long ** 2 * turn, centre, shift)
     if kind == "ScaleTransform":

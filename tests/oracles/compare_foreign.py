@@ -125,7 +125,7 @@ def compare(path, wanted=None, same_vertices=True, faces=None):
     return len(ours)
 
 
-# ---- Files made here
+# Files made here
 
 
 def bumpy_sphere(rows, columns, random):

@@ -35,7 +35,7 @@ def points(columns):
     return " ".join("(" + ",".join(repr(float(value)) for value in column) + ")" for column in columns)
 
 
-# ---- NRRD ------------------------------------------------------------------------------------------------------------
+# NRRD
 
 
 def nrrd_header(voxels, affine, space, extra):
@@ -74,7 +74,7 @@ def unu(folder, source):
         yield path
 
 
-# ---- MetaImage -------------------------------------------------------------------------------------------------------
+# MetaImage
 
 
 def metaimage_header(voxels, affine, kind, extra, source):
@@ -99,7 +99,7 @@ def write_metaimage(folder, voxels, affine):
     yield write(folder, "big.mhd", metaimage_header(wide, affine, "MET_SHORT", "", "big.raw"))
 
 
-# ---- AFNI ------------------------------------------------------------------------------------------------------------
+# AFNI
 
 
 def attribute(kind, name, values):
@@ -158,7 +158,7 @@ def compare_shared(program, shared, folder):
     return len(faults)
 
 
-# ---- The comparison --------------------------------------------------------------------------------------------------
+# The comparison
 
 
 def write(folder, name, data):

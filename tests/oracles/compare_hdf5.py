@@ -146,7 +146,7 @@ def hostile(folder):
         file.create_virtual_dataset("x", layout)
     with make("soft_loop", "more than 8 soft links") as file:
         file["x"], file["y"] = h5py.SoftLink("/y"), h5py.SoftLink("/x")
-    with make("soft_fan", "more than 8 soft links") as file:  # each leads twice to the next: 2^40 steps
+    with make("soft_fan", "more than 8 soft links") as file:  # each link leads to the next two: 2^40 steps
         for i in range(40):
             file.create_group(f"g{i}")["n"] = h5py.SoftLink(f"/g{i + 1}/n/n")
     with make("circle", "a group that lies within itself") as file:
@@ -250,7 +250,7 @@ def of_users():
 
 def traced(made):
     """What the program opens: nothing but libraries, by strace where it is there."""
-    made = [path for path in made if path.stem != "doubling"]  # which takes strace long
+    made = [path for path in made if path.stem != "doubling"]  # strace would take long for this one
     try:
         subprocess.run(["strace", "-V"], capture_output=True, check=True)
     except (OSError, subprocess.CalledProcessError):

@@ -27,7 +27,8 @@ except ImportError:
 
 FOLDER = os.path.join(os.path.dirname(scipy.io.__file__), "matlab", "tests", "data")
 
-# A name that is not ASCII, which scipy refuses, and fields of one name, which scipy renames; conus finds the first.
+# Refused or changed by scipy: a name that is not ASCII, and fields of one name, which scipy renames; conus finds the
+# first.
 LEFT_OUT = {"bad_miutf8_array_name.mat", "nasty_duplicate_fieldnames.mat"}
 
 
@@ -154,7 +155,7 @@ def compare_level_7(dump, folder):
         different += got != wanted
         if got != wanted:
             print(f"{name} as level 7.3: {run.stderr.strip() or str(got)[:600]}, scipy has {str(wanted)[:600]}")
-    # One that MATLAB wrote, the only one that scipy has: numbers k pi/4.
+    # The only file written by MATLAB that scipy has: numbers k pi/4.
     with h5py.File(os.path.join(FOLDER, "testhdf5_7.4_GLNX86.mat")) as file:
         wanted = file["testdouble"][()].ravel().tolist()
     run = subprocess.run([dump, os.path.join(FOLDER, "testhdf5_7.4_GLNX86.mat")], capture_output=True, text=True, check=True)

@@ -33,7 +33,7 @@ CONUS = sys.argv[2]
 SHARED = sys.argv[3] if len(sys.argv) > 3 else os.environ.get(
     "CONUS_SHARED_DATA", os.path.join(HERE, "../../../shared/data"))
 
-# Real files that nibabel reads, as far as one asks it to, and conus does not.
+# Real files that nibabel reads, at least in part, and conus refuses.
 REFUSED = {
     "nibabel-gifti/ascii_flat_data.gii": ("vertex index", "its indices are of another, larger surface"),
     "nibabel-gifti/base64bin.gii": ("vertex index", "its indices are of another, larger surface"),
@@ -262,7 +262,7 @@ def compare_written(scratch):
     print("files that nibabel writes: equal")
 
 
-# name, encoding, what is replaced by what, does nibabel read it, why conus does not.
+# name, encoding, the replaced text and its replacement, whether nibabel reads it, the reason for which conus does not
 BROKEN = [
     ("Dim0 too large", "ASCII", ('Dim0="4"', 'Dim0="400"'), True, "numbers are missing"),
     ("Dim0 too large", "B64BIN", ('Dim0="4"', 'Dim0="400"'), False, "numbers are missing"),

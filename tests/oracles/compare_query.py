@@ -130,7 +130,7 @@ def random_pose(generator, corners):
     reach = generator.choice([0.1, 0.4, 1.0, 3.0]) * np.linalg.norm(extent)
     origin = target + reach * way
     angle = math.exp(generator.uniform(0, math.log(90)))
-    # what is written is what is used: both sides read the same decimals
+    # the used numbers are the printed ones, so that both sides read the same decimals
     return [float("%.6f" % value) for value in [*origin, *(target - origin), angle]]
 
 

@@ -90,7 +90,7 @@ def compare(name, got, wanted):
         FAULTS.extend(f"{name}: {key} {k} differ" for k in got[key] if not same(got[key][k], wanted[key][k]))
 
 
-# ---- TRX ------------------------------------------------------------------------------------------------------------
+# TRX
 
 
 def files_of(rng, streamlines, precision, offset_type, has_last):
@@ -238,7 +238,7 @@ def damage(folder):
         yield path, "zip: "
 
 
-# ---- VTK ------------------------------------------------------------------------------------------------------------
+# VTK
 
 
 def lines_of(rng, is_double):
@@ -323,7 +323,7 @@ def compare_vtk(folder):
     return count
 
 
-# ---- DSI Studio -----------------------------------------------------------------------------------------------------
+# DSI Studio
 
 
 def variable(name, kind, values):

@@ -28,16 +28,16 @@ from sample import every
 MRICRON = "/usr/share/mricron/templates"
 TYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
 
-# End of the path: who refuses it (conus, nibabel, both), and words of the message.
+# End of the path: the reader that refuses it (conus, nibabel, both), and words of the message.
 REFUSALS = {
-    # Neither side can say where these voxels are.
+    # Neither reader can know where these voxels are.
     "analyze.hdr": ("both", "ANALYZE 7.5"),
     "row_major.dconn.nii": ("both", "CIFTI matrix"),
-    # Halves of pairs whose other half is not there.
+    # Halves of pairs without the other half.
     "nibabel/nifti1.hdr": ("both", "the other half of the pair is missing"),
     "nibabel/nifti2.hdr": ("both", "the other half of the pair is missing"),
     "avg152T1_LR_nifti.hdr.gz": ("both", "the other half of the pair is missing"),
-    # Here it is there, but packed: nibabel wants both packed or none.
+    # The other half is there, but packed: nibabel wants both packed or none.
     "minimal2.hdr": ("nibabel", "No such file"),
     "minimal2.img.gz": ("nibabel", "Cannot work out file type"),
     # No real number per voxel.
@@ -77,22 +77,22 @@ REFUSALS = {
     "bent-pixdim-nan.nii": ("conus", "pixdim[1]: found nan"),
     "bent-half.nii": ("conus", "the name does not end in .hdr"),
     "bent-size.nii": ("conus", "content: found"),
-    # nibabel does not come to the checksum, and hands out a wrong voxel.
+    # nibabel does not reach the checksum, and returns a wrong voxel.
     "bent-checksum.nii.gz": ("conus", "gzip: damaged"),
     "bent-voxel.nii.gz": ("conus", "gzip: damaged"),
-    # Harmless: what gzip itself would unpack; the content, not the name, says whether a file is packed.
+    # Harmless: gzip itself unpacks these; the content, not the name, decides whether a file is packed.
     "bent-plain.nii.gz": ("nibabel", "not a gzip file"),
     "bent-packed.nii": ("nibabel", "Cannot work out file type"),
 }
 
-# End of the path: why nibabel's affine is not the one to compare with.
+# End of the path: the reason for which nibabel's affine is not used for the comparison.
 OTHER_AFFINE = {
     "no-ras.mgh": "FreeSurfer's default directions are transposed in nibabel",
     "tiny.mgh": "goodRASFlag is -1, which FreeSurfer takes as not set and nibabel as set: its matrix is all zeros",
 }
 
 
-# ---- Files at hand ---------------------------------------------------------------------------------------------------
+# Files at hand
 
 
 def files_at_hand(shared):
@@ -104,7 +104,7 @@ def files_at_hand(shared):
                 yield path
 
 
-# ---- Files written here ----------------------------------------------------------------------------------------------
+# Files written here
 
 
 def random_rotation(random):
@@ -229,7 +229,7 @@ def bent_packings(folder):
     yield write(folder, "bent-voxel.nii.gz", packed)
 
 
-# ---- The comparison --------------------------------------------------------------------------------------------------
+# The comparison
 
 
 def conus(program, path, folder):

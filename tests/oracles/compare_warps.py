@@ -68,7 +68,7 @@ class Field:
         q = apply(np.linalg.inv(self.affine), points)
         dim = np.array(self.goes.shape[:3])
         held = np.all((q >= -0.5) & (q < dim - 0.5), -1)
-        # beyond the last node a vector is that of the border; of displacements what is added is the point itself
+        # beyond the last node the vector is that of the border; a displacement is added to the point itself
         inside = np.clip(q, 0, dim - 1)
         low = np.minimum(inside.astype(int), dim - 2)
         part = inside - low
@@ -219,14 +219,16 @@ def main():
             assert not hasattr(dump, "error"), dump.said
             compared += check(dump, image, field.affine, field)
 
-        # 2. On another grid, which reaches beyond the field: ITK's points stay there, SPM's go nowhere.
+        # 2. On another grid, which reaches beyond the field: there ITK leaves points where they are, and SPM has no
+        # position for them.
         wide = shift(-100, -130, -95) @ np.diag([6, 6, 6.75, 1])
         save(path("wide.nii"), np.zeros((33, 40, 27), "u1"), wide, 0)
         for name in ("itk.nii.gz", "y_spm.nii"):
             dump = Dump(program, ATLAS, folder, (path(name), None, None, path("wide.nii")))
             compared += check(dump, image, wide, fields[name][0])
 
-        # 3. Chains: affines before and behind a field, and two fields. Voxels are sought once, through all of it.
+        # 3. Chains: affines before and behind a field, and two fields. The inverse is searched once, through the whole
+        # chain.
         first, last = turn(0, 0.15) @ shift(3, 5, -4), shift(2, 1, 0) @ np.diag([1.02, 0.97, 1.03, 1])
         np.savetxt(path("first.txt"), first, fmt="%.17g")
         np.savetxt(path("last.txt"), last, fmt="%.17g")
@@ -254,7 +256,7 @@ def main():
             assert np.array_equal(dump.labels, same[0].labels)
             assert np.allclose(dump.own, same[0].own, rtol=0, atol=1e-9)
 
-        # 5. Vertices: each goes back to where it was, by numpy's field.
+        # 5. Vertices: numpy's field must take each of them back to its old place.
         centre = np.array([5.0, -15, 10])
         sphere = write_sphere(path("sphere.obj"), centre, 45)
         worst = 0
@@ -263,7 +265,7 @@ def main():
                 spm(path(name), affine, goes)
             dump = Dump(program, path("sphere.obj"), folder, (path(name),))
             assert dump.vertices.shape == sphere.shape, dump.said
-            # slopes of the way back are below 2, so a miss of m there is one of less than 2 m here
+            # slopes of the inverse are below 2, so an error of m there is one of less than 2 m here
             worst = max(worst, 2 * np.max(np.linalg.norm(field(dump.vertices) - sphere.astype("f4"), axis=1)))
         assert worst < 1e-4, worst
     print(f"{compared} voxels have numpy's label; three formats give one atlas; vertices miss by {worst:.1e} mm at most")

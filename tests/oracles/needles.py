@@ -13,7 +13,7 @@ import numpy as np
 SLACK = 1e-3  # mm by which bounds in single precision are widened
 
 Needle = collections.namedtuple("Needle", "origin axis near far")
-# Distance of an object; for each piece as near as that, its number and the least and the greatest depth that are.
+# Distance of an object; for each piece that is as near as that, its number, and the least and the greatest such depth.
 Found = collections.namedtuple("Found", "distance pieces first last")
 
 
@@ -329,7 +329,7 @@ class Capsules(Pieces):
     def measure(self, chosen, line):
         a, b, radii, end = self.a[chosen], self.b[chosen], self.radii[chosen], self.end(line)
         distances, firsts, lasts = segment_distance(line, end, a, b)
-        # Where the needle comes into a capsule: before the nearest place the distance only falls.
+        # The depth at which the needle enters a capsule: before the nearest place the distance only falls.
         k = np.flatnonzero(distances <= radii)
         low, high = np.full(len(k), line.near), firsts[k]
         for _ in range(100):

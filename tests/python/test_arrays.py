@@ -16,7 +16,7 @@ RIGHT = {"origin": (0, 0, 0), "direction": (1, 0, 0)}
 MANY = {"origins": [[0, 0, 0]], "directions": [[1, 0, 0]]}
 LINE = np.array([[0.0, 0, 0], [3, 0, 0]])
 
-# Each entry point that takes numbers, with arguments that it answers.
+# Each function that takes numbers, with valid arguments.
 CALLS = {
     "load": (lambda atlas: conus.load, {"source": plates(), "affine": AFFINE}),
     "find": (lambda atlas: atlas.find, {"name": 1}),
@@ -106,7 +106,7 @@ def test_masked_voxels_are_refused_and_filled_ones_are_background():
         with pytest.raises(conus.ArgumentError, match=r"masked elements have no value; array\.filled\("):
             call()
     assert len(conus.load(hidden.filled(0), AFFINE)) == 0
-    seen = np.ma.masked_equal(plates(), 1).filled(0)  # the left plate is gone
+    seen = np.ma.masked_equal(plates(), 1).filled(0)  # the left plate is masked
     assert conus.load(seen, AFFINE).select((0, 0, 0), direction=(-1, 0, 0))[0].name == "unassigned"
     shown = np.ma.array(plates(), mask=False)  # hides nothing
     assert conus.load(shown, AFFINE, labels=NAMES).select(**RIGHT)[0].name == "right"
@@ -153,7 +153,7 @@ def test_the_last_row_of_an_affine_may_be_rounded_to_float(atlas):
     rounded = np.vstack([AFFINE[:3], np.array([1e-8, 0, 0, 1 - 2.0**-24])])
     loaded = conus.load(plates(), rounded, labels=NAMES)
     assert same(loaded.select(**RIGHT).results, atlas.select(**RIGHT).results)
-    assert rounded[3, 3] < 1  # and the array that was given is as it was
+    assert rounded[3, 3] < 1  # and the given array is unchanged
 
 
 @pytest.mark.parametrize("space", ["ras", "lps"])

@@ -32,7 +32,7 @@ def assert_is_an_error(call, *kinds):
     assert str(caught.value) and "\n" not in str(caught.value)
 
 
-# ---- Atlases -------------------------------------------------------------------------------------------------------
+# Atlases
 
 ATLASES = {
     "a flat array": {"source": np.zeros((3, 3))},
@@ -144,7 +144,7 @@ def test_paths_of_every_file_have_bytes(tmp_path):
     assert list(loaded.info()["name"])[:2] == ["links", "rechts"] and len(loaded) == 4
 
 
-# ---- Poses ---------------------------------------------------------------------------------------------------------
+# Poses
 
 ASKED = {
     "select": lambda atlas, **o: atlas.select(**{**RIGHT, **o}),
@@ -294,7 +294,7 @@ def test_arrays_of_poses_are_taken_in_any_layout(atlas):
     assert len(atlas.select_many(still, np.broadcast_to([1.0, 0, 0], (50, 3)))) == 50
 
 
-# ---- Names, hits and channels --------------------------------------------------------------------------------------
+# Names, hits and channels
 
 
 def test_bad_name_is_an_error(atlas):
@@ -324,7 +324,7 @@ def test_hits_are_a_sequence(atlas):
         atlas.select_many(**MANY)[1]  # pylint: disable=expression-not-assigned
 
 
-# ---- Closed atlases, and exceptions --------------------------------------------------------------------------------
+# Closed atlases, and exceptions
 
 
 def test_nothing_asks_a_closed_atlas(atlas):

@@ -20,7 +20,7 @@ import conus
 from support import AAL, AFFINE, NAMES, assert_rows_of_the_program, call_conus, needs_aal, page_blocks, plates, run_conus, same
 
 
-# ---- One cone ------------------------------------------------------------------------------------------------------
+# One cone
 
 
 def heard(caplog):
@@ -472,7 +472,7 @@ def test_other_lines_of_the_documents_run(tmp_path, monkeypatch):
     assert len(given["answers"]) == 1 and len(given["track"]) == 30 and given["hits"].step is not None
 
 
-# ---- Many cones ----------------------------------------------------------------------------------------------------
+# Many cones
 
 
 def many_poses(count):
@@ -545,7 +545,7 @@ def test_progress_is_told_and_its_exception_ends_the_run(atlas):
 
     with pytest.raises(RuntimeError, match="stopped at"):
         atlas.select_many(origins, directions, progress=stop)
-    assert len(atlas.select_many(origins, directions)) == 2000  # the selector is as it was
+    assert len(atlas.select_many(origins, directions)) == 2000  # the selector is unchanged
 
 
 def test_ctrl_c_ends_a_run(atlas):
@@ -561,7 +561,7 @@ def test_results_are_in_memory_once(atlas):
     assert answers.results.base is None and answers.results.flags.owndata
 
 
-# ---- Atlases -------------------------------------------------------------------------------------------------------
+# Atlases
 
 
 @pytest.mark.parametrize("dtype", ["u1", "i1", "<u2", ">u2", "i2", "u4", ">i4", "u8", "i8", ">f4", "f8"])
@@ -730,7 +730,7 @@ def test_a_closed_atlas_is_an_error_and_its_answers_live(atlas):
     assert hits[0].name == "right" and hits.image("id").any()
 
 
-# ---- Threads and processes -----------------------------------------------------------------------------------------
+# Threads and processes
 
 
 def name_on_the_right(atlas):
@@ -766,7 +766,7 @@ def test_threads_may_ask_at_once(atlas):
     assert not failures
 
 
-# ---- What a notebook shows -----------------------------------------------------------------------------------------
+# What a notebook shows
 
 
 def test_tables_are_escaped(atlas):

@@ -16,8 +16,8 @@ ORIGIN = "the device lies within 1 mm of the world's origin"
 HIT = "it would hit cube first"
 LPS = "with x and y negated (LPS for RAS)"
 
-# The cube is 20 mm wide around (60, 50, 10), so that no pose hits it by chance when x and y are negated. Of each pose,
-# the origin, the direction, and what is wrong with it: how it comes from (160, 50, 10) along (-1, 0, 0), which is good.
+# The cube is 20 mm wide around (60, 50, 10), so that no pose hits it by chance when x and y are negated. Each pose has
+# an origin, a direction, and its mistake: the step that makes it from (160, 50, 10) along (-1, 0, 0), which is right.
 POSES = {
     "good": ((160, 50, 10), (-1, 0, 0), None),
     "good, near 0": ((0.6, 0.5, 0.1), (6, 5, 1), None),

@@ -44,7 +44,7 @@ def test_measures_of_the_cone(atlas):
     plan = atlas.plan({"right": {"share": 0.5}, "left": {"volume": 1}}, {"left": {"share": 0.1}}, origins=ORIGINS,
                       directions=DIRECTIONS, depth=[30, 30, 15, 30], angle=20, layers="all", infeasible=True)
     rows = plan.to_dataframe().set_index("query")
-    assert rows["reach1_share"].to_dict() == {"1": 1, "2": 1, "3": 0, "4": 0}  # plates are wider than the cone
+    assert rows["reach1_share"].to_dict() == {"1": 1, "2": 1, "3": 0, "4": 0}  # the plates are wider than the cone
     assert rows["avoid1_share"].to_dict() == {"1": 0, "2": 0, "3": 0, "4": 1}
     left = atlas.select([0, 0, 0], direction=[-1, 0, 0], angle=20, layers="all", range=(0, 30)).to_dataframe()
     assert rows.loc["4", "reach2_mm3"] == left["volume_mm3"].dropna().iloc[0] > 0
@@ -65,7 +65,8 @@ def test_poses_of_a_file_have_openings_of_their_own(atlas, tmp_path):
 
 
 def test_a_pose_that_is_not_exactly_known(atlas):
-    # The far end is off by 4 mm: of 10 and of 5 mm in the plate 6 and 1 too many (normal), of 40 mm to the left none.
+    # The far end has an error of 4 mm (normal): 10 and 5 mm in the plate are 6 and 1 more than needed, and the 40 mm to
+    # the left are none.
     plan = atlas.plan({"right": 4}, {"left": 3}, origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS, radius=1,
                       jitter={"entry": 0, "target": 0, "depth": 4}, samples=4096, rank="p_ok")
     below = lambda x: 0.5 * math.erfc(-x / math.sqrt(2))  # noqa: E731
@@ -97,7 +98,7 @@ def test_contacts_and_tolerance(atlas):
     with pytest.raises(conus.ArgumentError, match="no probabilities"):
         atlas.plan({"right": {"probability": 0.5}}, **asked)
     rows = atlas.tolerance({"right": 4}, **asked).set_index(["query", "freedom", "side"])
-    assert len(rows) == 80 and rows.holds_to["3", "depth", "+"] == 0  # which breaks it as it is
+    assert len(rows) == 80 and rows.holds_to["3", "depth", "+"] == 0  # it is not feasible itself
     assert rows.holds_to["2", "depth", "-"] == pytest.approx(6, abs=2e-6)
     rows = atlas.tolerance({"right": 4}, box=(2, 0, 0, 0, 0), **asked).set_index(["query", "freedom", "side"])
     box = rows.loc["2", "box", "+-"]
@@ -116,7 +117,7 @@ def test_what_is_missed(atlas, tmp_path):
                        origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS, top=None)
     assert list(kinds.ids) == ["1"] and kinds.funnel == [3, 2, 2, 1]
     for wrong in ({"lean": ((1, 0, 0), 10)}, {"lean": (1, 0, 0, 10)}, {"apart": ([[(0, 5, 0), (9, 5, 0)]], 4)},
-                  {"apart": [([(0, 5, 0), (9, 5, 0)], 4)]}, {"apart": [([0, 5, 0, 9, 5], 4)]}):  # tips are no needles
+                  {"apart": [([(0, 5, 0), (9, 5, 0)], 4)]}, {"apart": [([0, 5, 0, 9, 5], 4)]}):  # points, no needles
         with pytest.raises(conus.ArgumentError, match="wanted is"):
             atlas.plan(origins=ORIGINS, directions=DIRECTIONS, depth=DEPTHS, **wrong)
     kinds.save(tmp_path / "plan.tsv")
@@ -180,7 +181,7 @@ def test_maps_are_of_the_best_pose_of_each_site(atlas):
 
 
 def test_candidates(atlas, tmp_path):
-    # From x = 0 to the right plate, 20 mm away, and 5 mm on.
+    # From x = 0 to the right plate, 20 mm away, and 5 mm into it.
     entries, targets = np.array([(0.0, 0, 0), (0, 1, 0)]), [(20.0, 0, 0), (20, 1, 0)]
     plan = atlas.plan({"right": 4}, entries=entries, targets=np.array(targets), depth="target+5", top=None)
     assert plan.candidates == 4 and set(plan.ids) == {"e1-t1", "e1-t2", "e2-t1", "e2-t2"}

@@ -50,7 +50,7 @@ def load(paths):
     return conus.load(paths / "plates.nii", labels=paths / "plates.tsv")
 
 
-# ---- Every file ----------------------------------------------------------------------------------------------------
+# Every file
 
 
 @pytest.mark.parametrize("name", sorted(path.name for path in CORPUS.iterdir()))
@@ -138,7 +138,7 @@ def test_a_file_without_poses_has_none(tmp_path):
     assert len(atlas.select_many(poses=poses)) == 0 and len(poses.to_dataframe()) == 0
 
 
-# ---- Options -------------------------------------------------------------------------------------------------------
+# Options
 
 TABLE = "query_id\tx\ty\tz\tdx\tdy\tdz\n" "M1\t1\t2\t3\t1\t0\t0\n"
 MATRIX = "0 0 -1 1\n0 1 0 2\n1 0 0 3\n0 0 0 1\n"
@@ -162,7 +162,7 @@ def test_options_are_those_of_the_program(paths, text, options, words):
     frame = load(paths).select_many(poses=conus.read_poses(path, **options), **asked).to_dataframe()
     rows = batch(paths, "--poses", path, *words)
     positions = [c for c in rows.columns if c.startswith("contact_") and c != "contact_value"]
-    if "space" in options:  # of what is reported, too; in Python the selector's space is
+    if "space" in options:  # which is also the space of what is reported; in Python that is the selector's
         rows[positions[:2]] *= -1
     assert_rows_of_the_program(frame, rows)
 
@@ -199,7 +199,7 @@ def test_contacts_point_along_their_shafts(tmp_path):
     assert atlas.select(pose=along["A1"])[0].name == "right"
 
 
-# ---- One brain -----------------------------------------------------------------------------------------------------
+# One brain
 
 
 def test_a_scan_does_not_fit_a_template(tmp_path, caplog):
@@ -245,7 +245,7 @@ def test_segments_and_tracks_take_files(tmp_path):
         ("L", "left", False), ("R", "right", False), ("R", "left", True)]
 
 
-# ---- Bad input -----------------------------------------------------------------------------------------------------
+# Bad input
 
 
 @pytest.mark.parametrize(

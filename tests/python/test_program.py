@@ -64,7 +64,7 @@ def test_page(rows):
     assert asked["rows"] == call_conus("query", "plates.nii.gz", *words).stdout.decode()
     inside = re.search(r'data-file="plates.nii.gz">(.*)</script>', page)[1]
     assert base64.b64decode(inside) == (rows.parent / "plates.nii.gz").read_bytes()
-    conus.page("plates.nii.gz", "page.html", template="template.html")  # replaces it, without a question
+    conus.page("plates.nii.gz", "page.html", template="template.html")  # replaces the file without asking
     assert "question" not in (rows.parent / "page.html").read_text()
     with pytest.raises(conus.ArgumentError, match="both"):
         conus.page("plates.nii.gz", "page.html", origin=(0, 0, 0))

@@ -86,7 +86,7 @@ def test_no_bar_is_shown_that_nobody_wants(atlas, path, bars, progress):
 
 
 def test_without_tqdm_nothing_is_shown(atlas, path, monkeypatch, capfd):
-    monkeypatch.setitem(sys.modules, "tqdm", None)  # whose import then fails
+    monkeypatch.setitem(sys.modules, "tqdm", None)  # importing it then fails
     monkeypatch.setitem(sys.modules, "tqdm.auto", None)
     assert ask_all(atlas, path, True) == (2, 1000, 10)
     assert capfd.readouterr() == ("", "")

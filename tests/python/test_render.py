@@ -21,7 +21,7 @@ NAMES_OF_AAL = AAL.replace(".gz", ".txt")
 CONTEXT = "/usr/share/mricron/templates/ch2bet.nii.gz"
 CONE = {"origin": (-90, 20, 20), "toward": (0, -10, 10), "angle": 20}
 SMALL = (200, 150)
-HANG = 120  # s; only what hangs takes so long
+HANG = 120  # s; only a hanging process takes so long
 
 
 @pytest.fixture(name="_gl", scope="module", autouse=True)
@@ -54,11 +54,11 @@ def pixels_of(png):
     return np.rint(matplotlib.image.imread(io.BytesIO(png), "png") * 255).astype(np.uint8)
 
 
-# ---- The picture of the program ------------------------------------------------------------------------------------
+# The picture of the program
 
 CAMERA = {"camera_origin": (0, 0, 500), "camera_toward": (0, -20, 0), "camera_up": (0, 1, 0)}
 
-# What the library is asked, and the words for the program: options of the cone, of the picture, and further words.
+# The arguments of the library, and the same for the program: options of the cone, of the picture, and further words.
 CASES = {
     "atlas": (None, {}, ()),
     "cone": ({}, {}, ()),
@@ -80,7 +80,7 @@ CASES = {
     "cuts": ({}, {"cuts": ("axial", "coronal:-10", "sagittal"), "at": (-40, 5, 10), "fill": 0.3}, ()),
     "radiological": ({}, {"cuts": ("3d", "axial"), "at": (-40, 5, 10), "radiological": True}, ("--radiological",)),
 }
-ONLY_OURS = ("legend_areas",)  # which the program has by another name
+ONLY_OURS = ("legend_areas",)  # the program has it under another name
 
 
 @needs_aal
@@ -243,7 +243,7 @@ def test_lines_of_the_documents_draw_pictures(aal, tmp_path, monkeypatch):
     assert given["picture"].array.shape[1] in (140, 700) and sorted(os.listdir()) == ["aal.nii.gz", "cone.png", "figure.svg"]
 
 
-# ---- What is drawn -------------------------------------------------------------------------------------------------
+# What is drawn
 
 
 def test_camera_sees_the_plates_where_they_are(atlas):
@@ -303,7 +303,7 @@ def test_a_renderer_is_used_again_and_closed(atlas):
             ask()
 
 
-# ---- What is refused -----------------------------------------------------------------------------------------------
+# What is refused
 
 
 @pytest.mark.parametrize(
@@ -400,7 +400,7 @@ def test_closed_atlas_is_not_drawn(atlas):
     assert picture.array.any()
 
 
-# ---- Threads and processes -----------------------------------------------------------------------------------------
+# Threads and processes
 
 
 def in_thread(function):

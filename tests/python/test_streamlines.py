@@ -123,7 +123,7 @@ def test_a_missing_file_and_another_space(tmp_path, caplog):
 
 def test_what_moves_goes_with_the_atlas():
     back = np.eye(4)
-    back[0, 3] = -30  # so the atlas goes 30 mm along x
+    back[0, 3] = -30  # so the atlas is moved by 30 mm along x
     first, second = load(LINES, {"source": LINES, "moves": True, "name": "Own"}, transforms=[back]).tractograms
     assert first.bundles == ("Own",) and np.array_equal(first.box, [[30, 0, -5], [33, 4, 7]])
     assert_lines(second)
@@ -188,7 +188,7 @@ def test_the_bundle_phantom_lies_on_its_rings(tmp_path):
         assert np.array_equal(line[:, 2], np.arange(-30, 31))
         steps = np.linalg.norm(np.diff(line.astype("f8"), axis=0), axis=1)
         assert steps.sum() == pytest.approx(ring["length_mm"], rel=1e-6)
-    # The closed form for a cone from (0, 0, 100): by points, which the deepest one decides.
+    # The closed form for a cone from (0, 0, 100): its points decide, by the deepest one.
     for reach in (0.5, 3.5, 8.5, 13):
         slope = reach / 130
         inside = sum((np.hypot(line[:, 0], line[:, 1]) <= (100 - line[:, 2]) * slope).any() for line in lines)
