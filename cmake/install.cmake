@@ -1,5 +1,6 @@
-# What `cmake --install` puts where. Components: runtime (programs, shared library, man pages, completions, what a
-# desktop shows), devel (headers, static library, conus.pc, CMake's configuration), doc (documents and examples).
+# The places in which `cmake --install` puts files. Components: runtime (programs, shared library, man pages,
+# completions, files for the desktop), devel (headers, static library, conus.pc, CMake's configuration), doc (documents
+# and examples).
 include(CMakePackageConfigHelpers)
 
 # Libraries
