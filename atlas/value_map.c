@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/* What is made into a map. */
+/* A map in the making, and the values that it is made from. */
 struct making {
     struct value_map map;
     const uint8_t *stored;

@@ -188,7 +188,7 @@ static bool may_be_kept(const conus_atlas *atlas, const struct file_trace *trace
     return may;
 }
 
-/* What is written. */
+/* The entry to be written. */
 struct writing {
     const conus_atlas *atlas;
     bool is_lean;

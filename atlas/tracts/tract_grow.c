@@ -35,7 +35,7 @@ static size_t runs_of(uint64_t points, uint64_t longest)
     return (size_t)(points < 2 ? points : (points - 1 + longest - 1) / longest);
 }
 
-/* Of the streamlines from `from` to `end` - 1. */
+/* Number of runs of the streamlines from `from` to `end` - 1. */
 static size_t count_runs(const struct tractogram *tractogram, size_t from, size_t end)
 {
     size_t count = 0;

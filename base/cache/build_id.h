@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the cache knows a build by. */
+/** @file The identity of a build, for the cache. */
 #ifndef CONUS_BASE_CACHE_BUILD_ID_H
 #define CONUS_BASE_CACHE_BUILD_ID_H
 

@@ -267,7 +267,7 @@ static bool sum_file(uint32_t *out, int file, size_t at, size_t size)
 }
 
 /* A large one is on the disk before it has a name: an error of the disk shows here, and a crash leaves no half of it.
- * Of a small one the checksum is verified each time. */
+ * The checksum of a small one is verified each time. */
 static bool write_entry(int file, struct cache_entry *entry, uint64_t small, cache_writer *write, void *user)
 {
     size_t at = cache_entry_packed_at(entry);

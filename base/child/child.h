@@ -30,7 +30,7 @@ struct child_task {
     const struct child_program *program;
     struct child_limits limits;
     char *const *words; /**< As of execv(): the first is the program's name. */
-    int descriptor;     /**< Of the input; the caller's to close. */
+    int descriptor;     /**< Descriptor of the input; the caller's to close. */
     child_take take;    /**< NULL = all that comes is kept.        */
     void *user;
 };

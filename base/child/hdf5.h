@@ -22,7 +22,7 @@ struct hdf5_value {
 
 struct hdf5_object {
     struct hdf5_value value;
-    uint64_t address; /**< What references to it hold. */
+    uint64_t address; /**< The value of references to it. */
     const struct hdf5_value *attributes;
     size_t attribute_count;
 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * What conus-hdf5 writes. All numbers are little-endian.
+ * The stream that conus-hdf5 writes. All numbers are little-endian.
  *
  *     conus-hdf5 BYTES PATTERN...     with the HDF5 file as descriptor 3
  *

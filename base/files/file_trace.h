@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a thread asked of the file system and was told, so that somebody can find out later whether the same
- * questions have the same answers: which files were read, which were looked for and are not there, what folders list.
+/** @file A thread's questions to the file system and their answers, so that somebody can find out later whether the
+ * answers are still the same: which files were read, which were looked for and are missing, what folders list.
  *
  * A file's answer is its identity: device, inode, size, and the times of its last change. These differ after every
  * change but one: the clock of a file system goes in steps, and what is changed twice within one step looks unchanged.

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What lies in a folder, and the parts of a path. */
+/** @file The entries of a folder, and the parts of a path. */
 #ifndef CONUS_BASE_FOLDER_H
 #define CONUS_BASE_FOLDER_H
 

@@ -50,7 +50,7 @@ bool gzip_index_parse(struct gzip_index *out, const uint8_t *data, size_t size);
 bool gzip_index_fits(const struct gzip_index *index, int descriptor);
 
 /** Unpacks the bytes of @p range, as gzip_unpack() does and with the same results, from the open file of the index.
- * What is unpacked has the checksums of its spans, or CONUS_ERROR_DATA says that index and file do not fit together;
+ * Unpacked bytes have the checksums of their spans, or CONUS_ERROR_DATA says that index and file do not fit together;
  * what a sink has got is not verified before this has succeeded. CONUS_ERROR_IO where the file cannot be read. */
 conus_status gzip_index_unpack(struct bytes *out, struct gzip_range *range, const struct gzip_index *index,
                                int descriptor);

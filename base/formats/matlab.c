@@ -380,7 +380,7 @@ static void take_class(struct matlab_array *array, const struct hdf5_object *obj
     array->kind = is_sparse ? MATLAB_OTHER : array->kind;
 }
 
-/* Of an empty array the dataset holds the dimensions. */
+/* The dataset of an empty array holds its dimensions. */
 static conus_status take_empty(struct matlab_array *array, const struct hdf5_object *object)
 {
     const struct hdf5_value *value = &object->value;

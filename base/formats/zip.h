@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * What lies in a zip archive (PKWARE's APPNOTE.TXT; ZIP64 too): files that are stored or packed by deflate. Nothing is
+ * The files of a zip archive (PKWARE's APPNOTE.TXT; ZIP64 too), which are stored or packed by deflate. Nothing is
  * trusted. The central directory and the header before each file must agree, files must not overlap, no name may occur
  * twice or lead out of a folder, and a size that the packed bytes cannot have or a wrong checksum is an error.
  * Encrypted archives, parts of an archive, and bytes after its end are refused. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the processor can do, for kernels that come in several instruction sets (base/simd/lanes.h). */
+/** @file The processor's instruction sets, for kernels that come in several (base/simd/lanes.h). */
 #ifndef CONUS_BASE_PROCESSOR_H
 #define CONUS_BASE_PROCESSOR_H
 

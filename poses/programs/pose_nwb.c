@@ -87,7 +87,7 @@ static bool take_orientation(struct table *out, struct text letters)
     return seen == 7;
 }
 
-/* What a Space states: from where, in which unit and directions. */
+/* Takes origin, unit and directions of a Space. */
 static conus_status take_space(struct table *out, const struct hdf5_object *space)
 {
     struct text origin = get_text(space, "origin");

@@ -30,7 +30,8 @@ static conus_status check_point(const double p[3], const char *what)
                : fail(CONUS_ERROR_ARGUMENT, "%s: %g,%g,%g, allowed are finite numbers", what, p[0], p[1], p[2]);
 }
 
-/* Of any length: squares of numbers near 1 neither vanish nor overflow, and powers of two round nothing. */
+/* The direction may have any length: squares of numbers near 1 neither vanish nor overflow, and powers of two round
+ * nothing. */
 static void find_unit(double out[3], const double a[3])
 {
     int exponent;

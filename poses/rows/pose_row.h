@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the readers of poses share: rows, spaces and axes. */
+/** @file Shared by the readers of poses: rows, spaces and axes. */
 #ifndef CONUS_POSES_ROWS_POSE_ROW_H
 #define CONUS_POSES_ROWS_POSE_ROW_H
 
