@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a file is, label tables included: for messages that say so, and for who chooses a reader. */
+/** @file The kind of a file, label tables included: for messages about it, and for choosing a reader. */
 #ifndef CONUS_LOADERS_FILE_KIND_H
 #define CONUS_LOADERS_FILE_KIND_H
 

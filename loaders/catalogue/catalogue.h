@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a catalogue is while it is filled, and how far it looks. */
+/** @file The catalogue while it is filled, and the limits of the search. */
 #ifndef CONUS_LOADERS_CATALOGUE_CATALOGUE_H
 #define CONUS_LOADERS_CATALOGUE_CATALOGUE_H
 

@@ -15,7 +15,7 @@ conus_status mesh_child_find(char **path)
     return child_find(path, &program);
 }
 
-/* What came of a stream. */
+/* The progress through a stream. */
 struct progress {
     mesh_frame_take take;
     void *user;

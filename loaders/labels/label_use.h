@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a label table is read for. */
+/** @file The purpose for which a label table is read. */
 #ifndef CONUS_LOADERS_LABELS_LABEL_USE_H
 #define CONUS_LOADERS_LABELS_LABEL_USE_H
 

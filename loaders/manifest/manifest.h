@@ -39,7 +39,7 @@ struct manifest_transform {
     char *grid;   /**< For fields: a volume with the voxels of the moved areas; NULL = the field's. */
     bool inverse; /**< It moves points of the areas to where poses are. */
     conus_vectors vectors;
-    size_t transform; /**< Of a list of ITK's: 1 + its number; 0 = none is chosen. */
+    size_t transform; /**< Place in a list of ITK's transforms: 1 + its number; 0 = none is chosen. */
 };
 
 struct manifest_context {

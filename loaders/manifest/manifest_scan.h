@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a file in a folder may be good for in a scene: guesses for a first manifest. */
+/** @file The likely role of each file of a folder in a scene: guesses for a first manifest. */
 #ifndef CONUS_LOADERS_MANIFEST_MANIFEST_SCAN_H
 #define CONUS_LOADERS_MANIFEST_MANIFEST_SCAN_H
 

@@ -8,7 +8,7 @@
 #include "base/notes.h"
 #include "loaders/volumes/volume_selector.h"
 
-/** What simnibs_find() needs of a file. */
+/** The objects of a file that simnibs_find() needs. */
 extern const char *const simnibs_wanted[];
 enum { SIMNIBS_WANTED = 10 };
 

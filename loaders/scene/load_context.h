@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a manifest puts around the areas. */
+/** @file The contexts around the areas that a manifest names. */
 #ifndef CONUS_LOADERS_SCENE_LOAD_CONTEXT_H
 #define CONUS_LOADERS_SCENE_LOAD_CONTEXT_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the callbacks of conus_atlas_load() are told: how far it is, and what was noticed. */
+/** @file The callbacks of conus_atlas_load(): its progress, and its notes. */
 #ifndef CONUS_LOADERS_SCENE_LOAD_PROGRESS_H
 #define CONUS_LOADERS_SCENE_LOAD_PROGRESS_H
 

@@ -27,7 +27,7 @@ conus_status streamlines_load(conus_atlas **out, const char *path, const conus_l
 conus_status streamlines_take(conus_atlas *atlas, conus_atlas *alone, double radius,
                               const conus_streamlines_options *options);
 
-/** What conus_tractogram_load() loads. */
+/** A tractogram loaded by conus_tractogram_load(). */
 struct conus_tractogram {
     conus_atlas *alone; /**< As streamlines_load() makes it. */
 };

@@ -9,7 +9,7 @@
 #include "base/child/hdf5.h"
 #include "conus/atlas_info.h"
 
-/** What became of the steps: one affine, or fields of which all affines are parts. Points are RAS mm. */
+/** The result of all steps: one affine, or fields of which all affines are parts. Points are RAS mm. */
 struct transform_chain {
     double matrix[16];          /**< The affine; that which is before the fields is a part of them when it is whole. */
     struct deformation *fields; /**< [count] Points go through the last one first. Measured when it is whole. */

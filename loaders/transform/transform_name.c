@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What the name of a transform says of its direction. */
+/* The direction of a transform, by its name. */
 #include "loaders/transform/transform_name.h"
 
 #include "base/files/folder.h"

@@ -691,7 +691,7 @@ conus_status volume_bytes_header(conus_volume_info *out, const char *path, const
     return status;
 }
 
-/* Of a format whose header has no place of its own in the file: HDF5. */
+/* The header of HDF5, which has no place of its own in the file. */
 static conus_status header_of_all(conus_volume_info *out, const char *path)
 {
     struct volume_file file = {0};

@@ -41,7 +41,8 @@ struct volume_file {
 /** Reads @p path (NIfTI-1/2 single file or either half of a pair, MGH, and the formats of volume_text.h; each plain or
  * gzip, detected from the content; TIFF stacks), which may end in ",volume=K" with K from 0, and of TIFF in
  * ",resolution=R,orientation=ABC". Without it a 4-D file of more than one volume is an error that names the choice.
- * What a careful user should know (a qform used because there is no sform, a second transform that differs) goes into
+ * Facts that a careful user should know (a qform used because there is no sform, a second transform that differs) goes
+ * into
  * @p notes. Errors carry path, field, value found and what is allowed. */
 conus_status volume_file_open(struct volume_file *out, const char *path, uint64_t max_memory, struct notes *notes);
 

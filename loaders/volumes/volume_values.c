@@ -304,7 +304,7 @@ conus_status volume_file_values_or_nan(float **out, struct volume_file *file, st
     return CONUS_OK;
 }
 
-/* What the codes of a map are made of. */
+/* The source of a map's codes. */
 struct mapping {
     struct volume_file *file;
     const struct decoder *decoder;

@@ -9,7 +9,7 @@
 #include "loaders/zarr/zarr.h"
 
 struct volume_zarr {
-    char *folder; /**< Of the array; NULL = there is none. */
+    char *folder; /**< Folder of the array; NULL = there is none. */
     struct zarr_array array;
     char orientation[4]; /**< Where OME's metadata say that its axes start, "asr"; empty = they do not. */
     struct bytes labels; /**< The group's metadata, if they have colours and names of labels; else empty. */

@@ -7,7 +7,7 @@
 #include "base/text.h"
 
 struct ome_level {
-    char *path;      /**< Of its array, below the group's folder. */
+    char *path;      /**< Path of its array, below the group's folder. */
     double scale[3]; /**< mm a voxel along the axes of space, in their order; 0 = not stated, or without a unit. */
     double translation[3]; /**< mm: where the centre of the first voxel lies. */
 };

@@ -49,7 +49,7 @@ conus_status zarr_array_parse(struct zarr_array *out, struct text text);
 
 struct zarr_unpacker;
 
-/** What unpacks chunks. */
+/** Scratch for unpacking chunks. */
 conus_status zarr_unpacker_create(struct zarr_unpacker **out);
 void zarr_unpacker_destroy(struct zarr_unpacker *unpacker);
 
@@ -57,10 +57,10 @@ void zarr_unpacker_destroy(struct zarr_unpacker *unpacker);
 conus_status zarr_unpack(uint8_t *out, struct zarr_unpacker *unpacker, const struct zarr_chain *chain,
                          const uint8_t *data, size_t size, size_t wanted);
 
-/** What was read of an array. */
+/** Facts about an array that was read. */
 struct zarr_found {
     uint64_t files, wanted; /**< Files of chunks that are there, and that there can be. */
-    char sha256[65];        /**< Of the lines that sha256sum writes for the files of chunks, in the order of space. */
+    char sha256[65];        /**< Sum of sha256sum's lines about the files of chunks, in the order of space. */
 };
 
 /** Takes @p count voxels along the last axis, as they are stored; the first is voxel @p first of the volume, of which

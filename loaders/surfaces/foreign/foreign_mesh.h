@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the parsers of this folder fill: vertices as the file has them, in their order, and triangles. VTK's
- * files also have lines of any number of corners, and numbers of points and cells; a reader that wants them points
+/** @file The mesh that the parsers of this folder fill: vertices in the file's order, and triangles. VTK's files also
+ * have lines of any number of corners, and numbers of points and cells; a reader that wants them points
  * foreign_mesh.lines to a struct foreign_lines. */
 #ifndef CONUS_LOADERS_SURFACES_FOREIGN_FOREIGN_MESH_H
 #define CONUS_LOADERS_SURFACES_FOREIGN_FOREIGN_MESH_H
