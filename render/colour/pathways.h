@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What pictures show of an atlas with pathways or areas of probabilities (Eq. 8): these, and some areas of the
- * parcellation, on one grid. */
+/** @file The objects that pictures show of an atlas with pathways or areas of probabilities (Eq. 8): these, and some
+ * areas of the parcellation, on one grid. */
 #ifndef CONUS_RENDER_COLOUR_PATHWAYS_H
 #define CONUS_RENDER_COLOUR_PATHWAYS_H
 

@@ -22,7 +22,7 @@ struct cut_lines {
     struct shapes *shapes;
     const conus_object *list;
     double at[2], limit[2]; /**< The corner among the shapes; width and height: what is beyond is left out. */
-    uint32_t object;        /**< Of `points`. */
+    uint32_t object;        /**< Object of `points`. */
     double (*points)[2];
     size_t count, capacity;
 };

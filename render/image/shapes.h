@@ -23,7 +23,7 @@ enum shape_kind {
 struct image_shape {
     enum shape_kind kind;
     double from[2], to[2];
-    double width;    /**< Of a line; of letters their size; 0 = a filled box. */
+    double width;    /**< Width of a line; size of letters; 0 = a filled box. */
     double rounding; /**< Radius of a box's corners. */
     double length;   /**< How wide a text is. */
     float rgba[4];   /**< Linear, not premultiplied. */
@@ -36,7 +36,7 @@ struct shapes {
     struct image_shape *items;
     size_t count, capacity;
     bool failed;     /**< One found no memory. */
-    char family[64]; /**< Of the font. */
+    char family[64]; /**< Family of the font. */
 };
 
 /** Appends a copy of @p shape, of its text and points, too. Without memory it fails like a buffer. */

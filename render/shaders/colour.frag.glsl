@@ -2,8 +2,8 @@
 // are perpendicular to the view axis (Eq. 7). All positions are in camera space (mm, looking down -z) and t is the depth
 // of a plane, so a ray is t * direction with direction.z = -1.
 //
-// What an atlas never has is left out (AREAS, CONTEXT): a machine that runs both sides of every branch would look it up
-// for every sample.
+// Parts that an atlas lacks are left out (AREAS, CONTEXT): a machine that runs both sides of every branch would look
+// them up for every sample.
 
 layout(std140, binding = 0) uniform View
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What one thread of a batch answers poses with. */
+/** @file The selector and scratch of one thread of a batch. */
 #ifndef CONUS_SELECTION_BATCH_WORKER_H
 #define CONUS_SELECTION_BATCH_WORKER_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What all cones of one shape have in common, wherever they are: kept from one query to the next. */
+/** @file Everything that all cones of one shape have in common, wherever they are: kept from one query to the next. */
 #ifndef CONUS_SELECTION_CONE_APERTURE_H
 #define CONUS_SELECTION_CONE_APERTURE_H
 

@@ -21,7 +21,7 @@ struct cone_tracing {
     const bool *wanted;             /**< [n*n] Pixels that are to be traced; NULL = all. */
     const double *per_depth;        /**< [n*n] cone_per_depth(); NULL = unknown. */
     const struct device_rays *rays; /**< The rays of those pixels, neighbours one after the other; NULL = unknown. */
-    bool begins_at_range;           /**< What rays leave before range[0] may be left out. */
+    bool begins_at_range;           /**< Objects that rays leave before range[0] may be left out. */
 };
 
 struct cone {

@@ -262,7 +262,7 @@ static void merge_bundles(struct connecting *connecting)
     connecting->count = kept;
 }
 
-/* Of one bundle the pairs are its rows. */
+/* A single bundle's pairs are its rows. */
 static conus_status copy_rows(conus_connectivity *connectivity)
 {
     connectivity->pairs = memory_copy(connectivity->rows, connectivity->row_count, sizeof *connectivity->rows);

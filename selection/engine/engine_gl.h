@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What tests ask the gl engine. */
+/** @file Facts about the gl engine, for tests. */
 #ifndef CONUS_SELECTION_ENGINE_ENGINE_GL_H
 #define CONUS_SELECTION_ENGINE_ENGINE_GL_H
 

@@ -16,8 +16,8 @@ struct evidence {
     uint32_t resolution;
     uint32_t *object; /**< Object hit first; 0 = none.                                                          */
     double *distance; /**< mm from the apex along the ray to the entry into that object; INFINITY = none.       */
-    uint64_t *voxel;  /**< What was hit of the object: linear index of the voxel in its volume, the triangle of its
-                         mesh, or the first point of the segment of its streamline; EVIDENCE_NO_VOXEL = none. */
+    uint64_t *voxel;  /**< The part of the object that was hit: linear index of the voxel in its volume, the triangle of
+                         its mesh, or the first point of the segment of its streamline; EVIDENCE_NO_VOXEL = none. */
 };
 
 conus_status evidence_init(struct evidence *out, uint32_t resolution);

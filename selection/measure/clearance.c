@@ -272,7 +272,7 @@ struct search {
     double radius; /* mm: up to which tubes are looked for */
 };
 
-/* What could be nearer than this is looked at. */
+/* Parts that could be nearer than this are searched. */
 static double bound_of(const struct search *search, uint32_t group)
 {
     double best = search->clearance->found[group].distance;

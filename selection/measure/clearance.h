@@ -48,7 +48,7 @@ conus_status clearance_index_create(struct clearance_index **out, const conus_at
 /** NULL is fine. */
 void clearance_index_destroy(struct clearance_index *index);
 
-/** What is asked of an atlas. */
+/** The query to an atlas. */
 struct clearance_question {
     const conus_atlas *atlas;
     const struct clearance_index *index;

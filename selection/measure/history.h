@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * What a track remembers of each object: the scores of Eq. 12 that need a history. Steps come in order of time, at any
- * rate; what an object was between two of them is taken as linear. */
+ * A track's memory of each object: the scores of Eq. 12 that need a history. Steps come in order of time, at any rate;
+ * between two of them an object's contribution is taken as linear. */
 #ifndef CONUS_SELECTION_MEASURE_HISTORY_H
 #define CONUS_SELECTION_MEASURE_HISTORY_H
 

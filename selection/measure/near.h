@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What is how near to a point: each object's distance, to the cells of its voxels or to its surface. */
+/** @file The distance of each object from a point: to the cells of its voxels or to its surface. */
 #ifndef CONUS_SELECTION_MEASURE_NEAR_H
 #define CONUS_SELECTION_MEASURE_NEAR_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a region has of the inside of closed surfaces (Eq. 10): their census, as that of voxels is. */
+/** @file The part of closed surfaces' inside that lies in a region (Eq. 10): their census, as that of voxels is. */
 #ifndef CONUS_SELECTION_MEASURE_SOLIDS_H
 #define CONUS_SELECTION_MEASURE_SOLIDS_H
 

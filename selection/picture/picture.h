@@ -11,7 +11,7 @@
 /** Tangents of a frustum's edges are at most so large. */
 enum { PICTURE_FRUSTUM_LIMIT = 1000 };
 
-/** Of text to what it stands on: at least so much (WCAG 2.2, 1.4.3). */
+/** Contrast of text to its background, at least (WCAG 2.2, 1.4.3). */
 #define PICTURE_CONTRAST 4.5
 #define PICTURE_DIM 0.87F
 
@@ -146,7 +146,7 @@ void picture_lower(struct picture *picture, uint32_t height);
 
 conus_status picture_legend_draw(conus_image *image, const struct picture *picture);
 
-/** What a legend inside the drawing takes of it; empty without one. */
+/** The part of the drawing that a legend inside it takes; empty without one. */
 struct draw_box picture_legend_box(const struct picture *picture);
 
 /** Whether a legend of what is hit first lists @p result. */

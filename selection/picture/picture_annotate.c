@@ -43,7 +43,7 @@ bool picture_is_across(const struct picture *picture)
     return picture_letter_of(m) && picture_letter_of(m + 4);
 }
 
-/* What is under it shows through a little. */
+/* The drawing under the patch shows through a little. */
 void picture_lay_patch(conus_image *image, const struct picture *picture, const struct draw_box *box)
 {
     const float grey = picture->ink[1] > 0.5F ? 0 : 1;

@@ -42,7 +42,7 @@ struct panel {
     long at[2], size[2];
 };
 
-/* Of a panel: "z = -12 mm", "z -12", "-12" or nothing. */
+/* Title of a panel: "z = -12 mm", "z -12", "-12" or nothing. */
 enum title { TITLE_WHOLE = 0, TITLE_SHORT, TITLE_NUMBER, TITLE_NONE };
 
 struct sheet {
@@ -351,8 +351,8 @@ static void clear_outside(struct sheet *sheet, const struct cut *cut, size_t wid
     }
 }
 
-/* What is transparent was black, so that the cone over it has left its own colour times its opacity there: the largest
- * byte of the cone's colour is 255. */
+/* Transparent pixels were black, so that the cone over them has left its own colour times its opacity there: the
+ * largest byte of the cone's colour is 255. */
 static void lay_cut(const struct sheet *sheet, const struct panel *panel)
 {
     for (long y = 0; y < panel->size[1]; y++) {

@@ -25,7 +25,7 @@ enum {
 static const double INSIDE = 0.42;
 static const double BESIDE = 0.5;
 
-/* What one below adds to the height, as a part of it. */
+/* Height that a legend below adds to the picture, as a part of it. */
 static const double BELOW = 0.5;
 static const double SMALLEST = 0.6;
 

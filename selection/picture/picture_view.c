@@ -671,7 +671,7 @@ static conus_status find_opacities(struct picture *picture)
     return CONUS_OK;
 }
 
-/* What of the selection's first hits the camera does not see, by rays from it through the whole picture. Only where
+/* Finds first hits of the selection that the camera does not see, by rays from it through the whole picture. Only if
  * all that is drawn is opaque, and nothing is left out. Needs no legend: one changes the camera's distance alone. */
 static conus_status find_hidden(struct picture *picture, const struct colour_pass *pass)
 {

@@ -27,7 +27,7 @@ struct plan_name {
         PLAN_CHANCE, /**< Probability to hold (Eq. 14). */
         PLAN_DEPTH,
         PLAN_ENTRY_ANGLE,
-        PLAN_VALUE, /**< Of a constraint. */
+        PLAN_VALUE, /**< Value of a constraint. */
         PLAN_SCORE
     } quantity;
     size_t constraint;
@@ -72,11 +72,11 @@ struct plan_shank {
     conus_pose pose;
     struct needle needle;
     bool is_followed;           /**< The layers are its. */
-    struct layers layers;       /**< What its axis passes, from the apex on, sorted. */
+    struct layers layers;       /**< Objects along its axis, from the apex on, sorted. */
     conus_selection *selection; /**< NULL = not needed yet. */
 };
 
-/** What one thread judges with, and the pose at hand. */
+/** The scratch with which one thread judges, and the pose at hand. */
 struct plan_judge {
     const struct plan_constraint *constraints;
     conus_selector *selector; /**< Shares its engine with the other threads'. */
@@ -142,7 +142,7 @@ conus_status plan_tolerance_describe(conus_tolerance *row, struct plan_judge *ju
 
 /* plan.c */
 
-/** What single poses are judged with outside of a run. */
+/** The judge of single poses outside of a run. */
 struct plan_judge *plan_judge_of(conus_plan *plan);
 
 #endif

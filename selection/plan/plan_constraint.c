@@ -16,7 +16,7 @@
 
 static const double MARGIN_LIMIT = 100; /* mm */
 
-/* What messages call the kinds, and what a constraint of each has. */
+/* Names of the kinds in messages, and the members that each kind uses. */
 static const struct {
     const char *name;
     bool has_structure;

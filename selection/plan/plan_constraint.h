@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a plan asks of poses, checked (Eq. 22). */
+/** @file The checked constraints of a plan (Eq. 22). */
 #ifndef CONUS_SELECTION_PLAN_PLAN_CONSTRAINT_H
 #define CONUS_SELECTION_PLAN_PLAN_CONSTRAINT_H
 
@@ -11,9 +11,9 @@ struct plan_part {
     const struct volume *volume; /**< Any of its objects may be the structure's. */
     const struct mesh *mesh;
     const struct tractogram *tractogram;
-    const struct tract_group *group; /**< Of the tractogram; NULL = all of it. */
+    const struct tract_group *group; /**< Group of the tractogram; NULL = all of it. */
     uint32_t object;                 /**< The mesh's or the bundle's. */
-    struct plan_map *map;            /**< Of the volume, see plan_constraint_map(); NULL = none. */
+    struct plan_map *map;            /**< Map of the volume, see plan_constraint_map(); NULL = none. */
 };
 
 /** A constraint, checked. */

@@ -34,7 +34,7 @@ struct plan_body {
     struct plan_span taken, widest; /* where it is nearer than delta, for the last one and for one that is larger */
 };
 
-/* What a body takes that takes nothing of the structure. */
+/* The part of the structure that a body takes if it takes nothing. */
 static const struct plan_span NOTHING = {INFINITY, -INFINITY};
 
 /* A part of the structure, as the axis sees it. */

@@ -26,7 +26,7 @@ struct plan_leeway {
     bool uses_maps;          /**< The parts' maps, where they have some, may be looked at. */
     struct plan_side *sides;
     size_t side_count, side_capacity;
-    struct plan_body *bodies; /**< What is not the structure, side by side. */
+    struct plan_body *bodies; /**< Everything that is not the structure, side by side. */
     size_t body_count, body_capacity;
     struct plan_spans inside; /**< Where the needle is in the structure, side by side; */
     struct plan_spans taken;  /**< where bodies are nearer than delta, and where they are for a smaller one, */

@@ -6,7 +6,7 @@
 #include "conus/pose_file.h"
 #include "selection/plan/plan.h"
 
-/** What a plan asks; a run does not change it. */
+/** The constraints and options of a plan; a run does not change them. */
 struct plan_asked {
     conus_selector *selector;
     conus_plan_options options; /**< Defaults filled in; strings and shanks are not kept. */
@@ -16,9 +16,9 @@ struct plan_asked {
     struct plan_jitter jitter;
 };
 
-/** What is known of the poses before, so that less need be asked of those behind. */
+/** The results of earlier poses, so that less has to be measured of later ones. */
 struct plan_bar {
-    bool has_maps; /**< Of all constraints. */
+    bool has_maps; /**< All constraints have maps. */
     bool has_feasible;
     bool is_full;      /**< Keys are those of the last pose of a full list: whatever follows has to be better. */
     size_t infeasible; /**< So many are kept. */
@@ -30,7 +30,7 @@ conus_status plan_bar_init(struct plan_bar *out, const struct plan_asked *asked)
 void plan_bar_finish(struct plan_bar *bar);
 void plan_bar_copy(struct plan_bar *to, const struct plan_bar *from, const struct plan_asked *asked);
 
-/** What one thread tries with. */
+/** The scratch with which one thread tries poses. */
 struct plan_worker {
     struct plan_judge judge;
     struct plan_bar bar; /**< As it was when the pose's turn came. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * What of a segment lies in a region, and what a box has to do with it (Eq. 19). Every region is convex: of a segment
- * one piece lies in it. */
+ * The part of a segment that lies in a region, and whether a box lies in it (Eq. 19). Every region is convex, so that
+ * one piece of a segment lies in it. */
 #ifndef CONUS_SELECTION_MEASURE_REGION_SEGMENT_H
 #define CONUS_SELECTION_MEASURE_REGION_SEGMENT_H
 

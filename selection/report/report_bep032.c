@@ -13,7 +13,7 @@
 
 enum { ID_SIZE = 16 };
 
-/* What is known of an atlas's sides and ids. */
+/* The known sides and ids of an atlas. */
 struct report_bep032 {
     char *sides;          /* [object_count + 1] Of an area: 'L', 'R', or 0 */
     char (*ids)[ID_SIZE]; /* [object_count + 1]; NULL = the atlas has none that are known */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the tables for people have in common. */
+/** @file Shared by the tables for people. */
 #ifndef CONUS_SELECTION_REPORT_REPORT_TABLE_H
 #define CONUS_SELECTION_REPORT_REPORT_TABLE_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the file of each format gives to report.c, which collects, and report_text.c, which hands out. A format
+/** @file The writers of all formats. report.c calls them as it collects, report_text.c as it hands out; a writer
  * appends its text to @p out. */
 #ifndef CONUS_SELECTION_REPORT_REPORT_WRITERS_H
 #define CONUS_SELECTION_REPORT_REPORT_WRITERS_H

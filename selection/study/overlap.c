@@ -214,7 +214,7 @@ static conus_status count_lines(struct counting *counting)
     return status;
 }
 
-/* What of `piece` lies between two planes across the axis. False without memory. */
+/* The part of `piece` between two planes across the axis. False without memory. */
 static bool cut_out(struct convex *out, struct convex_stack *stack, const struct convex *piece, int axis, double low,
                     double high)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What sends rays into surfaces: Embree, or a tree of our own; and what is the same for both. */
+/** @file The interface of the programs that trace rays through surfaces, Embree and our own tree; and the code that
+ * both share. */
 #ifndef CONUS_SELECTION_ENGINE_TRIANGLES_MESH_TRACER_H
 #define CONUS_SELECTION_ENGINE_TRIANGLES_MESH_TRACER_H
 
