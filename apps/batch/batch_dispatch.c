@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* What a command line asks for: one batch, each row of a table of batches, or several files of one batch. */
+/* Dispatches a command line: one batch, each row of a table of batches, or several files of one batch. */
 #include "batch/batch_dispatch.h"
 
 #include "batch/batch_jobs.h"

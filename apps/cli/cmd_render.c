@@ -833,7 +833,7 @@ static int draw_frames(const struct picture *picture, const conus_view *view, co
     return code;
 }
 
-/* Of a cone, if any: `selection` is what it selects at `pose`. */
+/* Draws a picture, of a cone if there is one: `selection` is its selection at `pose`. */
 static int draw_picture(const struct picture *picture, const conus_selection *selection, const conus_pose *pose,
                         const char *path)
 {

@@ -13,7 +13,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/** What a frame says of an object or an attribute. */
+/** The fields of a frame that describe an object or an attribute. */
 struct description {
     enum hdf5_frame_kind kind;
     enum hdf5_class class;

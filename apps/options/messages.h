@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What conus says on stderr, one line each, and the exit codes that go with it (docs/commands.md). */
+/** @file Messages on stderr, one line each, and the exit codes that go with them (docs/commands.md). */
 #ifndef CONUS_OPTIONS_MESSAGES_H
 #define CONUS_OPTIONS_MESSAGES_H
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node pack.mjs FOLDER_OF_CONUS PAGE_FOLDER OUT.html: makes one file of the page, its worker and conus.
-// What stands in braces in page.html is replaced; the policy (CSP) allows this code, by its hash, and no network.
+// The names in braces in page.html are replaced; the policy (CSP) allows this code, by its hash, and no network.
 import { execFileSync } from "node:child_process";
 import crypto from "node:crypto";
 import fs from "node:fs";

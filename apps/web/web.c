@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /*
- * What the web page calls: an atlas, one question at a time, cuts and a view of it. Strings that are returned are
- * JSON or a report's text, valid until the next call; {"error": "..."} is conus's own message. Pixels are rows of
- * RGBA, top row first. All lengths are mm, all angles degrees, all positions RAS mm.
+ * The functions that the web page calls: an atlas, one question at a time, cuts and a view of it. Strings that are
+ * returned are JSON or a report's text, valid until the next call; {"error": "..."} is conus's own message. Pixels are
+ * rows of RGBA, top row first. All lengths are mm, all angles degrees, all positions RAS mm.
  */
 #include <conus/conus.h>
 #include <emscripten.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file atlas_info.h
- * What an atlas holds: its objects, volumes and files, and the notes about them.
+ * The contents of an atlas: its objects, volumes and files, and the notes about them.
  */
 #ifndef CONUS_PUBLIC_ATLAS_INFO_H
 #define CONUS_PUBLIC_ATLAS_INFO_H

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file cache.h
- * What conus keeps in the user's cache folder, $XDG_CACHE_HOME/conus, else ~/.cache/conus: atlases and tractograms,
- * where conus_load_options.cache and conus_streamlines_options.cache ask for it, surfaces of areas, and indexes of
- * packed 4-D files, by which one of their volumes is found. All of it can be made again.
+ * Files that conus keeps in the user's cache folder, $XDG_CACHE_HOME/conus, else ~/.cache/conus: atlases and
+ * tractograms, where conus_load_options.cache and conus_streamlines_options.cache ask for it, surfaces of areas, and
+ * indexes of packed 4-D files, by which one of their volumes is found. All of it can be made again.
  *
  * $CONUS_CACHE is "off", and then no atlas is kept or taken from there, or the most that atlases may have together: a
  * number of bytes, or one with K, M, G or T behind it (default 4G). Those unused for longest leave first.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file jitter.h
- * What an answer is worth when the pose has errors (Eq. 14).
+ * The certainty of an answer when the pose has errors (Eq. 14).
  */
 #ifndef CONUS_PUBLIC_JITTER_H
 #define CONUS_PUBLIC_JITTER_H

@@ -200,8 +200,8 @@ typedef struct conus_view {
                              @p legend_rows. */
     uint32_t legend_rows; /**< The legend has at most so many rows of objects, and one that counts the others; 0 = as
                              many as there is room for. */
-    bool no_pale;         /**< What the selection does not hit, and without one everything, is not drawn unless
-                             @p opacity says otherwise. */
+    bool no_pale;         /**< Objects that the selection does not hit, and without one all, are not drawn
+                             unless @p opacity says otherwise. */
     bool grey_cone;       /**< The cone is grey in place of orange: it is not, or no longer, where its device is. */
     bool shapes;          /**< Keep text, legend, scale bar and the outlines of cuts out of the pixels, as shapes for
                               conus_image_write() of .svg and .pdf, which need it. */

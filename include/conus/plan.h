@@ -21,7 +21,7 @@ extern "C" {
 
 typedef struct conus_plan conus_plan; /**< Constraints, and the poses that were tried against them. */
 
-/** What a constraint asks of a pose. */
+/** The kinds of constraints. */
 typedef enum conus_constraint_kind {
     CONUS_CONSTRAINT_REACH = 0,  /**< The measure of the structure is at least the limit. */
     CONUS_CONSTRAINT_AVOID,      /**< The clearance of the structure (Eq. 21) is more than the limit, mm; by
@@ -33,7 +33,7 @@ typedef enum conus_constraint_kind {
     CONUS_CONSTRAINT_ENTRY_ANGLE /**< The axis and the inward normal at its entry enclose at most the limit, radians. */
 } conus_constraint_kind;
 
-/** What is measured of a structure. Measures from #CONUS_MEASURE_SHARE on are of the cone or cylinder. */
+/** Measures of a structure. Measures from #CONUS_MEASURE_SHARE on are of the cone or cylinder. */
 typedef enum conus_measure {
     CONUS_MEASURE_LENGTH = 0,  /**< REACH: mm of the axis in the union of its objects (Eq. 17). AVOID: the clearance. */
     CONUS_MEASURE_TIP,         /**< 1 where the far end is in it, else 0. */
@@ -51,7 +51,7 @@ typedef enum conus_measure {
 /** One constraint. All must hold. */
 typedef struct conus_constraint {
     size_t struct_size;         /**< Its size, as #CONUS_CONSTRAINT_INIT sets it; 0 = that of this version. */
-    conus_constraint_kind kind; /**< What it asks. */
+    conus_constraint_kind kind; /**< Its kind. */
     conus_measure measure;      /**< REACH, AVOID: what is measured. */
     const char *names;          /**< REACH, AVOID, FIRST: the structure, a list of names, abbreviations or labels as of
                                    conus_atlas_find(), separated by commas; one with a comma stands in double quotes. It is the
@@ -102,7 +102,7 @@ typedef struct conus_plan_options {
     conus_progress progress; /**< Hears how many poses were tried, of how many 0: nobody knows; false ends the run.
                                 NULL = no callback. */
     void *progress_user;     /**< Passed to @p progress. */
-    uint64_t entries;        /**< Of each entry up to this number the best pose is kept, for conus_plan_entry(): 56
+    uint64_t entries;        /**< The best pose of each entry up to this number is kept, for conus_plan_entry(): 56
                                 bytes and 8 a key each; 0 = of none. */
     const conus_jitter_options *jitter; /**< Errors of the poses, for the probabilities to hold (Eq. 14), of the listed
                                            ones and where p_ok is a key; progress is not used. NULL = none. Copied. */
@@ -115,18 +115,18 @@ typedef struct conus_plan_options {
 /** The defaults, and the size of the struct that the caller was compiled with. */
 #define CONUS_PLAN_OPTIONS_INIT CONUS_INIT_(conus_plan_options)
 
-/** What became of one constraint for one pose. */
+/** The verdict on one constraint for one pose. */
 typedef struct conus_verdict {
     bool holds;      /**< Whether it holds. */
-    double value;    /**< What was measured: of a clearance the axis's distance (radius not taken off), of LENGTH far -
-                        near, of LEAN and ENTRY_ANGLE the angle, radians, of APART the distance, of FIRST 1 or 0. */
+    double value;    /**< The measured value: of a clearance the axis's distance (radius not taken off), of LENGTH far
+                        - near, of LEAN and ENTRY_ANGLE the angle, radians, of APART the distance, of FIRST 1 or 0. */
     double slack;    /**< By how much it holds, at least 0, or more than 0 of a clearance or APART; below, it breaks by
                         so much. Of a clearance value - radius - limit. */
     double leeway;   /**< mm by which no point of the axis may move so that it breaks (Eq. 22), 0 where it does; NaN
                         where none is known. */
     double depth;    /**< mm from the apex: of a clearance where the axis is nearest, of a length or FIRST where it
                         enters; else, and where there is none, NaN. */
-    uint32_t object; /**< Of a clearance the nearest object, of FIRST the first; else, and of none, 0. */
+    uint32_t object; /**< The nearest object of a clearance, the first one of FIRST; else, and without one, 0. */
     uint32_t shank;  /**< Number of the shank that all but the leeway is of, from 1: the one with the largest slack
                         where any shank will do, the least where all have to hold; of equal ones the first. The leeway
                         is the largest or the least of all theirs. */
@@ -438,7 +438,7 @@ typedef struct conus_tolerance {
     double at[3];      /**< The point of the needle at that depth, there, world mm; NaN without one. */
 } conus_tolerance;
 
-/** What is turned and shifted along what. */
+/** Pivot and directions of the turns and shifts. */
 typedef struct conus_tolerance_options {
     size_t struct_size;  /**< Its size, as #CONUS_TOLERANCE_OPTIONS_INIT sets it; 0 = that of this version. */
     double pivot;        /**< Depth of the point about which the needle turns, mm; 0 = the device's position. */

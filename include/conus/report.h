@@ -92,7 +92,7 @@ typedef struct conus_report_options {
     conus_contacts contacts;  /**< For #CONUS_FORMAT_OPEN_EPHYS, of shanks: conus_report_add_segments(). */
     double within;            /**< For #CONUS_ROWS_CLEARANCES: that of conus_clearances_create(), which a batch calls
                                  with it; mm, 0 = only what the needle meets, INFINITY = all objects. */
-    const conus_probe *probe; /**< Of #CONUS_ROWS_ANSWERS: each query is a contact of these, in their order, with the
+    const conus_probe *probe; /**< For #CONUS_ROWS_ANSWERS: each query is a contact of these, in their order, with the
                                  columns probe, shank_id and channel; #CONUS_FORMAT_BEP032 needs it. It must outlive the
                                  report. NULL = none. */
     bool placed;              /**< For #CONUS_FORMAT_BEP032: x, y and z are positions in @p space or @p frame, which

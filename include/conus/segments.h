@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /**
  * @file segments.h
- * What a probe passes: the stretches of a device's axis inside each object, and between them (Eq. 17).
+ * The segments of a device's axis inside each object, and between them (Eq. 17).
  */
 #ifndef CONUS_PUBLIC_SEGMENTS_H
 #define CONUS_PUBLIC_SEGMENTS_H

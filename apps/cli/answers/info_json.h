@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What `conus info --format json` writes. */
+/** @file The JSON of `conus info --format json`. */
 #ifndef CONUS_CLI_ANSWERS_INFO_JSON_H
 #define CONUS_CLI_ANSWERS_INFO_JSON_H
 

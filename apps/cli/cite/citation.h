@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What is cited, and the paragraph and the entries that say it. */
+/** @file Citations: the works to cite, and the paragraph and the entries about them. */
 #ifndef CONUS_CLI_CITE_CITATION_H
 #define CONUS_CLI_CITE_CITATION_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What a sidecar, or a result in JSON, records about how it was made. Untrusted input. */
+/** @file The record of how a result was made, in its sidecar or in its JSON. Untrusted input. */
 #ifndef CONUS_CLI_VERIFY_RECORD_H
 #define CONUS_CLI_VERIFY_RECORD_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file What the window keeps of its plan (plans.h). */
+/** @file The window's state of its plan (plans.h). */
 #ifndef CONUS_VIEWER_MODEL_PLAN_STATE_H
 #define CONUS_VIEWER_MODEL_PLAN_STATE_H
 

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
- * What the window shows and does, apart from how it looks: the atlas, where the cone is and what it hits, what is
- * hidden, where the panes look. Panels and panes read it and change it through these functions; scripts and sessions,
- * too. */
+ * The state of the window apart from its look: the atlas, the cone and its hits, the hidden objects, the views of the
+ * panes. Panels and panes read it and change it through these functions; scripts and sessions, too. */
 #ifndef CONUS_VIEWER_MODEL_VIEWER_H
 #define CONUS_VIEWER_MODEL_VIEWER_H
 

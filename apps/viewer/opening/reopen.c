@@ -184,7 +184,7 @@ static bool change_plan(struct window *window, const struct worded *worded, char
     return fine;
 }
 
-/* What the needle is to reach; NULL = nothing. */
+/* Name of the structure that the needle is to reach; NULL = none. */
 static const char *find_target(const struct plan_state *plan)
 {
     const char *name = NULL;

@@ -12,7 +12,7 @@ enum { STATUS_TEXT = HOVER_TEXT + 256 };
 
 static const float gap = 16; /* pixels at scale 1, between the parts of the line */
 
-/* Of a tracker, by its state. */
+/* Word and colour of the lamp, by the tracker's state. */
 static const char *const lamp_words[] = {"no data", "no data", "lost", "lost", "tracking"};
 static const enum theme_text lamp_colours[] = {THEME_HINT, THEME_HINT, THEME_RED, THEME_RED, THEME_GREEN};
 

@@ -18,7 +18,7 @@ void panel_second(struct window *window);     /**< The second tool. */
 void panel_question(struct window *window);   /**< The four settings that everybody needs, */
 void panel_expert(struct window *window);     /**< and all others. */
 void panel_views(struct window *window);      /**< Buttons over the 3-D pane. */
-void panel_card(struct window *window);       /**< What is known of the chosen area, and what can be done with it. */
+void panel_card(struct window *window);       /**< Facts about the chosen area, and actions on it. */
 void panel_study_kind(struct viewer *viewer); /**< The choice of a study. */
 /** Sweep or jitter of the cone; pale where @p is_old says that the cone is one from before. */
 void panel_study(struct window *window, bool is_old);

@@ -38,7 +38,7 @@ struct inputs {
     struct station *station; /**< NULL = none. */
     struct station_update update;
     const struct station_settings *asked; /**< The options of trackers that conus was started with; NULL = none. */
-    char address[TRACKER_ADDRESS];        /**< Of the station that inputs_connect() starts, as --connect has it. */
+    char address[TRACKER_ADDRESS];        /**< The station that inputs_connect() starts, as --connect has it. */
     struct station *second_station;       /**< For the second tool; NULL = the first one's. */
     bool has_second_tool;                 /**< The first one's station hears of it. */
     struct devices devices;

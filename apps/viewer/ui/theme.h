@@ -49,7 +49,7 @@ enum theme_surface {
 
 enum theme { THEME_DARK = 0, THEME_LIGHT, THEME_COUNT };
 
-/** Of the theme in use, [THEME_TEXTS] and [THEME_SURFACES]: one for the program, as Dear ImGui's style is. */
+/** Colours of the theme in use, [THEME_TEXTS] and [THEME_SURFACES]: one for the program, as Dear ImGui's style is. */
 extern const ui_colour *theme_texts, *theme_surfaces;
 /** Texts on THEME_SHADE, over pictures, which have no theme. */
 extern const ui_colour theme_shaded[THEME_TEXTS];

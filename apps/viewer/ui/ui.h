@@ -37,7 +37,7 @@ bool ui_lists(void); /**< A list of choices is open. */
 /** Height of a line of text. */
 float ui_line(void);
 float ui_text_width(const char *text);
-float ui_button_width(const char *label); /**< Of a small button, and the gap behind it. */
+float ui_button_width(const char *label); /**< Width of a small button, and of the gap behind it. */
 
 /* Panels: a panel's widgets come between ui_panel() and ui_panel_end(). */
 

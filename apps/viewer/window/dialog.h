@@ -47,7 +47,7 @@ struct dialog {
     bool is_set;         /**< The text is not what the line has: it is to take it over, */
     bool selects;        /**< and to select it, so that what is typed next takes its place. */
     char prefilled[PATH_MAX];   /**< The folder that was put there, with its '/'; "" = the user was there. */
-    const char *ending;         /**< Of the file to be written; NULL = ".json", a session. */
+    const char *ending;         /**< Ending of the file to be written; NULL = ".json", a session. */
     bool takes_keys;            /**< From the next frame on what is typed goes into the line. */
     bool all;                   /**< Lists all files. */
     size_t marked;              /**< Entry of the folder; past the last = none. */

@@ -87,7 +87,7 @@ struct added_form {
     bool is_set;           /**< The text is not what the line has. */
 };
 
-/** What an atlas does to the one that is open; a session always replaces it. */
+/** The effect of an opened atlas on the open one; a session always replaces it. */
 enum opening { OPEN_ASKS = 0 /**< The user is asked. */, OPEN_ADDS, OPEN_REPLACES };
 
 /** Files, or options, that are to be opened next. */
@@ -102,7 +102,7 @@ struct open_request {
     int step;             /**< By which undo goes then (session/undo.h). */
 };
 
-/** What a file may have that a user saves. */
+/** The kinds of file that a user saves. */
 enum saved_file { SAVE_SESSION = 0, SAVE_SAME_SESSION, SAVE_PICTURE, SAVE_RESULTS, SAVE_STUDY };
 
 /** The files that are open, and those that are to be opened or saved next. */
@@ -162,7 +162,7 @@ struct frame_state {
     unsigned shown_head, shown_second;  /**< Likewise. */
     double ms;                          /**< That it took. */
     struct hover hover;
-    struct labels labels; /**< Of the 3-D pane. */
+    struct labels labels; /**< Labels of the 3-D pane. */
     float click_left;     /**< Pixels that the mouse, pressed on the 3-D pane, may move and it is a click;
                                0 = it is not pressed there. */
     bool searches;        /**< The line that searches areas takes the keyboard. */
@@ -218,7 +218,7 @@ struct window {
 struct window_options {
     struct place place;
     double scale;     /**< Scale of texts and panels; 0 = the screen's. */
-    enum theme theme; /**< Of panels and widgets. */
+    enum theme theme; /**< Theme of panels and widgets. */
     bool hidden;      /**< The window is not to be seen.                */
     bool fits_screen; /**< It is made as large as the screen at most, and put there. */
 };

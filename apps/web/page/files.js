@@ -17,7 +17,7 @@ function decoded(block) {
   return bytes;
 }
 
-/** What a block of base64 has packed by gzip. @param {Element} block @returns {ReadableStream} */
+/** Unpacks a block of base64 that is packed by gzip. @param {Element} block @returns {ReadableStream} */
 export const unpacked = (block) => new Blob([decoded(block)]).stream().pipeThrough(new DecompressionStream("gzip"));
 
 /** The files that the page has inside: [[name, bytes, whether it is an image below], ...], the atlas first. */

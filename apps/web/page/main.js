@@ -28,7 +28,7 @@ let chosen = 0;
 let atlas = null;
 /** @type {[string, number, number, number][]} */
 let objects = [];
-/** Of the open atlas, each with whether it is an image below the areas. @type {[string, ArrayBuffer, boolean?][]} */
+/** The files of the open atlas, each with whether it is an image below the areas. @type {[string, ArrayBuffer, boolean?][]} */
 let files = [];
 /** Those that came last, of which one may be opened. @type {[string, ArrayBuffer, boolean?][]} */
 let offered = [];
@@ -183,7 +183,7 @@ let again = false; // after the question under way
 let isDue = false; // in the next frame
 let moving = false;
 let resting = 0;
-/** What pictures no longer need, for the worker's next ones. @type {ArrayBuffer[]} */
+/** Buffers that pictures no longer need, for the worker's next ones. @type {ArrayBuffer[]} */
 const spare = [];
 let detail = 1; // of what moves, so that a slow machine keeps up
 
@@ -196,7 +196,7 @@ function redraw(isMoving = false) {
   isDue = true;
 }
 
-/** What a picture shows; a picture that would show the same is not drawn again. @param {Cut | View} pane @param {boolean} isMoving */
+/** The content of a picture; a picture with the same content is not drawn again. @param {Cut | View} pane @param {boolean} isMoving */
 function wanted(pane, isMoving) {
   const request = pane instanceof Cut ? { ...pane.request(question, isMoving && detail, 0.55, atlas.window ?? [0, 0]) } : pane.request(isMoving);
   return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut && { ...question, cut: 0 }]) };

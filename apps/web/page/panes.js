@@ -19,7 +19,7 @@ export function paint(canvas, rgba, width) {
   canvas.getContext("2d")?.putImageData(new ImageData(new Uint8ClampedArray(rgba), width, height), 0, 0);
 }
 
-/** What draws on an empty canvas of so many points of the page. @param {HTMLCanvasElement} canvas @param {number} side */
+/** Empties a canvas of so many points of the page, and returns its context. @param {HTMLCanvasElement} canvas @param {number} side */
 function cleared(canvas, side) {
   const pixels = Math.round(side * devicePixelRatio);
   if (canvas.width !== pixels) [canvas.width, canvas.height] = [pixels, pixels]; // a new one is slow
@@ -57,7 +57,7 @@ export class Cut {
   get side() { return Math.max(50, Math.min(this.box.clientWidth, this.box.clientHeight)); }
   get mmPerPoint() { return (this.extent ?? 200) / this.side / this.zoom; }
 
-  /** What the worker draws: at the screen's density, or while something moves with a part of its detail. @param {Aim} aim @param {number | false} detail */
+  /** The worker's next picture: at the screen's density, or while something moves with a part of its detail. @param {Aim} aim @param {number | false} detail */
   request(aim, detail, fill, window) {
     const width = Math.round(detail ? Math.min(300, this.side) * Math.ceil(detail * 10) / 10 : Math.min(800, this.side * devicePixelRatio));
     const centre = [...aim.cut];
