@@ -40,7 +40,7 @@ conus_status peer_selector_trace(struct peer_selector *selector, uint32_t *objec
 
 /* vtkCellPicker and cell locators: rays into one merged surface, as many as the cone has pixels. */
 
-enum peer_locator { PEER_NO_LOCATOR /**< Of pickers only. */, PEER_CELL_LOCATOR, PEER_STATIC_LOCATOR, PEER_LOCATORS };
+enum peer_locator { PEER_NO_LOCATOR /**< Pickers only. */, PEER_CELL_LOCATOR, PEER_STATIC_LOCATOR, PEER_LOCATORS };
 
 struct peer_surface;
 

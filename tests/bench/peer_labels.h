@@ -13,7 +13,7 @@ enum peer_picker { PEER_VOLUME_PICKER, PEER_CELL_PICKER };
 
 /** The hit of a ray in the labelled volume. */
 struct peer_contact {
-    uint32_t object;    /**< Of the voxel that was named; 0 = none, or a voxel of the background. */
+    uint32_t object;    /**< Object of the named voxel; 0 = none, or a voxel of the background. */
     uint64_t voxel;     /**< Its linear index; UINT64_MAX = no hit.                      */
     double distance_mm; /**< From the apex to the point that was named; NAN if only a voxel was.  */
 };

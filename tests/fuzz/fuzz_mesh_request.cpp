@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What conus-mesh may be asked: every voxel lies in the box of its area, and nothing shorter is a request, too.
+// Requests to conus-mesh: every voxel lies in the box of its area, and nothing shorter is a request, too.
 #include "mesh/request.hpp"
 
 #include <cstdlib>

@@ -10,7 +10,7 @@ ball; conus one that has a segment there.
 
 * By end voxels all edges are equal: counts, mean lengths, and sums of lengths as count times mean.
 * By radial search those streamlines differ whose nearest centre is not that of the nearest cell: they are counted.
-* What tckedit includes is part of what conus includes; the others have a segment in the ball, and no point.
+* The streamlines that tckedit includes are among those of conus; the others have a segment in the ball, and no point.
 
 Where MRtrix is installed its own answers must be those of numpy, else a line says that it was not asked.
 

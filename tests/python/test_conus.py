@@ -766,7 +766,7 @@ def test_threads_may_ask_at_once(atlas):
     assert not failures
 
 
-# What a notebook shows
+# Output in a notebook
 
 
 def test_tables_are_escaped(atlas):

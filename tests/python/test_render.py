@@ -243,7 +243,7 @@ def test_lines_of_the_documents_draw_pictures(aal, tmp_path, monkeypatch):
     assert given["picture"].array.shape[1] in (140, 700) and sorted(os.listdir()) == ["aal.nii.gz", "cone.png", "figure.svg"]
 
 
-# What is drawn
+# The drawn scene
 
 
 def test_camera_sees_the_plates_where_they_are(atlas):
@@ -303,7 +303,7 @@ def test_a_renderer_is_used_again_and_closed(atlas):
             ask()
 
 
-# What is refused
+# Refused arguments
 
 
 @pytest.mark.parametrize(

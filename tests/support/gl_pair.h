@@ -10,10 +10,10 @@
 struct gl_counts {
     size_t compared;     /**< Pixels, or pairs of a pixel and an object.                  */
     size_t hits;         /**< Pixels that hit an object, or intervals.                    */
-    size_t blocked;      /**< Of these, by a context volume that blocks.                  */
+    size_t blocked;      /**< Those of them by a context volume that blocks.              */
     size_t at_edges;     /**< Compared ones that differ beside a triangle's edge.         */
-    size_t other_object; /**< Of these, in which only one engine hits the object.         */
-    size_t other_length; /**< Of these, in which the object has another length.           */
+    size_t other_object; /**< Those of them in which only one engine hits the object.     */
+    size_t other_length; /**< Those of them in which the object has another length.       */
 };
 
 struct gl_pair {

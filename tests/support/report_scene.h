@@ -27,7 +27,7 @@ struct report_attempt {
     conus_report_options report;
     conus_pose pose;
     double angle;
-    double centre[3], radius; /**< Of a ball, unless the radius is 0: then the pose counts. */
+    double centre[3], radius; /**< A ball, unless the radius is 0: then the pose counts. */
 };
 
 /** Selects and reports with a new selector, with every allocation failing in turn. */

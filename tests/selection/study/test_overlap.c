@@ -62,7 +62,7 @@ static void peaks_are_found(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* Of two equal peaks the first in the file, (1, 0, 0), counts, though the other, (0, 0, 1), is on an earlier line along
+/* The first of two equal peaks in the file, (1, 0, 0), counts, though the other, (0, 0, 1), is on an earlier line along
  * k. */
 static void of_equal_peaks_the_first_counts(void **state)
 {

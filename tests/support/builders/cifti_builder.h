@@ -10,13 +10,13 @@ enum { CIFTI_GRAYORDINATES = 9, CIFTI_MAPS = 2 };
 /** Differences from the file below; zero is the default of each. */
 struct cifti_spec {
     const char *find, *replace; /**< In the XML, once.                                        */
-    const char *field;          /**< Of the header, as nifti_set() calls it, gets this value: */
+    const char *field;          /**< Field of the header, as nifti_set() calls it, gets this value: */
     size_t index;
     double value;
     int datatype;         /**< float32 */
     bool big;             /**< Byte order.                                                    */
     const double *values; /**< [9][2]                                                         */
-    int copies;           /**< Of the XML besides the first; -1: none at all.                 */
+    int copies;           /**< Copies of the XML besides the first; -1: none at all.          */
     size_t cut;           /**< Bytes that are missing at the end.                             */
 };
 

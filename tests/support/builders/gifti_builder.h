@@ -11,7 +11,7 @@ struct array_spec {
     const char *type;     /**< "FLOAT32"  */
     const char *encoding; /**< "ASCII"    */
     bool big_endian, column_major;
-    size_t rows, columns; /**< Of the values; columns 0: Dimensionality is 1. */
+    size_t rows, columns; /**< Shape of the values; columns 0: Dimensionality is 1. */
     const char *dim0;     /**< Instead of rows.                               */
     const char *inside;   /**< Elements before <Data>.                        */
     const char *data;     /**< Replaces the encoded values. */

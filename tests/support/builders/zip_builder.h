@@ -12,7 +12,7 @@ struct zip_builder {
     bool wide;   /**< Sizes, places and counts of ZIP64, of whatever size.           */
     bool behind; /**< Sizes and checksums stand behind the files, as in a stream's.  */
     bool last_is_packed;
-    size_t header_at, central_at; /**< Of the file that was added last: its header, and in `directory` its entry. */
+    size_t header_at, central_at; /**< The header of the file added last, and in `directory` its entry. */
 };
 
 /** Adds a file, packed by deflate or not. */
