@@ -10,7 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static void a_word_is_a_kind_and_a_file(void **state)
+static void an_option_is_a_kind_and_a_file(void **state)
 {
     static const struct {
         const char *word;
@@ -279,7 +279,7 @@ static void a_file_is_found_in_a_folder_that_is_no_utf8(void **state)
 TEST_GROUP(additions)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_word_is_a_kind_and_a_file),
+        cmocka_unit_test(an_option_is_a_kind_and_a_file),
         cmocka_unit_test(a_volume_takes_the_place_of_another_as_context),
         cmocka_unit_test(a_file_is_found_in_a_folder_that_is_no_utf8),
         cmocka_unit_test(numbers_go_with_their_files),

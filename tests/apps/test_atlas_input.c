@@ -25,7 +25,7 @@ static bool hear(void *user, const char *path, size_t done, size_t total)
 
 /* The scene has 11 surfaces, a pathway and a context; --pathway twice makes two more calls of the callback. A call that
  * cancels is the last one, and nothing is printed. */
-static void whoever_cancels_hears_no_more(void **state)
+static void a_cancelled_load_calls_back_no_more(void **state)
 {
     enum { FILES = 11 + 1 + 1 + 2 };
     const char *folder = test_scratch("brain");
@@ -239,7 +239,7 @@ static void notes_say_which_atlases_do_not_belong_together(void **state)
 TEST_GROUP(atlas_input)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(whoever_cancels_hears_no_more), cmocka_unit_test(atlases_have_different_names),
+        cmocka_unit_test(a_cancelled_load_calls_back_no_more), cmocka_unit_test(atlases_have_different_names),
         cmocka_unit_test(some_options_are_of_the_first_atlas), cmocka_unit_test(errors_name_the_atlas),
         cmocka_unit_test(notes_say_which_atlases_do_not_belong_together)};
     return cmocka_run_group_tests(tests, NULL, NULL);

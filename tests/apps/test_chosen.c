@@ -66,7 +66,7 @@ static void cells_lie_at_the_surface(void **state)
 
 /* Balls of 24, 16 and 8 mm, one in the other: together they have the shape of the outermost; the outermost alone has a
  * hollow of 16 mm; hidden objects have no cells. */
-static void several_are_one_shape_and_hidden_ones_none(void **state)
+static void several_areas_have_one_shape_and_hidden_ones_none(void **state)
 {
     conus_atlas *atlas = load("nested");
     struct cells cells;
@@ -224,7 +224,7 @@ TEST_GROUP(chosen)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_lie_at_the_surface),
-        cmocka_unit_test(several_are_one_shape_and_hidden_ones_none),
+        cmocka_unit_test(several_areas_have_one_shape_and_hidden_ones_none),
         cmocka_unit_test(a_small_area_is_found),
         cmocka_unit_test(a_ball_casts_a_disc),
         cmocka_unit_test(an_outline_is_bright_within_and_dark_beside),

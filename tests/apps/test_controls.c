@@ -100,7 +100,7 @@ static void levels_go_round(void **state)
     viewer_finish(&viewer);
 }
 
-static void what_cannot_be_asked_changes_nothing(void **state)
+static void invalid_queries_change_nothing(void **state)
 {
     struct viewer viewer;
     (void)state;
@@ -183,7 +183,7 @@ static void studies_answer_as_the_library_does(void **state)
 }
 
 /* A change of the pose, the range or the hidden objects makes the answer old. */
-static void what_changes_makes_a_study_old(void **state)
+static void a_change_of_the_query_makes_a_study_old(void **state)
 {
     struct viewer viewer;
     (void)state;
@@ -338,9 +338,9 @@ TEST_GROUP(controls)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lists_are_sorted_as_tables_are),
         cmocka_unit_test(levels_go_round),
-        cmocka_unit_test(what_cannot_be_asked_changes_nothing),
+        cmocka_unit_test(invalid_queries_change_nothing),
         cmocka_unit_test(studies_answer_as_the_library_does),
-        cmocka_unit_test(what_changes_makes_a_study_old),
+        cmocka_unit_test(a_change_of_the_query_makes_a_study_old),
         cmocka_unit_test(the_atlas_does_not_wait_for_a_long_study),
         cmocka_unit_test(studies_have_limits),
         cmocka_unit_test(without_an_atlas_a_key_means_nothing),

@@ -65,7 +65,7 @@ static void contrast_is_that_of_wcag(void **state)
                 (0.2126 * 10 / 255 / 12.92 + 0.05) / 0.05, 1e-9); /* the straight part of the curve */
 }
 
-static void over_is_a_mix(void **state)
+static void colours_are_blended_by_opacity(void **state)
 {
     ui_colour mixed = blend((ui_colour){200, 100, 0, 255}, (ui_colour){100, 100, 100, 255}, 0.5);
     (void)state;
@@ -361,7 +361,7 @@ static void nothing_is_cut_at_usual_sizes(void **state)
 }
 
 /* The audit finds texts that are cut off. */
-static void what_is_cut_is_found(void **state)
+static void the_audit_finds_cut_texts(void **state)
 {
     (void)state;
     assert_true(ui_audit_create(1, 200, 100));
@@ -395,9 +395,9 @@ static void letters_that_the_font_lacks_are_known(void **state)
 TEST_GROUP(legible)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(contrast_is_that_of_wcag),       cmocka_unit_test(over_is_a_mix),
+        cmocka_unit_test(contrast_is_that_of_wcag),       cmocka_unit_test(colours_are_blended_by_opacity),
         cmocka_unit_test(every_text_can_be_read),         cmocka_unit_test(pale_texts_can_be_read),
-        cmocka_unit_test(the_widgets_have_these_colours), cmocka_unit_test(what_is_cut_is_found),
+        cmocka_unit_test(the_widgets_have_these_colours), cmocka_unit_test(the_audit_finds_cut_texts),
         cmocka_unit_test(nothing_is_cut_at_usual_sizes),  cmocka_unit_test(letters_that_the_font_lacks_are_known),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -440,7 +440,7 @@ static void what_cannot_be_is_refused(void **state)
     close_window(&window);
 }
 
-static void words_that_cannot_be_change_nothing(void **state)
+static void invalid_commands_change_nothing(void **state)
 {
     struct viewer viewer;
     struct window window;
@@ -578,7 +578,7 @@ TEST_GROUP(look)
         cmocka_unit_test(colours_that_no_streamline_has_are_refused),
         cmocka_unit_test(each_change_is_taken_back),
         cmocka_unit_test(what_cannot_be_is_refused),
-        cmocka_unit_test(words_that_cannot_be_change_nothing),
+        cmocka_unit_test(invalid_commands_change_nothing),
         cmocka_unit_test(a_file_is_replaced_when_it_is_said_twice),
         cmocka_unit_test(sheets_of_sessions_are_checked),
         cmocka_unit_test(a_sheet_follows_from_its_settings),

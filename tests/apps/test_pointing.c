@@ -166,7 +166,7 @@ static void the_mouse_puts_the_apex_there(void **state)
     viewer_finish(&viewer);
 }
 
-static void it_is_held_and_freed_and_cleared(void **state)
+static void the_cone_is_held_freed_and_cleared(void **state)
 {
     struct viewer viewer;
     (void)state;
@@ -222,7 +222,7 @@ static void one_ray_names_one_area(void **state)
 }
 
 /* The tip is in front of the block, the contact on its face at 20.5. Where nothing is hit the crosshair stays. */
-static void the_cuts_follow_what_they_are_told_to(void **state)
+static void the_cuts_follow_the_chosen_place(void **state)
 {
     struct viewer viewer;
     struct window window = {.viewer = &viewer};
@@ -250,7 +250,7 @@ static void the_cuts_follow_what_they_are_told_to(void **state)
 }
 
 /* The notice for each state of each source. An answer is old if its tracker no longer sees the tool. */
-static void what_is_wrong_with_the_cone_is_said(void **state)
+static void notices_explain_a_missing_cone(void **state)
 {
     static const struct {
         enum pointer pointer;
@@ -304,10 +304,10 @@ TEST_GROUP(pointing)
         cmocka_unit_test(a_context_is_the_surface_where_its_skin_is),
         cmocka_unit_test(the_nearest_atlas_is_the_surface),
         cmocka_unit_test(the_mouse_puts_the_apex_there),
-        cmocka_unit_test(it_is_held_and_freed_and_cleared),
+        cmocka_unit_test(the_cone_is_held_freed_and_cleared),
         cmocka_unit_test(one_ray_names_one_area),
-        cmocka_unit_test(the_cuts_follow_what_they_are_told_to),
-        cmocka_unit_test(what_is_wrong_with_the_cone_is_said),
+        cmocka_unit_test(the_cuts_follow_the_chosen_place),
+        cmocka_unit_test(notices_explain_a_missing_cone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -78,7 +78,7 @@ static void enums_are_written_by_name_and_read_by_number(void **state)
     viewer_finish(&viewer);
 }
 
-static void what_no_row_allows_is_refused(void **state)
+static void values_that_no_row_allows_are_refused(void **state)
 {
     struct viewer viewer;
     struct window window;
@@ -112,7 +112,7 @@ static void what_no_row_allows_is_refused(void **state)
 }
 
 /* A session without a value that is needed is refused; without any other value it is read. */
-static void what_a_session_does_not_say(void **state)
+static void values_missing_from_a_session(void **state)
 {
     struct viewer viewer;
     struct window window;
@@ -257,8 +257,8 @@ TEST_GROUP(properties)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(enums_are_written_by_name_and_read_by_number),
-        cmocka_unit_test(what_no_row_allows_is_refused),
-        cmocka_unit_test(what_a_session_does_not_say),
+        cmocka_unit_test(values_that_no_row_allows_are_refused),
+        cmocka_unit_test(values_missing_from_a_session),
         cmocka_unit_test(the_document_lists_the_values_of_a_session),
         cmocka_unit_test(the_document_lists_the_keys),
         cmocka_unit_test(the_document_lists_the_commands_of_scripts),

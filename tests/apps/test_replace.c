@@ -137,7 +137,7 @@ static void a_pair_is_as_both_areas_were(void **state)
     viewer_finish(&viewer);
 }
 
-static void what_was_confirmed_keeps_its_name(void **state)
+static void confirmed_areas_keep_their_names(void **state)
 {
     struct viewer viewer;
     (void)state;
@@ -155,7 +155,7 @@ static void what_was_confirmed_keeps_its_name(void **state)
 }
 
 /* A pathway's threshold and the colours are kept; the query is answered again. */
-static void the_rest_goes_on(void **state)
+static void thresholds_colours_and_answers_are_kept(void **state)
 {
     struct viewer viewer;
     (void)state;
@@ -276,8 +276,8 @@ TEST_GROUP(replace)
         cmocka_unit_test(halves_are_as_the_whole_was),
         cmocka_unit_test(a_whole_is_as_both_halves_were),
         cmocka_unit_test(a_pair_is_as_both_areas_were),
-        cmocka_unit_test(what_was_confirmed_keeps_its_name),
-        cmocka_unit_test(the_rest_goes_on),
+        cmocka_unit_test(confirmed_areas_keep_their_names),
+        cmocka_unit_test(thresholds_colours_and_answers_are_kept),
         cmocka_unit_test(another_table_is_refused),
         cmocka_unit_test(one_side_is_shown),
         cmocka_unit_test(hidden_sides_are_shown_again),

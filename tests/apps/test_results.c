@@ -303,7 +303,7 @@ static void sessions_keep_the_list(void **state)
     viewer_finish(&viewer);
 }
 
-static void what_cannot_be_exported_is_said(void **state)
+static void failing_exports_are_reported(void **state)
 {
     struct viewer viewer;
     char why[EXPORT_WHY];
@@ -321,7 +321,7 @@ TEST_GROUP(results)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_are_those_of_conus_query),  cmocka_unit_test(cells_of_bundles_are_those_of_conus_query),
         cmocka_unit_test(rows_have_the_order_of_a_column), cmocka_unit_test(columns_are_chosen),
-        cmocka_unit_test(sessions_keep_the_list),          cmocka_unit_test(what_cannot_be_exported_is_said),
+        cmocka_unit_test(sessions_keep_the_list),          cmocka_unit_test(failing_exports_are_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

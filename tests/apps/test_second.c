@@ -303,7 +303,7 @@ static void the_second_tool_has_a_tracker_of_its_own(void **state)
     close_window(&window);
 }
 
-static void values_that_never_change_and_no_numbers_are_said(void **state)
+static void stuck_and_invalid_trackers_are_reported(void **state)
 {
     struct viewer viewer;
     struct window window;
@@ -508,7 +508,7 @@ TEST_GROUP(second)
         cmocka_unit_test(a_device_moves_one_tool),
         cmocka_unit_test(one_tracker_moves_two_tools),
         cmocka_unit_test(the_second_tool_has_a_tracker_of_its_own),
-        cmocka_unit_test(values_that_never_change_and_no_numbers_are_said),
+        cmocka_unit_test(stuck_and_invalid_trackers_are_reported),
         cmocka_unit_test(the_wall_is_cut_by_planes),
         cmocka_unit_test(a_tool_is_steered_along_its_own_axes),
         cmocka_unit_test(sessions_keep_it_and_changes_are_taken_back),

@@ -60,7 +60,7 @@ static void place_on(double out[3], const struct head *head, double right, doubl
     }
 }
 
-static void what_is_drawn_is_hit_by_the_mouse(void **state)
+static void the_mouse_hits_the_drawn_point(void **state)
 {
     (void)state;
     uint64_t seed = 5;
@@ -147,7 +147,7 @@ static void the_last_view_is_kept(void **state)
 }
 
 /* Panning moves the point in the middle with the mouse, pixel by pixel, and does not turn the view. */
-static void what_is_held_goes_with_the_mouse(void **state)
+static void panning_moves_the_middle_with_the_mouse(void **state)
 {
     (void)state;
     uint64_t seed = 11;
@@ -218,12 +218,9 @@ static void the_wheel_comes_nearer(void **state)
 TEST_GROUP(sight)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_drawn_is_hit_by_the_mouse),
-        cmocka_unit_test(the_pane_is_its_part_of_the_screen),
-        cmocka_unit_test(the_last_view_is_kept),
-        cmocka_unit_test(what_is_held_goes_with_the_mouse),
-        cmocka_unit_test(the_view_turns_about_the_middle),
-        cmocka_unit_test(the_wheel_comes_nearer),
+        cmocka_unit_test(the_mouse_hits_the_drawn_point),  cmocka_unit_test(the_pane_is_its_part_of_the_screen),
+        cmocka_unit_test(the_last_view_is_kept),           cmocka_unit_test(panning_moves_the_middle_with_the_mouse),
+        cmocka_unit_test(the_view_turns_about_the_middle), cmocka_unit_test(the_wheel_comes_nearer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -190,7 +190,7 @@ static void a_head_looks_at_the_screen(void **state)
     }
 }
 
-static void a_lost_head_is_none(void **state)
+static void a_lost_head_has_no_pose(void **state)
 {
     (void)state;
     const double cart[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1};
@@ -471,7 +471,7 @@ static void sent_selection_arrives(void **state)
 }
 
 /* A client asks for tracking data, and asks again after the server was gone. */
-static void as_a_client_it_comes_again(void **state)
+static void a_client_connects_again(void **state)
 {
     (void)state;
     struct sockaddr_in place = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK)};
@@ -517,7 +517,7 @@ TEST_GROUP(station)
         cmocka_unit_test(the_axis_becomes_the_devices),
         cmocka_unit_test(frames_are_joined),
         cmocka_unit_test(a_head_looks_at_the_screen),
-        cmocka_unit_test(a_lost_head_is_none),
+        cmocka_unit_test(a_lost_head_has_no_pose),
         cmocka_unit_test(lost_and_stale_tools_are_no_poses),
         cmocka_unit_test(nonsense_ends_one_connection_only),
         cmocka_unit_test(idle_peers_give_way),
@@ -525,7 +525,7 @@ TEST_GROUP(station)
         cmocka_unit_test(peers_that_send_keep_their_places),
         cmocka_unit_test(a_flood_leaves_the_newest_pose),
         cmocka_unit_test(sent_selection_arrives),
-        cmocka_unit_test(as_a_client_it_comes_again),
+        cmocka_unit_test(a_client_connects_again),
         cmocka_unit_test(a_bad_address_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -48,7 +48,7 @@ static void command_lines_come_back_as_they_were(void **state)
     }
 }
 
-static void what_only_a_shell_takes_is_refused(void **state)
+static void shell_syntax_is_refused(void **state)
 {
     (void)state;
     static const char *const bad[] = {
@@ -199,7 +199,7 @@ static void a_sidecar_is_read_or_refused_with_any_allocation_failing(void **stat
 }
 
 /* A seal stays intact when foreign keys are added, and breaks when one of conus's is changed. */
-static void a_seal_breaks_with_what_it_is_of(void **state)
+static void a_seal_covers_the_keys_of_conus(void **state)
 {
     (void)state;
     static const char *const changes[] = {"{\"TaskName\": \"rest\", \"rank\": 1}",
@@ -294,7 +294,7 @@ static void files_are_found_by_length_and_checksum(void **state)
 }
 
 /* Every path of a sidecar becomes a link below the staging folder. */
-static void a_stage_holds_every_path(void **state)
+static void a_staging_folder_has_every_path(void **state)
 {
     (void)state;
     test_folder("stage");
@@ -453,7 +453,7 @@ static void the_setting_that_differs_is_named(void **state)
 }
 
 /* Each term lets certain values differ, and no others. */
-static void only_what_follows_from_the_terms_may_differ(void **state)
+static void only_values_allowed_by_the_terms_may_differ(void **state)
 {
     (void)state;
     static const struct {
@@ -509,19 +509,19 @@ TEST_GROUP(verify)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(command_lines_come_back_as_they_were),
-        cmocka_unit_test(what_only_a_shell_takes_is_refused),
+        cmocka_unit_test(shell_syntax_is_refused),
         cmocka_unit_test(a_sidecar_is_read_whole),
         cmocka_unit_test(no_prefix_of_a_sidecar_is_one),
         cmocka_unit_test(wrong_values_of_a_sidecar_are_refused),
         cmocka_unit_test(a_sidecar_is_read_or_refused_with_any_allocation_failing),
-        cmocka_unit_test(a_seal_breaks_with_what_it_is_of),
+        cmocka_unit_test(a_seal_covers_the_keys_of_conus),
         cmocka_unit_test(the_folder_of_a_run_follows_from_a_path),
         cmocka_unit_test(files_are_found_by_length_and_checksum),
-        cmocka_unit_test(a_stage_holds_every_path),
+        cmocka_unit_test(a_staging_folder_has_every_path),
         cmocka_unit_test(the_cell_that_differs_is_named),
         cmocka_unit_test(more_differences_than_are_listed_are_counted),
         cmocka_unit_test(the_setting_that_differs_is_named),
-        cmocka_unit_test(only_what_follows_from_the_terms_may_differ),
+        cmocka_unit_test(only_values_allowed_by_the_terms_may_differ),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -76,7 +76,7 @@ static uint32_t best_of(const struct viewer *viewer)
 
 /* Nested balls, and a device outside: the cone hits the outermost that is shown, whichever are hidden, without being
  * aimed again. */
-static void what_is_hidden_is_not_selected(void **state)
+static void hidden_areas_are_not_selected(void **state)
 {
     struct viewer viewer;
     (void)state;
@@ -100,7 +100,7 @@ static void what_is_hidden_is_not_selected(void **state)
 }
 
 /* Objects that are hidden when the atlas is loaded, for instance by --hide, can be shown. */
-static void what_comes_hidden_can_be_shown(void **state)
+static void areas_hidden_by_an_option_can_be_shown(void **state)
 {
     struct viewer viewer;
     conus_atlas *atlas = NULL;
@@ -283,7 +283,7 @@ static void a_place_has_a_voxel_and_the_crosshair_stays_near(void **state)
     viewer_finish(&viewer);
 }
 
-static void what_was_selected_is_a_table(void **state)
+static void written_results_are_the_copied_table(void **state)
 {
     struct viewer viewer;
     char path[600];
@@ -488,7 +488,7 @@ static void a_pin_says_how_far_the_one_before_is(void **state)
 
 /* A session of an atlas that has been moved since, here by 7 mm, is refused: its cone and pins would be at other
  * places. */
-static void a_session_is_of_where_the_atlas_lay(void **state)
+static void a_session_fits_an_unmoved_atlas_only(void **state)
 {
     struct viewer viewer;
     struct window window = {.screen.enlarged = -1, .viewer = &viewer};
@@ -540,7 +540,7 @@ static conus_atlas *warped_phantom(double shift)
 }
 
 /* The same for an atlas that a field has moved. The field has no positions for some of the points that are compared. */
-static void a_session_is_of_the_field_that_moved_the_atlas(void **state)
+static void a_session_fits_the_same_field_only(void **state)
 {
     struct viewer viewer;
     struct window window = {.screen.enlarged = -1, .viewer = &viewer};
@@ -566,12 +566,12 @@ TEST_GROUP(viewer)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_mouse_hits_what_is_shown),
-        cmocka_unit_test(what_is_hidden_is_not_selected),
-        cmocka_unit_test(what_comes_hidden_can_be_shown),
+        cmocka_unit_test(hidden_areas_are_not_selected),
+        cmocka_unit_test(areas_hidden_by_an_option_can_be_shown),
         cmocka_unit_test(a_pathway_has_a_value),
         cmocka_unit_test(an_opaque_context_is_hit_before_what_it_hides),
         cmocka_unit_test(a_place_has_a_voxel_and_the_crosshair_stays_near),
-        cmocka_unit_test(what_was_selected_is_a_table),
+        cmocka_unit_test(written_results_are_the_copied_table),
         cmocka_unit_test(files_are_watched),
         cmocka_unit_test(a_node_is_shown_whole_in_part_or_not),
         cmocka_unit_test(colours_go_and_come_back),
@@ -583,8 +583,8 @@ TEST_GROUP(viewer)
         cmocka_unit_test(a_question_follows_from_the_cone),
         cmocka_unit_test(the_oldest_pin_makes_room),
         cmocka_unit_test(a_pin_says_how_far_the_one_before_is),
-        cmocka_unit_test(a_session_is_of_where_the_atlas_lay),
-        cmocka_unit_test(a_session_is_of_the_field_that_moved_the_atlas),
+        cmocka_unit_test(a_session_fits_an_unmoved_atlas_only),
+        cmocka_unit_test(a_session_fits_the_same_field_only),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -146,7 +146,7 @@ static void each_option_alone_changes_the_answers(void **state)
 }
 
 /* Each atlas has its own hidden, chosen and confirmed areas; the colours are common to all. */
-static void what_is_drawn_is_what_is_hidden_and_confirmed(void **state)
+static void hiding_and_confirming_apply_to_the_drawn_atlas(void **state)
 {
     struct viewer viewer;
     (void)state;
@@ -578,7 +578,7 @@ TEST_GROUP(viewer_atlases)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_atlases_are_asked_the_same),
         cmocka_unit_test(each_option_alone_changes_the_answers),
-        cmocka_unit_test(what_is_drawn_is_what_is_hidden_and_confirmed),
+        cmocka_unit_test(hiding_and_confirming_apply_to_the_drawn_atlas),
         cmocka_unit_test(colours_are_those_of_all_atlases),
         cmocka_unit_test(no_answer_outlives_its_question),
         cmocka_unit_test(places_have_a_name_in_each_atlas),

@@ -223,7 +223,7 @@ static void only_a_whole_list_is_read(void **state)
     }
 }
 
-static void what_is_opened_comes_first(void **state)
+static void the_last_opened_comes_first(void **state)
 {
     struct recent recent;
     char path[PATH_MAX];
@@ -314,7 +314,7 @@ static void assert_opens(struct start *start, const char *typed, const char *wan
     assert_string_equal(path, wanted);
 }
 
-static void what_is_typed_finds_an_installed_atlas(void **state)
+static void typed_words_find_an_installed_atlas(void **state)
 {
     struct start start = {.on = true};
     (void)state;
@@ -420,7 +420,7 @@ static void a_link_to_an_atlas_is_opened_where_it_is(void **state)
     start_finish(&start);
 }
 
-static void where_nothing_was_typed_the_arrows_choose(void **state)
+static void the_arrows_choose_on_an_empty_line(void **state)
 {
     struct start start = {.on = true};
     char path[PATH_MAX];
@@ -498,13 +498,13 @@ TEST_GROUP(window_state)
         cmocka_unit_test(keys_divide_the_window),
         cmocka_unit_test(texts_are_as_large_as_the_screen_is_dense),
         cmocka_unit_test(only_a_whole_list_is_read),
-        cmocka_unit_test(what_is_opened_comes_first),
+        cmocka_unit_test(the_last_opened_comes_first),
         cmocka_unit_test(the_start_page_shows_no_escapes),
-        cmocka_unit_test(what_is_typed_finds_an_installed_atlas),
+        cmocka_unit_test(typed_words_find_an_installed_atlas),
         cmocka_unit_test(an_atlas_in_two_places_is_offered_once),
         cmocka_unit_test(an_atlas_of_the_list_is_opened_and_no_file_of_its_name),
         cmocka_unit_test(a_link_to_an_atlas_is_opened_where_it_is),
-        cmocka_unit_test(where_nothing_was_typed_the_arrows_choose),
+        cmocka_unit_test(the_arrows_choose_on_an_empty_line),
         cmocka_unit_test(without_an_atlas_a_phantom_is_the_sample),
         cmocka_unit_test(the_theme_is_the_desktops),
     };

@@ -137,7 +137,7 @@ static void boxes_that_are_points_are_found_too(void **state)
 }
 
 /* All boxes lie in -10 .. 22 on every axis. */
-static void what_no_ray_can_reach_costs_nothing(void **state)
+static void boxes_out_of_reach_cost_nothing(void **state)
 {
     (void)state;
     static struct scene scene;
@@ -196,9 +196,9 @@ static void every_failing_allocation_is_reported(void **state)
 TEST_GROUP(bvh)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_box_on_the_ray_is_found_once),  cmocka_unit_test(boxes_that_are_points_are_found_too),
-        cmocka_unit_test(what_no_ray_can_reach_costs_nothing), cmocka_unit_test(an_empty_tree_has_nothing),
-        cmocka_unit_test(equal_boxes_are_all_found),           cmocka_unit_test(every_failing_allocation_is_reported),
+        cmocka_unit_test(every_box_on_the_ray_is_found_once), cmocka_unit_test(boxes_that_are_points_are_found_too),
+        cmocka_unit_test(boxes_out_of_reach_cost_nothing),    cmocka_unit_test(an_empty_tree_has_nothing),
+        cmocka_unit_test(equal_boxes_are_all_found),          cmocka_unit_test(every_failing_allocation_is_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

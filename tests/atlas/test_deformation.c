@@ -329,7 +329,7 @@ static void five(double out[3], const double p[3])
     out[1] = out[2] = 0;
 }
 
-static void what_nothing_goes_to_is_outside(void **state)
+static void points_without_a_preimage_are_outside(void **state)
 {
     (void)state;
     struct made *made = make(five);
@@ -502,7 +502,7 @@ TEST_GROUP(deformation)
         cmocka_unit_test(the_way_back_leads_back),
         cmocka_unit_test(folds_are_counted_cell_by_cell),
         cmocka_unit_test(the_whole_is_seen_to_mirror_turn_and_grow),
-        cmocka_unit_test(what_nothing_goes_to_is_outside),
+        cmocka_unit_test(points_without_a_preimage_are_outside),
         cmocka_unit_test(a_field_to_one_point_is_none),
         cmocka_unit_test(splines_are_the_polynomials_of_their_coefficients),
         cmocka_unit_test(splines_end_at_the_last_node_but_one),

@@ -90,7 +90,7 @@ static void a_skull_encloses_a_head(void **state)
 
 /* In a grid of 300 each cell is three voxels: a bar from voxel 150 on is found from voxel 150 on, as a cell begins
  * there. */
-static void of_large_grids_every_third_voxel_counts(void **state)
+static void large_grids_are_sampled_at_every_third_voxel(void **state)
 {
     (void)state;
     static float values[300 * 2 * 2];
@@ -161,7 +161,7 @@ static void a_placement_says_where_the_areas_are(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static void surfaces_have_a_place_and_nothing_has_none(void **state)
+static void surfaces_have_a_place_and_an_empty_atlas_has_none(void **state)
 {
     (void)state;
     conus_placement place = CONUS_PLACEMENT_INIT;
@@ -294,7 +294,7 @@ static const char *said_of(const double atlas_from_world[16], const double centr
 }
 
 /* The head is 60 mm to the right, 24 mm in front and 8 mm up; the transform to the atlas subtracts that. */
-static void other_readings_are_told(void **state)
+static void better_readings_are_noted(void **state)
 {
     (void)state;
     static const double head[3] = {60, 24, 8};
@@ -327,7 +327,7 @@ static void other_readings_are_told(void **state)
 }
 
 /* The cube is six layers of 4 mm, and the head reaches 16 mm to each side. */
-static void what_is_hardly_better_is_not_told(void **state)
+static void slightly_better_readings_are_not_noted(void **state)
 {
     (void)state;
     const double nearly[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -4, 0, 0, 1};
@@ -382,15 +382,15 @@ TEST_GROUP(fit)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_skull_encloses_a_head),
-        cmocka_unit_test(of_large_grids_every_third_voxel_counts),
+        cmocka_unit_test(large_grids_are_sampled_at_every_third_voxel),
         cmocka_unit_test(a_placement_says_where_the_areas_are),
-        cmocka_unit_test(surfaces_have_a_place_and_nothing_has_none),
+        cmocka_unit_test(surfaces_have_a_place_and_an_empty_atlas_has_none),
         cmocka_unit_test(closed_surfaces_show_a_head),
         cmocka_unit_test(a_surface_may_wind_twice_around_a_head),
         cmocka_unit_test(surfaces_tell_of_other_readings),
         cmocka_unit_test(a_ray_meets_a_surface_around),
-        cmocka_unit_test(other_readings_are_told),
-        cmocka_unit_test(what_is_hardly_better_is_not_told),
+        cmocka_unit_test(better_readings_are_noted),
+        cmocka_unit_test(slightly_better_readings_are_not_noted),
         cmocka_unit_test(every_failing_allocation_leaves_the_atlas),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -211,7 +211,7 @@ static void a_moved_atlas_moves_its_positions(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static void what_is_said_must_fit_the_grid(void **state)
+static void a_ccf_frame_must_fit_the_grid(void **state)
 {
     (void)state;
     conus_atlas *atlas = layout((const int[3]){0, 1, 2}, (const bool[3]){false, false, false});
@@ -256,7 +256,7 @@ TEST_GROUP(frame)
         cmocka_unit_test(units_that_cannot_be_meant_are_refused),
         cmocka_unit_test(people_have_right_and_left),
         cmocka_unit_test(a_moved_atlas_moves_its_positions),
-        cmocka_unit_test(what_is_said_must_fit_the_grid),
+        cmocka_unit_test(a_ccf_frame_must_fit_the_grid),
         cmocka_unit_test(spaces_have_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

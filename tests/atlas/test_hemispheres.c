@@ -387,7 +387,7 @@ static void refuse(const uint32_t *voxels, const struct area_row *rows, conus_he
     conus_atlas_destroy(atlas);
 }
 
-static void what_cannot_be_done_is_said(void **state)
+static void impossible_hemispheres_are_refused(void **state)
 {
     (void)state;
     static const struct area_row both[] = {{1, "A", 0, NULL, 0}, {2, "B", 0, NULL, 0}, {0}};
@@ -567,7 +567,7 @@ TEST_GROUP(hemispheres)
         cmocka_unit_test(a_level_keeps_the_sides_apart),
         cmocka_unit_test(the_middle_is_right),
         cmocka_unit_test(merging_undoes_splitting),
-        cmocka_unit_test(what_cannot_be_done_is_said),
+        cmocka_unit_test(impossible_hemispheres_are_refused),
         cmocka_unit_test(surfaces_are_not_cut),
         cmocka_unit_test(many_areas_need_wider_numbers),
         cmocka_unit_test(every_allocation_may_fail),

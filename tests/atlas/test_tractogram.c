@@ -192,7 +192,7 @@ static conus_status make_owned(struct tractogram *out)
     return out->scalars->name && out->groups->name ? CONUS_OK : CONUS_ERROR_MEMORY;
 }
 
-static void it_ends_what_it_owns(void **state)
+static void finishing_frees_what_it_owns(void **state)
 {
     (void)state;
     struct tractogram tractogram = {0};
@@ -215,15 +215,11 @@ static void it_ends_what_it_owns(void **state)
 TEST_GROUP(tractogram)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_halves_are_what_the_standard_says),
-        cmocka_unit_test(points_know_their_streamline),
-        cmocka_unit_test(lengths_are_sums_of_segments),
-        cmocka_unit_test(short_streamlines_are_noted),
-        cmocka_unit_test(points_beyond_the_limit_are_refused),
-        cmocka_unit_test(points_are_looked_at_to_the_last),
-        cmocka_unit_test(what_contradicts_itself_is_refused),
-        cmocka_unit_test(a_radius_is_above_0_and_at_most_100),
-        cmocka_unit_test(it_ends_what_it_owns),
+        cmocka_unit_test(all_halves_are_what_the_standard_says), cmocka_unit_test(points_know_their_streamline),
+        cmocka_unit_test(lengths_are_sums_of_segments),          cmocka_unit_test(short_streamlines_are_noted),
+        cmocka_unit_test(points_beyond_the_limit_are_refused),   cmocka_unit_test(points_are_looked_at_to_the_last),
+        cmocka_unit_test(what_contradicts_itself_is_refused),    cmocka_unit_test(a_radius_is_above_0_and_at_most_100),
+        cmocka_unit_test(finishing_frees_what_it_owns),
     };
     return cmocka_run_group_tests_name("tractogram", tests, NULL, NULL);
 }

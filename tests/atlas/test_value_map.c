@@ -94,7 +94,7 @@ static void copy_bytes(void *user, void *codes, const uint8_t *stored, size_t co
 }
 
 /* A box of 10 x 10 x 10 voxels in a background of 100 x 100 x 100 takes at most two runs of each of its rows. */
-static void nothing_takes_no_memory(void **state)
+static void background_takes_no_memory(void **state)
 {
     (void)state;
     enum { EDGE = 100, BOX = 10 };
@@ -149,7 +149,7 @@ static void values_are_divided_and_masks_found(void **state)
     }
 }
 
-static void unsound_maps_are_told(void **state)
+static void unsound_maps_are_found(void **state)
 {
     (void)state;
     static float values[2 * VALUE_PAGE];
@@ -256,8 +256,8 @@ static void steps_are_counted_where_they_are(void **state)
 TEST_GROUP(value_map)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_map_holds_what_it_was_made_of),    cmocka_unit_test(nothing_takes_no_memory),
-        cmocka_unit_test(values_are_divided_and_masks_found), cmocka_unit_test(unsound_maps_are_told),
+        cmocka_unit_test(a_map_holds_what_it_was_made_of),    cmocka_unit_test(background_takes_no_memory),
+        cmocka_unit_test(values_are_divided_and_masks_found), cmocka_unit_test(unsound_maps_are_found),
         cmocka_unit_test(every_allocation_may_fail),          cmocka_unit_test(steps_are_counted_where_they_are),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -170,7 +170,7 @@ static void a_streamline_with_a_lost_point_is_left_out(void **state)
 }
 
 /* ANTs leaves points outside of the field's grid where they are. */
-static void outside_of_a_field_of_ants_points_stay(void **state)
+static void points_outside_of_a_field_of_ants_stay(void **state)
 {
     (void)state;
     struct tractogram tractogram = make_tractogram();
@@ -187,7 +187,7 @@ static void outside_of_a_field_of_ants_points_stay(void **state)
     conus_atlas_destroy(atlas);
 }
 
-static void an_atlas_of_which_nothing_is_left_is_unchanged(void **state)
+static void an_atlas_that_would_be_empty_is_unchanged(void **state)
 {
     (void)state;
     struct tractogram tractogram = make_tractogram();
@@ -238,8 +238,8 @@ TEST_GROUP(warp_tracts)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(points_go_back_through_the_field),
         cmocka_unit_test(a_streamline_with_a_lost_point_is_left_out),
-        cmocka_unit_test(outside_of_a_field_of_ants_points_stay),
-        cmocka_unit_test(an_atlas_of_which_nothing_is_left_is_unchanged),
+        cmocka_unit_test(points_outside_of_a_field_of_ants_stay),
+        cmocka_unit_test(an_atlas_that_would_be_empty_is_unchanged),
         cmocka_unit_test(a_failing_allocation_changes_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

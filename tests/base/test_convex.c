@@ -88,7 +88,7 @@ static void a_cube_on_its_corner_is_cut(void **state)
 }
 
 /* The cuts at z = 1 and x = 1/2 of the corner x + y + z <= 1 of a cube leave (1/2)^3 / 6 beyond. */
-static void what_was_cut_is_cut_again(void **state)
+static void cut_parts_are_cut_again(void **state)
 {
     (void)state;
     struct convex_stack stack = {0};
@@ -159,7 +159,7 @@ TEST_GROUP(convex)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_tetrahedron_is_cut),        cmocka_unit_test(boxes_stay_boxes),
-        cmocka_unit_test(a_cube_on_its_corner_is_cut), cmocka_unit_test(what_was_cut_is_cut_again),
+        cmocka_unit_test(a_cube_on_its_corner_is_cut), cmocka_unit_test(cut_parts_are_cut_again),
         cmocka_unit_test(parts_sum_to_the_whole),      cmocka_unit_test(every_failing_allocation_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -159,7 +159,7 @@ static void every_change_is_found(void **state)
 }
 
 /* Names that were never asked for, and other changes of the folder. */
-static void what_nobody_asked_for_does_not_count(void **state)
+static void unasked_files_do_not_count(void **state)
 {
     (void)state;
     struct file_trace trace;
@@ -305,7 +305,7 @@ TEST_GROUP(file_trace)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_question_is_kept_once),
         cmocka_unit_test(every_change_is_found),
-        cmocka_unit_test(what_nobody_asked_for_does_not_count),
+        cmocka_unit_test(unasked_files_do_not_count),
         cmocka_unit_test(two_answers_break_a_trace),
         cmocka_unit_test(a_file_that_could_not_be_read_breaks_a_trace),
         cmocka_unit_test(only_files_at_rest_are_settled),

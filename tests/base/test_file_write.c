@@ -75,7 +75,7 @@ static void a_taken_name_is_passed_over(void **state)
 }
 
 /* A process that is killed while it writes leaves no partial file, and the old file stays. */
-static void nothing_is_left_of_what_is_killed(void **state)
+static void a_killed_writer_leaves_nothing(void **state)
 {
     (void)state;
     static char much[1 << 16];
@@ -113,7 +113,7 @@ TEST_GROUP(file_write)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_taken_name_is_passed_over),
-        cmocka_unit_test(nothing_is_left_of_what_is_killed),
+        cmocka_unit_test(a_killed_writer_leaves_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

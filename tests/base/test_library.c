@@ -25,7 +25,7 @@ static void functions_are_found_in_order(void **state)
     assert_memory_equal(&table, &filled, sizeof table);
 }
 
-static void what_is_missing_leaves_the_table_empty(void **state)
+static void a_missing_function_leaves_the_table_empty(void **state)
 {
     (void)state;
     struct table table = {0};
@@ -42,7 +42,7 @@ TEST_GROUP(library)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(functions_are_found_in_order),
-        cmocka_unit_test(what_is_missing_leaves_the_table_empty),
+        cmocka_unit_test(a_missing_function_leaves_the_table_empty),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -142,7 +142,7 @@ static void a_check_finds_what_differs_and_what_is_null(void **state)
     finish_bench(&bench);
 }
 
-static void what_is_held_is_compared(void **state)
+static void ratios_are_compared_with_their_bounds(void **state)
 {
     (void)state;
     struct bench bench = make_bench();
@@ -191,7 +191,7 @@ static conus_status leave_a_part_out(struct bench *bench)
     return bench_leave_out(bench, "a part");
 }
 
-static void what_one_scenario_does_is_its_own(void **state)
+static void scenarios_do_not_affect_each_other(void **state)
 {
     (void)state;
     static const struct bench_scenario scenarios[] = {{.name = "refuses", .run = refuse},
@@ -252,8 +252,8 @@ TEST_GROUP(bench)
         cmocka_unit_test(long_runs_count_at_once_and_time_ends_rounds),
         cmocka_unit_test(a_ratio_of_different_answers_is_null_and_says_why),
         cmocka_unit_test(a_check_finds_what_differs_and_what_is_null),
-        cmocka_unit_test(what_is_held_is_compared),
-        cmocka_unit_test(what_one_scenario_does_is_its_own),
+        cmocka_unit_test(ratios_are_compared_with_their_bounds),
+        cmocka_unit_test(scenarios_do_not_affect_each_other),
         cmocka_unit_test(an_exponent_is_the_slope_of_the_logarithms),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -25,7 +25,7 @@ static void keep(const char *path)
     conus_atlas_destroy(atlas);
 }
 
-static void what_was_loaded_is_mapped_the_next_time(void **state)
+static void a_loaded_atlas_is_mapped_the_next_time(void **state)
 {
     (void)state;
     const char *path = cached_atlas("one.nii", 5);
@@ -95,7 +95,7 @@ static void add_to_folder(char out[8192], const char *path, const char *name)
 }
 
 /* Without a table beside it the whole folder is searched: for tables, and for volumes to which they may belong. */
-static void only_what_is_looked_for_in_the_folder_counts(void **state)
+static void only_searched_names_in_the_folder_count(void **state)
 {
     (void)state;
     static const struct {
@@ -177,7 +177,7 @@ static void add_stranger(conus_atlas *atlas, enum stranger stranger)
 
 /* An atlas is kept only if all of it is known to come from the files that were read. Otherwise it could be found again
  * after another file has changed. */
-static void what_was_not_seen_being_read_is_not_kept(void **state)
+static void parts_from_unrecorded_files_are_not_kept(void **state)
 {
     (void)state;
     const conus_load_options options = {.cache = true};
@@ -429,13 +429,13 @@ static void every_failing_allocation(void **state)
 TEST_GROUP(atlas_cache)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_was_loaded_is_mapped_the_next_time),
+        cmocka_unit_test(a_loaded_atlas_is_mapped_the_next_time),
         cmocka_unit_test(the_library_asks_for_no_cache_by_itself),
         cmocka_unit_test(a_file_that_changed_is_read_again),
         cmocka_unit_test(a_file_that_appears_beside_it_counts),
-        cmocka_unit_test(only_what_is_looked_for_in_the_folder_counts),
+        cmocka_unit_test(only_searched_names_in_the_folder_count),
         cmocka_unit_test(options_have_entries_of_their_own),
-        cmocka_unit_test(what_was_not_seen_being_read_is_not_kept),
+        cmocka_unit_test(parts_from_unrecorded_files_are_not_kept),
         cmocka_unit_test(notes_are_heard_again),
         cmocka_unit_test(surfaces_around_the_areas_are_not_kept),
         cmocka_unit_test(a_file_that_changed_just_now_is_not_kept),

@@ -132,7 +132,7 @@ enter_line() {
     queried --streamlines more.tck --streamlines two.tck,radius=2,name=Arc | diff changed.tsv -
 }
 
-@test "what the user set stays while files come and go, and can be undone" {
+@test "settings stay while files are added and removed, and can be undone" {
     need_window
     scene
     view slabs.nii.gz <<END
@@ -213,7 +213,7 @@ END
     jq -e '.atlas == "slabs.nii.gz" and .opened.options == []' same.json
 }
 
-@test "what cannot be added leaves the window as it was, with one line" {
+@test "files that cannot be added are refused in one line and change nothing" {
     need_window
     scene
     head -c 70 two.tck >cut.tck

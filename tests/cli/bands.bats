@@ -43,7 +43,7 @@ AIM='--origin 0.2,0.3,-40 --toward 0.2,0.3,0 --radius 1 --quiet'
     has '  band         from 80 on, 256 voxels'
 }
 
-@test "what the answers rest on is said: below the table, in JSON, in sidecars" {
+@test "the bands are reported: below the table, in JSON, in sidecars" {
     ramp
     answers query ramp.atlas.json --origin 0.2,0.3,-40 --toward 0.2,0.3,0
     has 'bands of ramp.nii: High from 80 on, Low from 20 to below 50, Middle from 50 to below 80'
@@ -76,7 +76,7 @@ AIM='--origin 0.2,0.3,-40 --toward 0.2,0.3,0 --radius 1 --quiet'
     cmp gl.tsv rays.tsv
 }
 
-@test "what is no band is one line" {
+@test "an invalid band is one line" {
     ramp
     local start="query sphere.nii.gz $AIM --pathway"
     fails 2 'band=20 is not LOW:HIGH:NAME' $start ramp.nii,band=20
@@ -96,7 +96,7 @@ AIM='--origin 0.2,0.3,-40 --toward 0.2,0.3,0 --radius 1 --quiet'
     check_message 'overlap'
 }
 
-@test "what looks wrong with a band is a note" {
+@test "a suspicious band has a note" {
     ramp
     run -0 --separate-stderr "$CONUS" info sphere.nii.gz --pathway ramp.nii,band=41:49:Gap,band=60:110:Top
     has 'pathway Gap: no voxel has a value from 41 to below 49'

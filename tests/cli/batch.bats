@@ -270,7 +270,7 @@ alone() {
     answers batch sphere.nii.gz --poses poses.tsv --shard 0/1 -o all.tsv
 }
 
-@test "what is wrong with --shard, --threads, --block and the outputs is said" {
+@test "mistakes in --shard, --threads, --block and the outputs are reported" {
     setup_ball 3
     fails 2 '--shard: "4/4" is not I/N' batch sphere.nii.gz --poses poses.tsv --shard 4/4
     fails 2 '--shard: "1" is not I/N' batch sphere.nii.gz --poses poses.tsv --shard 1
@@ -390,7 +390,7 @@ alone() {
     check_message 'shard.json: cannot read: is a pipe, a regular file is needed'
 }
 
-@test "what other processes left behind does not stand in the way" {
+@test "leftovers of other processes do no harm" {
     setup_ball 5
     batch -o rows.tsv
     # Partial files under the names of older versions, rows.json.PID.part, of the next processes.
@@ -404,7 +404,7 @@ alone() {
     cmp rows.tsv joined.tsv
 }
 
-@test "what a crash left half written is cut off" {
+@test "half-written rows of a crash are cut off" {
     setup_ball 2000
     batch -o rows.tsv
     for blocks in 1 2 3 4; do

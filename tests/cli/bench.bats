@@ -31,7 +31,7 @@ bench() {
     done <names
 }
 
-@test "what cannot run is left out and says why, and the others go on" {
+@test "scenarios that cannot run are left out with the reason, and the others go on" {
     need_long
     run -0 --separate-stderr env MESA_LOADER_DRIVER_OVERRIDE=none EGL_PLATFORM=none \
         __EGL_VENDOR_LIBRARY_DIRS=/nonexistent "$CONUS_BENCH" all --check --json all.json

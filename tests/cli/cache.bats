@@ -217,7 +217,7 @@ with open("far.tck", "wb") as file:
     same_answers --streamlines far.tck
 }
 
-@test "of many points a sample tells that they lie well; where it does not, all are counted" {
+@test "a sample of many points may show that they lie well; otherwise all are counted" {
     "$CONUS" phantom sphere -o phantom
     # rows: points inside, note. 59,000 are above the limit, a half, but no sample can tell that for sure.
     while read -r inside note; do
@@ -235,7 +235,7 @@ with open("far.tck", "wb") as file:
 END
 }
 
-@test "what is neither off nor a size is refused, but not where no cache is asked for" {
+@test "the environment must say off or a size, but only where the cache is used" {
     own_cache
     "$CONUS" phantom sphere -o phantom
     export CONUS_CACHE=12x

@@ -174,7 +174,7 @@ cells() {
         --toward normal --depth 9
 }
 
-@test "what cannot be is refused" {
+@test "invalid candidates are refused" {
     needles
     fails 2 'no candidates given: --poses FILE, or --from FILE --toward WHAT' $U --depth 9
     fails 2 '--from and --poses' $P --depth 9 --poses targets.txt

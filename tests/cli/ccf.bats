@@ -193,7 +193,7 @@ END
     done
 }
 
-@test "what cannot be meant is refused" {
+@test "frames and units that cannot be right are refused" {
     printf 'ap\tdv\tml\ttap\ttdv\ttml\n5400\t-1000\t5739\t5400\t4000\t5739\n' >"$BATS_TEST_TMPDIR/mouse.tsv"
     fails 3 '; ap, dv and ml are read in space ccf or bregma' query ras.nii --pose "$BATS_TEST_TMPDIR/mouse.tsv"
     conus phantom nested -o "$BATS_TEST_TMPDIR"

@@ -102,7 +102,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     [[ "$output" != *cone* && "$output" != *Rick* ]]
 }
 
-@test "what could be hit" {
+@test "objects that could be hit" {
     scene
     conus query nested.nii.gz $aim --pathway slabs.nii.gz,threshold=1 --atlas slabs.nii.gz --context slabs.nii.gz \
         --context-blocks 200 -o a.tsv
@@ -225,7 +225,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
     has '10.1/tpl'
 }
 
-@test "what cannot be cited is said" {
+@test "results that cannot be cited are refused" {
     scene
     fails 3 'cannot open' cite none/none.nii.gz
     conus query nested.nii.gz $aim -o a.tsv
@@ -297,7 +297,7 @@ METHOD='T. Rick, A. von Kapri, T. Kuhlen: GPU Implementation of 3D Object Select
 }
 
 # The batch records the options that its file of poses used, not the poses: the paragraph describes only those options.
-@test "of a batch and a track only what applies is said" {
+@test "a batch and a track are described by what applies to them" {
     scene
     local header='x\ty\tz\ttx\tty\ttz' row='0\t100\t0\t0\t0\t0'
     printf "$header\n$row\n" >plain.tsv

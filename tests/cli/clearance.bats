@@ -74,7 +74,7 @@ poses() {
     done
 }
 
-@test "what cannot be asked is refused with a line" {
+@test "invalid options are refused with a line" {
     u_shape
     for wrong in -1 x nan 1001 ''; do
         fails 2 "--clearance: within=$wrong is no number of mm from 0 to 1000" query $NEEDLE --clearance "rows.tsv,within=$wrong"

@@ -92,7 +92,7 @@ says_identical() {
     says_identical matrix.json
 }
 
-@test "what to write about it" {
+@test "the paragraph about it" {
     lines
     conus connect $U -q -o rows.tsv
     answers cite rows.tsv

@@ -62,7 +62,7 @@ questions=(
     [ $i -eq 50 ]
 }
 
-@test "what cannot be asked is refused, and all stays as it was" {
+@test "invalid queries are refused and change nothing" {
     need_window
     nested
     export ASAN_OPTIONS=detect_leaks=0 # Mesa forgets 128 bytes of a driver that is unloaded before anything was drawn
@@ -215,7 +215,7 @@ END
     conus sweep "${at[@]}" --angles 3:40:4.7 --resolution 1 | grep nested | diff - <(grep nested ray.tsv)
 }
 
-@test "a study is begun by a key, saved by a key, and what cannot be is refused" {
+@test "a study is begun by a key, saved by a key, and an invalid one is refused" {
     need_window
     nested
     view nested.nii.gz --labels tree.tsv <<'END'

@@ -109,7 +109,7 @@ result() {
     fails 2 'one has a column "i", the other has none' diff c.tsv a.tsv
 }
 
-@test "what is no result is refused" {
+@test "files that are no results are refused" {
     result >a.tsv
     fails 3 'none.tsv: cannot open: No such file or directory' diff a.tsv none.tsv
     fails 3 '.: cannot read: is a folder, a file or pipe is needed' diff a.tsv .
@@ -126,7 +126,7 @@ result() {
     fails 2 '--tolerance: -1 is out of range' diff a.tsv a.tsv --tolerance -1
 }
 
-@test "what has no end is not read: devices not at all, pipes up to --max-memory" {
+@test "endless files are not read: devices not at all, pipes up to --max-memory" {
     result >a.tsv
     for device in /dev/zero /dev/null; do
         run -3 --separate-stderr timeout 60 "$CONUS" diff a.tsv $device
@@ -139,7 +139,7 @@ result() {
     "$CONUS" diff a.tsv <(cat a.tsv)
 }
 
-@test "what steers a terminal in names does not reach it" {
+@test "control characters in names do not reach the terminal" {
     result >a.tsv
     sed $'s/Frontal/\x1b]0;title\x07\xc2\x9b31m\xe2\x80\xaelatnorF/' a.tsv >b.tsv
     not cmp -s a.tsv b.tsv

@@ -199,7 +199,7 @@ END
     [ ! -s said ]
 }
 
-@test "what cannot be done is said in one line, and all stays as it was" {
+@test "impossible choices are refused in one line and change nothing" {
     need_window
     conus phantom nested -o . --size 16
     aim=$'angle 25\naim 3 90 2 3 0 2'

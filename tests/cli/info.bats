@@ -63,7 +63,7 @@ load helpers
 }
 
 # Names may contain ESC, CSI of 8 bits, a line separator, or an override of the direction.
-@test "what steers a terminal in names of areas and files does not reach it" {
+@test "control characters in names of areas and files do not reach the terminal" {
     local odd=$'\x1b]0;t\x07\xc2\x9b31m\xe2\x80\xa8\xe2\x80\xae'
     sphere --size 16
     rm sphere.json

@@ -107,7 +107,7 @@ setup_poses() {
     [ ! -s said ]
 }
 
-@test "what is wrong is said once, and nothing is left" {
+@test "an error is reported once, and nothing is left" {
     setup_poses
     ranks 3 sphere.nii.gz --poses none.tsv -o rows.tsv 2>said && return 1 || [ $? -eq 3 ]
     [ "$(grep -c '^conus: ' said)" -eq 1 ]

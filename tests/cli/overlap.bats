@@ -106,7 +106,7 @@ nested.nii.gz is an atlas: ATLAS comes first, then ROI" overlap map.nrrd nested.
     [[ "$stderr" != *"comes first"* ]]
 }
 
-@test "what is no region, and what would be overwritten, is refused" {
+@test "files that are no regions, and overwriting, are refused" {
     scene
     fails 3 "cannot open" overlap nested.nii.gz nothing.nii.gz
     fails 2 "is no mask: a threshold is needed" overlap cone.nii.gz nested.nii.gz

@@ -29,7 +29,7 @@ columns() {
 
 # With a margin of 3 mm the slack of a is 5 - 1 - 3 = 1 mm, that of b 5 mm. The reach of 5 mm has the leeway d with 10 -
 # 2 d = 5, where both ends of the arm count, which is 2.5 mm for a and b.
-@test "what reaches and keeps clear is listed, the largest leeway first" {
+@test "feasible poses are listed, the largest leeway first" {
     needles
     answers $U --reach U,length=5 --avoid Ball,margin=3 --format tsv -q
     [ "$(head -1 <<<"$output" | tr '\t' ' ')" = "query rank front feasible broken entry target x y z dx dy dz tip_x tip_y tip_z far_mm entry_angle_deg leeway_mm leeway_of slack_mm clearance_mm clearance_of clearance_at_mm score p_ok reach1_mm avoid1_mm avoid1_at_mm" ]
@@ -56,7 +56,7 @@ columns() {
     [ "$(columns query)" = "b;a;c;" ]
 }
 
-@test "none is feasible: the funnel, and what is missed by the least" {
+@test "none is feasible: the funnel, and the nearest misses" {
     needles
     run -0 --separate-stderr conus $U --reach U,length=5 --avoid Ball,margin=9 -o plan.tsv
     [ "$(wc -l <plan.tsv)" -eq 1 ]
@@ -152,7 +152,7 @@ columns() {
     [ "$(columns query far_mm | tr ';' '\n' | wc -l)" -eq 4 ]
 }
 
-@test "what cannot be is refused with a line" {
+@test "invalid options are refused with a line" {
     needles
     fails 2 'did you mean "Ball"' $U --reach Bal1
     fails 2 'did you mean length' $U --reach U,lenght=5
@@ -204,7 +204,7 @@ columns() {
 # The depth has a normal error of 2 mm. b and a end 3 and 7 mm behind 23, where the reach is just long enough, and 5 and
 # 1 mm before 31, where the ball's margin begins. So b is feasible with the probability of an error from -3 to 5 mm, a
 # of one from -7 to 1.
-@test "how probable it is that a pose holds when it is not exactly known" {
+@test "the probability that a pose with errors is feasible" {
     needles
     local ask="$U --reach U,length=5 --avoid Ball,margin=3 --jitter entry=0,target=0,depth=2 --samples 4096 -q"
     answers $ask --format tsv --rank p_ok
@@ -361,7 +361,7 @@ END
 
 # The same for the rows of a cone; pierced is the part of its 208 pixels. Needles from the side towards the ball at (0,
 # 0, 5); the fourth misses it.
-@test "what a pose has in its cone or cylinder, asked by batch, is the same" {
+@test "measures of a cone or cylinder are those of batch" {
     needles
     printf 'e\t0\t40\t5\t0\t-1\t0\t45\nf\t0\t40\t6\t0\t-1\t0\t38\n' >>needles.tsv
     for shape in '--radius 2' '--angle 20'; do

@@ -54,7 +54,7 @@ needles() {
     done
 }
 
-@test "what is no journal, or not of this plan, is refused with a line" {
+@test "files that are no journal of this plan are refused with a line" {
     needles
     conus $few --shard 0/2 -o a.tsv -q
     conus $few --shard 1/2 -o b.tsv -q

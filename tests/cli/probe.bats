@@ -103,7 +103,7 @@ AIM=(--origin 0,14.6,0 --direction 0,1,0)
     conus cite balls.tsv | tr '\n' ' ' | grep -q 'a ball with a radius of 1 mm'
 }
 
-@test "what does not go together is said, and no file is left" {
+@test "options that exclude each other are refused, and no file is left" {
     probe
     local q=(query slabs.nii.gz "${AIM[@]}")
     sed 's/"probe_planar_contour".*\]\]/"annotations":{}/' np.json >blunt.json

@@ -218,7 +218,7 @@ shanks() {
     [ "$(conus batch u-shape.nii.gz --poses poses.tsv --range 0,80 --format open-ephys --contacts 40,2,2,16 -q)" = "$output" ]
 }
 
-@test "what is no shank is refused with a line" {
+@test "axes that are no shanks are refused with a line" {
     u_shape
     fails 2 'range: a shank has its tip at the far end of the range' query $AXIS --format spikeglx
     fails 2 'contacts: Open Ephys counts those of a shank' query $AXIS --range 0,80 --format open-ephys

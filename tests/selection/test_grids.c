@@ -130,7 +130,7 @@ static void the_nearest_of_all_grids_is_hit(void **state)
 }
 
 /* Both begin at the same plane: the area of the earlier grid is hit, though its label is greater. */
-static void of_equals_the_earlier_grid_is_hit(void **state)
+static void the_earlier_of_equal_grids_is_hit(void **state)
 {
     (void)state;
     struct label_voxels labels[2] = {0};
@@ -285,7 +285,7 @@ static void both_engines_see_all_grids_alike(void **state)
 TEST_GROUP(grids)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_nearest_of_all_grids_is_hit),  cmocka_unit_test(of_equals_the_earlier_grid_is_hit),
+        cmocka_unit_test(the_nearest_of_all_grids_is_hit),  cmocka_unit_test(the_earlier_of_equal_grids_is_hit),
         cmocka_unit_test(a_packed_atlas_has_all_grids),     cmocka_unit_test(layers_are_those_of_each_grid),
         cmocka_unit_test(both_engines_see_all_grids_alike), cmocka_unit_test(the_driver_was_silent),
     };

@@ -211,7 +211,7 @@ static void hidden_is_as_if_never_loaded(void **state)
     compare(CONUS_ENGINE_RAYS, SCENES);
 }
 
-static void and_with_gl(void **state)
+static void hidden_is_as_if_never_loaded_with_gl(void **state)
 {
     (void)state;
     struct gl_context *context = test_gl_context(NULL, NULL); /* or the test is skipped */
@@ -490,7 +490,7 @@ TEST_GROUP(hidden)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(hidden_is_as_if_never_loaded),
-        cmocka_unit_test(and_with_gl),
+        cmocka_unit_test(hidden_is_as_if_never_loaded_with_gl),
         cmocka_unit_test(bounds_are_those_of_what_is_shown),
         cmocka_unit_test(what_is_shown_again_is_as_before),
         cmocka_unit_test(a_packed_atlas_hides_the_same),

@@ -57,7 +57,7 @@ static void ties_go_by_share_distance_entry_and_number(void **state)
 }
 
 /* An occluded object has no distance. Where all else ties it comes after those that have one, and then by entry. */
-static void what_has_no_distance_comes_behind(void **state)
+static void occluded_objects_come_last(void **state)
 {
     (void)state;
     const conus_result seen = {.object = 9, .distance = 90, .entry = 90};
@@ -340,7 +340,7 @@ TEST_GROUP(ranking)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(ties_go_by_share_distance_entry_and_number),
-        cmocka_unit_test(what_has_no_distance_comes_behind),
+        cmocka_unit_test(occluded_objects_come_last),
         cmocka_unit_test(the_rim_is_every_pixel_with_a_neighbour_outside),
         cmocka_unit_test(nearness_goes_by_areas_and_pathways),
         cmocka_unit_test(empty_borders_change_nothing),

@@ -380,7 +380,7 @@ static conus_status load_scene(void *user)
 }
 
 /* Notes that need all files to have been read are about the atlas that was asked for. */
-static void what_is_said_of_all_areas(void **state)
+static void notes_about_all_areas(void **state)
 {
     (void)state;
     struct nifti_builder builder;
@@ -425,7 +425,7 @@ TEST_GROUP(load_log)
         cmocka_unit_test(objects_of_one_file_say_it_once),
         cmocka_unit_test(an_attached_atlas),
         cmocka_unit_test(without_a_callback),
-        cmocka_unit_test(what_is_said_of_all_areas),
+        cmocka_unit_test(notes_about_all_areas),
         cmocka_unit_test(every_failing_allocation),
     };
     return cmocka_run_group_tests(tests, write_files, NULL);

@@ -278,7 +278,7 @@ static void a_volume_of_a_plain_file_is_read_alone(void **state)
 
 /* The limit counts the memory that is held: the places of the labels and 512 bytes for each different one. It counts
  * neither the file nor the volume as stored. */
-static void of_a_plain_file_its_labels_count(void **state)
+static void the_limit_of_a_plain_file_counts_its_labels(void **state)
 {
     (void)state;
     struct volume_file file = {0};
@@ -327,7 +327,7 @@ TEST_GROUP(kept_index)
         cmocka_unit_test(the_list_names_it),
         cmocka_unit_test(labels_begin_again_without_an_index_that_lies),
         cmocka_unit_test(a_volume_of_a_plain_file_is_read_alone),
-        cmocka_unit_test(of_a_plain_file_its_labels_count),
+        cmocka_unit_test(the_limit_of_a_plain_file_counts_its_labels),
         cmocka_unit_test(every_failing_allocation),
     };
     umask(022);

@@ -206,7 +206,7 @@ static void a_pathway_may_come_after_the_context(void **state)
 }
 
 /* A context that holds the areas themselves, as a T1 does, hides only objects behind its surface. */
-static void what_is_equally_near_comes_first(void **state)
+static void areas_win_over_a_context_at_the_same_depth(void **state)
 {
     (void)state;
     static uint32_t labels[EDGE * EDGE * EDGE];
@@ -276,7 +276,7 @@ TEST_GROUP(context_blocks)
         cmocka_unit_test(gl_is_stopped),
         cmocka_unit_test(what_is_blocked_is_unassigned),
         cmocka_unit_test(a_pathway_may_come_after_the_context),
-        cmocka_unit_test(what_is_equally_near_comes_first),
+        cmocka_unit_test(areas_win_over_a_context_at_the_same_depth),
         cmocka_unit_test(every_failing_allocation_is_clean),
         cmocka_unit_test(a_threshold_that_nothing_reaches_is_refused),
     };

@@ -47,7 +47,7 @@ static void test_the_nearest_cell_within_the_radius(void **state)
 }
 
 /* Two grids of one cell of 2 mm each: label 7 round x = 0, label 3 round x = 1. They share x from 0 to 1. */
-static void test_of_several_grids_the_first_one_counts(void **state)
+static void test_the_first_of_several_grids_counts(void **state)
 {
     (void)state;
     static const double second[16] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 1, 0, 0, 1};
@@ -168,7 +168,7 @@ TEST_GROUP(area_at)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_nearest_cell_within_the_radius),
-        cmocka_unit_test(test_of_several_grids_the_first_one_counts),
+        cmocka_unit_test(test_the_first_of_several_grids_counts),
         cmocka_unit_test(test_the_most_probable_area_counts),
         cmocka_unit_test(test_surfaces_have_an_inside_and_a_distance),
         cmocka_unit_test(test_random_scenes_as_a_search_of_all_cells),

@@ -348,7 +348,7 @@ static void test_without_bundles_there_is_nothing(void **state)
 }
 
 /* A ball of 1 mm around (10, 5, 0) holds a part of the detour only, whose ends are far away. */
-static void test_only_what_comes_into_the_region(void **state)
+static void test_only_streamlines_in_the_region(void **state)
 {
     (void)state;
     conus_atlas *atlas = with_groups();
@@ -502,7 +502,7 @@ TEST_GROUP(connectivity)
         cmocka_unit_test(test_the_matrix_as_text),
         cmocka_unit_test(test_hidden_areas_and_bundles_are_not_there),
         cmocka_unit_test(test_without_bundles_there_is_nothing),
-        cmocka_unit_test(test_only_what_comes_into_the_region),
+        cmocka_unit_test(test_only_streamlines_in_the_region),
         cmocka_unit_test(test_a_cone_picks_streamlines),
         cmocka_unit_test(test_a_selection_of_another_atlas_is_refused),
         cmocka_unit_test(test_a_radius_has_limits),

@@ -249,7 +249,7 @@ static void the_first_slab_hides_the_second(void **state)
     close_view(&view);
 }
 
-static void of_nested_balls_the_outer_one_is_hit(void **state)
+static void the_outermost_of_nested_balls_is_hit(void **state)
 {
     (void)state;
     static const struct {
@@ -473,7 +473,7 @@ TEST_GROUP(closed_forms)
         cmocka_unit_test(a_torus_has_its_annulus),
         cmocka_unit_test(shares_converge),
         cmocka_unit_test(the_first_slab_hides_the_second),
-        cmocka_unit_test(of_nested_balls_the_outer_one_is_hit),
+        cmocka_unit_test(the_outermost_of_nested_balls_is_hit),
         cmocka_unit_test(through_the_hole_of_a_torus_there_is_nothing),
         cmocka_unit_test(a_bounding_box_selects_nothing),
         cmocka_unit_test(tubes_are_hit_at_their_wall),

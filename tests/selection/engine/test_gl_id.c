@@ -143,7 +143,7 @@ static size_t count_blocked(struct engine *engine, const struct cone *cone)
     return blocked;
 }
 
-static void what_blocks_is_seen_alike(void **state)
+static void blocking_contexts_are_seen_alike(void **state)
 {
     (void)state;
     uint64_t random = 15;
@@ -280,7 +280,7 @@ TEST_GROUP(gl_id)
         cmocka_unit_test(more_objects_than_16_bits_hold),
         cmocka_unit_test(distances_are_those_of_the_closed_form),
         cmocka_unit_test(the_context_is_never_hit),
-        cmocka_unit_test(what_blocks_is_seen_alike),
+        cmocka_unit_test(blocking_contexts_are_seen_alike),
         cmocka_unit_test(a_volume_too_long_for_the_driver_is_refused),
         cmocka_unit_test(every_failing_allocation_is_reported),
         cmocka_unit_test(the_callers_context_stays_current),

@@ -251,7 +251,7 @@ static void one_hundred_poses_of_julich_brain(void **state)
 }
 
 /* A cylinder among spheres behind it, around its apex and before it: nothing behind the plane of its apex is in it. */
-static void what_lies_behind_a_cylinder_is_not_in_it(void **state)
+static void nothing_behind_a_cylinder_is_in_it(void **state)
 {
     (void)state;
     conus_atlas *atlas = mesh_scene_atlas();
@@ -318,7 +318,7 @@ TEST_GROUP(gl_mesh_layers)
         cmocka_unit_test(one_hundred_poses_of_the_brain),
         cmocka_unit_test(meshes_among_voxels),
         cmocka_unit_test(one_hundred_poses_of_julich_brain),
-        cmocka_unit_test(what_lies_behind_a_cylinder_is_not_in_it),
+        cmocka_unit_test(nothing_behind_a_cylinder_is_in_it),
         cmocka_unit_test(a_thousand_layers),
         cmocka_unit_test(every_failing_allocation_is_reported),
         cmocka_unit_test(the_driver_was_silent),

@@ -83,7 +83,7 @@ static void a_range_cuts_intervals_and_drops_the_rest(void **state)
     layers_finish(&layers);
 }
 
-static void what_blocks_is_dropped(void **state)
+static void blockers_are_dropped(void **state)
 {
     (void)state;
     struct layers layers = {0};
@@ -321,7 +321,7 @@ TEST_GROUP(layers)
         cmocka_unit_test(intervals_are_sorted_by_pixel_entry_and_object),
         cmocka_unit_test(many_intervals_of_one_pixel_are_sorted),
         cmocka_unit_test(a_range_cuts_intervals_and_drops_the_rest),
-        cmocka_unit_test(what_blocks_is_dropped),
+        cmocka_unit_test(blockers_are_dropped),
         cmocka_unit_test(the_first_interval_is_what_is_visible),
         cmocka_unit_test(a_range_of_everything_changes_nothing),
         cmocka_unit_test(in_a_range_the_first_interval_is_visible),

@@ -144,7 +144,7 @@ static double score_of(struct view *view, const char *score, uint32_t label)
     return result_of(view, label)->score;
 }
 
-static void each_is_what_it_says(void **state)
+static void each_score_follows_its_definition(void **state)
 {
     (void)state;
     struct view view;
@@ -318,7 +318,7 @@ TEST_GROUP(scores)
         cmocka_unit_test(k_is_four_fifths_and_the_unit_the_metre),
         cmocka_unit_test(inside_an_object_it_is_the_limit),
         cmocka_unit_test(in_a_cylinder_it_is_linear),
-        cmocka_unit_test(each_is_what_it_says),
+        cmocka_unit_test(each_score_follows_its_definition),
         cmocka_unit_test(the_smallest_wins_unless_it_touches_the_rim),
         cmocka_unit_test(every_side_of_the_rim_counts),
         cmocka_unit_test(senseshapes_are_from_0_to_1),

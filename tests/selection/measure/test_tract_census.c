@@ -252,7 +252,7 @@ static void test_lines_in_a_cone(void **state)
 /* A cylinder of 2 mm holds 4 mm of the second line at x = 0. The line runs from x = 70 to -30, against the longest
  * streamline, which defines the direction (Eq. 20): it is met after 70 of its 100 mm, so at 0.3. A range that ends
  * before the line holds nothing. */
-static void test_ways(void **state)
+static void test_directions(void **state)
 {
     (void)state;
     conus_atlas *atlas = tract_lines_atlas();
@@ -417,14 +417,10 @@ static void test_allocations(void **state)
 TEST_GROUP(tract_census)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tree_and_no_tree),
-        cmocka_unit_test(test_lines_in_a_cone),
-        cmocka_unit_test(test_ways),
-        cmocka_unit_test(test_first_of_equally_long_ones_leads),
-        cmocka_unit_test(test_points_beside_a_line),
-        cmocka_unit_test(test_along_a_point),
-        cmocka_unit_test(test_lines_in_a_ball),
-        cmocka_unit_test(test_hidden_bundles),
+        cmocka_unit_test(test_tree_and_no_tree),     cmocka_unit_test(test_lines_in_a_cone),
+        cmocka_unit_test(test_directions),           cmocka_unit_test(test_first_of_equally_long_ones_leads),
+        cmocka_unit_test(test_points_beside_a_line), cmocka_unit_test(test_along_a_point),
+        cmocka_unit_test(test_lines_in_a_ball),      cmocka_unit_test(test_hidden_bundles),
         cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

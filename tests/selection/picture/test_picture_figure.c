@@ -358,7 +358,7 @@ static uint32_t height_with_legend(const struct scene *scene, conus_layers layer
 
 /* Seen from 60 mm to the left, the left ball (centre at 40 mm, radius 8: 11.5 degrees to its rim) hides the right one
  * (80 mm, 5.7 degrees) and nothing else: with all layers there is one row more. */
-static void what_is_behind_others_has_a_row_with_all_layers(void **state)
+static void occluded_objects_have_a_row_with_all_layers(void **state)
 {
     need_font();
     struct scene scene = need_scene(state);
@@ -476,7 +476,7 @@ static double all(const double p[3])
 }
 
 /* Seen from the front, a cube fills a square picture up to its margins: no corner is free, and the drawing shrinks. */
-static void a_cube_makes_room_for_them(void **state)
+static void a_cube_makes_room_for_scale_and_directions(void **state)
 {
     (void)state;
     need_font();
@@ -496,7 +496,7 @@ static void a_cube_makes_room_for_them(void **state)
 /* Six balls and a cross or a square on a corner leave corners of the picture empty. In a square picture the legend
  * needs neither a column nor a row for itself. Nothing lies under it in any picture, not even the wide walls of the
  * cone. */
-static void a_legend_leaves_what_is_beside_it_large(void **state)
+static void a_legend_leaves_the_drawing_large(void **state)
 {
     static const uint32_t sizes[][2] = {{400, 300}, {400, 400}};
     need_font();
@@ -525,7 +525,7 @@ static void a_legend_leaves_what_is_beside_it_large(void **state)
 
 /* With a camera from the left, past the balls in front and above, scale and directions are in the lower right
  * corner. */
-static void a_given_camera_has_them_where_nothing_is(void **state)
+static void scale_and_directions_follow_a_given_camera(void **state)
 {
     need_font();
     struct scene scene = need_scene(state);
@@ -539,7 +539,7 @@ static void a_given_camera_has_them_where_nothing_is(void **state)
 }
 
 /* 18 mm before its middle a ball of radius 8 spans 52 degrees: all of a square picture of 30 degrees. */
-static void where_nothing_is_free_they_have_patches(void **state)
+static void without_free_corners_scale_and_directions_have_patches(void **state)
 {
     need_font();
     struct scene scene = need_scene(state);
@@ -786,12 +786,12 @@ TEST_GROUP(picture_figure)
         cmocka_unit_test(letters_tell_left_from_right),
         cmocka_unit_test(backgrounds_lie_behind),
         cmocka_unit_test(a_legend_outside_leaves_the_drawing_alone),
-        cmocka_unit_test(what_is_behind_others_has_a_row_with_all_layers),
+        cmocka_unit_test(occluded_objects_have_a_row_with_all_layers),
         cmocka_unit_test(scale_and_directions_lie_on_nothing),
-        cmocka_unit_test(a_cube_makes_room_for_them),
-        cmocka_unit_test(a_legend_leaves_what_is_beside_it_large),
-        cmocka_unit_test(a_given_camera_has_them_where_nothing_is),
-        cmocka_unit_test(where_nothing_is_free_they_have_patches),
+        cmocka_unit_test(a_cube_makes_room_for_scale_and_directions),
+        cmocka_unit_test(a_legend_leaves_the_drawing_large),
+        cmocka_unit_test(scale_and_directions_follow_a_given_camera),
+        cmocka_unit_test(without_free_corners_scale_and_directions_have_patches),
         cmocka_unit_test(a_probe_is_a_line_in_the_colours_of_what_it_passes),
         cmocka_unit_test(probes_that_cannot_be_drawn_are_refused),
         cmocka_unit_test(files_say_how_large_they_are),

@@ -359,7 +359,7 @@ static double chroma(const struct scene *scene)
 }
 
 /* Eq. 8: pale is 0.16 of the colour and 0.3 of white. From the front only objects that are not hit are seen. */
-static void what_is_given_an_opacity_or_listed_is_not_pale(void **state)
+static void areas_with_an_opacity_or_a_row_are_not_pale(void **state)
 {
     (void)state;
     const double opacity[] = {NAN, NAN, 1};
@@ -377,7 +377,7 @@ static void what_is_given_an_opacity_or_listed_is_not_pale(void **state)
 }
 
 /* Without pale areas the picture is as if every area that the cone does not hit had opacity 0. */
-static void what_is_not_hit_can_be_left_out(void **state)
+static void areas_that_are_not_hit_can_be_left_out(void **state)
 {
     (void)state;
     const double opacity[] = {NAN, NAN, 0};
@@ -661,8 +661,8 @@ TEST_GROUP(picture_legend)
         cmocka_unit_test(the_drawing_is_below_a_wide_legend),
         cmocka_unit_test(bundles_that_are_not_hit_have_rows),
         cmocka_unit_test(an_area_that_is_given_an_opacity_has_a_row),
-        cmocka_unit_test(what_is_given_an_opacity_or_listed_is_not_pale),
-        cmocka_unit_test(what_is_not_hit_can_be_left_out),
+        cmocka_unit_test(areas_with_an_opacity_or_a_row_are_not_pale),
+        cmocka_unit_test(areas_that_are_not_hit_can_be_left_out),
         cmocka_unit_test(a_legend_without_a_cone_has_the_first_rows),
         cmocka_unit_test(a_legend_outside_does_not_make_the_picture_endless),
         cmocka_unit_test(letters_have_contrast_on_any_background),

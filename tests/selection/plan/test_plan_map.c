@@ -148,7 +148,7 @@ static void check_needles(const struct volume *volume, const struct plan_map *ma
     assert_true(outside || (told[0] > 5 && told[2] > 5));
 }
 
-static void they_tell_what_is_so(void **state)
+static void maps_agree_with_the_cells(void **state)
 {
     (void)state;
     uint64_t seed = 22;
@@ -170,7 +170,7 @@ static void they_tell_what_is_so(void **state)
 }
 
 /* A needle along a face may be on either side of it; a grid whose axes are not perpendicular has no map. */
-static void what_they_do_not_tell(void **state)
+static void places_that_maps_do_not_decide(void **state)
 {
     (void)state;
     uint64_t seed = 3;
@@ -222,8 +222,8 @@ static void every_failing_allocation_is_survived(void **state)
 TEST_GROUP(plan_map)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(they_tell_what_is_so),
-        cmocka_unit_test(what_they_do_not_tell),
+        cmocka_unit_test(maps_agree_with_the_cells),
+        cmocka_unit_test(places_that_maps_do_not_decide),
         cmocka_unit_test(every_failing_allocation_is_survived),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -63,7 +63,7 @@ static const char *text_of(conus_report *report)
 
 /* Each depth has one area: the one entered last. From 20 to 25 mm, where two begin, it is the one that ends first; from
  * 38 to 40 mm the last box. Heights are from the tip at 50 mm. */
-static void of_areas_in_each_other_the_innermost_counts(void **state)
+static void the_innermost_of_nested_areas_counts(void **state)
 {
     (void)state;
     struct made made = make(&(conus_report_options){.format = CONUS_FORMAT_SPIKEGLX}, 50);
@@ -186,7 +186,7 @@ static void people_get_a_table(void **state)
 TEST_GROUP(report_segments)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(of_areas_in_each_other_the_innermost_counts),
+        cmocka_unit_test(the_innermost_of_nested_areas_counts),
         cmocka_unit_test(channels_go_on_from_shank_to_shank),
         cmocka_unit_test(shanks_need_a_tip_and_channels),
         cmocka_unit_test(what_does_not_go_together_is_refused),

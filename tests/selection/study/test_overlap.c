@@ -64,7 +64,7 @@ static void peaks_are_found(void **state)
 
 /* The first of two equal peaks in the file, (1, 0, 0), counts, though the other, (0, 0, 1), is on an earlier line along
  * k. */
-static void of_equal_peaks_the_first_counts(void **state)
+static void the_first_of_equal_peaks_counts(void **state)
 {
     (void)state;
     conus_atlas *atlas = region_scene_slabs();
@@ -497,7 +497,7 @@ TEST_GROUP(overlap)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_in_nothing_comes_last),
         cmocka_unit_test(peaks_are_found),
-        cmocka_unit_test(of_equal_peaks_the_first_counts),
+        cmocka_unit_test(the_first_of_equal_peaks_counts),
         cmocka_unit_test(what_is_hidden_is_not_covered),
         cmocka_unit_test(hidden_pathways_are_not_covered),
         cmocka_unit_test(lines_along_edges_lose_nothing),

@@ -53,7 +53,7 @@ static void check_cube(double edge, const double middle[3], double first, double
 }
 
 /* A cube of 2 mm in the middle of the border, as maps of 2 mm have on atlases of 1 mm, is half on each side. */
-static void what_lies_across_a_border_is_divided(void **state)
+static void cubes_across_a_border_are_divided(void **state)
 {
     (void)state;
     check_cube(2, (const double[]){3.5, 3, 3}, 4, 4);
@@ -327,7 +327,7 @@ TEST_GROUP(shares)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(volumes_are_as_a_lattice_finds_them),
         cmocka_unit_test(larger_voxels_hold_several),
-        cmocka_unit_test(what_lies_across_a_border_is_divided),
+        cmocka_unit_test(cubes_across_a_border_are_divided),
         cmocka_unit_test(rounding_crosses_no_border),
         cmocka_unit_test(thin_slices_along_any_axis_count),
         cmocka_unit_test(parallel_grids_have_products_of_lengths_in_common),

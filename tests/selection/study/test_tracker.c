@@ -235,7 +235,7 @@ static void bad_steps_leave_no_trace(void **state)
     close_track(&dirty);
 }
 
-static void of_two_steps_at_one_time_the_later_counts(void **state)
+static void the_later_of_two_steps_at_one_time_counts(void **state)
 {
     (void)state;
     struct track track = open_track("intenselect_plus", 0, NULL);
@@ -484,7 +484,7 @@ TEST_GROUP(tracker)
         cmocka_unit_test(what_could_be_confirmed_has_a_row),
         cmocka_unit_test(a_press_confirms_what_was_selected_before_it),
         cmocka_unit_test(bad_steps_leave_no_trace),
-        cmocka_unit_test(of_two_steps_at_one_time_the_later_counts),
+        cmocka_unit_test(the_later_of_two_steps_at_one_time_counts),
         cmocka_unit_test(a_long_gap_starts_afresh),
         cmocka_unit_test(options_have_ranges),
         cmocka_unit_test(every_rate_gives_the_same_scores),

@@ -364,7 +364,7 @@ static void rays_find_what_a_loop_finds(void **state)
 }
 
 /* Leaves are cut along axes and diagonals; a ray that just touches a point at a cut hits. */
-static void what_is_touched_is_hit(void **state)
+static void touched_points_are_hit(void **state)
 {
     (void)state;
     uint64_t random = 8;
@@ -457,7 +457,7 @@ static void equally_near_ones_have_an_order(void **state)
 
 /* Balls of radius 1 round (0, 0, 0), (0, 0, 2) and (0, 0, 5), seen from 7 mm before the first: from 6 to 8 mm, from 8
  * to 10, and from 11 to 13. The first two touch, so they are one. */
-static void what_touches_is_one_interval(void **state)
+static void touching_tubes_are_one_interval(void **state)
 {
     (void)state;
     static const float points[] = {0, 0, 2, 0, 0, 0, 0, 0, 5};
@@ -520,8 +520,8 @@ TEST_GROUP(tract_rays)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rays_find_what_a_loop_finds),     cmocka_unit_test(halves_are_hit_as_their_floats),
-        cmocka_unit_test(equally_near_ones_have_an_order), cmocka_unit_test(what_touches_is_one_interval),
-        cmocka_unit_test(what_is_touched_is_hit),          cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(equally_near_ones_have_an_order), cmocka_unit_test(touching_tubes_are_one_interval),
+        cmocka_unit_test(touched_points_are_hit),          cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

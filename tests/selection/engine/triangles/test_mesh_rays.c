@@ -350,7 +350,7 @@ static void what_lies_behind_the_apex_is_not_hit(void **test)
     conus_atlas_destroy(atlas);
 }
 
-static void of_two_surfaces_in_one_place_the_lower_object_wins(void **test)
+static void the_lower_object_of_two_equal_surfaces_wins(void **test)
 {
     (void)test;
     conus_atlas *atlas = mesh_scene_atlas();
@@ -572,7 +572,7 @@ TEST_GROUP(mesh_rays)
         cmocka_unit_test(hardly_any_ray_slips_through_a_vertex),
         cmocka_unit_test(both_faces_count_and_open_surfaces_do),
         cmocka_unit_test(what_lies_behind_the_apex_is_not_hit),
-        cmocka_unit_test(of_two_surfaces_in_one_place_the_lower_object_wins),
+        cmocka_unit_test(the_lower_object_of_two_equal_surfaces_wins),
         cmocka_unit_test(far_contacts_are_exact),
         cmocka_unit_test(meshes_and_volumes_are_merged_by_distance),
         cmocka_unit_test(widths_answer_alike_and_sparse_blocks_too),
