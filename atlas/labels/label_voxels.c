@@ -58,14 +58,24 @@ enum { NARROW = sizeof(uint16_t), WIDE = sizeof(uint32_t) };
 /* Voxels that are looked at side by side: neighbours mostly have one label. */
 enum { TOGETHER = 16 };
 typedef uint16_t eight_places __attribute__((vector_size(16), aligned(2), may_alias));
+typedef uint32_t four_labels __attribute__((vector_size(16), aligned(4), may_alias));
+typedef uint64_t bits __attribute__((vector_size(16)));
+
+static bool is_zero(bits all)
+{
+    return !(all[0] | all[1]);
+}
 
 static bool all_are_place(const uint16_t *places, uint16_t place)
 {
     const eight_places *at = (const void *)places;
-    eight_places differ = (at[0] ^ place) | (at[1] ^ place);
-    uint64_t any[2];
-    memcpy(any, &differ, sizeof any);
-    return !(any[0] | any[1]);
+    return is_zero((bits)((at[0] ^ place) | (at[1] ^ place)));
+}
+
+static bool all_are_label(const uint32_t *labels, uint32_t label)
+{
+    const four_labels *at = (const void *)labels;
+    return is_zero((bits)((at[0] ^ label) | (at[1] ^ label) | (at[2] ^ label) | (at[3] ^ label)));
 }
 
 static void set_places(uint16_t *places, uint16_t place)
@@ -380,12 +390,9 @@ static void write_run(struct label_coder *coder, uint32_t place, size_t count)
 /* How many labels from the first on are like it: side by side first. */
 static size_t count_run(const uint32_t *labels, size_t count)
 {
-    enum { LANES = 16 };
     size_t run = 0;
-    for (uint32_t differ = 0; !differ && count - run >= LANES; run += differ ? 0 : LANES) {
-        for (size_t i = 0; i < LANES; i++) {
-            differ |= labels[run + i] ^ labels[0];
-        }
+    while (count - run >= TOGETHER && all_are_label(labels + run, labels[0])) {
+        run += TOGETHER;
     }
     while (run < count && labels[run] == labels[0]) {
         run++;

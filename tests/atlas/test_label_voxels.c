@@ -51,6 +51,25 @@ static void labels_come_back_in_two_or_four_bytes(void **state)
     }
 }
 
+/* Labels are compared side by side: one voxel that differs in one bit is found wherever it is in a run of others. */
+static void one_voxel_in_a_run_is_found(void **state)
+{
+    (void)state;
+    enum { RUN = 70 };
+    for (size_t odd = 0; odd < RUN; odd++) {
+        uint32_t labels[RUN];
+        struct label_voxels voxels = {0};
+        for (size_t i = 0; i < RUN; i++) {
+            labels[i] = i == odd ? 5 ^ UINT32_C(1) << odd % 32 : 5;
+        }
+        assert_ok(label_voxels_of(&voxels, labels, RUN));
+        for (size_t i = 0; i < RUN; i++) {
+            assert_int_equal(label_voxels_at(&voxels, i), labels[i]);
+        }
+        label_voxels_finish(&voxels);
+    }
+}
+
 /* 65,535 labels and 0 fit into 2 bytes; one more takes 4 bytes. */
 static void the_last_place_of_two_bytes_is_used(void **state)
 {
@@ -285,6 +304,7 @@ TEST_GROUP(label_voxels)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(labels_come_back_in_two_or_four_bytes),
+        cmocka_unit_test(one_voxel_in_a_run_is_found),
         cmocka_unit_test(the_last_place_of_two_bytes_is_used),
         cmocka_unit_test(a_tally_counts_the_voxels_of_each_label),
         cmocka_unit_test(merging_fills_what_is_empty),
