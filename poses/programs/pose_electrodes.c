@@ -10,9 +10,9 @@
 #include <stdlib.h>
 
 /* Columns that are read; the others are for other programs. */
-enum column { NAME, X, Y, Z, GROUP, COLUMNS };
+enum column { NAME, X, Y, Z, GROUP, PROBE_NAME, COLUMNS };
 
-static const char *const names[COLUMNS] = {"name", "x", "y", "z", "group"};
+static const char *const names[COLUMNS] = {"name", "x", "y", "z", "group", "probe_name"};
 
 static const size_t NO_COLUMN = SIZE_MAX;
 
@@ -236,6 +236,11 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
     }
     conus_status status = pose_note_space(&list->notes, options, reading.lps);
     status = status ? status : read_table(&reading, text);
+    if (!status && reading.at[PROBE_NAME] != NO_COLUMN && !list->coordsystem) {
+        status =
+            fail(CONUS_ERROR_DATA, "column probe_name: a table of BEP032 without a *_coordsystem.json, whose x, y, z "
+                                   "are micrometres on the probe; --probe answers at the contacts of a probe");
+    }
     status = status || !options->along_shafts ? status : find_neighbours(&reading);
     for (size_t i = 0; !status && i < reading.count; i++) {
         const struct contact *contact = &reading.contacts[i];

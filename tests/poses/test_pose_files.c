@@ -249,6 +249,11 @@ static void localite_is_read_strictly(void **state)
     conus_pose_list_destroy(list);
 }
 
+static void write_text(const char *path, const char *text)
+{
+    assert_ok(file_write(path, text, strlen(text)));
+}
+
 static void electrodes_are_points(void **state)
 {
     (void)state;
@@ -260,6 +265,24 @@ static void electrodes_are_points(void **state)
     assert_row_fails(list, 3, "RH1", "x: not known");
     assert_true(pose_has_note(list, "no *_coordsystem.json"));
     conus_pose_list_destroy(list);
+}
+
+/* BEP032's positions are micrometres on the probe, unless a file says which space they are in. */
+static void positions_on_a_probe_are_refused(void **state)
+{
+    (void)state;
+    static const char text[] = "name\tprobe_name\tx\ty\tz\nA\tprobe1\t0\t20\t5\n";
+    refuse(text, NULL, "column probe_name: a table of BEP032 without a *_coordsystem.json");
+    char table[4096];
+    snprintf(table, sizeof table, "%s", test_scratch("sub-03_electrodes.tsv"));
+    write_text(table, text);
+    write_text(test_scratch("sub-03_coordsystem.json"),
+               "{\"iEEGCoordinateSystem\":\"ACPC\",\"iEEGCoordinateUnits\":\"mm\"}");
+    conus_pose_list *list = NULL;
+    assert_ok(conus_pose_list_load(&list, table, NULL));
+    assert_near(pose_row_of(list, 0, "A")->pose.world_from_device[13], 20, 0);
+    conus_pose_list_destroy(list);
+    remove(test_scratch("sub-03_coordsystem.json"));
 }
 
 static void contacts_look_along_their_shafts(void **state)
@@ -283,11 +306,6 @@ static void contacts_look_along_their_shafts(void **state)
     refuse("name\tx\ty\tz\tdx\tdy\nA\t0\t0\t0\t0\t0\n", NULL, "only some of the columns dx dy dz"); /* a table */
     refuse("1 2 3\n", &(conus_pose_options){.along_shafts = true}, "shafts are of electrodes (BIDS), not of points");
     refuse("name\tx\ty\tz\n", &(conus_pose_options){.axis = CONUS_AXIS_PLUS_Z}, "no axis (+z)");
-}
-
-static void write_text(const char *path, const char *text)
-{
-    assert_ok(file_write(path, text, strlen(text)));
 }
 
 /* Units and space are in a file beside the table, which may hold for several tables. */
@@ -592,6 +610,7 @@ TEST_GROUP(pose_files)
         cmocka_unit_test(localite_has_mni),
         cmocka_unit_test(localite_is_read_strictly),
         cmocka_unit_test(electrodes_are_points),
+        cmocka_unit_test(positions_on_a_probe_are_refused),
         cmocka_unit_test(contacts_look_along_their_shafts),
         cmocka_unit_test(coordinate_systems_are_found),
         cmocka_unit_test(coordinate_systems_are_read_strictly),
