@@ -53,16 +53,23 @@ struct header {
     bool by_value;     /* the index is called value */
 };
 
-static bool next_line(struct text *rest, size_t *number, struct text *line)
+/* The next line that is neither empty nor a comment. Below a header with colours in front, "#ff0000" begins a row. */
+static bool next_row(struct text *rest, size_t *number, struct text *line, const struct header *header)
 {
+    bool has_comments = !header || header->at[COLOUR] != 0;
     while (text_line(rest, line)) {
         ++*number;
         struct text trimmed = text_trim(*line);
-        if (trimmed.size && trimmed.data[0] != '#') {
+        if (trimmed.size && !(has_comments && trimmed.data[0] == '#')) {
             return true;
         }
     }
     return false;
+}
+
+static bool next_line(struct text *rest, size_t *number, struct text *line)
+{
+    return next_row(rest, number, line, NULL);
 }
 
 static void match_column(struct header *header, int ranks[COLUMN_COUNT], struct text field, int at)
@@ -260,7 +267,7 @@ static conus_status parse_below(struct label_table *out, struct header *header, 
     bool is_identified = header->at[IDENTIFIER] != NO_COLUMN && header->at[PARENT_IDENTIFIER] != NO_COLUMN &&
                          header->at[PARENT] == NO_COLUMN;
     conus_status status = CONUS_OK;
-    while (!status && next_line(&text, &number, &line)) {
+    while (!status && next_row(&text, &number, &line, header)) {
         char where[32];
         struct text cells[COLUMN_COUNT] = {{0}};
         struct label label = {0};
@@ -415,7 +422,7 @@ static bool counts_by_value(const struct header *header, struct text text)
     size_t number = 0;
     size_t rows = 0;
     size_t good = 0;
-    while (next_line(&text, &number, &line)) {
+    while (next_row(&text, &number, &line, header)) {
         struct text cells[COLUMN_COUNT] = {{0}};
         rows++;
         good += !read_cells(cells, header, line, "") && is_whole(cells[INDEX]) && is_word(cells[NAME]);

@@ -41,6 +41,7 @@ static const struct sample samples[] = {
     {"MRtrix or FreeSurfer colour table",
      "36 L.TH Left-Thalamus 1 2 3 255\n36 L.TH Left-Thalamus-Proper 1 2 3 255\n37 L.CA Left-Caudate 4 5 6 255\n",
      "36 Left-Thalamus (L.TH) #010203; 37 Left-Caudate (L.CA) #040506"},
+    {"BIDS label table", "# by hand\ncolor\tindex\tname\n#ff0000\t1\tA\n#00ff00\t2\tB\n", "1 A #ff0000; 2 B #00ff00"},
     {"BIDS label table", "label\tname\themi\tr\tg\tb\n1\tG temp sup\tL\t220\t20\t30\n", "1 G temp sup #dc141e L"},
     {"CSV label table", "index,label\n3,c\n", "3 c"},
     {"ITK-SNAP labels", "1 1 2 3 255 1 1 \"Left Region\"\n", "1 Left Region #010203"},
