@@ -208,6 +208,7 @@ static conus_status note_rival_column(struct header *header, uint32_t number, st
 struct identifiers {
     struct identifier {
         uint32_t identifier, number;
+        size_t row;
     } * list;
     size_t count, capacity;
 };
@@ -215,6 +216,38 @@ struct identifiers {
 static int compare_identifiers(const void *a, const void *b)
 {
     return compare_u32(&((const struct identifier *)a)->identifier, &((const struct identifier *)b)->identifier);
+}
+
+static int compare_rows(const void *a, const void *b)
+{
+    const struct identifier *one = a;
+    const struct identifier *other = b;
+    int order = compare_identifiers(one, other);
+    return order ? order : (one->row > other->row) - (one->row < other->row);
+}
+
+/* Sorts; of rows with one identifier the first counts. */
+static conus_status sort_identifiers(struct identifiers *identifiers, struct notes *notes)
+{
+    struct identifier *list = identifiers->list;
+    const struct identifier *doubtful = NULL;
+    size_t kept = 0;
+    if (identifiers->count) {
+        qsort(list, identifiers->count, sizeof *list, compare_rows);
+    }
+    for (size_t i = 0; i < identifiers->count; i++) {
+        if (!kept || list[kept - 1].identifier != list[i].identifier) {
+            list[kept++] = list[i];
+        } else if (list[kept - 1].number != list[i].number) {
+            doubtful = &list[kept - 1];
+        }
+    }
+    identifiers->count = kept;
+    return doubtful ? notes_warn(notes,
+                                 "label table: several rows have the identifier %u: as a parent it means the first of "
+                                 "them, label %u",
+                                 doubtful->identifier, doubtful->number)
+                    : CONUS_OK;
 }
 
 static conus_status keep_identifier(struct identifiers *identifiers, struct text cell, uint32_t number,
@@ -227,7 +260,8 @@ static conus_status keep_identifier(struct identifiers *identifiers, struct text
         status = CONUS_ERROR_MEMORY;
     }
     if (!status) {
-        identifiers->list[identifiers->count++] = (struct identifier){identifier, number};
+        identifiers->list[identifiers->count] = (struct identifier){identifier, number, identifiers->count};
+        identifiers->count++;
     }
     return status;
 }
@@ -236,13 +270,10 @@ static conus_status keep_identifier(struct identifiers *identifiers, struct text
 static conus_status find_parents(struct label_table *table, size_t first, struct identifiers *identifiers,
                                  struct notes *notes)
 {
-    conus_status status = CONUS_OK;
-    if (identifiers->count) {
-        qsort(identifiers->list, identifiers->count, sizeof *identifiers->list, compare_identifiers);
-    }
+    conus_status status = sort_identifiers(identifiers, notes);
     for (size_t i = first; !status && i < table->count; i++) {
         struct label *label = &table->entries[i];
-        const struct identifier wanted = {label->parent, 0};
+        const struct identifier wanted = {.identifier = label->parent};
         const struct identifier *found = !label->has_parent || !identifiers->count
                                              ? NULL
                                              : bsearch(&wanted, identifiers->list, identifiers->count,

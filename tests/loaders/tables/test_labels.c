@@ -281,6 +281,28 @@ static void oddities_are_noted(void **state)
     parsed_finish(&parsed);
 }
 
+/* A parent is the row with that identifier; of several the first, whatever their order among the others. */
+static void an_identifier_of_several_rows_is_noted(void **state)
+{
+    (void)state;
+    struct parsed parsed;
+    assert_ok(
+        parsed_from(&parsed, "identifier,parent_identifier,index,name\n7,3,1,a\n3,,9,b\n3,,2,c\n3,,4,d\n5,7,6,e\n"));
+    static const uint32_t parents[] = {9, 0, 0, 0, 1}; /* of a to e */
+    assert_int_equal(parsed.table.count, 5);
+    for (size_t i = 0; i < 5; i++) {
+        const struct label *label = &parsed.table.entries[i];
+        assert_int_equal(label->parent, parents[label->name[0] - 'a']);
+    }
+    assert_int_equal(parsed.notes.count, 1);
+    assert_true(notes_have(&parsed.notes, "several rows have the identifier 3: as a parent it means the first of them, "
+                                          "label 9"));
+    parsed_finish(&parsed);
+    assert_ok(parsed_from(&parsed, "identifier,parent_identifier,index,name\n3,,9,a\n3,,9,a\n4,3,8,b\n"));
+    assert_false(notes_have(&parsed.notes, "several rows have the identifier"));
+    parsed_finish(&parsed);
+}
+
 static void a_lut_gives_colours_only(void **state)
 {
     (void)state;
@@ -355,6 +377,7 @@ TEST_GROUP(labels)
         cmocka_unit_test(a_header_of_other_words_is_named),
         cmocka_unit_test(what_is_no_table_is_refused),
         cmocka_unit_test(oddities_are_noted),
+        cmocka_unit_test(an_identifier_of_several_rows_is_noted),
         cmocka_unit_test(a_lut_gives_colours_only),
         cmocka_unit_test(real_tables_are_read),
         cmocka_unit_test(a_lut_beside_an_override_colours_it),
