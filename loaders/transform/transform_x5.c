@@ -34,8 +34,8 @@ static conus_status check_version(const struct hdf5 *hdf5)
 /* A matrix by rows, with the last row 0 0 0 1. */
 static conus_status take_matrix(double out[16], const struct hdf5_value *value, const char *what)
 {
-    if (!value || value->class != HDF5_FLOAT || value->count != 16) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "%s: %zu numbers, one matrix of 4 x 4 is read", what,
+    if (!value || !hdf5_is_number(value) || value->count != 16) {
+        return fail(CONUS_ERROR_UNSUPPORTED, "%s: %zu values, one matrix of 4 x 4 numbers is read", what,
                     value ? value->count : 0);
     }
     for (size_t i = 0; i < 16; i++) {

@@ -361,6 +361,21 @@ static void x5_is_ras_and_goes_through_the_first_first(void **state)
     check_point(&builder, (double[]){1, 2, 3}, (double[]){4, 8, 14});
 }
 
+/* numpy writes a matrix of whole numbers as such. */
+static void x5_matrices_may_be_of_whole_numbers(void **state)
+{
+    (void)state;
+    static const int64_t matrix[16] = {0, -1, 0, 5, 1, 0, 0, 0, 0, 0, 1, -7, 0, 0, 0, 1};
+    struct hdf5_builder builder;
+    begin_x5(&builder, 1);
+    hdf5_group(&builder, "/TransformGroup/0");
+    describe(&builder, "linear", "affine", "matrix");
+    hdf5_frame(&builder,
+               (struct built_value){
+                   OBJECT, HDF5_SIGNED, 8, 2, {4, 4}, 5, "/TransformGroup/0/Transform", matrix, sizeof matrix});
+    check_point(&builder, (double[]){1, 2, 3}, (double[]){3, 1, -4});
+}
+
 static void x5_fields_have_the_last_axis_fastest(void **state)
 {
     (void)state;
@@ -396,6 +411,11 @@ static void what_is_no_x5_is_refused(void **state)
     begin_x5(&builder, 1);
     add_linear(&builder, 0, ways);
     check_refused(&builder, CONUS_ERROR_DATA, "Transform: no affine matrix", 0);
+    begin_x5(&builder, 1);
+    hdf5_group(&builder, "/TransformGroup/0");
+    describe(&builder, "linear", "affine", "matrix");
+    hdf5_strings(&builder, OBJECT, "/TransformGroup/0/Transform", words, 1);
+    check_refused(&builder, CONUS_ERROR_UNSUPPORTED, "Transform: 1 values, one matrix of 4 x 4 numbers is read", 0);
     begin_x5(&builder, 1);
     add_dense(&builder, 0, "coefficients", ways);
     check_refused(&builder, CONUS_ERROR_UNSUPPORTED, "Representation coefficients", 0);
@@ -482,6 +502,7 @@ TEST_GROUP(chain)
         cmocka_unit_test(steps_that_lie_are_refused),
         cmocka_unit_test(files_that_are_no_chain_are_refused),
         cmocka_unit_test(x5_is_ras_and_goes_through_the_first_first),
+        cmocka_unit_test(x5_matrices_may_be_of_whole_numbers),
         cmocka_unit_test(x5_fields_have_the_last_axis_fastest),
         cmocka_unit_test(what_is_no_x5_is_refused),
         cmocka_unit_test(every_failing_allocation),
