@@ -72,8 +72,7 @@ static void watch_files(struct window *window)
     }
     window->frame.watched = now;
     for (size_t i = 0; i < window->viewer->atlas_count; i++) {
-        struct file_watch *watch = window->viewer->atlases[i].watch;
-        if (watch && file_watch_check(watch, update)) {
+        if (file_watch_check(window->viewer->atlases[i].watch, update)) {
             viewer_say(window->viewer, "%s", update);
         }
     }

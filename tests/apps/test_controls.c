@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The window's settings for queries and studies, without a window. */
 #include "viewer/commands/keys.h"
+#include "viewer/model/columns.h"
 #include "viewer/model/query_settings.h"
 #include "viewer/model/studies.h"
 #include "viewer/session/session.h"
@@ -34,7 +35,7 @@ static void assert_listed_as_in_table(struct viewer *viewer)
     const conus_selection *selection = viewer_selection(viewer);
     char *table = viewer_results_text(viewer);
     char *rest = table;
-    size_t *order = query_order(viewer, selection);
+    size_t *order = result_order(viewer, viewer->drawn, selection);
     strsep(&rest, "\n"); /* of the column's names */
     for (size_t i = 0; i < conus_selection_count(selection); i++) {
         const conus_result *result = conus_selection_result(selection, order ? order[i] : i);
@@ -324,7 +325,7 @@ static void no_key_does_two_things(void **state)
     size_t i = 0;
     (void)state;
     for (; (key = keys_row(i)); i++) {
-        assert_true(key->act || key->move || key->sets);
+        assert_true(key->act || key->view || key->tool || key->move || key->sets);
         for (size_t j = 0; j < i; j++) {
             other = keys_row(j);
             assert_true(strcmp(key->key, other->key) != 0 || (other->is_of_wand && !key->is_of_wand));

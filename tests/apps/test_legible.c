@@ -367,9 +367,9 @@ static void the_audit_finds_cut_texts(void **state)
     assert_true(ui_audit_create(1, 200, 100));
     ui_audit_begin();
     ui_panel("small", (struct ui_box){0, 0, 100, 100}, 0);
-    ui_button("fits");
+    ui_button("fits", NULL);
     ui_text("This does not fit into a hundred pixels.");
-    ui_button("Nor does this long button");
+    ui_button("Nor does this long button", NULL);
     ui_panel_end();
     ui_audit_end();
     assert_int_equal(ui_audit_count(), 3);

@@ -48,7 +48,7 @@ APPS = {
     "apps/viewer/session": "apps/options apps/viewer/model apps/viewer/window",
     "apps/viewer/commands": "apps/options apps/settings apps/viewer/model apps/viewer/tools apps/viewer/ui"
     " apps/viewer/window apps/viewer/session",
-    "apps/viewer/panes": "apps/settings apps/viewer/pictures apps/viewer/model apps/viewer/tools apps/viewer/ui"
+    "apps/viewer/panes": "apps/options apps/settings apps/viewer/pictures apps/viewer/model apps/viewer/tools apps/viewer/ui"
     " apps/viewer/window apps/viewer/commands",
     "apps/viewer/opening": "apps/options apps/settings apps/viewer/model apps/viewer/window apps/viewer/session",
     # loop.c joins the panes and panels; the window itself knows neither.

@@ -25,16 +25,6 @@ static void toggle_help(struct window *window)
     window->forms.show_help = !window->forms.show_help;
 }
 
-static void confirm(struct window *window)
-{
-    tool_confirm(window->viewer, FIRST_TOOL);
-}
-
-static void show_all(struct window *window)
-{
-    viewer_show_all(window->viewer);
-}
-
 static void hide_chosen(struct window *window)
 {
     struct viewer *viewer = window->viewer;
@@ -50,9 +40,11 @@ static void isolate_chosen(struct window *window)
     }
 }
 
-static void hold(struct window *window)
+static void hold(struct window *window, const int by[3])
 {
-    tool_hold(window->viewer, FIRST_TOOL);
+    if (window->viewer->tools[by[0]].on) {
+        tool_hold(window->viewer, (enum tool_number)by[0]);
+    }
 }
 
 /* Ends what covers the brain first, then clears the cone. */
@@ -91,26 +83,9 @@ static void use_second(struct window *window)
     viewer_say(window->viewer, "the second tool is %s", window->viewer->tools[SECOND_TOOL].on ? "on" : "off");
 }
 
-static void hold_second(struct window *window)
-{
-    if (window->viewer->tools[SECOND_TOOL].on) {
-        tool_hold(window->viewer, SECOND_TOOL);
-    }
-}
-
-static void go_deeper(struct window *window)
-{
-    query_next_level(window->viewer);
-}
-
 static void change_hemispheres(struct window *window)
 {
     window_request_hemispheres(window, (conus_hemispheres)((window->files.hemispheres + 1) % HEMISPHERES_COUNT));
-}
-
-static void show_next_side(struct window *window)
-{
-    side_show_next(window->viewer);
 }
 
 static void look_at_all(struct window *window)
@@ -172,23 +147,10 @@ static void undo(struct window *window, const int by[3])
     undo_step(window, by[0]);
 }
 
-static void next_pointer(struct window *window, const int by[3])
+static void widen(struct window *window, const int by[3])
 {
-    tool_choose_next(window->viewer, (enum tool_number)by[0]);
-}
-
-static void scale_angle(struct window *window, const int by[3])
-{
-    struct viewer *viewer = window->viewer;
-    double *angle = &viewer->tools[FIRST_TOOL].angle;
-    *angle = fmin(fmax(*angle * (by[0] > 0 ? 1.1 : 1 / 1.1), 0.1), 179);
-    tool_reselect(viewer);
-}
-
-static void scale_second(struct window *window, const int by[3])
-{
-    if (window->viewer->tools[SECOND_TOOL].on) {
-        tool_widen(window->viewer, SECOND_TOOL, by[0] > 0 ? 1.1 : 1 / 1.1);
+    if (window->viewer->tools[by[0]].on) {
+        tool_widen(window->viewer, (enum tool_number)by[0], by[1] > 0 ? 1.1 : 1 / 1.1);
     }
 }
 
@@ -296,15 +258,29 @@ static void next_backdrop(struct window *window)
     viewer_say(window->viewer, "background: %s", backdrop_names[window->viewer->display.backdrop]);
 }
 
+static bool is_turned_by_head(struct viewer *viewer)
+{
+    if (viewer->head.on) {
+        viewer_say(viewer, "the head moves the view; T gives it to the mouse");
+    }
+    return viewer->head.on;
+}
+
 /* Degrees to the head's left, and up. */
 static void look_from(struct window *window, const int by[3])
 {
-    struct viewer *viewer = window->viewer;
-    if (viewer->head.on) {
-        viewer_say(viewer, "the head moves the view; T gives it to the mouse");
-    } else {
-        orbit_look_from(&viewer->orbit, by[0] * M_PI / 180, by[1] * M_PI / 180);
-        viewer->version++;
+    if (!is_turned_by_head(window->viewer)) {
+        orbit_look_from(&window->viewer->orbit, by[0] * M_PI / 180, by[1] * M_PI / 180);
+        window->viewer->version++;
+    }
+}
+
+static void turn(struct window *window, const int by[3])
+{
+    static const double step = 0.025; /* of a pane's height: 5 degrees */
+    if (!is_turned_by_head(window->viewer)) {
+        orbit_turn(&window->viewer->orbit, step * by[0], -step * by[1], 1);
+        window->viewer->version++;
     }
 }
 
@@ -318,18 +294,6 @@ static void go_to_search(struct window *window)
     window->screen.bare = false;
     layout_fold(&window->screen.layout, 1, false);
     window->frame.searches = true;
-}
-
-static void turn(struct window *window, const int by[3])
-{
-    static const double step = 0.025; /* of a pane's height: 5 degrees */
-    struct viewer *viewer = window->viewer;
-    if (viewer->head.on) {
-        viewer_say(viewer, "the head moves the view; T gives it to the mouse");
-    } else {
-        orbit_turn(&viewer->orbit, step * by[0], -step * by[1], 1);
-        viewer->version++;
-    }
 }
 
 static void come_nearer(struct window *window, const int by[3])
@@ -377,29 +341,29 @@ static void go_in_plan(struct window *window, const int by[3])
 static const struct key keys[] = {
     {"?", "this list; F1, too", .act = toggle_help, .is_anywhere = true, .group = "Window"},
     {"f1", NULL, .act = toggle_help, .is_anywhere = true},
-    {"enter", "confirm: pin the best result", .act = confirm, .group = "Pointing"},
-    {"space", "hold the cone, or let it follow the mouse again, as a click does", .act = hold},
+    {"enter", "confirm: pin the best result", .tool = tool_confirm, .group = "Pointing"},
+    {"space", "hold the cone, or let it follow the mouse again, as a click does", .move = hold, .by = {FIRST_TOOL}},
     {"escape", "clear the cone, and choose no area", .act = clear},
     {"1", "one area, by a single ray, or all areas in the cone", .sets = PROPERTY_ONE_RAY},
     {"x", "the mouse's cone begins at the surface, or at your eye", .sets = PROPERTY_APEX_AT_EYE},
     {"g", "the cuts go along with the cone's tip, with the contact of its best hit, or stay", .sets = PROPERTY_FOLLOW},
-    {"+", "a wider cone", .move = scale_angle, .by = {1}, .sets = PROPERTY_ANGLE},
-    {"-", "a narrower cone", .move = scale_angle, .by = {-1}, .sets = PROPERTY_ANGLE},
+    {"+", "a wider cone", .move = widen, .by = {FIRST_TOOL, 1}, .sets = PROPERTY_ANGLE},
+    {"-", "a narrower cone", .move = widen, .by = {FIRST_TOOL, -1}, .sets = PROPERTY_ANGLE},
     {"l", "first hits, or all hits", .sets = PROPERTY_LAYERS, .group = "What is asked"},
-    {"m", "what moves the cone: the next of mouse, wand, ...", .move = next_pointer, .by = {FIRST_TOOL}},
+    {"m", "what moves the cone: the next of mouse, wand, ...", .tool = tool_choose_next},
     {"2", "the second tool, with a cone and a list of its own, or none", .act = use_second,
      .group = "Second tool and devices"},
-    {"3", "what moves the second tool: the next", .move = next_pointer, .by = {SECOND_TOOL}},
-    {"4", "hold the second tool, or let it go", .act = hold_second},
-    {"6", "a wider second cone", .move = scale_second, .by = {1}, .sets = PROPERTY_SECOND_ANGLE},
-    {"5", "a narrower one", .move = scale_second, .by = {-1}, .sets = PROPERTY_SECOND_ANGLE},
+    {"3", "what moves the second tool: the next", .tool = tool_choose_next, .by = {SECOND_TOOL}},
+    {"4", "hold the second tool, or let it go", .move = hold, .by = {SECOND_TOOL}},
+    {"6", "a wider second cone", .move = widen, .by = {SECOND_TOOL, 1}, .sets = PROPERTY_SECOND_ANGLE},
+    {"5", "a narrower one", .move = widen, .by = {SECOND_TOOL, -1}, .sets = PROPERTY_SECOND_ANGLE},
     {"8", "a SpaceMouse or gamepad moves faster", .move = scale_speed, .by = {1}, .sets = PROPERTY_SPEED},
     {"7", "slower", .move = scale_speed, .by = {-1}, .sets = PROPERTY_SPEED},
     {"f7", "areas as parts of larger ones: the next level of the tree, after the last one each by itself",
-     .act = go_deeper, .group = "Areas and lists"},
+     .view = query_next_level, .group = "Areas and lists"},
     {"f8", "areas as in the file, split left and right, or left and right as one", .act = change_hemispheres},
     {"f9", "both sides, the left one only, the right one only: the other side's areas are hidden",
-     .act = show_next_side},
+     .view = side_show_next},
     {"y", "the list by rank, or the nearest first", .sets = PROPERTY_ORDER},
     {"f4", "depth limits: the farther one 1 mm nearer; at first 0 to 50 mm", .move = move_range, .by = {0, -1},
      .group = "Depths, studies and plans"},
@@ -416,7 +380,7 @@ static const struct key keys[] = {
     {"u", NULL, .move = undo, .by = {-1}},
     {"ctrl+y", "do again what was taken back; Ctrl+Shift+Z, too", .move = undo, .by = {1}},
     {"ctrl+shift+z", NULL, .move = undo, .by = {1}},
-    {"v", "show all areas", .act = show_all},
+    {"v", "show all areas", .view = viewer_show_all},
     {"r", "look at the whole brain", .act = look_at_all},
     {"f", "the brain alone in the whole window, or panels and cuts again", .sets = PROPERTY_BARE, .group = "Views"},
     {"ctrl+1",
@@ -546,6 +510,10 @@ static void press(struct window *window, const struct key *key)
 {
     if (key->act) {
         key->act(window);
+    } else if (key->view) {
+        key->view(window->viewer);
+    } else if (key->tool) {
+        key->tool(window->viewer, (enum tool_number)key->by[0]);
     } else if (key->move) {
         key->move(window, key->by);
     } else {
@@ -679,10 +647,7 @@ void keys_draw_help(struct window *window)
     bool is_wide = (float)window->screen.width >= 1240 * window->screen.scale;
     size_t found = 0;
     window_panel(window, "Keys and mouse (?, F1 or Escape closes this)", is_wide ? 1240 : 640, 780);
-    if (window->forms.searches_help) {
-        window->forms.searches_help = false;
-        ui_take_keys();
-    }
+    ui_take_keys(&window->forms.searches_help);
     ui_type("Search", search, sizeof window->forms.help_search, "a key, or what it does");
     ui_tip("lists the keys that have this in their name or in what they do; / comes here");
     ui_columns(is_wide ? 2 : 1);
@@ -690,13 +655,13 @@ void keys_draw_help(struct window *window)
         char text[KEY_LIMIT];
         const char *shown = keys_shown(text, &keys[i]);
         if (keys[i].group && !search[0]) {
-            ui_text_coloured(theme_texts[THEME_HINT], "%s", keys[i].group);
+            ui_text_coloured(THEME_HINT, "%s", keys[i].group);
         }
         if (is_found(&keys[i], shown, search)) {
             found++;
-            ui_text_coloured(theme_texts[THEME_AMBER], "%s", shown);
+            ui_text_coloured(THEME_AMBER, "%s", shown);
             ui_same_line_at(120 * window->screen.scale);
-            ui_text_wrapped(keys[i].help);
+            ui_text_wrapped(THEME_PLAIN, keys[i].help);
         }
         if (keys[i].ends_column && !search[0]) {
             ui_next_column();
@@ -708,6 +673,7 @@ void keys_draw_help(struct window *window)
     ui_columns(1);
     ui_separator();
     ui_text_wrapped(
+        THEME_PLAIN,
         "3-D: left button turns, right button moves, wheel comes nearer; the cone follows the mouse, a click holds it "
         "and sets the crosshair, another one lets it go, a double click confirms.\n"
         "Flat panes: left button sets the crosshair, wheel goes through the cuts, Ctrl and wheel magnify; middle "

@@ -8,9 +8,11 @@
 struct key {
     const char *key;                    /**< As window->press gets it. */
     const char *help;                   /**< Tells its effect; NULL: another row tells it. */
-    void (*act)(struct window *window); /**< Without one, nor `move`, it sets the next value of a property. */
+    void (*act)(struct window *window); /**< Without any of these it sets the next value of a property. */
+    void (*view)(struct viewer *viewer);
+    void (*tool)(struct viewer *viewer, enum tool_number number); /**< The tool is by[0]. */
     void (*move)(struct window *window, const int by[3]);
-    int by[3];             /**< For `move`. */
+    int by[3];
     enum property_id sets; /**< Row of the state's table (0 = none), also where it acts: its tip names the key. */
     const char *shown;     /**< How the list calls it, with those of the next rows; NULL = as it is. */
     bool is_anywhere;      /**< It needs no atlas. */

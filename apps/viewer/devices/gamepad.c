@@ -71,7 +71,7 @@ static bool ask(struct source *source, double now_s, struct source_update *out, 
 
 void gamepad_init(struct gamepad *out, void (*read)(struct gamepad_reading *reading))
 {
-    *out = (struct gamepad){.source.ask = ask, .read = read};
+    *out = (struct gamepad){.source = {.ask = ask, .speed = SOURCE_SPEED}, .read = read};
 }
 
 void gamepad_read(struct gamepad_reading *out)

@@ -16,18 +16,28 @@
 
 const char *const addition_names[ADDITION_COUNT] = {"context", "pathway", "streamlines", "atlas"};
 
+const char *word_value(const char *word, const char *name)
+{
+    size_t length = strlen(name);
+    bool is = word && strncmp(word, "--", 2) == 0 && strncmp(word + 2, name, length) == 0 && word[2 + length] == '=';
+    return is ? word + 3 + length : NULL;
+}
+
+json_t *words_or_none(json_t *made, bool fine)
+{
+    if (!fine) {
+        json_decref(made);
+    }
+    return fine ? made : NULL;
+}
+
 enum addition addition_of(const char **value, const char *word)
 {
     int kind = 0;
-    *value = "";
-    for (; kind < ADDITION_COUNT; kind++) {
-        size_t length = strlen(addition_names[kind]);
-        if (strncmp(word, "--", 2) == 0 && strncmp(word + 2, addition_names[kind], length) == 0 &&
-            word[2 + length] == '=') {
-            *value = word + 3 + length;
-            break;
-        }
+    while (kind < ADDITION_COUNT && !(*value = word_value(word, addition_names[kind]))) {
+        kind++;
     }
+    *value = *value ? *value : "";
     return (enum addition)kind;
 }
 
@@ -77,15 +87,11 @@ json_t *additions_with(const json_t *words, enum addition kind, const char *valu
     }
     fine = fine && !json_array_append(with, added);
     json_decref(added);
-    if (!fine) {
-        json_decref(with);
-    }
-    return fine ? with : NULL;
+    return words_or_none(with, fine);
 }
 
 json_t *additions_without(const json_t *words, size_t index)
 {
-    static const char opacity[] = "--context-opacity=";
     json_t *without = json_copy((json_t *)words);
     bool has_surface = false;
     json_array_remove(without, index);
@@ -93,7 +99,7 @@ json_t *additions_without(const json_t *words, size_t index)
         has_surface = has_surface || is_context_surface(word_at(without, i), true);
     }
     for (size_t i = has_surface ? 0 : json_array_size(without); i-- > 0;) {
-        if (strncmp(word_at(without, i), opacity, sizeof opacity - 1) == 0) {
+        if (word_value(word_at(without, i), "context-opacity")) {
             json_array_remove(without, i);
         }
     }
@@ -109,10 +115,7 @@ json_t *additions_atlases(const json_t *words)
         fine = addition_of(&value, word_at(words, i)) != ADD_ATLAS ||
                !json_array_append(atlases, json_array_get(words, i));
     }
-    if (!fine) {
-        json_decref(atlases);
-    }
-    return fine ? atlases : NULL;
+    return words_or_none(atlases, fine);
 }
 
 size_t additions_index(const json_t *words, const char *path)
@@ -224,10 +227,7 @@ json_t *additions_describe(const conus_atlas *atlas, const json_t *words)
     }
     free(taken.tractograms);
     free(taken.volumes);
-    if (!fine) {
-        json_decref(list);
-    }
-    return fine ? list : NULL;
+    return words_or_none(list, fine);
 }
 
 json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *options)
@@ -244,12 +244,6 @@ json_t *opened_describe(const conus_atlas *atlas, const char *path, json_t *opti
     return opened;
 }
 
-static const char *text_of(const json_t *entry, const char *key)
-{
-    const char *text = json_string_value(json_object_get(entry, key));
-    return text ? text : "";
-}
-
 json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, const json_t *described,
                        const char *session)
 {
@@ -263,7 +257,7 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
         const json_t *entry = NULL;
         for (size_t k = 0; k < json_array_size(described) && !entry; k++) {
             const json_t *one = json_array_get(described, k);
-            entry = strcmp(text_of(one, "option"), word) == 0 ? one : NULL;
+            entry = strcmp(json_text(one, "option"), word) == 0 ? one : NULL;
         }
         if (!entry || !read_word(&kind, path, word)) {
             fine = !json_array_append(found, json_array_get(words, i));
@@ -273,7 +267,7 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
         char where[PATH_MAX];
         const struct session_file file = {.atlas = path,
                                           .folder = "",
-                                          .sha256 = text_of(entry, "sha256"),
+                                          .sha256 = json_text(entry, "sha256"),
                                           .bytes = (uint64_t)json_integer_value(json_object_get(entry, "bytes"))};
         (void)addition_of(&value, word);
         if (session_file_find(where, &file, session, NULL, 0)) {
@@ -287,18 +281,15 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
             conus_plain_text(missing);
         }
     }
-    if (!fine) {
-        json_decref(found);
-    }
-    return fine ? found : NULL;
+    return words_or_none(found, fine);
 }
 
 /* The keys behind the file's name. */
 static const char *keys_of(const json_t *entry, enum addition *kind)
 {
     const char *value = "";
-    *kind = addition_of(&value, text_of(entry, "option"));
-    size_t length = strlen(text_of(entry, "path"));
+    *kind = addition_of(&value, json_text(entry, "option"));
+    size_t length = strlen(json_text(entry, "path"));
     return strlen(value) >= length ? value + length : "";
 }
 
@@ -307,10 +298,10 @@ static int likeness(const json_t *then, const json_t *now)
 {
     enum addition kinds[2];
     const char *keys[2] = {keys_of(then, &kinds[0]), keys_of(now, &kinds[1])};
-    const char *sum = text_of(then, "sha256");
-    bool same_file = (sum[0] && strcmp(sum, text_of(now, "sha256")) == 0) ||
-                     strcmp(path_name(text_of(then, "path")), path_name(text_of(now, "path"))) == 0;
-    if (strcmp(text_of(then, "option"), text_of(now, "option")) == 0) {
+    const char *sum = json_text(then, "sha256");
+    bool same_file = (sum[0] && strcmp(sum, json_text(now, "sha256")) == 0) ||
+                     strcmp(path_name(json_text(then, "path")), path_name(json_text(now, "path"))) == 0;
+    if (strcmp(json_text(then, "option"), json_text(now, "option")) == 0) {
         return 3;
     }
     return kinds[0] != kinds[1] || !same_file ? 0 : strcmp(keys[0], keys[1]) == 0 ? 2 : 1;
@@ -350,10 +341,10 @@ bool additions_differ(char name[ADDITIONS_MISSING], const json_t *then, const js
     bool differ = false;
     for (size_t i = 0; match && additions_match(match, then, now) && i < count && !differ; i++) {
         const json_t *entry = match[i] == SIZE_MAX ? NULL : json_array_get(now, match[i]);
-        const char *sum = text_of(json_array_get(then, i), "sha256");
-        differ = entry && sum[0] && strcmp(sum, text_of(entry, "sha256")) != 0;
+        const char *sum = json_text(json_array_get(then, i), "sha256");
+        differ = entry && sum[0] && strcmp(sum, json_text(entry, "sha256")) != 0;
         if (differ) {
-            snprintf(name, ADDITIONS_MISSING, "%s", path_name(text_of(entry, "path")));
+            snprintf(name, ADDITIONS_MISSING, "%s", path_name(json_text(entry, "path")));
             conus_plain_text(name);
         }
     }

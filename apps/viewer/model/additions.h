@@ -15,6 +15,11 @@ enum addition { ADD_CONTEXT = 0, ADD_PATHWAY, ADD_STREAMLINES, ADD_ATLAS, ADDITI
 /** Their options, without dashes: "context". */
 extern const char *const addition_names[ADDITION_COUNT];
 
+/** The value of a word such as "--space=lps"; NULL = it is of another option than @p name, or NULL. */
+const char *word_value(const char *word, const char *name);
+/** What was made of words, or NULL where that failed, and then it ends. */
+json_t *words_or_none(json_t *made, bool fine);
+
 /** Which of them @p word is, ADDITION_COUNT = none; *value is what stands behind its '=', or "". */
 enum addition addition_of(const char **value, const char *word);
 /** The file in a value, without the keys behind it, as the command line finds it; false where it is too long. */

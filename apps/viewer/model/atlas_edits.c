@@ -29,9 +29,12 @@ static bool pass_transfer(const struct viewer *viewer)
     return viewer->painter && (!editor->edited || painter_set_transfer(viewer->painter, editor->points, editor->count));
 }
 
+/* In place of the one that there is. */
 static void start_painter(struct viewer *viewer)
 {
     struct painter *painter = NULL;
+    painter_destroy(viewer->painter);
+    viewer->painter = NULL;
     if (painter_create(&painter, viewer->drawn->atlas, viewer->preset ? viewer->preset : viewer->transfer,
                        &viewer->drawn->appearance, viewer->cone.options.log, viewer->wake)) {
         viewer->painter = painter;
@@ -67,8 +70,6 @@ void viewer_draw(struct viewer *viewer, size_t index)
     if (next == before) {
         return;
     }
-    painter_destroy(viewer->painter);
-    viewer->painter = NULL;
     viewer->drawn = next;
     forget_transfer(viewer, before, next);
     start_painter(viewer);
@@ -101,8 +102,6 @@ void viewer_exchange(struct viewer *viewer, struct view_atlas *fresh)
 /* Anew, for what a renderer is made with. */
 static void repaint(struct viewer *viewer)
 {
-    painter_destroy(viewer->painter);
-    viewer->painter = NULL;
     start_painter(viewer);
     viewer->version++;
 }

@@ -315,18 +315,21 @@ static int compare_rows(const void *left, const void *right)
 
 size_t *result_order(const struct viewer *viewer, const struct view_atlas *view, const conus_selection *selection)
 {
-    const struct column *of = &columns[viewer->list.order];
+    const struct result_list *list = &viewer->list;
+    bool by_depth = list->order == RESULT_RANK && !list->reversed && viewer->cone.order == CONUS_ORDER_DEPTH;
+    size_t column = !by_depth ? list->order : has_layers(viewer) ? RESULT_ENTRY : RESULT_DISTANCE;
+    const struct column *of = &columns[column];
     size_t count = conus_selection_count(selection);
     struct row *rows = calloc(count + 1, sizeof *rows);
     size_t *order = calloc(count + 1, sizeof *order);
     for (size_t i = 0; rows && order && i < count; i++) {
         const conus_result *result = conus_selection_result(selection, i);
-        bool is_text = result_is_text(viewer->list.order);
+        bool is_text = result_is_text(column);
         rows[i] = (struct row){.index = i,
                                .text = is_text ? text_of(view, of, result) : NULL,
                                .value = is_text ? NAN : value_of(viewer, view, of, result),
                                .is_unassigned = !result->object,
-                               .falls = of->falls != viewer->list.reversed};
+                               .falls = of->falls != list->reversed};
     }
     if (rows && order) {
         qsort(rows, count, sizeof *rows, compare_rows);

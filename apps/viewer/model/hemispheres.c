@@ -3,6 +3,7 @@
 #include "viewer/model/hemispheres.h"
 
 #include "settings/settings.h"
+#include "viewer/model/additions.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +16,7 @@ static const char letters[SIDE_COUNT] = {0, 'L', 'R'};
 static size_t count(const struct view_atlas *view, enum side side, bool shown_only)
 {
     size_t found = 0;
-    for (size_t number = 1; view->sides && number <= view->object_count; number++) {
+    for (size_t number = 1; number <= view->object_count; number++) {
         found += view->sides[number] == letters[side] && !(shown_only && view->shown.hidden[number]);
     }
     return found;
@@ -73,13 +74,11 @@ void side_show_next(struct viewer *viewer)
 const char *const hemispheres_meanings[HEMISPHERES_COUNT] = {"areas as in the file", "split left and right",
                                                              "left and right as one"};
 
-static const char option[] = "--hemispheres=";
+static const char option[] = "hemispheres";
 
-/* The value behind the equals sign; NULL = another option. */
 static const char *value_of(const json_t *word)
 {
-    const char *text = json_string_value(word);
-    return text && strncmp(text, option, strlen(option)) == 0 ? text + strlen(option) : NULL;
+    return word_value(json_string_value(word), option);
 }
 
 conus_hemispheres hemispheres_of_words(const json_t *words)
@@ -102,7 +101,7 @@ json_t *hemispheres_put_in_words(const json_t *given, conus_hemispheres how)
             json_array_remove(words, i);
         }
     }
-    if (how && json_array_append_new(words, json_sprintf("%s%s", option, settings_hemispheres[how]))) {
+    if (how && json_array_append_new(words, json_sprintf("--%s=%s", option, settings_hemispheres[how]))) {
         json_decref(words);
         words = NULL;
     }

@@ -4,6 +4,7 @@
 
 #include "options/messages.h"
 #include "settings/atlases.h"
+#include "viewer/model/additions.h"
 #include "viewer/model/query_settings.h"
 #include "viewer/model/studies.h"
 
@@ -94,8 +95,7 @@ static const char reach[] = "--reach=";
 
 static bool is_target(const json_t *word)
 {
-    const char *text = json_string_value(word);
-    return text && strncmp(text, reach, strlen(reach)) == 0;
+    return word_value(json_string_value(word), "reach");
 }
 
 /* The option that asks for this name, in quotes, since it may have commas. */
@@ -120,11 +120,7 @@ static json_t *word_of(const char *name)
 json_t *plans_target(const char *name)
 {
     json_t *words = json_array();
-    if (words && name && json_array_append_new(words, word_of(name))) {
-        json_decref(words);
-        words = NULL;
-    }
-    return words;
+    return words_or_none(words, words && (!name || !json_array_append_new(words, word_of(name))));
 }
 
 json_t *plans_put_targets(const json_t *words, const json_t *targets)
@@ -138,10 +134,7 @@ json_t *plans_put_targets(const json_t *words, const json_t *targets)
             fine = is_target(word) != (l == 1) || !json_array_append(all, word);
         }
     }
-    if (!fine) {
-        json_decref(all);
-    }
-    return fine ? all : NULL;
+    return words_or_none(all, fine);
 }
 
 bool plans_targets_are_same(const json_t *a, const json_t *b)

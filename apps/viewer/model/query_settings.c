@@ -97,31 +97,6 @@ void query_next_level(struct viewer *viewer)
     }
 }
 
-static double result_depth(const conus_result *result, bool by_entry)
-{
-    double depth = by_entry ? result->entry : result->distance;
-    return result->object && isfinite(depth) ? depth : INFINITY;
-}
-
-size_t *query_order(const struct viewer *viewer, const conus_selection *selection)
-{
-    size_t count = conus_selection_count(selection);
-    bool by_depth = viewer->cone.order == CONUS_ORDER_DEPTH && count;
-    conus_selector_options asked;
-    size_t *order = by_depth ? malloc(count * sizeof *order) : NULL;
-    viewer_query(&asked, viewer, FIRST_TOOL, 0);
-    bool by_entry = asked.layers == CONUS_LAYERS_ALL;
-    for (size_t i = 0; order && i < count; i++) { /* it comes by rank: equal depths stay so */
-        double depth = result_depth(conus_selection_result(selection, i), by_entry);
-        size_t place = i;
-        for (; place && result_depth(conus_selection_result(selection, order[place - 1]), by_entry) > depth; place--) {
-            order[place] = order[place - 1];
-        }
-        order[place] = i;
-    }
-    return order;
-}
-
 struct ask_settings {
     struct engine_settings engine;
     struct axis_settings axis;

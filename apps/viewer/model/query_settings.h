@@ -20,10 +20,6 @@ unsigned query_depth(const struct viewer *viewer);
 /** One level deeper, from none to 1, and from the deepest to none. */
 void query_next_level(struct viewer *viewer);
 
-/** Results of @p selection in the order in which tables have them: [conus_selection_count()] indices, to be freed.
- * NULL = by rank, or without memory. */
-size_t *query_order(const struct viewer *viewer, const conus_selection *selection);
-
 /** Asks as conus query does with the @p words behind the first: --layers, --range, --radius, --level, --score, --order,
  * --resolution, --aperture, --engine, --sampling, --slices, --slice-fraction. What they leave out is the default.
  * False: it was said why not, on stderr, and all stays as it was. */

@@ -5,7 +5,6 @@
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"
-#include "viewer/model/additions.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -16,7 +15,7 @@
 
 enum { FILE_LIMIT = 64 << 20 /* bytes */ };
 
-static const char *text_or_none(const json_t *object, const char *key)
+const char *json_text(const json_t *object, const char *key)
 {
     const char *text = json_string_value(json_object_get(object, key));
     return text ? text : "";
@@ -30,7 +29,7 @@ bool session_file_read(struct session_file *out, const char *path)
     json_t *root = may_be ? json_load_file(path, JSON_REJECT_DUPLICATES, NULL) : NULL;
     const json_t *opened = json_object_get(root, "opened");
     const json_t *options = json_object_get(opened, "options");
-    const char *atlas = text_or_none(root, "atlas");
+    const char *atlas = json_text(root, "atlas");
     if (!json_is_integer(json_object_get(root, "conus_session")) || !atlas[0]) {
         json_decref(root);
         return false;
@@ -41,8 +40,8 @@ bool session_file_read(struct session_file *out, const char *path)
     }
     *out = (struct session_file){.root = root,
                                  .atlas = atlas,
-                                 .folder = text_or_none(opened, "folder"),
-                                 .sha256 = text_or_none(opened, "sha256"),
+                                 .folder = json_text(opened, "folder"),
+                                 .sha256 = json_text(opened, "sha256"),
                                  .bytes = (uint64_t)json_integer_value(json_object_get(opened, "bytes")),
                                  .options = of_texts ? options : NULL};
     return true;

@@ -32,4 +32,7 @@ bool session_file_find(char out[PATH_MAX], const struct session_file *file, cons
 /** Whether the atlas is surely another than that of the session, by its checksum. */
 bool session_file_differs(const struct session_file *file, const conus_atlas *atlas);
 
+/** The text of @p key in a JSON object; "" = none. */
+const char *json_text(const json_t *object, const char *key);
+
 #endif

@@ -19,20 +19,17 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
     for (size_t number = 1; view.shown.hidden && number <= view.object_count; number++) {
         view.shown.hidden[number] = conus_atlas_is_hidden(view.atlas, number);
     }
-    bool has_look = appearance_init(&view.appearance, view.object_count);
-    if (!view.shown.hidden || !has_look || !view.path || !view.name) {
-        view_atlas_finish(&view);
-        return false;
-    }
     view.watch = file_watch_create(view.atlas);
     view.sides = malloc(view.object_count + 1);
-    if (view.sides && conus_atlas_sides(view.sides, view.atlas)) {
-        free(view.sides);
-        view.sides = NULL;
-    }
     view.kinds = calloc(view.object_count + 1, sizeof(const char *));
     for (size_t number = 0; view.kinds && number <= view.object_count; number++) {
         view.kinds[number] = conus_atlas_kind_word(view.atlas, number);
+    }
+    bool has_look = appearance_init(&view.appearance, view.object_count);
+    if (!view.shown.hidden || !has_look || !view.path || !view.name || !view.watch || !view.kinds || !view.sides ||
+        conus_atlas_sides(view.sides, view.atlas)) {
+        view_atlas_finish(&view);
+        return false;
     }
     size_t context = view_atlas_context(&view);
     if (context == conus_atlas_volume_count(view.atlas) || conus_atlas_window(view.found_grey, view.atlas, context)) {
@@ -120,7 +117,7 @@ const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas
 const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number,
                                 const char *name)
 {
-    if (!view->kinds || !view->kinds[number][0]) {
+    if (!view->kinds[number][0]) {
         return name;
     }
     snprintf(out, VIEW_ATLAS_TITLE, "%s %s", view->kinds[number], name); /* so that where it is cut, they differ */

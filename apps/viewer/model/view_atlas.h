@@ -23,13 +23,13 @@ struct view_atlas {
     char *path; /**< As it was given. */
     char *name; /**< In the column `atlas`; "" where it is the only one. */
     size_t object_count;
-    char *sides;          /**< [object_count + 1] Of conus_atlas_sides(); NULL = without memory. */
-    const char **kinds;   /**< [object_count + 1] Of conus_atlas_kind_word(); NULL = without memory. */
+    char *sides;          /**< [object_count + 1] Of conus_atlas_sides(). */
+    const char **kinds;   /**< [object_count + 1] Of conus_atlas_kind_word(). */
     double found_grey[2]; /**< Grey values of the context that the cuts show as black and white, unless the look says
                            others: what air and bright tissue have; both 0 without one. */
     struct appearance appearance;
     struct shown_objects shown;
-    struct file_watch *watch;           /**< NULL without memory. */
+    struct file_watch *watch;
     conus_selector *selector;           /**< Made when needed; NULL after the atlas changed. */
     conus_selector_options made_with;   /**< The selector. */
     char *made_level;                   /**< Its level; NULL = none. */

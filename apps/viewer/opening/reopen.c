@@ -106,7 +106,7 @@ static bool is_unchanged(char why[LOADER_WHY], const struct viewer *viewer, cons
     const char *other = NULL;
     for (size_t i = 0; i < viewer->atlas_count && !other; i++) {
         const struct view_atlas *view = &viewer->atlases[i];
-        other = view->watch ? file_watch_find_other(view->watch, loaded->items[i].atlas) : NULL;
+        other = file_watch_find_other(view->watch, loaded->items[i].atlas);
         other = other ? other : find_other_volume(view->atlas, loaded->items[i].atlas);
     }
     if (other) {

@@ -104,6 +104,19 @@ void pane_chosen(struct window *window)
     }
 }
 
+void pane_point(float out[2], const struct pane_plane *plane, const double world[3])
+{
+    const conus_cut_view *view = &plane->view;
+    double right = 0;
+    double up = 0;
+    for (int a = 0; a < 3; a++) {
+        right += (world[a] - view->centre[a]) * view->right[a];
+        up += (world[a] - view->centre[a]) * view->up[a];
+    }
+    out[0] = plane->box.x + plane->box.width / 2 + (float)(right / view->mm_per_pixel);
+    out[1] = plane->box.y + plane->box.height / 2 - (float)(up / view->mm_per_pixel);
+}
+
 void pane_measured(const struct viewer *viewer, struct labels *labels, const struct ui_box *box, float ends[2][2])
 {
     const ui_colour colour = theme_shaded[THEME_GREEN];

@@ -4,6 +4,7 @@
 #include "viewer/model/viewer.h"
 #include "viewer/panes/panes.h"
 #include "viewer/tools/inputs.h"
+#include "viewer/window/figure_form.h"
 #include "viewer/window/hover.h"
 
 #include <math.h>
@@ -50,30 +51,30 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The geometry of a pane in this geometry. */
-struct cut_geometry {
+/* A pane in this frame. */
+struct cut {
     struct cut_pane *pane;
-    float title_width, title_height;
-    uint32_t width, height;
     struct pane_plane plane;
+    float title_width, title_height;
     struct labels labels;
 };
 
-static void draw_picture(struct window *window, const struct cut_geometry *geometry, const conus_cut_view *view)
+static void draw_picture(struct window *window, const struct cut *cut)
 {
     struct viewer *viewer = window->viewer;
-    struct cut_pane *pane = geometry->pane;
+    struct cut_pane *pane = cut->pane;
+    const conus_cut_view *view = &cut->plane.view;
     conus_status status = CONUS_OK;
-    bool same = pane->version == viewer->version && pane->texture.width == geometry->width &&
-                pane->texture.height == geometry->height;
+    bool same =
+        pane->version == viewer->version && pane->texture.width == view->width && pane->texture.height == view->height;
     for (int a = 0; a < 3; a++) {
-        same = same && pane->centre[a] == geometry->plane.centre[a];
+        same = same && pane->centre[a] == view->centre[a];
     }
     if (same) {
         return;
     }
     pane->version = viewer->version; /* what cannot be drawn is said once */
-    memcpy(pane->centre, geometry->plane.centre, sizeof pane->centre);
+    memcpy(pane->centre, view->centre, sizeof pane->centre);
     if (!pane->cutter || pane->atlas_number != viewer->atlas_number) { /* it holds as long as the atlas */
         conus_cutter_destroy(pane->cutter);
         pane->cutter = NULL;
@@ -94,20 +95,21 @@ static void draw_picture(struct window *window, const struct cut_geometry *geome
     free(wanted);
 }
 
-static void world_at(double out[3], const struct cut_geometry *geometry, float x, float y)
+static void world_at(double out[3], const struct cut *cut, float x, float y)
 {
-    const struct ui_box *box = &geometry->pane->box;
-    double beside = ((double)(x - box->x) - (double)box->width / 2) * geometry->plane.mm_per_pixel;
-    double above = ((double)box->height / 2 - (double)(y - box->y)) * geometry->plane.mm_per_pixel;
+    const struct ui_box *box = &cut->plane.box;
+    double beside = ((double)(x - box->x) - (double)box->width / 2) * cut->plane.view.mm_per_pixel;
+    double above = ((double)box->height / 2 - (double)(y - box->y)) * cut->plane.view.mm_per_pixel;
     for (int a = 0; a < 3; a++) {
-        out[a] = geometry->plane.centre[a] + beside * geometry->plane.right[a] + above * geometry->plane.up[a];
+        out[a] = cut->plane.view.centre[a] + beside * cut->plane.view.right[a] + above * cut->plane.view.up[a];
     }
 }
 
-static uint32_t object_at(const struct cut_pane *pane, float x, float y)
+static uint32_t object_at(const struct cut *cut, float x, float y)
 {
-    float column = x - pane->box.x;
-    float row = y - pane->box.y;
+    const struct cut_pane *pane = cut->pane;
+    float column = x - cut->plane.box.x;
+    float row = y - cut->plane.box.y;
     bool inside = column >= 0 && row >= 0 && column < (float)pane->texture.width && row < (float)pane->texture.height;
     const uint32_t *objects = inside && pane->cutter ? conus_cutter_objects(pane->cutter) : NULL;
     return objects ? objects[(size_t)row * pane->texture.width + (size_t)column] : 0;
@@ -124,53 +126,41 @@ static char letter_towards(const double direction[3])
     return ' ';
 }
 
-static void draw_letters(struct cut_geometry *geometry)
+static void draw_letters(struct cut *cut)
 {
-    const struct ui_box *box = &geometry->pane->box;
-    const double left[3] = {-geometry->plane.right[0], -geometry->plane.right[1], -geometry->plane.right[2]};
-    const double down[3] = {-geometry->plane.up[0], -geometry->plane.up[1], -geometry->plane.up[2]};
+    const struct ui_box *box = &cut->plane.box;
+    const double left[3] = {-cut->plane.view.right[0], -cut->plane.view.right[1], -cut->plane.view.right[2]};
+    const double down[3] = {-cut->plane.view.up[0], -cut->plane.view.up[1], -cut->plane.view.up[2]};
     struct {
         const double *towards;
         float x, y; /* parts of the space between the margins */
-    } places[] = {{left, 0, 0.5F}, {geometry->plane.right, 1, 0.5F}, {geometry->plane.up, 0.5F, 0}, {down, 0.5F, 1}};
+    } places[] = {{left, 0, 0.5F}, {cut->plane.view.right, 1, 0.5F}, {cut->plane.view.up, 0.5F, 0}, {down, 0.5F, 1}};
     const float margin = 7;
-    bool covered = 8 + geometry->title_width > 0.5F * box->width - 2 * margin;
+    bool covered = 8 + cut->title_width > 0.5F * box->width - 2 * margin;
     for (int i = 0; i < 4; i++) {
         const char text[2] = {letter_towards(places[i].towards), '\0'};
         const float space[2] = {box->width - ui_text_width(text) - 2 * margin, box->height - ui_line() - 2 * margin};
-        float top = places[i].towards == geometry->plane.up && covered ? geometry->title_height : margin;
+        float top = places[i].towards == cut->plane.view.up && covered ? cut->title_height : margin;
         const float at[2] = {box->x + margin + places[i].x * space[0], box->y + top + places[i].y * space[1]};
         ui_draw_text(at, light, text);
-        labels_reserve(&geometry->labels, (struct ui_box){at[0], at[1], ui_text_width(text), ui_line()});
+        labels_reserve(&cut->labels, (struct ui_box){at[0], at[1], ui_text_width(text), ui_line()});
     }
 }
 
-/* The pixel of the window that a place is seen at, wherever it lies before or behind the cut. */
-static void pixel_at(float out[2], const struct cut_geometry *geometry, const double world[3])
-{
-    const struct ui_box *box = &geometry->pane->box;
-    double offset[3];
-    for (int a = 0; a < 3; a++) {
-        offset[a] = world[a] - geometry->plane.centre[a];
-    }
-    out[0] = box->x + box->width / 2 + (float)(dot(offset, geometry->plane.right) / geometry->plane.mm_per_pixel);
-    out[1] = box->y + box->height / 2 - (float)(dot(offset, geometry->plane.up) / geometry->plane.mm_per_pixel);
-}
-
-static void draw_measured(const struct window *window, struct cut_geometry *geometry)
+static void draw_measured(const struct window *window, struct cut *cut)
 {
     float ends[2][2] = {{0}};
     for (uint32_t i = 0; i < window->viewer->measure.count; i++) {
-        pixel_at(ends[i], geometry, window->viewer->measure.points + (size_t)3 * i);
+        pane_point(ends[i], &cut->plane, window->viewer->measure.points + (size_t)3 * i);
     }
-    pane_measured(window->viewer, &geometry->labels, &geometry->pane->box, ends);
+    pane_measured(window->viewer, &cut->labels, &cut->plane.box, ends);
 }
 
-static void draw_crosshair(const struct window *window, const struct cut_geometry *geometry)
+static void draw_crosshair(const struct window *window, const struct cut *cut)
 {
-    const struct ui_box *box = &geometry->pane->box;
+    const struct ui_box *box = &cut->plane.box;
     float at[2];
-    pixel_at(at, geometry, window->viewer->crosshair);
+    pane_point(at, &cut->plane, window->viewer->crosshair);
     ui_draw_line((float[]){box->x, at[1]}, (float[]){at[0] - 6, at[1]}, cross, 1);
     ui_draw_line((float[]){at[0] + 6, at[1]}, (float[]){box->x + box->width, at[1]}, cross, 1);
     ui_draw_line((float[]){at[0], box->y}, (float[]){at[0], at[1] - 6}, cross, 1);
@@ -194,23 +184,21 @@ static void put_depth(char *out, size_t size, const struct viewer *viewer, enum 
     snprintf(out + used, size - used, " %s", conus_space_unit(space));
 }
 
-static void draw_title(const struct window *window, struct cut_geometry *geometry, enum plane plane)
+static void draw_title(const struct window *window, struct cut *cut, enum plane plane)
 {
-    static const char *const names[] = {"axial", "coronal", "sagittal"};
     const struct viewer *viewer = window->viewer;
     const char *sides = plane == SAGITTAL ? "" : viewer->display.radiological ? "radiological" : "neurological";
-    const float at[2] = {geometry->pane->box.x + 8, geometry->pane->box.y + 6};
+    const float at[2] = {cut->plane.box.x + 8, cut->plane.box.y + 6};
     char text[96];
-    size_t used = (size_t)snprintf(text, sizeof text, "%s  ", names[plane]);
+    size_t used = (size_t)snprintf(text, sizeof text, "%s  ", figure_panes[plane]);
     put_depth(text + used, sizeof text - used, viewer, plane);
     float first = ui_text_width(text);
     float second = ui_text_width(sides);
-    bool fits = first + 12 + second < geometry->pane->box.width - 16; /* else the sides stand below */
+    bool fits = first + 12 + second < cut->plane.box.width - 16; /* else the sides stand below */
     const float beside[2] = {fits ? at[0] + first + 12 : at[0], fits ? at[1] : at[1] + 1.2F * ui_line()};
-    geometry->title_width = fits ? first + 12 + second : fmaxf(first, second);
-    geometry->title_height = (fits ? 1.6F : 2.8F) * ui_line();
-    labels_reserve(&geometry->labels,
-                   (struct ui_box){at[0], at[1], geometry->title_width, geometry->title_height - 0.6F * ui_line()});
+    cut->title_width = fits ? first + 12 + second : fmaxf(first, second);
+    cut->title_height = (fits ? 1.6F : 2.8F) * ui_line();
+    labels_reserve(&cut->labels, (struct ui_box){at[0], at[1], cut->title_width, cut->title_height - 0.6F * ui_line()});
     ui_draw_text(at, light, text);
     if (*sides) {
         ui_draw_text(beside, light, sides);
@@ -243,14 +231,14 @@ static void use_wand(struct viewer *viewer, enum tool_number tool, bool shift, c
     tool_aim_along(viewer, tool, shift ? origin : at, direction);
 }
 
-static void use_mouse(struct window *window, const struct cut_geometry *geometry, enum plane plane)
+static void use_mouse(struct window *window, const struct cut *cut, enum plane plane)
 {
     struct viewer *viewer = window->viewer;
     struct ui_mouse mouse = ui_mouse_now();
     enum tool_number wand = tool_moved_by(viewer, POINT_BY_WAND);
     double at[3];
-    world_at(at, geometry, mouse.x, mouse.y);
-    window->frame.hover.object = object_at(geometry->pane, mouse.x, mouse.y);
+    world_at(at, cut, mouse.x, mouse.y);
+    window->frame.hover.object = object_at(cut, mouse.x, mouse.y);
     memcpy(window->frame.hover.at, at, sizeof at);
     window->frame.hover.has_place = true;
     window->frame.hover.value = view_atlas_value(viewer->drawn, window->frame.hover.object, at);
@@ -282,40 +270,32 @@ static void use_mouse(struct window *window, const struct cut_geometry *geometry
 
 void pane_cut(struct window *window, enum plane plane)
 {
-    static const char *const ids[] = {"axial", "coronal", "sagittal"};
     struct cut_pane *pane = &window->pictures.cuts[plane];
-    conus_cut_view view;
-    pane->box = window->screen.panes[plane];
-    cut_view(&view, window->viewer, plane, (double[]){(double)pane->box.width, (double)pane->box.height});
-    view.grey_cone = inputs_is_old(&window->inputs, window->viewer, FIRST_TOOL);
-    struct cut_geometry geometry = {.pane = pane,
-                                    .plane = {.box = pane->box, .mm_per_pixel = view.mm_per_pixel},
-                                    .width = view.width,
-                                    .height = view.height};
-    memcpy(geometry.plane.right, view.right, sizeof geometry.plane.right);
-    memcpy(geometry.plane.up, view.up, sizeof geometry.plane.up);
-    memcpy(geometry.plane.centre, view.centre, sizeof geometry.plane.centre);
-    draw_picture(window, &geometry, &view);
-    ui_panel(ids[plane], pane->box, UI_PLAIN);
+    struct cut cut = {.pane = pane, .plane.box = window->screen.panes[plane]};
+    const struct ui_box *box = &cut.plane.box;
+    cut_view(&cut.plane.view, window->viewer, plane, (double[]){(double)box->width, (double)box->height});
+    cut.plane.view.grey_cone = inputs_is_old(&window->inputs, window->viewer, FIRST_TOOL);
+    draw_picture(window, &cut);
+    ui_panel(figure_panes[plane], *box, UI_PLAIN);
     if (pane->texture.name) {
-        ui_draw_image(pane->texture.name, pane->box);
+        ui_draw_image(pane->texture.name, *box);
     }
-    bool touched = ui_surface("surface", pane->box);
+    bool touched = ui_surface("surface", *box);
     if (touched) {
-        use_mouse(window, &geometry, plane);
+        use_mouse(window, &cut, plane);
     }
-    ui_clip(pane->box);
-    pane_second_cut(window, &geometry.plane);
-    draw_crosshair(window, &geometry);
-    draw_title(window, &geometry, plane);
-    draw_letters(&geometry);
-    draw_measured(window, &geometry);
-    show_grey(window, &pane->box);
+    ui_clip(*box);
+    pane_second_cut(window, &cut.plane);
+    draw_crosshair(window, &cut);
+    draw_title(window, &cut, plane);
+    draw_letters(&cut);
+    draw_measured(window, &cut);
+    show_grey(window, box);
     const struct view_atlas *drawn = window->viewer->drawn;
     char title[VIEW_ATLAS_TITLE];
-    if (geometry.pane->top.is_there && conus_atlas_object(drawn->atlas, drawn->shown.chosen)) {
-        const float at[2] = {pane->box.x + (float)pane->top.x, pane->box.y + (float)pane->top.y};
-        pane_name(&geometry.labels, &pane->box, at, true, theme_shaded[THEME_AMBER], drawn->shown.chosen,
+    if (pane->top.is_there && conus_atlas_object(drawn->atlas, drawn->shown.chosen)) {
+        const float at[2] = {box->x + (float)pane->top.x, box->y + (float)pane->top.y};
+        pane_name(&cut.labels, box, at, true, theme_shaded[THEME_AMBER], drawn->shown.chosen,
                   view_atlas_title(title, drawn, drawn->shown.chosen));
     }
     ui_clip_end();

@@ -62,18 +62,6 @@ static bool shows(const struct window *window)
     return window->viewer->tools[SECOND_TOOL].on && window->viewer->tools[SECOND_TOOL].has_pose;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void place_in(float out[2], const struct pane_plane *plane, const double at[3])
-{
-    const double offset[3] = {at[0] - plane->centre[0], at[1] - plane->centre[1], at[2] - plane->centre[2]};
-    out[0] = plane->box.x + plane->box.width / 2 + (float)(dot(offset, plane->right) / plane->mm_per_pixel);
-    out[1] = plane->box.y + plane->box.height / 2 - (float)(dot(offset, plane->up) / plane->mm_per_pixel);
-}
-
 void pane_second_cut(struct window *window, const struct pane_plane *plane)
 {
     struct shell shell;
@@ -86,16 +74,16 @@ void pane_second_cut(struct window *window, const struct pane_plane *plane)
     for (int a = 0; a < 3; a++) {
         int b = (a + 1) % 3;
         int c = (a + 2) % 3;
-        normal[a] = plane->right[b] * plane->up[c] - plane->right[c] * plane->up[b];
+        normal[a] = plane->view.right[b] * plane->view.up[c] - plane->view.right[c] * plane->view.up[b];
     }
     find_shell(&shell, window, whole_length(window->viewer));
-    size_t count = shell_cut(pieces, &shell, plane->centre, normal);
+    size_t count = shell_cut(pieces, &shell, plane->view.centre, normal);
     ui_colour colour = find_colour(window);
     for (size_t i = 0; i < count; i++) {
         float from[2];
         float to[2];
-        place_in(from, plane, pieces[i].ends[0]);
-        place_in(to, plane, pieces[i].ends[1]);
+        pane_point(from, plane, pieces[i].ends[0]);
+        pane_point(to, plane, pieces[i].ends[1]);
         draw_line(from, to, colour);
     }
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The list of additions to the atlas, and a line for one more. */
 #include "conus/file.h"
+#include "options/output.h"
 #include "viewer/panes/panels.h"
 
 #include <jansson.h>
@@ -24,25 +25,22 @@ static void draw_file(struct window *window, size_t index, enum addition kind, c
     if (!addition_path(path, kind, value)) {
         return;
     }
-    const char *slash = strrchr(path, '/');
-    snprintf(plain, sizeof plain, "%s", value + (slash ? slash + 1 - path : 0));
+    snprintf(plain, sizeof plain, "%s", value + (path_name(path) - path));
     conus_plain_text(plain);
     ui_id((uint32_t)index);
-    if (ui_small_button("Take out")) {
+    if (ui_small_button("Take out", "the atlas is opened again without it")) {
         window_take_out(window, index);
     }
-    ui_tip("the atlas is opened again without it");
     ui_same_line();
-    if (ui_small_button("Change")) {
+    if (ui_small_button("Change", "its file or what stands behind it, in the line below")) {
         form->kind = kind;
         form->changed = index + 1;
         form->takes_keys = form->is_set = true;
         snprintf(form->text, sizeof form->text, "%s", value);
     }
-    ui_tip("its file or what stands behind it, in the line below");
     ui_id_end();
     ui_same_line();
-    ui_text_coloured(theme_texts[THEME_HINT], "%s", addition_names[kind]);
+    ui_text_coloured(THEME_HINT, "%s", addition_names[kind]);
     ui_same_line();
     ui_text("%s", plain);
     conus_plain_text(path);
@@ -62,7 +60,7 @@ static void draw_files(struct window *window, const json_t *words)
         }
     }
     if (!count) {
-        ui_text_coloured(theme_texts[THEME_HINT], "Nothing was added by an option or by hand.");
+        ui_text_coloured(THEME_HINT, "Nothing was added by an option or by hand.");
     }
     ui_scroll_end();
 }
@@ -72,32 +70,27 @@ static void draw_line(struct window *window, const json_t *words)
     struct added_form *form = &window->forms.added;
     ui_choose("Kind", &form->kind, addition_names, ADDITION_COUNT);
     ui_tip("what the file is to be");
-    if (form->takes_keys) {
-        form->takes_keys = false;
-        ui_take_keys();
-    }
+    ui_take_keys(&form->takes_keys);
     ui_width(ui_room());
-    ui_type_path("##file", form->text, sizeof form->text, "", "", false, &form->is_set);
-    bool entered = ui_entered();
-    ui_tint(theme_texts[THEME_HINT]);
-    ui_text_wrapped(keys[form->kind]);
-    ui_tint_end();
-    bool used = ui_button(form->changed ? "Use instead" : "Add") || entered;
+    bool entered = ui_type_path("##file", form->text, sizeof form->text, "", "", false, &form->is_set);
+    ui_text_wrapped(THEME_HINT, keys[form->kind]);
+    bool used = ui_button(form->changed ? "Use instead" : "Add",
+                          "the atlas is opened again, and all that you set stays; Enter, too") ||
+                entered;
     if (used && form->text[0] && form->changed && form->changed <= json_array_size(words)) {
         window_change(window, form->changed - 1, (enum addition)form->kind, form->text);
     } else if (used && form->text[0]) {
         window_add(window, (enum addition)form->kind, form->text);
     }
-    ui_tip("the atlas is opened again, and all that you set stays; Enter, too");
     ui_same_line();
-    if (form->changed && ui_button("no, add another")) {
+    if (form->changed && ui_button("no, add another", NULL)) {
         *form = (struct added_form){.open = true, .kind = form->kind, .is_set = true};
     }
     ui_same_line();
-    if (ui_button("Close")) {
+    if (ui_button("Close", NULL)) {
         form->open = false;
     }
-    ui_text_wrapped(window->viewer->message);
+    ui_text_wrapped(THEME_PLAIN, window->viewer->message);
 }
 
 void panel_added(struct window *window)

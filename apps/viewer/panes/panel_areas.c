@@ -69,21 +69,6 @@ static void write_tip(char tip[TIP_SIZE], const conus_object *object)
     }
 }
 
-static void draw_buttons(struct viewer *viewer, uint32_t object)
-{
-    bool hide = viewer_shown(viewer, object) == SHOWN;
-    ui_same_line();
-    if (ui_small_button(hide ? "Hide" : "Show")) {
-        viewer_hide(viewer, object, hide);
-    }
-    ui_tip("hidden areas are not hit, not drawn, and block nothing; H, too");
-    ui_same_line();
-    if (ui_small_button("Only")) {
-        viewer_isolate(viewer, object);
-    }
-    ui_tip("hides all others; I, too, and Ctrl+Z takes it back");
-}
-
 static void draw_area(struct window *window, uint32_t number)
 {
     struct viewer *viewer = window->viewer;
@@ -92,13 +77,13 @@ static void draw_area(struct window *window, uint32_t number)
     char name[VIEW_ATLAS_TITLE + 16];
     char buffer[VIEW_ATLAS_TITLE];
     char tip[TIP_SIZE];
-    uint8_t rgb[3];
+    ui_colour colour = panel_colour(viewer, number);
     const char *title = view_atlas_title(buffer, viewer->drawn, number);
     write_tip(tip, object);
     ui_id(number);
     ui_dim(shown == SHOWN_NOT ? theme_pale : shown == SHOWN_IN_PART ? (1 + theme_pale) / 2 : 1);
-    viewer_colour(rgb, viewer, number);
-    ui_chip("colour", (ui_colour){rgb[0], rgb[1], rgb[2], viewer->drawn->shown.hidden[number] ? 60 : 255});
+    colour.a = viewer->drawn->shown.hidden[number] ? 60 : 255;
+    ui_chip("colour", colour);
     ui_same_line();
     if (viewer->drawn->shown.chosen == number) {
         if (window->frame.listed != number) { /* it was chosen just now */
@@ -106,11 +91,12 @@ static void draw_area(struct window *window, uint32_t number)
             ui_scroll_here();
         }
         snprintf(name, sizeof name, "%s%s", title, shown == SHOWN_IN_PART ? " (in part)" : "");
-        ui_tint(theme_texts[THEME_AMBER]);
+        ui_tint(THEME_AMBER);
         float buttons = ui_text_width("Show") + ui_text_width("Only") + 32 * window->screen.scale; /* and a gap */
         ui_text_cut(name, ui_room() - buttons);
         ui_tint_end();
-        draw_buttons(viewer, number);
+        ui_same_line();
+        panel_hide(viewer, number, true);
         panel_look_area(viewer, number);
     } else if (ui_row_cut(title, false, tip)) {
         viewer_choose(viewer, number);
@@ -158,10 +144,9 @@ static void draw_found(struct window *window)
     if (!count) {
         ui_text("nothing fits");
         ui_same_line();
-        if (ui_small_button("Clear")) {
+        if (ui_small_button("Clear", "lists all areas again")) {
             shown->search[0] = '\0';
         }
-        ui_tip("lists all areas again");
     }
 }
 
@@ -198,10 +183,7 @@ static void draw_key_buttons(struct window *window, bool in_line)
         if (i && in_line) {
             ui_same_line();
         }
-        if (ui_button(buttons[i].label)) {
-            window_press(window, buttons[i].key);
-        }
-        ui_tip(buttons[i].tip);
+        panel_key_button(window, buttons[i].label, buttons[i].key, buttons[i].tip);
     }
 }
 
@@ -212,10 +194,9 @@ void panel_rail(struct window *window, size_t side)
     static const char *const tips[] = {"opens the list of areas: search, hide, hemispheres (F6)",
                                        "opens the hits of the cone and the settings (F6)"};
     ui_panel(titles[side], side ? window->screen.right : window->screen.left, UI_UNTITLED);
-    if (ui_button(labels[side])) {
+    if (ui_button(labels[side], tips[side])) {
         layout_fold(&window->screen.layout, side, false);
     }
-    ui_tip(tips[side]);
     if (side == 0) {
         ui_separator();
         draw_key_buttons(window, false);
@@ -236,8 +217,8 @@ void panel_areas(struct window *window)
     choose_atlas(window);
     ui_id((uint32_t)(viewer->drawn - viewer->atlases)); /* each has a list of its own, scrolled and opened */
     ui_width(window->screen.left.width - 20);
-    ui_type("##search", viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "search name or label");
-    bool wants_first = ui_entered();
+    bool wants_first =
+        ui_type("##search", viewer->drawn->shown.search, sizeof viewer->drawn->shown.search, "search name or label");
     ui_tip("whole names come first, then names and words that begin so, names with it inside, and label numbers;\n"
            "Enter chooses the first");
     if (wants_first && viewer->drawn->shown.search[0]) {
@@ -246,23 +227,17 @@ void panel_areas(struct window *window)
             viewer_choose(viewer, best);
         }
     }
-    if (ui_button("Show all")) {
-        viewer_show_all(viewer);
-    }
-    ui_tip("no area is hidden any more; V, too");
+    panel_key_button(window, "Show all", "v", "no area is hidden any more; V, too");
     ui_same_line();
     ui_text("%zu in all", viewer->drawn->object_count);
     ui_same_line();
-    if (ui_button("Files")) {
-        window_press(window, "ctrl+l");
-    }
-    ui_tip("streamlines, pathways and context: add one, change it, take it out; Ctrl+L, too");
+    panel_key_button(window, "Files", "ctrl+l",
+                     "streamlines, pathways and context: add one, change it, take it out; Ctrl+L, too");
     ui_flow("\u00ab");
-    if (ui_button("\u00ab")) {
+    if (ui_button("\u00ab", "folds this panel to its rail")) {
         layout_fold(&window->screen.layout, 0, true);
     }
-    ui_tip("folds this panel to its rail");
-    ui_text_coloured(theme_texts[THEME_HINT], "left and right");
+    ui_text_coloured(THEME_HINT, "left and right");
     choose_hemispheres(window);
     choose_side(window);
     ui_separator();

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The card of the chosen area: what is known of it, and what can be done with it. */
+#include "options/output.h"
 #include "viewer/model/plans.h"
 #include "viewer/panes/panels.h"
 #include "viewer/ui/ui_list.h"
@@ -12,7 +13,7 @@ enum { TREE_TEXT = 512, DEEPEST = 32 };
 
 static void draw_fact(const char *name, const char *value)
 {
-    ui_text_coloured(theme_texts[THEME_HINT], "%s", name);
+    ui_text_coloured(THEME_HINT, "%s", name);
     ui_same_line_at(0.36F * ui_room());
     ui_text_cut(value, ui_room());
 }
@@ -34,16 +35,10 @@ static void write_tree(char out[TREE_TEXT], const conus_atlas *atlas, uint32_t n
     }
 }
 
-static const char *file_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* The side that the table or the name gives; "" = none. */
 static const char *find_side(const struct view_atlas *view, uint32_t number)
 {
-    char side = view->sides ? view->sides[number] : conus_atlas_object(view->atlas, number)->hemisphere;
+    char side = view->sides[number];
     return side == 'L' ? "left" : side == 'R' ? "right" : side == 'B' ? "both" : "";
 }
 
@@ -52,11 +47,10 @@ static void draw_facts(struct viewer *viewer, const conus_object *object, uint32
     const struct view_atlas *view = viewer->drawn;
     char text[TREE_TEXT];
     const char *side = find_side(view, number);
-    ui_tint(theme_texts[THEME_AMBER]);
-    ui_text_wrapped(object->name);
-    ui_tint_end();
+    ui_text_wrapped(THEME_AMBER, object->name);
     if (!ui_can_write(object->name)) {
         ui_text_wrapped(
+            THEME_PLAIN,
             "? stands for letters that this window's font does not have. Copied and exported lists have them.");
     }
     if (object->abbreviation[0] && strcmp(object->abbreviation, object->name) != 0) {
@@ -75,7 +69,7 @@ static void draw_facts(struct viewer *viewer, const conus_object *object, uint32
         write_tree(text, view->atlas, number);
         draw_fact("Part of", text);
     }
-    const char *name = view->name[0] ? view->name : file_name(view->path);
+    const char *name = view->name[0] ? view->name : path_name(view->path);
     snprintf(text, sizeof text, "%.200s%s", name, object->named ? "" : ", which does not name it");
     draw_fact("Atlas", text);
 }
@@ -85,12 +79,14 @@ static void draw_target(struct window *window, uint32_t number, const char *name
     static const char label[] = "Set as target";
     bool is_target = plans_is_target(window->viewer, number);
     ui_flow(label);
-    if (ui_button(is_target ? "No target" : label)) {
+    if (ui_button(
+            is_target ? "No target" : label,
+            is_target
+                ? "the needle of the plan need not reach it any more"
+                : "the needle of the plan is to reach it (--reach), in place of what it was to reach; F5 sets how "
+                  "deep the needle goes")) {
         window_request_target(window, is_target ? NULL : name);
     }
-    ui_tip(is_target ? "the needle of the plan need not reach it any more"
-                     : "the needle of the plan is to reach it (--reach), in place of what it was to reach; F5 sets how "
-                       "deep the needle goes");
 }
 
 void panel_card(struct window *window)
@@ -101,24 +97,14 @@ void panel_card(struct window *window)
     if (!object || !ui_section("Chosen area", true)) {
         return;
     }
-    bool hide = viewer_shown(viewer, number) == SHOWN;
     ui_id(number);
     draw_facts(viewer, object, number);
-    if (ui_button(hide ? "Hide" : "Show")) {
-        viewer_hide(viewer, number, hide);
-    }
-    ui_tip("hidden areas are not hit, not drawn, and block nothing; H, too");
-    ui_flow("Only");
-    if (ui_button("Only")) {
-        viewer_isolate(viewer, number);
-    }
-    ui_tip("hides all others; I, too, and Ctrl+Z takes it back");
+    panel_hide(viewer, number, false);
     ui_flow("Pin");
-    if (ui_button("Pin")) {
+    if (ui_button("Pin", "adds it to what was confirmed, with the place of the crosshair")) {
         viewer_pin(viewer, (size_t)(viewer->drawn - viewer->atlases), number, NULL, NAN, NAN, viewer->crosshair);
         viewer->version++;
     }
-    ui_tip("adds it to what was confirmed, with the place of the crosshair");
     if (viewer->drawn == viewer->atlases) { /* which plans are about */
         draw_target(window, number, object->name);
     }

@@ -22,10 +22,9 @@ static void show_replay(struct window *window)
         return;
     }
     uint32_t row = (uint32_t)replay->at + 1;
-    if (ui_button(replay->playing ? "Stop" : "Play")) {
+    if (ui_button(replay->playing ? "Stop" : "Play", "the poses one after the other, at their times")) {
         replay_toggle(replay, glfwGetTime());
     }
-    ui_tip("the poses one after the other, at their times");
     ui_same_line();
     if (ui_count("Row", &row, 1, (uint32_t)count)) {
         replay->playing = false;
@@ -43,36 +42,18 @@ static void show_tracker(struct window *window)
     char text[256];
     if (inputs->station) {
         station_settings_text(text, sizeof text, inputs->station, &inputs->update);
-        ui_tint(theme_texts[colours[inputs->update.state]]);
-        ui_text_wrapped(text);
-        ui_tint_end();
-        if (ui_button("Disconnect")) {
+        ui_text_wrapped(colours[inputs->update.state], text);
+        if (ui_button("Disconnect", "ends the connection; the answer from before stays, and is said to be old")) {
             inputs_disconnect(inputs, window->viewer);
         }
-        ui_tip("ends the connection; the answer from before stays, and is said to be old");
         return;
     }
-    ui_type("Tracker", inputs->address, sizeof inputs->address, "host:port");
-    bool entered = ui_entered();
+    bool entered = ui_type("Tracker", inputs->address, sizeof inputs->address, "host:port");
     ui_tip("the address of a tracker, or of 3D Slicer, that sends OpenIGTLink, as for --connect; Enter connects");
-    bool pressed = ui_button("Connect");
-    ui_tip("connects to it, and tries again until it answers");
+    bool pressed = ui_button("Connect", "connects to it, and tries again until it answers");
     if (entered || pressed) {
         (void)window_connect(window);
     }
-}
-
-void panel_speed(struct window *window, enum pointer pointer)
-{
-    double speed = devices_speed(&window->inputs.devices);
-    if (pointer < POINT_BY_SPACEMOUSE) {
-        return;
-    }
-    if (ui_slider("Speed", &speed, SOURCE_LEAST_SPEED, SOURCE_MOST_SPEED, "%.0f mm/s", true)) {
-        devices_set_speed(&window->inputs.devices, speed);
-        window->viewer->version++;
-    }
-    panel_tip(PROPERTY_SPEED);
 }
 
 enum { LEVELS_SHOWN = 24 };
@@ -89,12 +70,12 @@ static void choose_range(struct viewer *viewer)
         ui_text("depth limits need exact sampling");
         return;
     }
-    if (ui_check("Only some depths", &limited)) {
+    if (ui_check("Only some depths", &limited,
+                 "only what lies between two depths along the axis, mm from the apex, counts (--range);\n"
+                 "F4 and F5 move the farther limit, F2 and F3 the nearer one")) {
         (void)(limited ? query_move_range(viewer, 0, 0) : query_set_range(viewer, 0, 0));
         return;
     }
-    ui_tip("only what lies between two depths along the axis, mm from the apex, counts (--range);\n"
-           "F4 and F5 move the farther limit, F2 and F3 the nearer one");
     if (!limited) {
         return;
     }
@@ -133,28 +114,16 @@ static void type_level(struct viewer *viewer)
     if (!query_depth(viewer)) {
         memcpy(typed, viewer->cone.level, sizeof typed);
     }
-    ui_type("Level by areas", typed, sizeof typed, "Thalamus,Isocortex");
-    bool entered = ui_entered();
+    bool entered = ui_type("Level by areas", typed, sizeof typed, "Thalamus,Isocortex");
     ui_tip("areas are reported as the nearest of these that they are part of; names with commas between, then Enter");
     if (entered) {
         query_set_level(viewer, typed);
     }
 }
 
-static void choose_property(struct window *window, enum property_id id, const char *label, const char *const *names,
-                            size_t count)
-{
-    size_t value = (size_t)property_value(window, id);
-    if (ui_choose(label, &value, names, count)) {
-        property_set(window, id, (double)value);
-    }
-    panel_tip(id);
-}
-
 /* Chooses which hits count, and their order: depths, level, list. */
 static void choose_hits(struct window *window)
 {
-    static const char *const orders[] = {"the best first", "the nearest first"};
     struct viewer *viewer = window->viewer;
     unsigned deepest = query_deepest(viewer);
     choose_range(viewer);
@@ -162,7 +131,7 @@ static void choose_hits(struct window *window)
         choose_depth(viewer, deepest);
         type_level(viewer);
     }
-    choose_property(window, PROPERTY_ORDER, "List", orders, 2);
+    panel_property(window, PROPERTY_ORDER);
 }
 
 enum { SCORE_LIMIT = 64 };
@@ -194,11 +163,11 @@ static bool choose_shape(struct viewer *viewer)
 {
     bool changed = false;
     bool cylinder = viewer->cone.options.radius > 0;
-    if (ui_check("A cylinder in place of the cone", &cylinder)) {
+    if (ui_check("A cylinder in place of the cone", &cylinder,
+                 "in place of the cone a tube around its axis, such as a needle or a probe")) {
         viewer->cone.options.radius = cylinder ? 2 : 0;
         changed = true;
     }
-    ui_tip("in place of the cone a tube around its axis, such as a needle or a probe");
     if (cylinder) {
         changed = ui_slider("Radius", &viewer->cone.options.radius, 0.1, 50, "%.4g mm", true) || changed;
         ui_tip("radius of the cylinder, mm");
@@ -296,11 +265,12 @@ static void choose_layers(struct viewer *viewer)
 {
     conus_selector_options *options = &viewer->cone.options;
     size_t layer = (size_t)options->layers;
+    char tip[KEYS_TIP];
     if (ui_choose("Count", &layer, layers, 2)) {
         options->layers = options->sampling == CONUS_SAMPLING_SLICES ? CONUS_LAYERS_VISIBLE : (conus_layers)layer;
         tool_reselect(viewer);
     }
-    panel_tip(PROPERTY_LAYERS);
+    ui_tip(keys_tip(tip, PROPERTY_LAYERS));
 }
 
 enum { FOUND_SHOWN = 5 };
@@ -310,12 +280,8 @@ static void search_area(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     char *search = viewer->drawn->shown.search;
-    if (window->frame.searches) {
-        window->frame.searches = false;
-        ui_take_keys();
-    }
-    ui_type("Search", search, sizeof viewer->drawn->shown.search, "area or label");
-    bool entered = ui_entered();
+    ui_take_keys(&window->frame.searches);
+    bool entered = ui_type("Search", search, sizeof viewer->drawn->shown.search, "area or label");
     ui_tip("an area by its name, abbreviation or label; Enter chooses the first; / comes here");
     uint32_t best = entered && search[0] ? search_best(viewer->drawn->atlas, search) : 0;
     if (best) {
@@ -334,27 +300,6 @@ static void search_area(struct window *window)
     free(found);
 }
 
-static void choose_view(struct viewer *viewer)
-{
-    bool outlines = !viewer->display.no_outlines;
-    bool safe = viewer->display.safe_colours;
-    bool shown = ui_slider("Context", &viewer->display.fade, 0, 1, "%.2f faded", false);
-    panel_tip(PROPERTY_FADE);
-    shown = ui_slider("Areas", &viewer->display.fill, 0, 1, "%.2f filled", false) || shown;
-    panel_tip(PROPERTY_FILL);
-    shown = ui_check("Outlines", &outlines) || shown;
-    panel_tip(PROPERTY_OUTLINES);
-    viewer->display.no_outlines = !outlines;
-    shown = ui_check("Radiological (left is right)", &viewer->display.radiological) || shown;
-    panel_tip(PROPERTY_RADIOLOGICAL);
-    if (ui_check("Colours for any colour vision", &safe)) {
-        viewer_use_safe_colours(viewer, safe);
-    }
-    panel_tip(PROPERTY_SAFE_COLOURS);
-    viewer->version += shown;
-    panel_look_view(viewer);
-}
-
 void panel_question(struct window *window)
 {
     struct viewer *viewer = window->viewer;
@@ -362,10 +307,7 @@ void panel_question(struct window *window)
         return;
     }
     choose_pointer(window);
-    if (ui_slider("Angle", &viewer->tools[FIRST_TOOL].angle, 0.1, 179, "%.1f\u00b0", true)) {
-        tool_reselect(viewer);
-    }
-    panel_tip(PROPERTY_ANGLE);
+    panel_property(window, PROPERTY_ANGLE);
     choose_layers(viewer);
     search_area(window);
 }
@@ -373,19 +315,13 @@ void panel_question(struct window *window)
 /* All else that decides what the cone is and which of its hits count. */
 static void choose_details(struct window *window)
 {
-    static const char *const apexes[] = {"at the surface", "at your eye"};
-    static const char *const followed[FOLLOW_COUNT] = {"nothing", "the cone's tip", "the best contact"};
     struct viewer *viewer = window->viewer;
     if (viewer->tools[FIRST_TOOL].pointer == POINT_BY_MOUSE) {
-        choose_property(window, PROPERTY_APEX_AT_EYE, "Start", apexes, 2);
+        panel_property(window, PROPERTY_APEX_AT_EYE);
     }
     show_pose(viewer);
-    choose_property(window, PROPERTY_FOLLOW, "Cuts follow", followed, FOLLOW_COUNT);
-    bool one_ray = viewer->cone.one_ray;
-    if (ui_check("One area only", &one_ray)) {
-        property_set(window, PROPERTY_ONE_RAY, one_ray);
-    }
-    panel_tip(PROPERTY_ONE_RAY);
+    panel_property(window, PROPERTY_FOLLOW);
+    panel_property(window, PROPERTY_ONE_RAY);
     if (!viewer->cone.one_ray) {
         bool changed = choose_shape(viewer);
         changed = choose_score(viewer) || changed;
@@ -404,7 +340,7 @@ void panel_expert(struct window *window)
         panel_study_kind(window->viewer);
     }
     if (ui_section("View", false)) {
-        choose_view(window->viewer);
+        panel_look_view(window);
     }
     panel_transfer(window);
 }

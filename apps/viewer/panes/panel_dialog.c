@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The page on which a file is chosen: a line for its path, places, and what is in the folder. */
 #include "conus/file.h"
+#include "options/output.h"
 #include "viewer/panes/panels.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static const float page_width = 980, places_width = 280, gap = 20, key_width = 80;
+static const float places_width = 280, gap = 20;
 
 static void draw_line(struct window *window)
 {
@@ -17,21 +18,17 @@ static void draw_line(struct window *window)
                                         "Export the hits as", "Save the study as"};
     ui_heading(saves ? saved[window->files.saves] : "Open an atlas or a session, or add streamlines or a context");
     ui_width(ui_room());
-    if (dialog->takes_keys) {
-        ui_take_keys();
-        dialog->takes_keys = false;
-    }
-    ui_type_path("##path", dialog->text, sizeof dialog->text, "", dialog->prefilled, dialog->selects, &dialog->is_set);
-    bool entered = ui_entered();
+    ui_take_keys(&dialog->takes_keys);
+    bool entered = ui_type_path("##path", dialog->text, sizeof dialog->text, "", dialog->prefilled, dialog->selects,
+                                &dialog->is_set);
     int moved = ui_wants_keys() ? ui_arrow() : 0; /* else keys.c hears them */
     if (moved) {
         dialog_move(dialog, moved);
     }
-    ui_tint(theme_texts[dialog->why[0] ? THEME_ORANGE : THEME_HINT]);
-    ui_text_wrapped(dialog->why[0] ? dialog->why
+    ui_text_wrapped(dialog->why[0] ? THEME_ORANGE : THEME_HINT,
+                    dialog->why[0] ? dialog->why
                     : saves        ? "A name for the file, whose ending is put behind it"
                                    : "Type a path, or a part of a name to search this folder");
-    ui_tint_end();
     if (entered) {
         window_use_dialog(window);
     }
@@ -40,24 +37,14 @@ static void draw_line(struct window *window)
 static void draw_places(struct window *window)
 {
     struct dialog *dialog = &window->dialog;
-    ui_text_coloured(theme_texts[THEME_HINT], "Places");
+    ui_text_coloured(THEME_HINT, "Places");
     ui_separator();
     for (size_t i = 0; i < dialog->place_count; i++) {
         char plain[PATH_MAX];
         snprintf(plain, sizeof plain, "%s", dialog->places[i]);
         conus_plain_text(plain);
-        ui_id((uint32_t)i);
-        bool chosen = ui_row("##place", false);
-        ui_id_end();
-        ui_tip(plain);
-        ui_same_line_at(4 * window->screen.scale);
-        const char *slash = strrchr(plain, '/');
-        bool has_name = slash && slash[1];
-        ui_text("%s", has_name ? slash + 1 : plain);
-        if (has_name) {
-            ui_same_line();
-            ui_text_coloured(theme_texts[THEME_HINT], "%.*s", (int)(slash - plain + 1), plain);
-        }
+        bool chosen = panel_row(window, i, false, plain);
+        panel_path(plain);
         if (chosen) {
             char text[PATH_MAX + 1];
             snprintf(text, sizeof text, "%s%s", dialog->places[i], strcmp(dialog->places[i], "/") == 0 ? "" : "/");
@@ -75,16 +62,13 @@ static bool draw_entry(struct window *window, size_t index)
     char plain[NAME_MAX + 1];
     snprintf(plain, sizeof plain, "%s", entry->name);
     conus_plain_text(plain);
-    ui_id((uint32_t)index);
-    bool clicked = ui_row("##entry", index == dialog->marked);
-    ui_id_end();
+    bool clicked = panel_row(window, index, index == dialog->marked, NULL);
     if (dialog->scrolls && index == dialog->marked) {
         ui_scroll_here();
         dialog->scrolls = false;
     }
     bool doubled = ui_hovered() && ui_mouse_now().doubled;
-    ui_same_line_at(4 * window->screen.scale);
-    ui_text_coloured(theme_texts[is_folder ? THEME_AMBER : THEME_PLAIN], "%s%s", plain, is_folder ? "/" : "");
+    ui_text_coloured(is_folder ? THEME_AMBER : THEME_PLAIN, "%s%s", plain, is_folder ? "/" : "");
     if (clicked) {
         dialog_take(dialog, index);
     }
@@ -103,7 +87,7 @@ static void draw_folder(struct window *window)
     dialog_look(dialog);
     dialog_here(here, dialog);
     conus_plain_text(here);
-    ui_text_coloured(theme_texts[THEME_HINT], "%s", here);
+    ui_text_coloured(THEME_HINT, "%s", here);
     ui_separator();
     ui_scroll("entries", 0);
     if (ui_row("..  (the folder around it)", false)) {
@@ -116,7 +100,7 @@ static void draw_folder(struct window *window)
         }
     }
     if (!fitting && goes_on) {
-        ui_text_coloured(theme_texts[THEME_HINT], "%s",
+        ui_text_coloured(THEME_HINT, "%s",
                          dialog->folder.failed ? "This folder cannot be read."
                          : dialog->all         ? "Nothing here has such a name."
                                                : "Nothing here that conus can open by its name.");
@@ -128,44 +112,39 @@ static void draw_buttons(struct window *window)
 {
     struct dialog *dialog = &window->dialog;
     bool saves = dialog->purpose == DIALOG_SAVE;
-    if (ui_button(saves ? "Save" : "Open")) {
+    if (ui_button(saves ? "Save" : "Open", NULL)) {
         window_use_dialog(window);
     }
     ui_same_line();
     if (!saves) {
-        if (ui_button("Open this folder")) {
+        if (ui_button("Open this folder", "for an atlas that is a folder: of surfaces, or of BrainGlobe")) {
             window_use_folder(window);
         }
-        ui_tip("for an atlas that is a folder: of surfaces, or of BrainGlobe");
         ui_same_line();
-        if (ui_button("Installed atlases")) {
+        if (ui_button("Installed atlases", "the start page (Ctrl+N)")) {
             dialog->on = false;
             window_go_to_start(window);
         }
-        ui_tip("the start page (Ctrl+N)");
         ui_same_line();
     }
-    if (ui_button("Cancel")) {
+    if (ui_button("Cancel", NULL)) {
         dialog->on = false;
     }
     ui_same_line();
-    ui_check("all files", &dialog->all);
-    ui_tip("lists files whatever their names end in");
+    ui_check("all files", &dialog->all, "lists files whatever their names end in");
 }
 
 void panel_dialog(struct window *window)
 {
-    float margin = 16 * window->screen.scale;
-    float width = fmaxf(fminf(page_width * window->screen.scale, (float)window->screen.width - 2 * margin), 1);
+    float width = panel_page(window, "dialog");
     float places = floorf(fminf(places_width * window->screen.scale, width / 3));
     float height = (float)window->screen.height;
-    ui_panel("dialog", (struct ui_box){floorf(((float)window->screen.width - width) / 2), 0, width, height}, UI_PLAIN);
     ui_gap(fmaxf(0.04F * height, 0));
     draw_line(window);
     size_t pins = window->viewer && window->dialog.purpose == DIALOG_OPEN ? window->viewer->pin_count : 0;
     if (pins) {
         ui_text_coloured(
-            theme_texts[THEME_ORANGE],
+            THEME_ORANGE,
             "Another atlas in place of this one ends the list of what was confirmed (%zu); O in the window saves it.",
             pins);
     }
@@ -180,10 +159,7 @@ void panel_dialog(struct window *window)
     ui_scroll_end();
     ui_gap(ui_line() / 4);
     draw_buttons(window);
-    ui_text_coloured(theme_texts[THEME_AMBER], "Up, down");
-    ui_same_line_at(key_width * window->screen.scale);
-    ui_text_coloured(theme_texts[THEME_HINT],
-                     "mark an entry; Enter goes into a folder or takes a file; Escape goes back");
+    panel_key(window, "Up, down", "mark an entry; Enter goes into a folder or takes a file; Escape goes back");
     bool escaped = ui_escaped();
     ui_panel_end();
     window->dialog.on = window->dialog.on && !escaped;
@@ -195,35 +171,30 @@ void panel_ask(struct window *window)
     char name[NAME_MAX + 1];
     bool may_be_added = asked->may_be_added;
     size_t pins = window->viewer ? window->viewer->pin_count : 0;
-    const char *slash = strrchr(asked->asked_of, '/');
-    snprintf(name, sizeof name, "%s", slash ? slash + 1 : asked->asked_of);
+    snprintf(name, sizeof name, "%s", path_name(asked->asked_of));
     conus_plain_text(name);
     window_panel(window, "Add or replace?", 460, 170);
-    ui_text_wrapped(name);
-    ui_text_wrapped(may_be_added ? "Another atlas is open. Both can be: the same cone is asked in each, and each has a "
+    ui_text_wrapped(THEME_PLAIN, name);
+    ui_text_wrapped(THEME_PLAIN,
+                    may_be_added ? "Another atlas is open. Both can be: the same cone is asked in each, and each has a "
                                    "list. Or this one takes its place."
                                  : "This session takes the place of what is open.");
     if (pins) {
-        ui_tint(theme_texts[THEME_ORANGE]);
-        ui_text_wrapped("If it takes its place, the list of what was confirmed ends.");
-        ui_tint_end();
+        ui_text_wrapped(THEME_ORANGE, "If it takes its place, the list of what was confirmed ends.");
     }
     ui_gap(ui_line() / 4);
     if (may_be_added) {
-        if (ui_button("Add")) {
+        if (ui_button("Add", "opens it beside what is open, as --atlas does; A or Enter")) {
             window_answer(window, OPEN_ADDS);
         }
-        ui_tip("opens it beside what is open, as --atlas does; A or Enter");
         ui_same_line();
     }
-    if (ui_button("Replace")) {
+    if (ui_button("Replace", "closes what is open; R")) {
         window_answer(window, OPEN_REPLACES);
     }
-    ui_tip("closes what is open; R");
     ui_same_line();
-    if (ui_button("Cancel")) {
+    if (ui_button("Cancel", "all stays as it is; Escape")) {
         window_answer(window, OPEN_ASKS);
     }
-    ui_tip("all stays as it is; Escape");
     ui_panel_end();
 }

@@ -34,7 +34,7 @@ static void choose_dpi(struct sheet *sheet)
     }
     ui_tip("pixels per inch, which the file says, with letters of 7.5 points; Ctrl and click to type it");
     if (said) {
-        if (ui_small_button("Leave out")) {
+        if (ui_small_button("Leave out", NULL)) {
             sheet->dpi = 0;
         }
     }
@@ -54,34 +54,29 @@ static void choose_text(struct window *window)
         sheet->legend = (conus_legend)legend;
     }
     ui_tip("where the areas that the cone hits are listed; right and below make the figure higher where it needs that");
-    if (ui_check("letters of directions, scale and legend", &text)) {
+    if (ui_check("letters of directions, scale and legend", &text, "without them nothing says which side is left")) {
         sheet->no_text = !text;
     }
-    ui_tip("without them nothing says which side is left");
 }
 
 static void choose_name(struct window *window)
 {
     struct figure_form *form = &window->forms.figure;
-    if (form->takes_keys) {
-        form->takes_keys = false;
-        ui_take_keys();
-    }
-    ui_type("Name", form->name, sizeof form->name, "figure.png");
-    bool entered = ui_entered();
+    ui_take_keys(&form->takes_keys);
+    bool entered = ui_type("Name", form->name, sizeof form->name, "figure.png");
     ui_tip("of the file, .png or .exr, in the folder where conus was started, or a whole path; Enter saves");
-    if (ui_button("Save figure") || entered) {
+    if (ui_button("Save figure", NULL) || entered) {
         figure_form_save(window);
     }
     ui_same_line();
-    if (form->saved[0] && ui_button("Copy its path")) {
+    if (form->saved[0] && ui_button("Copy its path", NULL)) {
         figure_form_copy(window);
     }
     ui_same_line();
-    if (ui_button("Close")) {
+    if (ui_button("Close", NULL)) {
         form->open = false;
     }
-    ui_text_wrapped(form->update);
+    ui_text_wrapped(THEME_PLAIN, form->update);
 }
 
 void panel_figure(struct window *window)

@@ -3,21 +3,16 @@
 #include "viewer/panes/panels.h"
 
 #include "viewer/model/columns.h"
-#include "viewer/model/query_settings.h"
 #include "viewer/ui/ui_list.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-enum { NAME_WIDTH = 118 }; /* pixels at scale 1: most names of human atlases */
 
 /* Colours are those of the pictures: an atlas that is not in them has none. */
 static ui_colour colour_of(const struct viewer *viewer, const struct view_atlas *view, uint32_t object)
 {
-    static const ui_colour grey = {130, 132, 138, 255};
-    uint8_t rgb[3];
-    viewer_colour(rgb, viewer, object);
-    return view == viewer->drawn ? (ui_colour){rgb[0], rgb[1], rgb[2], 255} : grey;
+    return panel_colour(viewer, view == viewer->drawn ? object : 0);
 }
 
 static void draw_heading(struct viewer *viewer, size_t column)
@@ -46,14 +41,12 @@ static float width_of(const struct window *window, size_t column)
 {
     const struct viewer *viewer = window->viewer;
     if (column == RESULT_NAME) {
-        return NAME_WIDTH * window->screen.scale;
+        return PANEL_NAME * window->screen.scale;
     }
     char heading[RESULT_TEXT];
     bool orders = viewer->list.order == column;
     snprintf(heading, sizeof heading, "%s%s", result_heading(viewer, column), orders ? " \u2193" : "");
-    float wide = ui_text_width(heading);
-    float widest = ui_text_width(result_widest(viewer, column));
-    return wide > widest ? wide : widest;
+    return fmaxf(ui_text_width(heading), ui_text_width(result_widest(viewer, column)));
 }
 
 static void draw_name(struct viewer *viewer, const struct view_atlas *view, const conus_result *result)
@@ -115,8 +108,7 @@ static void draw_rows(struct viewer *viewer, const struct view_atlas *view, cons
                       const size_t *shown, size_t columns)
 {
     size_t count = conus_selection_count(selection);
-    bool by_rank = viewer->list.order == RESULT_RANK && !viewer->list.reversed;
-    size_t *order = by_rank ? query_order(viewer, selection) : result_order(viewer, view, selection);
+    size_t *order = result_order(viewer, view, selection);
     for (size_t i = 0; i < count; i++) {
         const conus_result *result = conus_selection_result(selection, order ? order[i] : i);
         if (ui_list_row()) {
@@ -178,14 +170,12 @@ void panel_columns(struct window *window)
         char label[RESULT_TEXT];
         bool is_place = i >= RESULT_X && i <= RESULT_Z;
         snprintf(label, sizeof label, "%s%s", is_place ? "contact " : "", result_heading(viewer, i));
-        if (ui_check(label, &is_shown[i])) {
+        if (ui_check(label, &is_shown[i], result_meaning(meaning, viewer, i))) {
             result_show(viewer, i, is_shown[i]);
         }
-        ui_tip(result_meaning(meaning, viewer, i));
     }
     if (viewer->list.columns) {
-        bool pressed = ui_button("The usual ones");
-        ui_tip("those that there were before any was chosen");
+        bool pressed = ui_button("The usual ones", "those that there were before any was chosen");
         if (pressed) {
             result_choose(viewer, NULL, 0);
         }

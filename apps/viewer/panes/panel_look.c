@@ -7,20 +7,20 @@
 
 static const double least_pale = 0.02; /* what should not be seen at all is hidden */
 
-void panel_look_view(struct viewer *viewer)
+void panel_look_view(struct window *window)
 {
-    double rest = viewer->drawn->appearance.opacity[0];
-    size_t backdrop = (size_t)viewer->display.backdrop;
+    static const enum property_id shown[] = {PROPERTY_FADE, PROPERTY_FILL, PROPERTY_OUTLINES, PROPERTY_RADIOLOGICAL,
+                                             PROPERTY_SAFE_COLOURS};
+    double rest = window->viewer->drawn->appearance.opacity[0];
+    for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++) {
+        panel_property(window, shown[i]);
+    }
     if (ui_slider("The rest", &rest, least_pale, 1, "%.2f opaque", false)) {
-        viewer_set_opacity(viewer, 0, rest);
+        viewer_set_opacity(window->viewer, 0, rest);
     }
     ui_tip("opacity in 3-D, 0 to 1, of the areas that the cone does not hit; , and . change it where no area is\n"
            "chosen. It is of the picture only: what is not hidden is hit");
-    if (ui_choose("Background", &backdrop, backdrop_names, BACKDROP_COUNT)) {
-        viewer->display.backdrop = (enum backdrop)backdrop;
-        viewer->version++;
-    }
-    panel_tip(PROPERTY_BACKGROUND);
+    panel_property(window, PROPERTY_BACKGROUND);
 }
 
 /* Widens the sliders to values that were dragged beyond those of the image. */
@@ -42,7 +42,7 @@ static void edit_grey(struct viewer *viewer)
     if (changed && white > black) {
         viewer_set_grey(viewer, black, white);
     }
-    if (view_atlas_grey(viewer->drawn) != viewer->drawn->found_grey && ui_small_button("As found")) {
+    if (view_atlas_grey(viewer->drawn) != viewer->drawn->found_grey && ui_small_button("As found", NULL)) {
         viewer_set_grey(viewer, 0, 0);
     }
 }
@@ -144,7 +144,7 @@ void panel_look_area(struct viewer *viewer, uint32_t object)
            "is not hidden is hit");
     if (is_set) {
         ui_same_line();
-        if (ui_small_button("As others")) {
+        if (ui_small_button("As others", NULL)) {
             viewer_set_opacity(viewer, object, NAN);
         }
     }

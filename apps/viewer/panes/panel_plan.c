@@ -32,13 +32,10 @@ static void draw_row(struct viewer *viewer, const struct plan_row *row, size_t i
     if (ui_row_cut(title, is_here, tip)) {
         plans_go(viewer, index);
     }
-    for (int i = 0; i < 2; i++) {
-        double value = i ? row->clearance : row->leeway;
-        char text[32];
-        snprintf(text, sizeof text, isnan(value) ? "-" : "%.2f", value);
-        ui_cell();
-        ui_text_right(text);
-    }
+    ui_cell();
+    panel_number("%.2f", row->leeway);
+    ui_cell();
+    panel_number("%.2f", row->clearance);
     ui_cell();
     ui_text_cut(row->nearest, ui_room());
 }
@@ -80,15 +77,13 @@ void panel_plan(struct window *window)
     const struct plan_verdict *verdict = plans_verdict(viewer);
     const struct plan_list *list = plans_list(viewer, &why);
     bool is_behind = plans_is_behind(viewer);
-    ui_tint(theme_texts[panel_verdict_colour(verdict)]);
     plans_line(line, viewer, true);
-    ui_text_wrapped(line);
-    ui_tint_end();
+    ui_text_wrapped(panel_verdict_colour(verdict), line);
     ui_tip(verdict->details[0] ? verdict->details : "what the constraints of the plan say of the first tool");
     if ((list || why[0]) && ui_section("Plan", true)) {
-        ui_tint(theme_texts[is_behind ? THEME_ORANGE : THEME_HINT]);
-        ui_text_wrapped(is_behind && list ? "OLD: trying the poses anew" : list ? list->says : why);
-        ui_tint_end();
+        ui_text_wrapped(is_behind ? THEME_ORANGE : THEME_HINT, is_behind && list ? "OLD: trying the poses anew"
+                                                               : list            ? list->says
+                                                                                 : why);
         ui_dim(is_behind ? theme_pale : 1);
         if (list && list->count) {
             draw_list(viewer, list);

@@ -8,16 +8,6 @@
 #include <math.h>
 #include <stdio.h>
 
-static void draw_number(const char *format, double value)
-{
-    char text[32] = "-";
-    if (isfinite(value)) {
-        snprintf(text, sizeof text, format, value);
-    }
-    ui_cell();
-    ui_text_right(text);
-}
-
 /* Draws a list for each atlas, under its name, in the order in which they were given. */
 static void draw_all_results(struct window *window)
 {
@@ -26,13 +16,13 @@ static void draw_all_results(struct window *window)
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         const struct view_atlas *view = &viewer->atlases[i];
         ui_id((uint32_t)i);
-        ui_text_coloured(theme_texts[THEME_AMBER], "%s", view->name);
+        ui_text_coloured(THEME_AMBER, "%s", view->name);
         ui_same_line();
         if (view == viewer->drawn) {
             ui_text("drawn");
         } else {
-            bool next = ui_small_button("Draw");
-            ui_tip("shows this atlas in the pictures and the list of areas; N: the next one");
+            bool next =
+                ui_small_button("Draw", "shows this atlas in the pictures and the list of areas; N: the next one");
             if (next) {
                 viewer_draw(viewer, i);
             }
@@ -47,10 +37,8 @@ static void draw_pins(struct window *window)
     const struct viewer *viewer = window->viewer;
     const char *columns[5] = {"confirmed", "share", "mm", "apart mm", "atlas"};
     static const char *const widest[5] = {"", "100.00 %", "1000.00", "1000.00", "an atlas's name"};
-    float widths[5] = {118 * window->screen.scale};
-    for (size_t i = 1; i < 5; i++) {
-        widths[i] = fmaxf(ui_text_width(columns[i]), ui_text_width(widest[i]));
-    }
+    float widths[5];
+    panel_widths(widths, window, columns, widest, 5);
     bool several = viewer->atlas_count > 1;
     if (ui_table("pins", columns, widths, several ? 5 : 4, 6 * ui_line())) {
         for (size_t i = viewer->pin_count; i > 0; i--) {
@@ -58,9 +46,12 @@ static void draw_pins(struct window *window)
             char title[VIEW_ATLAS_TITLE];
             ui_cell();
             ui_text_cut(viewer_pin_title(title, viewer, pin), ui_room());
-            draw_number("%.2f %%", 100 * pin->share);
-            draw_number("%.2f", pin->distance);
-            draw_number("%.2f", pin->apart);
+            ui_cell();
+            panel_number("%.2f %%", 100 * pin->share);
+            ui_cell();
+            panel_number("%.2f", pin->distance);
+            ui_cell();
+            panel_number("%.2f", pin->apart);
             if (several) {
                 ui_cell();
                 ui_text_cut(viewer->names[pin->atlas], ui_room());
@@ -70,24 +61,13 @@ static void draw_pins(struct window *window)
     }
 }
 
-static void draw_copy(struct window *window, const char *label, const char *tip, enum copied what)
-{
-    ui_flow(label);
-    if (ui_button(label)) {
-        window_copy(window, what);
-    }
-    ui_tip(tip);
-}
-
 /* Draws the button that exports a file, and the choice of its format. */
 static void draw_export(struct window *window)
 {
     struct viewer *viewer = window->viewer;
     ui_flow("Export");
-    if (ui_button("Export")) {
-        window_press(window, "ctrl+e");
-    }
-    ui_tip("writes the hits of the cone with all columns as conus query does, and a sidecar (Ctrl+E)");
+    panel_key_button(window, "Export", "ctrl+e",
+                     "writes the hits of the cone with all columns as conus query does, and a sidecar (Ctrl+E)");
     ui_flow("XXXXXX");
     ui_width(70 * window->screen.scale);
     if (ui_choose("##format", &viewer->list.format, result_formats, RESULT_FORMATS)) {
@@ -98,25 +78,22 @@ static void draw_export(struct window *window)
 
 static void draw_buttons(struct window *window)
 {
-    if (ui_button("Confirm")) {
+    if (ui_button("Confirm", "pins the best hit in a list; or Enter, or a double click on the brain")) {
         tool_confirm(window->viewer, FIRST_TOOL);
     }
-    ui_tip("pins the best hit in a list; or Enter, or a double click on the brain");
-    draw_copy(window, "Copy list", "copies the hits of the cone as a table (Ctrl+C)", COPY_RESULTS);
-    draw_copy(window, "Copy confirmed", "copies what was confirmed as a table (Ctrl+Shift+C)", COPY_PINS);
+    ui_flow("Copy list");
+    panel_key_button(window, "Copy list", "ctrl+c", "copies the hits of the cone as a table (Ctrl+C)");
+    ui_flow("Copy confirmed");
+    panel_key_button(window, "Copy confirmed", "ctrl+shift+c", "copies what was confirmed as a table (Ctrl+Shift+C)");
     ui_flow("Columns");
     panel_columns(window);
     draw_export(window);
     ui_flow("Figure");
-    if (ui_button("Figure")) {
-        window_press(window, "ctrl+p");
-    }
-    ui_tip("saves 3-D or a cut at any size (Ctrl+P)");
+    panel_key_button(window, "Figure", "ctrl+p", "saves 3-D or a cut at any size (Ctrl+P)");
     ui_flow("\u00bb");
-    if (ui_button("\u00bb")) {
+    if (ui_button("\u00bb", "folds this panel to its rail")) {
         layout_fold(&window->screen.layout, 1, true);
     }
-    ui_tip("folds this panel to its rail");
 }
 
 void panel_results(struct window *window)
@@ -131,18 +108,18 @@ void panel_results(struct window *window)
     inputs_notice(&notice, &window->inputs, viewer, FIRST_TOOL);
     ui_panel("Hits of the cone", window->screen.right, 0);
     if (notice.is_old) {
-        ui_tint(theme_texts[THEME_ORANGE]);
+        ui_tint(THEME_ORANGE);
         ui_heading("OLD ANSWER");
         ui_tint_end();
     }
     if (notice.is_trouble || notice.is_old) { /* then what follows is pale */
-        ui_text_coloured(theme_texts[THEME_ORANGE], "%s", notice.text);
+        ui_text_coloured(THEME_ORANGE, "%s", notice.text);
     }
     if (range[1] > 0) { /* the limits of the lists, whose widgets may be scrolled out of sight below */
-        ui_text_coloured(theme_texts[THEME_AMBER], "only depths from %.6g to %.6g mm count", range[0], range[1]);
+        ui_text_coloured(THEME_AMBER, "only depths from %.6g to %.6g mm count", range[0], range[1]);
     }
     if (viewer->cone.level[0]) {
-        ui_text_coloured(theme_texts[THEME_AMBER], "level: %s", viewer->cone.level);
+        ui_text_coloured(THEME_AMBER, "level: %s", viewer->cone.level);
     }
     ui_dim(notice.is_old ? theme_pale : 1);
     panel_plan(window);

@@ -29,20 +29,15 @@ static void choose_settings(struct window *window)
     struct tool *second = &viewer->tools[SECOND_TOOL];
     choose_pointer(window);
     panel_speed(window, second->pointer);
-    if (ui_slider("Angle", &second->angle, 0.1, 179, "%.1f\u00b0", true)) {
-        tool_changed(viewer, SECOND_TOOL);
-    }
-    panel_tip(PROPERTY_SECOND_ANGLE);
+    panel_property(window, PROPERTY_SECOND_ANGLE);
     bool held = second->held;
-    if (ui_check("Hold", &held)) {
+    if (ui_check("Hold", &held, "nothing moves the second tool; 4 changes it")) {
         tool_hold(viewer, SECOND_TOOL);
     }
-    ui_tip("nothing moves the second tool; 4 changes it");
     ui_same_line();
-    if (ui_button("Confirm 2")) {
+    if (ui_button("Confirm 2", "pins the best hit of the second cone")) {
         tool_confirm(viewer, SECOND_TOOL);
     }
-    ui_tip("pins the best hit of the second cone");
 }
 
 static void draw_lists(struct window *window)
@@ -52,7 +47,7 @@ static void draw_lists(struct window *window)
     for (size_t i = 0; i < viewer->atlas_count; i++) {
         ui_id((uint32_t)i);
         if (viewer->atlas_count > 1) {
-            ui_text_coloured(theme_texts[THEME_AMBER], "%s", viewer->atlases[i].name);
+            ui_text_coloured(THEME_AMBER, "%s", viewer->atlases[i].name);
         }
         panel_list(window, &viewer->atlases[i], view_atlas_selection(&viewer->atlases[i], SECOND_TOOL), lines);
         ui_id_end();
@@ -64,17 +59,17 @@ void panel_second(struct window *window)
     struct notice notice;
     bool on = window->viewer->tools[SECOND_TOOL].on;
     ui_id(2); /* widgets have the names of the first tool's */
-    if (ui_check("Second tool", &on)) {
+    if (ui_check("Second tool", &on,
+                 "another cone, of another device, with a list of its own; 2 switches it on and off")) {
         tool_use_second(window->viewer, on);
     }
-    ui_tip("another cone, of another device, with a list of its own; 2 switches it on and off");
     if (window->viewer->tools[SECOND_TOOL].on) {
         tool_update_second(window->viewer); /* the panel of areas may have changed the atlas in this frame */
         inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);
         ui_same_line();
         ui_chip("colour of its cone", ((ui_colour){SECOND_RGB, 255}));
         if (notice.text) {
-            ui_text_coloured(theme_texts[notice.is_trouble ? THEME_ORANGE : THEME_PLAIN], "%s", notice.text);
+            ui_text_coloured(notice.is_trouble ? THEME_ORANGE : THEME_PLAIN, "%s", notice.text);
         }
         ui_dim(notice.is_old ? theme_pale : 1);
         draw_lists(window);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The start page: what conus is, what to do first, and the ways to open an atlas. */
 #include "conus/file.h"
+#include "options/output.h"
 #include "viewer/panes/panels.h"
 
 #include <math.h>
 #include <stdio.h>
 
-static const float page_width = 980, number_width = 26, key_width = 80;
+static const float number_width = 26;
 static const float least_wide = 700, gap = 24; /* from here on the lists stand side by side, so far apart */
 
 static void draw_field(struct window *window)
@@ -20,31 +21,23 @@ static void draw_field(struct window *window)
     struct start *start = &window->start;
     float around = 14 * window->screen.scale; /* a button's text, and before it */
     float buttons = ui_text_width(open) + ui_text_width(choose) + 2 * around;
-    ui_text_wrapped("Drop an atlas on this window, a file or a folder, or give its path or name:");
+    ui_text_wrapped(THEME_PLAIN, "Drop an atlas on this window, a file or a folder, or give its path or name:");
     ui_width(ui_room() - buttons);
-    if (start->takes_keys) {
-        ui_take_keys();
-        start->takes_keys = false;
-    }
-    ui_type_path("##path", start->typed, sizeof start->typed, "search installed atlases, or ~/atlases/aal.nii.gz", "",
-                 false, &start->is_set);
-    bool asked = ui_entered();
+    ui_take_keys(&start->takes_keys);
+    bool asked = ui_type_path("##path", start->typed, sizeof start->typed,
+                              "search installed atlases, or ~/atlases/aal.nii.gz", "", false, &start->is_set);
     int moved = ui_wants_keys() ? ui_arrow() : 0; /* else keys.c hears them */
     if (moved) {
         start_move(start, moved);
     }
     ui_tip("a path, or the name of an installed atlas; Enter opens it");
     ui_same_line();
-    asked = ui_button(open) || asked;
-    ui_tip("opens what is typed on its left");
+    asked = ui_button(open, "opens what is typed on its left") || asked;
     ui_same_line();
-    if (ui_button(choose)) {
+    if (ui_button(choose, "by folders (Ctrl+O)")) {
         window_show_dialog(window, DIALOG_OPEN);
     }
-    ui_tip("by folders (Ctrl+O)");
-    ui_tint(theme_texts[start->why[0] ? THEME_ORANGE : THEME_HINT]);
-    ui_text_wrapped(start->why[0] ? start->why : formats);
-    ui_tint_end();
+    ui_text_wrapped(start->why[0] ? THEME_ORANGE : THEME_HINT, start->why[0] ? start->why : formats);
     if (asked) {
         window_request_typed(window);
     }
@@ -54,19 +47,11 @@ static void draw_field(struct window *window)
 static void draw_entry(struct window *window, size_t index)
 {
     char words[PATH_MAX];
-    const char *name = start_words(words, &window->start, index);
-    ui_id((uint32_t)index);
-    bool chosen = ui_row("##entry", false);
-    ui_id_end();
-    ui_tip(words);
-    ui_same_line_at(4 * window->screen.scale);
-    ui_text_coloured(theme_texts[THEME_AMBER], "%zu", index + 1);
+    start_words(words, &window->start, index);
+    bool chosen = panel_row(window, index, false, words);
+    ui_text_coloured(THEME_AMBER, "%zu", index + 1);
     ui_same_line_at(number_width * window->screen.scale);
-    ui_text("%s", name);
-    if (name > words) {
-        ui_same_line();
-        ui_text_coloured(theme_texts[THEME_HINT], "%.*s", (int)(name - words), words);
-    }
+    panel_path(words);
     if (chosen) {
         window_request_file(window, start_path(&window->start, index));
     }
@@ -74,7 +59,7 @@ static void draw_entry(struct window *window, size_t index)
 
 static void draw_list_title(const char *title)
 {
-    ui_text_coloured(theme_texts[THEME_HINT], "%s", title);
+    ui_text_coloured(THEME_HINT, "%s", title);
     ui_separator();
 }
 
@@ -93,14 +78,13 @@ static void draw_list(struct window *window, const char *title, size_t first, si
 static void draw_phantom(struct window *window)
 {
     draw_list_title("A sample");
-    bool chosen = ui_row("##sample", false);
-    ui_tip("eleven areas, a pathway and a context, made by conus; not a real brain");
-    ui_same_line_at(4 * window->screen.scale);
-    ui_text_coloured(theme_texts[THEME_AMBER], "S");
+    bool chosen = panel_row(window, RECENT_LIMIT + 1, false,
+                            "eleven areas, a pathway and a context, made by conus; not a real brain");
+    ui_text_coloured(THEME_AMBER, "S");
     ui_same_line_at(number_width * window->screen.scale);
     ui_text("brain phantom");
     ui_same_line();
-    ui_text_coloured(theme_texts[THEME_HINT], "made by conus, to try it");
+    ui_text_coloured(THEME_HINT, "made by conus, to try it");
     if (chosen) {
         window_request_sample(window);
     }
@@ -135,20 +119,16 @@ static void draw_installed(struct window *window, size_t index, bool picked)
     char words[PATH_MAX];
     char spacing[64];
     write_spacing(spacing, atlas->spacing);
-    ui_id((uint32_t)index);
-    bool chosen = ui_row("##installed", picked);
-    ui_id_end();
+    snprintf(words, sizeof words, "%s", atlas->path);
+    conus_plain_text(words);
+    bool chosen = panel_row(window, index, picked, words);
     if (picked && window->start.scrolls) {
         ui_scroll_here();
         window->start.scrolls = false;
     }
-    snprintf(words, sizeof words, "%s", atlas->path);
-    conus_plain_text(words);
-    ui_tip(words);
-    ui_same_line_at(4 * window->screen.scale);
     ui_text("%s", atlas->name);
     ui_same_line();
-    ui_text_coloured(theme_texts[THEME_HINT], "%s, %s%s", atlas->source, atlas->kind, spacing);
+    ui_text_coloured(THEME_HINT, "%s, %s%s", atlas->source, atlas->kind, spacing);
     if (chosen && installed_words(words, window->start.catalogue, atlas)) {
         window_request_file(window, words);
     }
@@ -172,11 +152,9 @@ static void draw_catalogue(struct window *window, float height)
         }
     }
     if (!fitting) {
-        ui_tint(theme_texts[THEME_HINT]);
-        ui_text_wrapped(conus_catalogue_count(start->catalogue)
-                            ? "No installed atlas has such a name."
-                            : "None was found. \"conus atlases\" lists where conus looks.");
-        ui_tint_end();
+        ui_text_wrapped(THEME_HINT, conus_catalogue_count(start->catalogue)
+                                        ? "No installed atlas has such a name."
+                                        : "None was found. \"conus atlases\" lists where conus looks.");
     }
     ui_scroll_end();
 }
@@ -199,43 +177,34 @@ static void draw_lists(struct window *window, float height)
     ui_scroll_end();
 }
 
-static void draw_key(const struct window *window, const char *key, const char *meaning)
-{
-    ui_text_coloured(theme_texts[THEME_AMBER], "%s", key);
-    ui_same_line_at(key_width * window->screen.scale);
-    ui_text_coloured(theme_texts[THEME_HINT], "%s", meaning);
-}
-
 static void draw_keys(const struct window *window)
 {
     if (start_path(&window->start, 0)) {
-        draw_key(window, "1, 2 ...", "open what has this number");
+        panel_key(window, "1, 2 ...", "open what has this number");
     }
-    draw_key(window, "A-Z, Tab", "search or type a path; the arrow keys choose, Enter opens");
-    draw_key(window, "Ctrl+O", "choose a file");
+    panel_key(window, "A-Z, Tab", "search or type a path; the arrow keys choose, Enter opens");
+    panel_key(window, "Ctrl+O", "choose a file");
     if (window->files.session_waits) {
-        draw_key(window, "Escape", "open atlases without the session");
+        panel_key(window, "Escape", "open atlases without the session");
     } else if (window->viewer) {
-        draw_key(window, "Escape", "back to the atlas that is open");
+        panel_key(window, "Escape", "back to the atlas that is open");
     }
-    draw_key(window, "?", "keys and mouse where an atlas is open");
+    panel_key(window, "?", "keys and mouse where an atlas is open");
 }
 
 void panel_start(struct window *window)
 {
     float margin = 16 * window->screen.scale;
-    float width = fmaxf(fminf(page_width * window->screen.scale, (float)window->screen.width - 2 * margin), 1);
     float height = (float)window->screen.height;
-    ui_panel("start", (struct ui_box){floorf(((float)window->screen.width - width) / 2), 0, width, height}, UI_PLAIN);
+    panel_page(window, "start");
     ui_scroll("page", 0);
     ui_gap(fmaxf(0.08F * height - margin, 0));
     ui_heading("conus");
-    ui_text_wrapped("Which areas of the brain does this beam, probe or pointing hand reach?");
+    ui_text_wrapped(THEME_PLAIN, "Which areas of the brain does this beam, probe or pointing hand reach?");
     ui_gap(ui_line() / 2);
-    ui_tint(theme_texts[THEME_PLAIN]);
-    ui_text_wrapped("First open an atlas: click one below. Then move the mouse over the brain: a cone begins under it, "
+    ui_text_wrapped(THEME_PLAIN,
+                    "First open an atlas: click one below. Then move the mouse over the brain: a cone begins under it, "
                     "and the list on the right names the areas that it hits. A click holds the cone.");
-    ui_tint_end();
     ui_gap(ui_line() / 2);
     draw_field(window);
     ui_gap(ui_line() / 2);

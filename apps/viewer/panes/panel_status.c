@@ -51,7 +51,7 @@ static void show_times(const struct window *window, float room)
                  window->pictures.painted_ms, viewer->tools[FIRST_TOOL].select_ms, device[0] ? ", " : "", device);
         if (ui_text_width(times) + gap * window->screen.scale <= room) {
             ui_same_line_at(window->screen.status.width - ui_text_width(times) - gap * window->screen.scale / 2);
-            ui_text_coloured(theme_texts[THEME_HINT], "%s", times);
+            ui_text_coloured(THEME_HINT, "%s", times);
             return;
         }
     }
@@ -83,7 +83,7 @@ void panel_status(struct window *window)
     ui_text_cut(place, placed);
     if (message[0]) {
         ui_same_line_at(gap * window->screen.scale + lit + placed + gap * window->screen.scale);
-        ui_tint(theme_texts[THEME_AMBER]);
+        ui_tint(THEME_AMBER);
         ui_text_cut(message, said - gap * window->screen.scale);
         ui_tint_end();
     }

@@ -9,7 +9,6 @@
 #include <stdio.h>
 
 enum { PLOT_HEIGHT = 120, LINES = 6, TIP_ROWS = 10, SAMPLE_CHOICES = 17 };
-static const float name_width = 118; /* pixels at scale 1 */
 
 static const ui_colour ground = {24, 25, 30, 255};
 static const ui_colour grid = {255, 255, 255, 40};
@@ -51,9 +50,7 @@ static void choose_errors(struct viewer *viewer)
 
 static ui_colour colour_of(const struct viewer *viewer, uint32_t object)
 {
-    uint8_t rgb[3];
-    viewer_colour(rgb, viewer, object);
-    return object ? (ui_colour){rgb[0], rgb[1], rgb[2], 255} : nothing;
+    return object ? panel_colour(viewer, object) : nothing;
 }
 
 static const char *name_of(const struct viewer *viewer, uint32_t object)
@@ -182,23 +179,6 @@ static void draw_name(struct viewer *viewer, uint32_t object, const char *tip)
     }
 }
 
-static void draw_number(double part, const char *format)
-{
-    char text[32];
-    snprintf(text, sizeof text, format, 100 * part);
-    ui_text_right(text);
-}
-
-/* Widths that hold in the first frame already: names, and columns that are as wide as their headings or numbers. */
-static void find_widths(float *out, const struct window *window, const char *const *headings, size_t count,
-                        const char *longest)
-{
-    out[0] = name_width * window->screen.scale;
-    for (size_t i = 1; i < count; i++) {
-        out[i] = fmaxf(ui_text_width(longest), ui_text_width(headings[i]));
-    }
-}
-
 static void draw_shares(struct window *window, const struct study_answer *answer, const struct study_table *table,
                         size_t angle)
 {
@@ -206,8 +186,9 @@ static void draw_shares(struct window *window, const struct study_answer *answer
     struct viewer *viewer = window->viewer;
     snprintf(at, sizeof at, "share at %.4g\u00b0", answer->angles[angle]);
     const char *columns[3] = {"area", at, "most"};
+    static const char *const widest[] = {"", "100.00 %", "100.00 %"};
     float widths[3];
-    find_widths(widths, window, columns, 3, "100.00 %");
+    panel_widths(widths, window, columns, widest, 3);
     if (ui_table("shares", columns, widths, 3, LINES * ui_line())) {
         for (size_t i = 0; i < table->curve_count; i++) {
             const struct study_curve *curve = &table->curves[i];
@@ -215,9 +196,9 @@ static void draw_shares(struct window *window, const struct study_answer *answer
             draw_name(viewer, curve->object, "click: choose it");
             ui_cell();
             ui_underline(curve->shares[angle], colour_of(viewer, curve->object));
-            draw_number(curve->shares[angle], "%.2f %%");
+            panel_number("%.2f %%", 100 * curve->shares[angle]);
             ui_cell();
-            draw_number(curve->most, "%.2f %%");
+            panel_number("%.2f %%", 100 * curve->most);
             ui_id_end();
         }
         ui_list_end();
@@ -243,7 +224,7 @@ static void draw_chances(struct window *window, const struct study_table *table)
     static const char *const columns[] = {"area", "hit %", "\u00b1 %", "seen %"};
     struct viewer *viewer = window->viewer;
     float widths[4];
-    find_widths(widths, window, columns, 4, "100.00");
+    panel_widths(widths, window, columns, (const char *const[]){"", "100.00", "100.00", "100.00"}, 4);
     if (ui_table("chances", columns, widths, 4, (LINES + 2) * ui_line())) {
         for (size_t i = 0; i < table->chance_count; i++) {
             const conus_chance *chance = &table->chances[i];
@@ -253,11 +234,11 @@ static void draw_chances(struct window *window, const struct study_table *table)
             draw_name(viewer, chance->object, tip);
             ui_cell();
             ui_underline(chance->hit, colour_of(viewer, chance->object));
-            draw_number(chance->hit, "%.2f");
+            panel_number("%.2f", 100 * chance->hit);
             ui_cell();
-            draw_number(chance->hit_error, "%.2f");
+            panel_number("%.2f", 100 * chance->hit_error);
             ui_cell();
-            draw_number(chance->seen, "%.2f");
+            panel_number("%.2f", 100 * chance->seen);
             ui_id_end();
         }
         ui_list_end();
@@ -271,7 +252,7 @@ static void draw_study(struct window *window, bool cone_is_old)
     bool is_behind = studies_is_old(viewer);
     bool is_old = is_behind || cone_is_old;
     bool fits = answer && answer->question.settings.kind == viewer->study.settings.kind;
-    ui_text_coloured(theme_texts[is_old ? THEME_ORANGE : THEME_HINT], "%s", /* always a line, so that nothing jumps */
+    ui_text_coloured(is_old ? THEME_ORANGE : THEME_HINT, "%s", /* always a line, so that nothing jumps */
                      !is_old     ? "of the cone as it is now"
                      : !fits     ? "computing"
                      : is_behind ? "OLD: computing the new one"
@@ -280,22 +261,18 @@ static void draw_study(struct window *window, bool cone_is_old)
     size_t drawn = (size_t)(viewer->drawn - viewer->atlases);
     const struct study_table *table = fits && drawn < answer->atlas_count ? &answer->tables[drawn] : NULL;
     if (fits && (!answer->text || !table)) {
-        ui_text_wrapped(answer->error);
+        ui_text_wrapped(THEME_PLAIN, answer->error);
     } else if (fits && answer->question.settings.kind == STUDY_SWEEP) {
         draw_shares(window, answer, table, draw_plot(window, answer, table, is_old));
     } else if (fits) {
         draw_chances(window, table);
     }
     ui_dim_end();
-    if (ui_button("Copy study")) {
+    if (ui_button("Copy study", "copies the table that conus sweep prints")) {
         window_copy(window, COPY_STUDY);
     }
-    ui_tip("copies the table that conus sweep prints");
     ui_same_line();
-    if (ui_button("Save study")) {
-        window_press(window, "ctrl+j");
-    }
-    ui_tip("saves that table (Ctrl+J)");
+    panel_key_button(window, "Save study", "ctrl+j", "saves that table (Ctrl+J)");
 }
 
 void panel_study(struct window *window, bool is_old)

@@ -143,7 +143,7 @@ static void show_band(const conus_object *band)
     }
     char text[512];
     snprintf(text, sizeof text, "%s: values%s%s%s", band->name, low, low[0] && high[0] ? " to" : "", high);
-    ui_text_wrapped(text);
+    ui_text_wrapped(THEME_PLAIN, text);
 }
 
 static void edit_thresholds(struct viewer *viewer)

@@ -33,10 +33,9 @@ void panel_views(struct window *window)
         if (i) {
             ui_same_line();
         }
-        if (ui_small_button(buttons[i].label)) {
+        if (ui_small_button(buttons[i].label, buttons[i].tip)) {
             window_press(window, buttons[i].key);
         }
-        ui_tip(buttons[i].tip);
     }
     ui_panel_end();
 }

@@ -34,7 +34,7 @@ void panel_results(struct window *window);
 void panel_columns(struct window *window);
 void panel_transfer(struct window *window);
 /** Widgets of how the atlas looks, of other panels: the 3-D view, */
-void panel_look_view(struct viewer *viewer);
+void panel_look_view(struct window *window);
 void panel_look_context(struct viewer *viewer);                   /**< the context, */
 void panel_look_pathway(struct viewer *viewer, uint32_t pathway); /**< a pathway, */
 void panel_look_streamlines(struct viewer *viewer);               /**< streamlines, */
@@ -44,11 +44,27 @@ void panel_added(struct window *window);                          /**< Likewise:
 /** How fast a SpaceMouse or a gamepad moves; nothing of another pointer. */
 void panel_speed(struct window *window, enum pointer pointer);
 void panel_status(struct window *window);
-/** The tip of the widget before: what the property is, and which keys change it. */
-static inline void panel_tip(enum property_id id)
-{
-    char tip[KEYS_TIP];
-    ui_tip(keys_tip(tip, id));
-}
+/** The widget of a property, as its row says, with a tip that names it and the keys that change it. */
+void panel_property(struct window *window, enum property_id id);
+/** A button that presses a key. */
+void panel_key_button(struct window *window, const char *label, const char *key, const char *tip);
+/** Hides an object or shows it, and hides all others, by small buttons in this line or large ones. */
+void panel_hide(struct viewer *viewer, uint32_t object, bool small);
+/** The colour of an object of the drawn atlas; grey of none. */
+ui_colour panel_colour(const struct viewer *viewer, uint32_t object);
+enum { PANEL_NAME = 118 /**< Pixels at scale 1: most names of human atlases. */ };
+/** The widths of a table, the first of which is that of names; they hold in the first frame already. */
+void panel_widths(float *out, const struct window *window, const char *const *headings, const char *const *widest,
+                  size_t count);
+/** A row of a page that can be clicked, and what follows stands in it. @p tip: NULL = none. */
+bool panel_row(const struct window *window, size_t index, bool marked, const char *tip);
+/** The name of a plain path, and paler its folder. */
+void panel_path(const char *path);
+/** Begins a page in the middle of the window, and returns its width. */
+float panel_page(const struct window *window, const char *title);
+/** A key, and what it does on a page. */
+void panel_key(const struct window *window, const char *key, const char *meaning);
+/** A number at the right of its cell; "-" where it is none. */
+void panel_number(const char *format, double value);
 
 #endif

@@ -18,11 +18,13 @@ void pane_name(struct labels *labels, const struct ui_box *box, const float at[2
                uint32_t object, const char *name);
 /** The line between the two places that are measured, at these pixels, with its length. */
 void pane_measured(const struct viewer *viewer, struct labels *labels, const struct ui_box *box, float ends[2][2]);
-/** Where a flat pane looks: world mm, unit vectors. */
+/** A flat pane: where it is, and where it looks. */
 struct pane_plane {
     struct ui_box box;
-    double centre[3], right[3], up[3], mm_per_pixel;
+    conus_cut_view view;
 };
+/** The pixel of the window that a place is seen at, wherever it lies before or behind the cut. */
+void pane_point(float out[2], const struct pane_plane *plane, const double world[3]);
 /** The second tool's cone, over a cut and over the 3-D pane. */
 void pane_second_cut(struct window *window, const struct pane_plane *plane);
 void pane_second_3d(struct window *window);

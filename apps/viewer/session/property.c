@@ -30,6 +30,8 @@ static const char *const ray_says[] = {"all areas in the cone",
 static const char *const follow_says[] = {"the cuts stay where they are", "the cuts follow the cone's tip",
                                           "the cuts follow the contact of the best hit"};
 static const char *const order_says[] = {"the best first", "the nearest first"};
+static const char *const apexes[] = {"at the surface", "at your eye"};
+static const char *const followed[] = {"nothing", "the cone's tip", "the best contact"};
 static const char *const bare_says[] = {"panels and cuts are back", "the brain alone; F brings all back"};
 static const char *const measure_says[] = {"clicks set the crosshair again",
                                            "click two places: their distance is shown"};
@@ -46,6 +48,7 @@ static const char *const study_says[] = {"no study", "sweep: the shares over the
 #define ENUM(array)                                                                                                    \
     .type = PROPERTY_NAME_OR_NUMBER, .names = (array), .high = (int)(sizeof(array) / sizeof(array)[0]) - 1
 #define FAR 1e6 /* mm */
+#define ANGLE .label = "Angle", .format = "%.1f\u00b0", .slider = {0.1, 179}, .is_logarithmic = true
 
 _Static_assert(offsetof(struct orbit, elevation) == offsetof(struct orbit, centre) + 5 * sizeof(double),
                "centre, distance, azimuth and elevation are six numbers");
@@ -63,7 +66,7 @@ const struct property properties[PROPERTY_COUNT] = {
                           ENUM(pointer_names)},
     [PROPERTY_ANGLE] = {NULL, "angle_deg", "full opening angle of the cone, degrees",
                         OF_VIEWER(tools[FIRST_TOOL].angle), REALS(1, 0.01, 179.99), .undo = UNDO_LEAVES_REPLAY,
-                        .change = CHANGES_ANSWER},
+                        .change = CHANGES_ANSWER, ANGLE},
     [PROPERTY_RADIUS] = {NULL, "radius_mm", "radius of the cylinder, mm; 0 = a cone", OF_VIEWER(cone.options.radius),
                          REALS(1, 0, FAR)},
     [PROPERTY_RANGE] = {NULL, "range_mm", "the depths that count, mm from the apex; 0, 0 = all",
@@ -78,14 +81,15 @@ const struct property properties[PROPERTY_COUNT] = {
                            OF_VIEWER(cone.options.sampling), ENUM(sampling_names)},
     [PROPERTY_ENGINE] = {NULL, "engine", "what traces the rays", OF_VIEWER(cone.options.engine), ENUM(engine_names)},
     [PROPERTY_FADE] = {NULL, "fade", "how much the context is thinned in 3-D", OF_VIEWER(display.fade), REALS(1, 0, 1),
+                       .label = "Context", .format = "%.2f faded",
                        .tip = "how much the context is thinned in 3-D: 0 as its transfer function says, 1 not at all "
                               "there"},
     [PROPERTY_FILL] = {NULL, "fill", "opacity of the areas in the cuts, 0 to 1", OF_VIEWER(display.fill),
-                       REALS(1, 0, 1)},
+                       REALS(1, 0, 1), .label = "Areas", .format = "%.2f filled"},
     [PROPERTY_OUTLINES] = {NULL, "outlines", "lines around the areas in the cuts", OF_VIEWER(display.no_outlines), FLAG,
-                           .is_negated = true},
+                           .is_negated = true, .label = "Outlines"},
     [PROPERTY_RADIOLOGICAL] = {NULL, "radiological", "the head's left on the right of the cuts",
-                               OF_VIEWER(display.radiological), FLAG},
+                               OF_VIEWER(display.radiological), FLAG, .label = "Radiological (left is right)"},
     [PROPERTY_ORBIT] = {NULL, "orbit",
                         "where 3-D looks: its centre and the eye's distance, mm; azimuth and elevation, radians",
                         OF_VIEWER(orbit.centre), REALS(6, -FAR, FAR), .undo = UNDO_LEAVES},
@@ -112,18 +116,20 @@ const struct property properties[PROPERTY_COUNT] = {
                                  OF_VIEWER(cone.options.slice_fraction), REALS(1, 0, 1), .presence = PROPERTY_ZERO},
     [PROPERTY_APEX_AT_EYE] = {NULL, "apex_at_eye", "whether the mouse's cone begins at the eye, not at the surface",
                               OF_VIEWER(cone.apex_at_eye), FLAG, .presence = PROPERTY_KEPT, .says = eye_says,
+                              .label = "Start", .choices = apexes,
                               .tip = "where the mouse's cone has its apex: at the first surface under the mouse, of "
                                      "the context or of an\narea, or at the eye that looks at the 3-D pane"},
     [PROPERTY_ONE_RAY] = {NULL, "one_ray", "whether a single ray is asked in place of the cone",
                           OF_VIEWER(cone.one_ray), FLAG, .presence = PROPERTY_KEPT, .says = ray_says,
-                          .change = CHANGES_ANSWER,
+                          .label = "One area only", .change = CHANGES_ANSWER,
                           .tip = "in place of the cone a single ray along its axis, which names the area that it hits "
                                  "first"},
     [PROPERTY_FOLLOW] = {NULL, "follow", "what the cuts go along with", OF_VIEWER(cone.follow), ENUM(follow_names),
-                         .presence = PROPERTY_KEPT, .says = follow_says, .change = CHANGES_ANSWER,
+                         .presence = PROPERTY_KEPT, .says = follow_says, .label = "Cuts follow", .choices = followed,
+                         .change = CHANGES_ANSWER,
                          .tip = "what the crosshair, and with it the three cuts, go along with"},
     [PROPERTY_ORDER] = {NULL, "order", "the order of the lists", OF_VIEWER(cone.order), ENUM(order_names),
-                        .presence = PROPERTY_KEPT, .says = order_says,
+                        .presence = PROPERTY_KEPT, .says = order_says, .label = "List", .choices = order_says,
                         .tip = "the order of the lists and their tables (--order): by rank, or by depth, mm from the "
                                "apex: with all\nlayers that of the entry, else that of the nearest hit"},
     [PROPERTY_SLICES] = {NULL, "slices", "how many slices the picture has; 0 = the default",
@@ -144,22 +150,25 @@ const struct property properties[PROPERTY_COUNT] = {
                                   TRUTH, .undo = UNDO_LEAVES_MOVING},
     [PROPERTY_SECOND_HELD] = {"second", "held", "whether it is held", OF_VIEWER(tools[SECOND_TOOL].held), TRUTH},
     [PROPERTY_SECOND_ANGLE] = {"second", "angle_deg", "full opening of the second cone, degrees",
-                               OF_VIEWER(tools[SECOND_TOOL].angle), REALS(1, 0.01, 179.99), .change = CHANGES_SECOND},
+                               OF_VIEWER(tools[SECOND_TOOL].angle), REALS(1, 0.01, 179.99), .change = CHANGES_SECOND,
+                               ANGLE},
     [PROPERTY_SECOND_POSE] = {"second", "world_from_device", "its pose, a matrix as above",
                               OF_VIEWER(tools[SECOND_TOOL].pose), REALS(16, -FAR, FAR), .undo = UNDO_LEAVES_MOVING},
     [PROPERTY_SPEED] = {NULL, "device_speed", "of a SpaceMouse or gamepad at full deflection, mm and degrees a second",
                         OF_WINDOW(inputs.devices.gamepad.source.speed), REALS(1, SOURCE_LEAST_SPEED, SOURCE_MOST_SPEED),
-                        .presence = PROPERTY_KEPT, .is_set_apart = true, .change = CHANGES_SPEED,
+                        .presence = PROPERTY_KEPT, .is_set_apart = true, .change = CHANGES_SPEED, .label = "Speed",
+                        .format = "%.0f mm/s", .is_logarithmic = true,
                         .tip =
                             "of a SpaceMouse or gamepad at full deflection: mm a second, and as many degrees a second"},
     [PROPERTY_BACKGROUND] = {NULL, "background", "behind the brain in 3-D and in figures", OF_VIEWER(display.backdrop),
                              .type = PROPERTY_NAME, .high = BACKDROP_COUNT - 1, .names = backdrop_names,
-                             .presence = PROPERTY_KEPT,
+                             .label = "Background", .presence = PROPERTY_KEPT,
                              .tip = "behind the brain in 3-D and in figures; transparent is of figures, the window "
                                     "shows it white"},
     [PROPERTY_SAFE_COLOURS] = {NULL, "safe_colours", "colours for any colour vision in place of the atlas's own",
                                OF_VIEWER(display.safe_colours), TRUTH, .presence = PROPERTY_KEPT,
-                               .change = CHANGES_COLOURS, .tip = "in place of the atlas's own"},
+                               .change = CHANGES_COLOURS, .label = "Colours for any colour vision",
+                               .tip = "in place of the atlas's own"},
     [PROPERTY_FIGURE_IN_MM] = {"figure", "in_mm", "whether the size of figures is that on paper",
                                OF_WINDOW(sheet.in_mm), TRUTH},
     [PROPERTY_FIGURE_PIXELS] = {"figure", "pixels", "their width and height; 0 = the default", OF_WINDOW(sheet.pixels),

@@ -125,8 +125,13 @@ struct property {
     enum property_presence presence;
     enum property_undo undo;
     enum property_change change;
-    const char *const *says; /**< [high - low + 1] What the status line says once it is that; NULL = nothing. */
-    const char *tip;         /**< Tip of its widget, where it says more than @e help. */
+    const char *const *says;    /**< [high - low + 1] What the status line says once it is that; NULL = nothing. */
+    const char *tip;            /**< Tip of its widget, where it says more than @e help. */
+    const char *label;          /**< Of its widget; */
+    const char *const *choices; /**< [high - low + 1] what that offers; NULL = the names, or a box to check; */
+    const char *format;         /**< and of a slider. */
+    double slider[2];           /**< Its range; 0, 0 = low to high. */
+    bool is_logarithmic;
 };
 
 /** [PROPERTY_COUNT] */

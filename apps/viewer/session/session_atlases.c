@@ -2,6 +2,7 @@
 /* Each atlas in a session: where it lies, hidden objects, thresholds and looks; and which of them is drawn.
  */
 #include "viewer/session/session_atlases.h"
+#include "viewer/model/additions.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -96,10 +97,7 @@ json_t *session_further(const struct viewer *viewer)
                                                       "hidden", session_hidden(view), "thresholds",
                                                       session_thresholds(view), "look", session_look(view)));
     }
-    if (!fine) {
-        json_decref(list);
-    }
-    return fine ? list : NULL;
+    return words_or_none(list, fine);
 }
 
 static bool read_threshold(double *out, const json_t *entry, const char *wanted, const conus_volume_info *info,

@@ -3,6 +3,7 @@
 #include "viewer/session/session_fit.h"
 
 #include "viewer/model/additions.h"
+#include "viewer/model/session_file.h"
 #include "viewer/session/session_atlases.h"
 
 #include <stdlib.h>
@@ -163,9 +164,7 @@ static void fit_objects(json_t *root, const struct numbers *numbers, const struc
 
 static bool is_context(const json_t *entry)
 {
-    const char *value;
-    const char *word = json_string_value(json_object_get(entry, "option"));
-    return word && addition_of(&value, word) == ADD_CONTEXT;
+    return word_value(json_text(entry, "option"), addition_names[ADD_CONTEXT]);
 }
 
 static size_t count_contexts(const json_t *added)

@@ -42,6 +42,23 @@ static void end_field()
     ImGui::PopID();
 }
 
+/* Ends a widget that is as wide as its label. */
+static bool end_labelled(bool used, const char *label, const char *tip)
+{
+    audit_item(label);
+    audit_widget(label);
+    if (tip) {
+        ui_tip(tip);
+    }
+    return used;
+}
+
+/* Whether Enter was pressed in the line before. */
+static bool is_entered()
+{
+    return ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter));
+}
+
 extern "C" {
 
 bool ui_create(void *window, float scale)
@@ -168,9 +185,9 @@ void ui_dim_end(void)
     ImGui::PopStyleVar();
 }
 
-void ui_tint(ui_colour colour)
+void ui_tint(enum theme_text colour)
 {
-    ImGui::PushStyleColor(ImGuiCol_Text, packed(colour));
+    ImGui::PushStyleColor(ImGuiCol_Text, packed(theme_texts[colour]));
 }
 
 void ui_tint_end(void)
@@ -232,19 +249,21 @@ void ui_text(const char *format, ...)
     audit_item(format);
 }
 
-void ui_text_coloured(ui_colour colour, const char *format, ...)
+void ui_text_coloured(enum theme_text colour, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    ImGui::TextColoredV(ImGui::ColorConvertU32ToFloat4(packed(colour)), format, arguments);
+    ImGui::TextColoredV(ImGui::ColorConvertU32ToFloat4(packed(theme_texts[colour])), format, arguments);
     va_end(arguments);
     audit_item(format);
 }
 
-void ui_text_wrapped(const char *text)
+void ui_text_wrapped(enum theme_text colour, const char *text)
 {
     ImGui::PushTextWrapPos(0);
+    ui_tint(colour);
     ImGui::TextUnformatted(text);
+    ui_tint_end();
     ImGui::PopTextWrapPos();
     audit_item(text);
 }
@@ -266,11 +285,6 @@ void ui_tip(const char *text)
     }
 }
 
-bool ui_entered(void)
-{
-    return ImGui::IsItemDeactivated() && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter));
-}
-
 int ui_arrow(void)
 {
     bool up = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_UpArrow));
@@ -288,28 +302,19 @@ bool ui_hovered(void)
     return ImGui::IsItemHovered();
 }
 
-bool ui_button(const char *label)
+bool ui_button(const char *label, const char *tip)
 {
-    bool pressed = ImGui::Button(label);
-    audit_item(label);
-    audit_widget(label);
-    return pressed;
+    return end_labelled(ImGui::Button(label), label, tip);
 }
 
-bool ui_small_button(const char *label)
+bool ui_small_button(const char *label, const char *tip)
 {
-    bool pressed = ImGui::SmallButton(label);
-    audit_item(label);
-    audit_widget(label);
-    return pressed;
+    return end_labelled(ImGui::SmallButton(label), label, tip);
 }
 
-bool ui_check(const char *label, bool *value)
+bool ui_check(const char *label, bool *value, const char *tip)
 {
-    bool changed = ImGui::Checkbox(label, value);
-    audit_item(label);
-    audit_widget(label);
-    return changed;
+    return end_labelled(ImGui::Checkbox(label, value), label, tip);
 }
 
 bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count)
@@ -376,19 +381,22 @@ bool ui_numbers(const char *label, double value[3], const char *format)
     return changed;
 }
 
-void ui_take_keys(void)
+void ui_take_keys(bool *wants)
 {
-    ImGui::SetKeyboardFocusHere();
+    if (*wants) {
+        ImGui::SetKeyboardFocusHere();
+    }
+    *wants = false;
 }
 
 bool ui_type(const char *label, char *text, size_t size, const char *hint)
 {
     begin_field(label);
     audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
-    bool changed = ImGui::InputTextWithHint("##field", hint, text, size);
+    ImGui::InputTextWithHint("##field", hint, text, size);
     audit_widget(label);
     end_field();
-    return changed;
+    return is_entered();
 }
 
 struct path_line {
@@ -435,7 +443,8 @@ bool ui_type_path(const char *label, char *text, size_t size, const char *hint, 
     wanted[sizeof wanted - 1] = 0;
     path_line line = {wanted, folder, selects, is_set};
     audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
-    return ImGui::InputTextWithHint(label, hint, text, size, ImGuiInputTextFlags_CallbackAlways, take_text, &line);
+    ImGui::InputTextWithHint(label, hint, text, size, ImGuiInputTextFlags_CallbackAlways, take_text, &line);
+    return is_entered();
 }
 
 bool ui_escaped(void)

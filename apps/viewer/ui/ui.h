@@ -61,7 +61,7 @@ void ui_column(const char *id, float width, float height);
 void ui_scroll_here(void);
 void ui_dim(float opacity); /**< Makes the widgets up to ui_dim_end() pale. */
 void ui_dim_end(void);
-void ui_tint(ui_colour colour); /**< Colours the texts up to ui_tint_end(). */
+void ui_tint(enum theme_text colour); /**< Colours the texts up to ui_tint_end(). */
 void ui_tint_end(void);
 void ui_gap(float height); /**< Nothing, so high. */
 void ui_same_line(void);
@@ -75,29 +75,29 @@ void ui_id(uint32_t id);
 void ui_id_end(void);
 
 void ui_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
-void ui_text_coloured(ui_colour colour, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void ui_text_wrapped(const char *text);
+void ui_text_coloured(enum theme_text colour, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void ui_text_wrapped(enum theme_text colour, const char *text);
 void ui_heading(const char *text); /**< In large letters, of ASCII. */
 /** A text over the widget before, where the mouse is on it. */
 void ui_tip(const char *text);
 /** In a line that has the keyboard: 1 = the arrow down was pressed, -1 = that up. */
 int ui_arrow(void);
-bool ui_entered(void); /**< Whether Enter was pressed in the line before. */
 bool ui_edited(void);  /**< Whether the widget before was let go after a change. */
 bool ui_hovered(void); /**< Whether the mouse is on the widget before. */
 
-bool ui_button(const char *label);
-bool ui_small_button(const char *label);
-bool ui_check(const char *label, bool *value);
+/* Tips (NULL = none) are as of ui_tip(). */
+bool ui_button(const char *label, const char *tip);
+bool ui_small_button(const char *label, const char *tip);
+bool ui_check(const char *label, bool *value, const char *tip);
 bool ui_choose(const char *label, size_t *index, const char *const *choices, size_t count);
 bool ui_slider(const char *label, double *value, double low, double high, const char *format, bool logarithmic);
 bool ui_count(const char *label, uint32_t *value, uint32_t low, uint32_t high);
 bool ui_numbers(const char *label, double value[3], const char *format);
-/** The next widget takes the keyboard. */
-void ui_take_keys(void);
-/** A line that is typed; true when it changed. */
+/** The next widget takes the keyboard if @p wants says so, which is false then. */
+void ui_take_keys(bool *wants);
+/** A line that is typed; true when Enter was pressed in it. */
 bool ui_type(const char *label, char *text, size_t size, const char *hint);
-/** A line for a path; where *is_set is true it takes over what @p text is, all of it selected or with
+/** Likewise of a path; where *is_set is true it takes over what @p text is, all of it selected or with
  * the mark at its end. A whole path that is pasted behind @p folder (ends in '/'; "" = none) takes its place. */
 bool ui_type_path(const char *label, char *text, size_t size, const char *hint, const char *folder, bool selects,
                   bool *is_set);

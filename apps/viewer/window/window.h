@@ -32,7 +32,6 @@ struct texture {
 
 /** A flat pane as it was drawn last. */
 struct cut_pane {
-    struct ui_box box;
     struct texture texture;
     conus_cutter *cutter;  /**< NULL = none yet.                       */
     unsigned atlas_number; /**< The viewer's, when the cutter was made. */
