@@ -48,7 +48,8 @@ struct call {
     struct viewer *viewer; /* of the window */
     char *const *words;    /* the command's name, then its arguments */
     char *const *arguments;
-    size_t count; /* of arguments */
+    size_t count;      /* of arguments */
+    double numbers[8]; /* those that its row asks for */
 };
 
 /* [count] numbers from the argument @p first on; false where there are not so many. */
@@ -68,11 +69,11 @@ static bool is_word(const struct call *call, size_t index, const char *word)
     return index < call->count && strcmp(call->arguments[index], word) == 0;
 }
 
-/* The index of argument @p index among @p count names; @p count = it is none of them. */
-static size_t find_name(const struct call *call, size_t index, const char *const *names, size_t count)
+/* The index of a word among @p count names; @p count = it is none of them. */
+static size_t find_name(const char *word, const char *const *names, size_t count)
 {
     size_t found = 0;
-    while (found < count && !is_word(call, index, names[found])) {
+    while (found < count && strcmp(names[found], word) != 0) {
         found++;
     }
     return found;
@@ -115,13 +116,9 @@ static bool do_key(struct call *call)
 
 static bool do_aim(struct call *call)
 {
-    double given[6];
     double from[3];
     double direction[3];
-    if (!numbers(given, call, 0, 6)) {
-        return false;
-    }
-    if (!read_line(from, direction, call, given)) {
+    if (!read_line(from, direction, call, call->numbers)) {
         return is_done(CONUS_ERROR_ARGUMENT);
     }
     tool_aim_along(call->viewer, FIRST_TOOL, from, direction);
@@ -130,46 +127,30 @@ static bool do_aim(struct call *call)
 
 static bool do_crosshair(struct call *call)
 {
-    double given[3];
-    if (!numbers(given, call, 0, 3)) {
-        return false;
-    }
-    return viewer_to_world(call->viewer->crosshair, call->viewer, given) || is_done(CONUS_ERROR_ARGUMENT);
+    return viewer_to_world(call->viewer->crosshair, call->viewer, call->numbers) || is_done(CONUS_ERROR_ARGUMENT);
 }
 
 static bool do_orbit(struct call *call)
 {
-    double given[2];
-    bool fine = numbers(given, call, 0, 2);
-    if (fine) {
-        call->viewer->orbit.azimuth = given[0] * M_PI / 180;
-        call->viewer->orbit.elevation = given[1] * M_PI / 180;
-    }
-    return fine;
+    call->viewer->orbit.azimuth = call->numbers[0] * M_PI / 180;
+    call->viewer->orbit.elevation = call->numbers[1] * M_PI / 180;
+    return true;
 }
 
 static bool do_zoom(struct call *call)
 {
-    double clicks;
-    bool fine = numbers(&clicks, call, 0, 1);
-    if (fine) {
-        orbit_zoom(&call->viewer->orbit, clicks);
-    }
-    return fine;
+    orbit_zoom(&call->viewer->orbit, call->numbers[0]);
+    return true;
 }
 
 /* Points by the mouse at a place of the 3-D pane, parts of its width and height. */
 static bool do_point(struct call *call)
 {
-    double part[2];
     double direction[3];
     struct eye eye;
     conus_pose pose;
-    if (!numbers(part, call, 0, 2)) {
-        return false;
-    }
     window_eye(call->window, &eye);
-    eye_ray(direction, &eye, (double[]){1, 1}, part);
+    eye_ray(direction, &eye, (double[]){1, 1}, call->numbers);
     if (tool_moved_by(call->viewer, POINT_BY_MOUSE) == SECOND_TOOL) {
         inputs_point(&call->window->inputs, call->viewer, eye.camera.world_from_device + 12, direction);
     } else if (point_find(&pose, call->viewer, eye.camera.world_from_device + 12, direction)) {
@@ -212,22 +193,19 @@ static bool do_take_out(struct call *call)
 /* The command has the name of what is added. What cannot be added is said by the window, as with the mouse. */
 static bool do_add(struct call *call)
 {
-    int kind = 0;
-    while (kind < ADD_ATLAS && strcmp(addition_names[kind], call->words[0]) != 0) {
-        kind++;
-    }
-    window_add(call->window, (enum addition)kind, call->arguments[0]);
+    window_add(call->window, (enum addition)find_name(call->words[0], addition_names, ADDITION_COUNT),
+               call->arguments[0]);
     return true;
 }
 
 /* Places the screen: its middle, a point behind it in the line of sight, its width and height. */
 static bool do_screen(struct call *call)
 {
-    double given[8];
+    const double *given = call->numbers;
     double away[3];
     struct head *head = &call->viewer->head;
     conus_pose screen;
-    if (!numbers(given, call, 0, 8) || !(given[6] > 0) || !(given[7] > 0)) {
+    if (!(given[6] > 0) || !(given[7] > 0)) {
         return false;
     }
     for (int a = 0; a < 3; a++) {
@@ -305,8 +283,8 @@ static bool do_study(struct call *call)
 
 static bool do_planned(struct call *call)
 {
-    double row;
-    return numbers(&row, call, 0, 1) && is_fine(row >= 1 && row == floor(row), "rows are counted from 1") &&
+    double row = call->numbers[0];
+    return is_fine(row >= 1 && row == floor(row), "rows are counted from 1") &&
            is_fine(plans_go(call->viewer, (size_t)row - 1), call->viewer->message);
 }
 
@@ -348,7 +326,7 @@ static bool do_target(struct call *call)
 
 static bool choose_pointer(struct call *call, enum tool_number tool, size_t argument)
 {
-    size_t pointer = find_name(call, argument, pointer_names, POINTER_COUNT);
+    size_t pointer = find_name(call->arguments[argument], pointer_names, POINTER_COUNT);
     bool fine = pointer < POINTER_COUNT && (tool == FIRST_TOOL || pointer != POINT_BY_REPLAY);
     if (fine) {
         tool_choose(call->viewer, tool, (enum pointer)pointer);
@@ -496,18 +474,16 @@ static bool do_preset(struct call *call)
 
 static bool do_hemispheres(struct call *call)
 {
-    for (size_t how = 0; settings_hemispheres[how]; how++) {
-        if (is_word(call, 0, settings_hemispheres[how])) {
-            window_request_hemispheres(call->window, (conus_hemispheres)how);
-            return true;
-        }
+    size_t how = find_name(call->arguments[0], settings_hemispheres, HEMISPHERES_COUNT);
+    if (how < HEMISPHERES_COUNT) {
+        window_request_hemispheres(call->window, (conus_hemispheres)how);
     }
-    return false;
+    return how < HEMISPHERES_COUNT;
 }
 
 static bool do_side(struct call *call)
 {
-    size_t side = find_name(call, 0, side_names, SIDE_COUNT);
+    size_t side = find_name(call->arguments[0], side_names, SIDE_COUNT);
     bool fine = side < SIDE_COUNT && side_is_known(call->viewer);
     if (fine) {
         side_show(call->viewer, (enum side)side);
@@ -523,9 +499,8 @@ static bool do_quiet_status(struct call *call)
 
 static bool do_wait(struct call *call)
 {
-    double frames;
-    bool fine = numbers(&frames, call, 0, 1) && frames >= 0 && frames < 1e6;
-    call->script->waiting = fine ? (unsigned)frames : 0;
+    bool fine = call->numbers[0] >= 0 && call->numbers[0] < 1e6;
+    call->script->waiting = fine ? (unsigned)call->numbers[0] : 0;
     return fine;
 }
 
@@ -548,11 +523,10 @@ static bool do_settle(struct call *call)
 /* The window does what it does while nobody touches it. */
 static bool do_pause(struct call *call)
 {
-    double seconds = 0;
-    bool fine = numbers(&seconds, call, 0, 1) && seconds >= 0 && seconds <= 3600;
-    call->script->pausing = fine;
+    double seconds = call->numbers[0];
+    call->script->pausing = seconds >= 0 && seconds <= 3600;
     call->script->until = clock_ms() + 1e3 * seconds;
-    return fine;
+    return call->script->pausing;
 }
 
 static bool do_screenshot(struct call *call)
@@ -591,7 +565,7 @@ static bool do_picture(struct call *call)
 static bool do_figure(struct call *call)
 {
     struct figure_settings settings;
-    size_t pane = call->count == 2 ? find_name(call, 1, figure_panes, PANE_COUNT) : PANE_3D;
+    size_t pane = call->count == 2 ? find_name(call->arguments[1], figure_panes, PANE_COUNT) : PANE_3D;
     figure_of_window(&settings, call->window);
     return pane < PANE_COUNT && write_figure(call, pane, &settings);
 }
@@ -657,10 +631,9 @@ static bool do_size(struct call *call)
 /* Widths of the panels, pixels at scale 1, and parts of the middle, all 0 as at first. */
 static bool do_panes(struct call *call)
 {
-    double given[4] = {0};
-    bool fine = numbers(given, call, 0, 4);
+    const double *given = call->numbers;
     struct layout layout = {.panels = {given[0], given[1]}, .division = {given[2], given[3]}};
-    fine = fine && layout_is_fine(&layout);
+    bool fine = layout_is_fine(&layout);
     if (fine) {
         call->window->screen.layout = layout;
     }
@@ -701,6 +674,7 @@ static const struct script_command {
     const char *arguments;
     bool (*act)(struct call *call); /* NULL = it sets the property */
     enum property_id sets;
+    size_t numbers;   /* as many arguments, the first ones, are numbers */
     bool is_anywhere; /* it needs no atlas */
 } commands[] = {
     {"key", 1, 1, "KEY", .act = do_key, .is_anywhere = true},
@@ -711,9 +685,9 @@ static const struct script_command {
     {"streamlines", 1, 1, "FILE[,radius=R][,name=S][,moves]", .act = do_add},
     {"atlas", 1, 1, "FILE or NAME", .act = do_add},
     {"take-out", 1, 1, "FILE that was added", .act = do_take_out},
-    {"aim", 6, 6, "X Y Z TX TY TZ", .act = do_aim},
-    {"point", 2, 2, "RIGHT DOWN, parts of the 3-D pane", .act = do_point},
-    {"screen", 8, 8, "X Y Z TX TY TZ WIDTH HEIGHT", .act = do_screen},
+    {"aim", 6, 6, "X Y Z TX TY TZ", .act = do_aim, .numbers = 6},
+    {"point", 2, 2, "RIGHT DOWN, parts of the 3-D pane", .act = do_point, .numbers = 2},
+    {"screen", 8, 8, "X Y Z TX TY TZ WIDTH HEIGHT", .act = do_screen, .numbers = 8},
     {"head", 1, 3, "X Y Z, after screen, or lost", .act = do_head},
     {"angle", 1, 1, "DEGREES", .sets = PROPERTY_ANGLE},
     {"ask", 0, SCRIPT_WORDS - 1, "OPTION..., those of conus query that say how the cone asks", .act = do_ask},
@@ -721,7 +695,7 @@ static const struct script_command {
     {"jitter", 1, 3, "DEGREES MM [SAMPLES], or off", .act = do_jitter},
     {"study", 1, 1, "FILE.tsv", .act = do_study},
     {"target", 0, 1, "[NAME]", .act = do_target},
-    {"planned", 1, 1, "ROW of the plan, from 1", .act = do_planned},
+    {"planned", 1, 1, "ROW of the plan, from 1", .act = do_planned, .numbers = 1},
     {"plan", 1, 1, "FILE.tsv", .act = do_plan},
     {"pointer", 1, 1, "mouse|wand|replay|tracker|spacemouse|gamepad", .act = do_pointer},
     {"tracker", 1, 1, "HOST[:PORT], or off", .act = do_tracker},
@@ -730,14 +704,14 @@ static const struct script_command {
      "on|off|hold|confirm, aim X Y Z TX TY TZ, angle DEGREES, pointer "
      "mouse|wand|tracker|spacemouse|gamepad, results FILE.tsv",
      .act = do_second},
-    {"crosshair", 3, 3, "X Y Z", .act = do_crosshair},
-    {"orbit", 2, 2, "AZIMUTH ELEVATION, degrees", .act = do_orbit},
-    {"zoom", 1, 1, "CLICKS", .act = do_zoom},
+    {"crosshair", 3, 3, "X Y Z", .act = do_crosshair, .numbers = 3},
+    {"orbit", 2, 2, "AZIMUTH ELEVATION, degrees", .act = do_orbit, .numbers = 2},
+    {"zoom", 1, 1, "CLICKS", .act = do_zoom, .numbers = 1},
     {"search", 0, 1, "[TEXT]", .act = do_search},
     {"choose", 1, 1, "NAME", .act = do_choose},
     {"quiet-status", 0, 0, "", .act = do_quiet_status, .is_anywhere = true},
-    {"wait", 1, 1, "FRAMES", .act = do_wait, .is_anywhere = true},
-    {"pause", 1, 1, "SECONDS", .act = do_pause, .is_anywhere = true},
+    {"wait", 1, 1, "FRAMES", .act = do_wait, .numbers = 1, .is_anywhere = true},
+    {"pause", 1, 1, "SECONDS", .act = do_pause, .numbers = 1, .is_anywhere = true},
     {"settle", 0, 0, "", .act = do_settle, .is_anywhere = true},
     {"until", 1, 1, "FILE", .act = do_until, .is_anywhere = true},
     {"screenshot", 1, 1, "FILE.png", .act = do_screenshot, .is_anywhere = true},
@@ -748,7 +722,7 @@ static const struct script_command {
     {"order", 1, 1, "NAME, a column of conus query's tables", .act = do_order},
     {"times", 1, 1, "FILE.json", .act = do_times, .is_anywhere = true},
     {"size", 2, 2, "WIDTH HEIGHT", .act = do_size, .is_anywhere = true},
-    {"panes", 4, 4, "LEFT RIGHT COLUMN ROW", .act = do_panes, .is_anywhere = true},
+    {"panes", 4, 4, "LEFT RIGHT COLUMN ROW", .act = do_panes, .numbers = 4, .is_anywhere = true},
     {"save", 1, 1, "FILE.json", .act = do_save},
     {"open", 1, 1, "FILE.json", .act = do_open},
     {"fade", 1, 1, "PART", .sets = PROPERTY_FADE},
@@ -784,7 +758,8 @@ static const struct script_command *find_command(const char *name)
 
 static bool do_command(struct call *call, const struct script_command *command)
 {
-    bool fits = call->count >= command->least && call->count <= command->most;
+    bool fits = call->count >= command->least && call->count <= command->most &&
+                numbers(call->numbers, call, 0, command->numbers);
     return fits && (command->act ? command->act(call)
                                  : property_set_words(call->window, command->sets, call->arguments, call->count));
 }
