@@ -8,7 +8,6 @@
 #include "viewer/opening/open.h"
 #include "viewer/opening/view_words.h"
 #include "viewer/opening/waiting.h"
-#include "viewer/window/desktop.h"
 
 #include <GLFW/glfw3.h>
 #include <stdio.h>

@@ -321,10 +321,6 @@ static void all_answers_are_one_table(void **state)
     viewer_finish(&viewer);
 }
 
-static void wake_nobody(void)
-{
-}
-
 /* Loads `more` besides `first`, both files of the folder of phantoms. */
 static bool load_besides(struct atlases *out, const char *first, const char *more, const char *context,
                          char why[LOADER_WHY])
@@ -334,7 +330,7 @@ static bool load_besides(struct atlases *out, const char *first, const char *mor
     const struct atlas_settings settings = {.more = {&further, 1}};
     const char *files[] = {paths[2]};
     const struct context_choice choice = {.files = {files, context ? 1 : 0}};
-    const struct loading what = {.path = paths[0], .settings = &settings, .context = &choice, .wake = wake_nobody};
+    const struct loading what = {.path = paths[0], .settings = &settings, .context = &choice};
     struct loader *loader = NULL;
     snprintf(paths[0], sizeof paths[0], "%s", test_in(first));
     snprintf(paths[1], sizeof paths[1], "%s", test_in(more));

@@ -2,7 +2,7 @@
 /* Tests of the state that the window keeps from one run to the next (its place, the size of its text, the files that
  * were opened last), and of its start page. */
 #include "base/memory.h"
-#include "viewer/window/desktop.h"
+#include "viewer/ui/theme.h"
 #include "viewer/window/place.h"
 #include "viewer/window/start.h"
 

@@ -185,7 +185,7 @@ static bool do_take_out(struct call *call)
     size_t index = additions_index(words, call->arguments[0]);
     bool fine = index < json_array_size(words);
     if (fine) {
-        window_take_out(call->window, index);
+        window_change(call->window, index, ADDITION_COUNT, NULL);
     }
     return fine;
 }
@@ -193,8 +193,8 @@ static bool do_take_out(struct call *call)
 /* The command has the name of what is added. What cannot be added is said by the window, as with the mouse. */
 static bool do_add(struct call *call)
 {
-    window_add(call->window, (enum addition)find_name(call->words[0], addition_names, ADDITION_COUNT),
-               call->arguments[0]);
+    window_change(call->window, SIZE_MAX, (enum addition)find_name(call->words[0], addition_names, ADDITION_COUNT),
+                  call->arguments[0]);
     return true;
 }
 

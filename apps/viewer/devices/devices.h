@@ -4,9 +4,7 @@
 #define CONUS_VIEWER_DEVICES_DEVICES_H
 
 #include "link/station.h"
-#include "viewer/devices/gamepad.h"
 #include "viewer/devices/source.h"
-#include "viewer/devices/spacemouse.h"
 
 #include <math.h>
 
@@ -28,6 +26,43 @@ struct tracker {
 
 /** Takes over what the station says of its tool; NULL = there is no station. */
 void tracker_hear(struct tracker *tracker, const struct station_tool *tool);
+
+/** The state of a gamepad now. */
+struct gamepad_reading {
+    enum { GAMEPAD_NONE = 0, GAMEPAD_UNKNOWN /**< A joystick without a known layout. */, GAMEPAD_THERE } presence;
+    double left[2], right[2]; /**< Sticks, -1 to 1: to the right, towards the user. */
+    double triggers[2];       /**< Left and right, 0 to 1. */
+    bool up, down;            /**< Right and left shoulder. */
+    unsigned pressed;         /**< Bits of source_press that are down. */
+};
+
+/** Its sticks move and turn the tool along the tool's own axes, its triggers change the angle. */
+struct gamepad {
+    struct source source; /**< First: a pointer to it is one to the gamepad. */
+    void (*read)(struct gamepad_reading *reading);
+    unsigned pressed; /**< Before. */
+    bool was_there;
+    double asked_s;
+};
+
+/** Reads by @p read. */
+void gamepad_init(struct gamepad *out, void (*read)(struct gamepad_reading *reading));
+/** Reads the first gamepad that GLFW knows; on the window's thread. */
+void gamepad_read(struct gamepad_reading *out);
+
+/** By the program spacenavd and libspnav: its cap moves and turns the tool along the tool's own axes. One at a time in
+ * a program, since libspnav has one connection. */
+struct spacemouse {
+    struct source source; /**< First: a pointer to it is one to the SpaceMouse. */
+    bool is_open, is_heard, is_unplugged;
+    int axes[6]; /**< x, y, z and turns about them, as spacenavd has them: +z away from who sits before it. */
+    double moved_s, asked_s,
+        tried_s; /**< By the clock of source_ask(): when it last moved, was asked, was looked for. */
+};
+
+/** Connects when it is asked first, and again every 2 s while spacenavd does not answer. */
+void spacemouse_init(struct spacemouse *out);
+void spacemouse_finish(struct spacemouse *mouse);
 
 struct devices {
     struct tracker trackers[2]; /**< For the first and the second tool. */

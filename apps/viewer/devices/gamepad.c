@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Turns the sticks, which GLFW reads, into moves. */
-#include "viewer/devices/gamepad.h"
+#include "viewer/devices/devices.h"
 
 #include <GLFW/glfw3.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Reads the events of spacenavd and turns them into moves. */
-#include "viewer/devices/spacemouse.h"
+#include "viewer/devices/devices.h"
 
 #ifdef CONUS_SPACEMOUSE
 

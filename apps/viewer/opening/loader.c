@@ -6,6 +6,7 @@
 #include "options/output.h"
 #include "settings/atlas_input.h"
 
+#include <GLFW/glfw3.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -152,7 +153,7 @@ static void *run(void *user)
     pthread_mutex_lock(&loader->lock);
     loader->done = true;
     pthread_mutex_unlock(&loader->lock);
-    loader->request.wake();
+    glfwPostEmptyEvent();
     return NULL;
 }
 

@@ -14,7 +14,6 @@ struct loading {
     const struct atlas_settings *settings;
     const struct context_choice *context; /**< Without files the first atlas's own. Another atlas that has none of its
                                              own gets the same. */
-    void (*wake)(void);                   /**< Called when it is done. */
     bool (*may_be)(const char *path);     /**< Asked first, on that thread: false = nothing is loaded, nor said why.
                                              NULL = it is. */
     void (*task)(void *user);             /**< Called in place of loading, with user; NULL = it loads. */

@@ -59,7 +59,9 @@ enum kind { IS_OTHER = 0, IS_TRACTOGRAM, IS_SESSION };
 struct looking {
     const struct open_request *request;
     const char *session; /* that surely is one, so that it is said why it cannot be read; NULL = none */
-    enum kind *kinds;    /* [request->count] */
+    struct file_set *set;
+    bool fine;
+    char why[LOADER_WHY];
 };
 
 static enum kind find_kind(const char *path)
@@ -76,17 +78,6 @@ static bool files_may_be_atlas(const char *path)
     return find_kind(path) == IS_OTHER;
 }
 
-/* Runs on another thread: finds the kind of each file. */
-static void appearance(void *user)
-{
-    const struct looking *looking = user;
-    for (size_t i = 0; i < looking->request->count; i++) {
-        const char *path = looking->request->paths[i];
-        bool is_named = looking->session && strcmp(path, looking->session) == 0;
-        looking->kinds[i] = is_named ? IS_SESSION : find_kind(path);
-    }
-}
-
 /* Whether there is an atlas at `path`; else `why` says why not. */
 static bool is_atlas(struct window *window, const char *path, const struct view_settings *settings,
                      char why[LOADER_WHY])
@@ -94,7 +85,7 @@ static bool is_atlas(struct window *window, const char *path, const struct view_
     struct atlas_settings alone = {
         .max_memory = settings->atlas.max_memory, .no_cache = settings->atlas.no_cache, .image_is_fine = true};
     const struct context_choice none = {.opacity = 0};
-    const struct loading request = {.path = path, .settings = &alone, .context = &none, .wake = glfwPostEmptyEvent};
+    const struct loading request = {.path = path, .settings = &alone, .context = &none};
     struct atlases atlases = {0};
     bool is = wait_load(window, &request, &atlases, why);
     atlases_finish(&atlases);
@@ -117,6 +108,25 @@ static bool use_atlas(struct file_set *set, const char *path, bool is_session, c
     set->atlas = path;
     set->is_session = is_session;
     return true;
+}
+
+/* Runs on another thread: tells the files apart. */
+static void look_at_files(void *user)
+{
+    struct looking *looking = user;
+    struct file_set *set = looking->set;
+    for (size_t i = 0; i < looking->request->count && looking->fine; i++) {
+        const char *path = looking->request->paths[i];
+        bool is_named = looking->session && strcmp(path, looking->session) == 0;
+        enum kind kind = is_named ? IS_SESSION : find_kind(path);
+        if (kind == IS_SESSION) {
+            looking->fine = use_atlas(set, path, true, looking->why);
+        } else if (kind == IS_TRACTOGRAM) {
+            set->tractograms[set->tractogram_count++] = path;
+        } else {
+            set->images[set->image_count++] = path;
+        }
+    }
 }
 
 /* Finds the one atlas among several files that may be atlases; one other may be an image. False: `why` says why not. */
@@ -146,20 +156,15 @@ static bool find_atlas(struct file_set *set, struct window *window, const struct
 static bool file_set_find(struct file_set *out, struct window *window, const struct open_request *request,
                           const struct view_settings *settings, char why[LOADER_WHY])
 {
-    struct looking looking = {request, settings->session, calloc(request->count + 1, sizeof *looking.kinds)};
+    struct looking looking = {.request = request, .session = settings->session, .set = out, .fine = true};
     *out = (struct file_set){.images = calloc(request->count + 1, sizeof *out->images),
                              .tractograms = calloc(request->count + 1, sizeof *out->tractograms)};
-    bool fine = looking.kinds && out->images && out->tractograms;
+    bool fine = out->images && out->tractograms;
     snprintf(why, LOADER_WHY, "%s", fine ? "" : "not enough memory");
-    fine = fine && wait_look(window, request->paths[0], appearance, &looking, why);
-    for (size_t i = 0; i < request->count && fine; i++) {
-        if (looking.kinds[i] == IS_SESSION) {
-            fine = use_atlas(out, request->paths[i], true, why);
-        } else if (looking.kinds[i] == IS_TRACTOGRAM) {
-            out->tractograms[out->tractogram_count++] = request->paths[i];
-        } else {
-            out->images[out->image_count++] = request->paths[i];
-        }
+    fine = fine && wait_look(window, request->paths[0], look_at_files, &looking, why);
+    if (fine && !looking.fine) {
+        memcpy(why, looking.why, LOADER_WHY);
+        return false;
     }
     if (fine && !out->atlas && out->image_count == 1) { /* which it is, opening it tells */
         out->atlas = out->images[0];
@@ -167,7 +172,6 @@ static bool file_set_find(struct file_set *out, struct window *window, const str
     } else if (fine && out->image_count) {
         fine = find_atlas(out, window, settings, why);
     }
-    free(looking.kinds);
     return fine;
 }
 
@@ -328,8 +332,7 @@ static bool open_path(struct window *window, const char *text, const struct atla
     struct viewer *viewer = NULL;
     struct atlases atlases = {0};
     conus_frame frame = {0};
-    const struct loading request = {
-        .path = text, .settings = &settings.atlas, .context = &settings.context, .wake = glfwPostEmptyEvent};
+    const struct loading request = {.path = text, .settings = &settings.atlas, .context = &settings.context};
     if (before) {
         settings.safe_colours = before->display.safe_colours;
         settings.full_screen = false;
@@ -681,11 +684,8 @@ static bool open_files(struct window *window, struct open_request *request, cons
 /* Begins no session, whose options are in its file, and no name, which the catalogue has to find. */
 struct loader *open_begin(const char *path, const struct view_settings *settings)
 {
-    const struct loading request = {.path = path,
-                                    .settings = &settings->atlas,
-                                    .context = &settings->context,
-                                    .wake = glfwPostEmptyEvent,
-                                    .may_be = files_may_be_atlas};
+    const struct loading request = {
+        .path = path, .settings = &settings->atlas, .context = &settings->context, .may_be = files_may_be_atlas};
     struct loader *loader = NULL;
     if (path && conus_atlas_is_path(path) && !settings->session) {
         (void)loader_start(&loader, &request);

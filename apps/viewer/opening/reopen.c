@@ -254,8 +254,7 @@ static bool load_and_show(struct window *window, const struct worded *worded, in
 {
     const struct loading request = {.path = window->viewer->atlases->path,
                                     .settings = &worded->settings.atlas,
-                                    .context = &worded->settings.context,
-                                    .wake = glfwPostEmptyEvent};
+                                    .context = &worded->settings.context};
     struct atlases loaded = {0};
     json_t *words = view_words(&worded->arguments, NULL);
     snprintf(why, LOADER_WHY, "%s", words ? "" : "not enough memory");

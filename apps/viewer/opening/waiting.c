@@ -108,7 +108,5 @@ bool wait_look(struct window *window, const char *path, void (*appearance)(void 
                char why[LOADER_WHY])
 {
     struct atlases none;
-    return wait_load(window,
-                     &(struct loading){.path = path, .task = appearance, .user = user, .wake = glfwPostEmptyEvent},
-                     &none, why);
+    return wait_load(window, &(struct loading){.path = path, .task = appearance, .user = user}, &none, why);
 }

@@ -29,7 +29,7 @@ static void draw_file(struct window *window, size_t index, enum addition kind, c
     conus_plain_text(plain);
     ui_id((uint32_t)index);
     if (ui_small_button("Take out", "the atlas is opened again without it")) {
-        window_take_out(window, index);
+        window_change(window, index, kind, NULL);
     }
     ui_same_line();
     if (ui_small_button("Change", "its file or what stands behind it, in the line below")) {
@@ -77,10 +77,9 @@ static void draw_line(struct window *window, const json_t *words)
     bool used = ui_button(form->changed ? "Use instead" : "Add",
                           "the atlas is opened again, and all that you set stays; Enter, too") ||
                 entered;
-    if (used && form->text[0] && form->changed && form->changed <= json_array_size(words)) {
-        window_change(window, form->changed - 1, (enum addition)form->kind, form->text);
-    } else if (used && form->text[0]) {
-        window_add(window, (enum addition)form->kind, form->text);
+    if (used && form->text[0]) {
+        size_t index = form->changed && form->changed <= json_array_size(words) ? form->changed - 1 : SIZE_MAX;
+        window_change(window, index, (enum addition)form->kind, form->text);
     }
     ui_same_line();
     if (form->changed && ui_button("no, add another", NULL)) {

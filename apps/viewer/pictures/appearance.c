@@ -3,7 +3,6 @@
 #include "viewer/pictures/appearance.h"
 
 #include "conus/streamlines.h"
-#include "viewer/pictures/sheet.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -240,12 +240,11 @@ static bool read_columns(uint32_t *out, const json_t *results, char why[PROPERTY
 /* Reads five numbers: a grey value not below @p least, red, green, blue and opacity. */
 static bool read_point(conus_transfer_point *out, const json_t *entry, double least)
 {
-    bool fine = json_is_array(entry) && json_array_size(entry) == 5;
-    for (size_t i = 0; fine && i < 5; i++) {
-        const json_t *value = json_array_get(entry, i);
-        double number = json_number_value(value);
-        *(i ? &out->rgba[i - 1] : &out->value) = number;
-        fine = json_is_number(value) && number >= (i ? 0 : least) && number <= (i ? 1 : FLT_MAX);
+    double *rgba = out->rgba;
+    bool fine = !json_unpack((json_t *)entry, "[FFFFF!]", &out->value, &rgba[0], &rgba[1], &rgba[2], &rgba[3]) &&
+                out->value >= least && out->value <= FLT_MAX;
+    for (size_t i = 0; i < 4; i++) {
+        fine = fine && rgba[i] >= 0 && rgba[i] <= 1;
     }
     return fine;
 }

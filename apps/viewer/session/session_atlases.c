@@ -155,12 +155,9 @@ static bool read_grey(struct appearance *out, const json_t *value, char why[PROP
     if (!value || json_is_null(value)) {
         return true;
     }
-    for (size_t i = 0; i < 2; i++) {
-        out->grey[i] = json_number_value(json_array_get(value, i));
-    }
-    bool fine = json_is_array(value) && json_array_size(value) == 2 && json_is_number(json_array_get(value, 0)) &&
-                json_is_number(json_array_get(value, 1)) && out->grey[0] >= -grey_limit && out->grey[1] <= grey_limit &&
-                out->grey[0] < out->grey[1];
+    double *grey = out->grey;
+    bool fine = !json_unpack((json_t *)value, "[FF!]", &grey[0], &grey[1]) && grey[0] >= -grey_limit &&
+                grey[1] <= grey_limit && grey[0] < grey[1];
     return fine || session_refuse(why, "session: grey: two numbers are needed, black less than white, or null");
 }
 
@@ -263,9 +260,10 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
     if (!check_place(view, json_object_get(entry, "place"), why)) {
         return false;
     }
-    out->hidden[index] = calloc(view->object_count + 1, sizeof *out->hidden[index]);
+    struct session_atlas *atlas = &out->atlases[index];
+    atlas->hidden = calloc(view->object_count + 1, sizeof *atlas->hidden);
     out->thresholds[index] = list ? calloc(view->object_count + 1, sizeof *out->thresholds[index]) : NULL;
-    if (!out->hidden[index] || (list && !out->thresholds[index])) {
+    if (!atlas->hidden || (list && !out->thresholds[index])) {
         return session_refuse(why, "session: not enough memory");
     }
     const json_t *hidden = json_object_get(entry, "hidden");
@@ -275,10 +273,10 @@ static bool read_atlas(struct session_atlases *out, size_t index, const struct v
             return session_refuse(why, "session: hidden: %lld, allowed is 1 to %zu", (long long)number,
                                   view->object_count);
         }
-        out->hidden[index][number] = true;
+        atlas->hidden[number] = true;
     }
     return (!list || read_thresholds(out->thresholds[index], view, list, why)) &&
-           (!appearance || read_look(&out->looks[index], view, appearance, why));
+           (!appearance || read_look(&atlas->look, view, appearance, why));
 }
 
 static bool read_further(struct session_atlases *out, const struct viewer *viewer, const json_t *list,
@@ -300,12 +298,11 @@ bool session_atlases_read(struct session_atlases *out, const struct viewer *view
 {
     const json_t *further = json_object_get(root, "further_atlases");
     const json_t *drawn = json_object_get(root, "drawn");
-    *out = (struct session_atlases){.hidden = calloc(viewer->atlas_count, sizeof *out->hidden),
+    *out = (struct session_atlases){.atlases = calloc(viewer->atlas_count, sizeof *out->atlases),
                                     .thresholds = calloc(viewer->atlas_count, sizeof *out->thresholds),
-                                    .looks = calloc(viewer->atlas_count, sizeof *out->looks),
                                     .count = viewer->atlas_count,
                                     .drawn = (size_t)(viewer->drawn - viewer->atlases)};
-    if (!out->hidden || !out->thresholds || !out->looks) {
+    if (!out->atlases || !out->thresholds) {
         return session_refuse(why, "session: not enough memory");
     }
     if (!read_atlas(out, 0, viewer->atlases, root, why) || (further && !read_further(out, viewer, further, why))) {
@@ -323,30 +320,24 @@ bool session_atlases_read(struct session_atlases *out, const struct viewer *view
 void session_atlases_show(struct session_atlases *from, struct viewer *viewer)
 {
     for (size_t i = 0; i < from->count; i++) {
-        if (from->hidden[i]) {
-            viewer_set_hidden(viewer, &viewer->atlases[i], from->hidden[i]);
-            from->hidden[i] = NULL;
+        struct session_atlas *atlas = &from->atlases[i];
+        if (atlas->hidden) {
+            viewer_set_hidden(viewer, &viewer->atlases[i], atlas->hidden);
+            atlas->hidden = NULL;
         }
-        if (from->looks[i].object_count) {
-            viewer_set_look(viewer, &viewer->atlases[i], &from->looks[i]);
+        if (atlas->look.object_count) {
+            viewer_set_look(viewer, &viewer->atlases[i], &atlas->look);
         }
     }
 }
 
 void session_atlases_finish(struct session_atlases *from)
 {
-    for (size_t i = 0; i < from->count; i++) {
-        if (from->hidden) {
-            free(from->hidden[i]);
-        }
-        if (from->thresholds) {
-            free(from->thresholds[i]);
-        }
-        if (from->looks) {
-            appearance_finish(&from->looks[i]);
-        }
+    for (size_t i = 0; i < from->count && from->atlases && from->thresholds; i++) {
+        free(from->atlases[i].hidden);
+        free(from->thresholds[i]);
+        appearance_finish(&from->atlases[i].look);
     }
-    free(from->hidden);
+    free(from->atlases);
     free(from->thresholds);
-    free(from->looks);
 }

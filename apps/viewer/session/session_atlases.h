@@ -16,11 +16,13 @@ json_t *session_look(const struct view_atlas *view);
 json_t *session_further(const struct viewer *viewer);
 
 struct session_atlases {
-    bool **hidden;            /**< [count][object_count + 1]; NULL of an atlas = as it is. */
-    double **thresholds;      /**< [count][object_count + 1] Likewise. */
-    struct appearance *looks; /**< [count] Of no objects = as it is. */
-    size_t count;             /**< Number of the viewer's atlases. */
-    size_t drawn;             /**< Index of the one to be drawn. */
+    struct session_atlas {
+        bool *hidden;           /**< [object_count + 1]; NULL = as it is. */
+        struct appearance look; /**< Of no objects = as it is. */
+    } * atlases;                /**< [count] */
+    double **thresholds;        /**< [count][object_count + 1] Likewise. */
+    size_t count;               /**< Number of the viewer's atlases. */
+    size_t drawn;               /**< Index of the one to be drawn. */
 };
 
 /** Reads them; false where they do not fit the viewer's atlases. The caller's to finish in any case. */

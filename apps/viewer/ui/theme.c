@@ -2,6 +2,11 @@
 /* The colours, and their contrast. */
 #include "viewer/ui/theme.h"
 
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
 const ui_colour theme_shaded[THEME_TEXTS] = {
     [THEME_PLAIN] = {255, 255, 255, 255}, [THEME_HINT] = {190, 195, 205, 255}, [THEME_AMBER] = {255, 200, 90, 255},
     [THEME_ORANGE] = {255, 175, 85, 255}, [THEME_RED] = {255, 165, 150, 255},  [THEME_GREEN] = {110, 230, 130, 255},
@@ -74,4 +79,25 @@ enum theme theme_used(void)
 ui_colour theme_mark(void)
 {
     return marks[theme_used()];
+}
+
+/* The XDG Desktop Portal, which GNOME, KDE and others answer: its color-scheme is 0 = no preference, which is how GNOME
+ * is light, 1 = dark, 2 = light. */
+static const char question[] =
+    "gdbus call --session --timeout 1 --dest org.freedesktop.portal.Desktop "
+    "--object-path /org/freedesktop/portal/desktop --method org.freedesktop.portal.Settings.Read "
+    "org.freedesktop.appearance color-scheme 2>/dev/null";
+
+enum theme desktop_theme(void)
+{
+    enum { ANSWER = 64 };
+    char text[ANSWER] = "";
+    /* without a session's bus gdbus would start one */
+    FILE *answer = getenv("DBUS_SESSION_BUS_ADDRESS") ? popen(question, "re") : NULL;
+    if (!answer) {
+        return THEME_DARK;
+    }
+    bool is_said = fgets(text, sizeof text, answer) && strncmp(text, "(<<uint32 ", 10) == 0;
+    pclose(answer);
+    return is_said && text[10] != '1' ? THEME_LIGHT : THEME_DARK;
 }

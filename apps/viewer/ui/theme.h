@@ -62,6 +62,9 @@ ui_colour theme_mark(void);
 /** Opacity of pale texts: less would be too faint. */
 extern const float theme_pale;
 
+/** The theme that the user chose for the desktop; the dark one where no desktop answers within a second. */
+enum theme desktop_theme(void);
+
 #ifdef __cplusplus
 }
 #endif

@@ -3,7 +3,6 @@
 #include "viewer/ui/ui.h"
 
 #include "viewer/ui/ui_audit.h"
-#include "viewer/ui/ui_style.h"
 
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>

@@ -2,8 +2,6 @@
 // Keeps the texts that are cut, while a test asks for them.
 #include "viewer/ui/ui_audit.h"
 
-#include "viewer/ui/ui_style.h"
-
 #include <imgui.h>
 
 #include <string>

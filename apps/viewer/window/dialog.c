@@ -4,6 +4,7 @@
 
 #include "options/messages.h"
 #include "options/output.h"
+#include "viewer/window/state_file.h"
 
 #include <dirent.h>
 #include <stdint.h>
@@ -106,15 +107,6 @@ void folder_finish(struct folder *folder)
     *folder = (struct folder){.path = ""};
 }
 
-/* The path that the text means: ~ is the home folder. */
-static bool find_typed_path(char path[PATH_MAX], const struct dialog *dialog)
-{
-    const char *home = getenv("HOME");
-    bool at_home = home && (strncmp(dialog->text, "~/", 2) == 0 || strcmp(dialog->text, "~") == 0);
-    int size = snprintf(path, PATH_MAX, "%s%s", at_home ? home : "", dialog->text + at_home);
-    return size > 0 && size < PATH_MAX;
-}
-
 /* The text behind the last slash. */
 static const char *leaf(const char *text)
 {
@@ -125,7 +117,7 @@ static const char *leaf(const char *text)
 void dialog_here(char path[PATH_MAX], const struct dialog *dialog)
 {
     char whole[PATH_MAX];
-    if (!find_typed_path(whole, dialog)) {
+    if (!typed_path(whole, dialog->text)) {
         whole[0] = '\0';
     }
     size_t length = (size_t)(leaf(whole) - whole);
@@ -271,7 +263,7 @@ static bool may_be_opened(const char *path)
 bool dialog_enter(char path[PATH_MAX], struct dialog *dialog)
 {
     dialog_look(dialog);
-    if (dialog->purpose == DIALOG_OPEN && find_typed_path(path, dialog) && !may_be_opened(path)) {
+    if (dialog->purpose == DIALOG_OPEN && typed_path(path, dialog->text) && !may_be_opened(path)) {
         size_t fitting = 0;
         for (size_t i = 0; i < dialog->folder.count; i++) { /* a part of a name that one entry has means that one */
             if (dialog_fits(dialog, i)) {
@@ -285,7 +277,7 @@ bool dialog_enter(char path[PATH_MAX], struct dialog *dialog)
             return false;
         }
     }
-    if (!find_typed_path(path, dialog) || !leaf(path)[0]) {
+    if (!typed_path(path, dialog->text) || !leaf(path)[0]) {
         dialog->takes_keys = dialog->is_set = true;
         return false;
     }

@@ -198,10 +198,7 @@ bool start_typed(char path[PATH_MAX], struct start *start)
     if (picked) {
         return installed_words(path, start->catalogue, picked);
     }
-    const char *home = getenv("HOME");
-    bool at_home = home && strncmp(start->typed, "~/", 2) == 0;
-    int size = snprintf(path, PATH_MAX, "%s%s", at_home ? home : "", start->typed + at_home);
-    return size > 0 && size < PATH_MAX;
+    return typed_path(path, start->typed);
 }
 
 bool start_sample(char path[PATH_MAX])

@@ -59,3 +59,11 @@ void state_file_write(const char *name, const char *text, size_t size)
         (void)status;
     }
 }
+
+bool typed_path(char path[PATH_MAX], const char *text)
+{
+    const char *home = getenv("HOME");
+    bool at_home = home && text[0] == '~' && (!text[1] || text[1] == '/');
+    int size = snprintf(path, PATH_MAX, "%s%s", at_home ? home : "", text + at_home);
+    return size > 0 && size < PATH_MAX;
+}

@@ -16,4 +16,7 @@ char *state_file_read(size_t *size, const char *name, size_t limit);
 /** Writes it, whole or not at all; where that cannot be done the next run finds what the one before left. */
 void state_file_write(const char *name, const char *text, size_t size);
 
+/** The path that people type: ~ is the home folder. False where it is empty, or too long. */
+bool typed_path(char path[PATH_MAX], const char *text);
+
 #endif

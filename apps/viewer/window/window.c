@@ -12,6 +12,7 @@
 
 #include <GLFW/glfw3.h>
 #include <jansson.h>
+#include <limits.h>
 #include <math.h>
 #include <signal.h>
 #include <stdio.h>
@@ -41,49 +42,47 @@ void texture_drop(struct texture *texture)
     *texture = (struct texture){0};
 }
 
-/* The screen (GLFWmonitor) that the window's middle is on, and its x, y, width and height; NULL where none is known.
- */
-static void *window_screen(const struct window *window, int screen[4])
+/* The screen that a place is on, and its area: all of it, or what is free there; the first one where that is on none.
+ * NULL: there is none. */
+static GLFWmonitor *find_screen(int area[4], const int middle[2], bool free)
 {
     int count;
-    int place[4];
     GLFWmonitor **monitors = glfwGetMonitors(&count);
-    glfwGetWindowPos(window->handle, &place[0], &place[1]);
-    glfwGetWindowSize(window->handle, &place[2], &place[3]);
-    for (int i = count - 1; i >= 0; i--) { /* or else the first */
+    for (int i = count - 1; i >= 0; i--) {
         const GLFWvidmode *mode = glfwGetVideoMode(monitors[i]);
-        int x, y;
-        glfwGetMonitorPos(monitors[i], &x, &y);
-        int across = place[0] + place[2] / 2 - x;
-        int down = place[1] + place[3] / 2 - y;
-        if (mode && (i == 0 || (across >= 0 && across < mode->width && down >= 0 && down < mode->height))) {
-            screen[0] = x;
-            screen[1] = y;
-            screen[2] = mode->width;
-            screen[3] = mode->height;
+        if (free) {
+            glfwGetMonitorWorkarea(monitors[i], &area[0], &area[1], &area[2], &area[3]);
+        } else if (mode) {
+            glfwGetMonitorPos(monitors[i], &area[0], &area[1]);
+            area[2] = mode->width;
+            area[3] = mode->height;
+        } else {
+            continue;
+        }
+        int across = middle[0] - area[0];
+        int down = middle[1] - area[1];
+        if (i == 0 || (across >= 0 && across < area[2] && down >= 0 && down < area[3])) {
             return monitors[i];
         }
     }
     return NULL;
 }
 
+/* The screen that the window's middle is on, with its x, y, width and height. */
+static GLFWmonitor *window_screen(const struct window *window, int screen[4])
+{
+    int place[4];
+    glfwGetWindowPos(window->handle, &place[0], &place[1]);
+    glfwGetWindowSize(window->handle, &place[2], &place[3]);
+    return find_screen(screen, (int[]){place[0] + place[2] / 2, place[1] + place[3] / 2}, false);
+}
+
 /* Fits a place to what is free on the screen that its middle is on, else on the first one. */
 static void screen_fit(struct place *place)
 {
-    int count;
-    GLFWmonitor **monitors = glfwGetMonitors(&count);
     int area[4] = {0};
-    for (int i = count - 1; i >= 0; i--) { /* or else the first */
-        int free[4];
-        glfwGetMonitorWorkarea(monitors[i], &free[0], &free[1], &free[2], &free[3]);
-        int across = place->x + place->width / 2 - free[0];
-        int down = place->y + place->height / 2 - free[1];
-        if (i == 0 || (place->known && across >= 0 && across < free[2] && down >= 0 && down < free[3])) {
-            memcpy(area, free, sizeof area);
-            break;
-        }
-    }
-    if (area[2] > 0 && area[3] > 0) {
+    const int middle[2] = {place->known ? place->x + place->width / 2 : INT_MIN / 2, place->y + place->height / 2};
+    if (find_screen(area, middle, true) && area[2] > 0 && area[3] > 0) {
         place_fit(place, area);
     }
 }
@@ -104,7 +103,7 @@ static float window_screen_scale(const struct window *window, float content)
 void window_fill_screen(struct window *window, bool fill)
 {
     int screen[4];
-    void *monitor = fill ? window_screen(window, screen) : NULL;
+    GLFWmonitor *monitor = fill ? window_screen(window, screen) : NULL;
     if (fill == window->screen.alone) {
         return;
     }
@@ -610,12 +609,11 @@ void window_maximise(struct window *window)
 static bool is_behind(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    if (!viewer) {
-        return window->frame.frames_wanted;
-    }
-    return window->frame.frames_wanted || window->frame.shown_version != viewer->version ||
-           window->frame.shown_said != viewer->said || window->frame.shown_head != viewer->head.number ||
-           window->frame.shown_second != viewer->tools[SECOND_TOOL].version;
+    const struct frame_state *frame = &window->frame;
+    return frame->frames_wanted ||
+           (viewer &&
+            (frame->shown_version != viewer->version || frame->shown_said != viewer->said ||
+             frame->shown_head != viewer->head.number || frame->shown_second != viewer->tools[SECOND_TOOL].version));
 }
 
 bool window_needs_frame(struct window *window)
@@ -654,15 +652,14 @@ void window_clear(const struct window *window)
 bool window_is_settled(const struct window *window)
 {
     const struct viewer *viewer = window->viewer;
-    bool has_page = window->start.on || window->dialog.on;
-    bool settled = has_page || window->pictures.painted_fine || !screen_shows_pane(&window->screen, PANE_3D);
-    if (!has_page && studies_is_on(viewer)) {
-        settled = settled && !studies_is_old(viewer);
+    const struct pictures *pictures = &window->pictures;
+    if (window->start.on || window->dialog.on) {
+        return true;
     }
-    settled = settled && (has_page || !plans_is_behind(viewer));
-    for (int p = 0; p < PLANE_COUNT && !has_page; p++) {
-        settled =
-            settled && (window->pictures.cuts[p].version == viewer->version || !screen_shows_pane(&window->screen, p));
+    bool settled = pictures->painted_fine || !screen_shows_pane(&window->screen, PANE_3D);
+    settled = settled && !(studies_is_on(viewer) && studies_is_old(viewer)) && !plans_is_behind(viewer);
+    for (int p = 0; p < PLANE_COUNT; p++) {
+        settled = settled && (pictures->cuts[p].version == viewer->version || !screen_shows_pane(&window->screen, p));
     }
     return settled;
 }
@@ -788,30 +785,14 @@ static void request_words(struct window *window, json_t *words)
     }
 }
 
-void window_add(struct window *window, enum addition kind, const char *value)
-{
-    const json_t *words = window_words(window);
-    if (words) {
-        request_words(window, additions_with(words, kind, value));
-    }
-}
-
-void window_take_out(struct window *window, size_t index)
-{
-    const json_t *words = window_words(window);
-    if (words) {
-        request_words(window, additions_without(words, index));
-    }
-}
-
 void window_change(struct window *window, size_t index, enum addition kind, const char *value)
 {
     const json_t *words = window_words(window);
-    json_t *changed = words ? additions_without(words, index) : NULL;
-    if (changed) {
-        request_words(window, additions_with(changed, kind, value));
+    json_t *rest = index == SIZE_MAX ? json_copy((json_t *)words) : words ? additions_without(words, index) : NULL;
+    if (words) {
+        request_words(window, !value ? json_incref(rest) : rest ? additions_with(rest, kind, value) : NULL);
     }
-    json_decref(changed);
+    json_decref(rest);
 }
 
 void window_request_hemispheres(struct window *window, conus_hemispheres how)
@@ -911,6 +892,21 @@ void window_show_dialog(struct window *window, enum dialog_purpose purpose)
     }
 }
 
+/* Opens what was chosen in the dialog, which says so where that cannot be. */
+static void open_chosen(struct window *window, const char *path)
+{
+    window->dialog.on = false;
+    window_request_file(window, path);
+    window->files.requested.by_dialog = true;
+}
+
+void window_use_folder(struct window *window)
+{
+    char path[PATH_MAX];
+    dialog_here(path, &window->dialog);
+    open_chosen(window, path);
+}
+
 void window_use_dialog(struct window *window)
 {
     char path[PATH_MAX];
@@ -918,23 +914,13 @@ void window_use_dialog(struct window *window)
     if (!dialog_enter(path, dialog)) {
         return;
     }
-    dialog->on = false;
     if (dialog->purpose == DIALOG_OPEN) {
-        window_request_file(window, path);
-        window->files.requested.by_dialog = true;
+        open_chosen(window, path);
     } else {
+        dialog->on = false;
         free(window->files.saves_as);
         window->files.saves_as = strdup(path);
     }
-}
-
-void window_use_folder(struct window *window)
-{
-    char path[PATH_MAX];
-    dialog_here(path, &window->dialog);
-    window->dialog.on = false;
-    window_request_file(window, path);
-    window->files.requested.by_dialog = true;
 }
 
 void window_copy(struct window *window, enum copied what)

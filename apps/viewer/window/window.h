@@ -10,7 +10,6 @@
 #include "viewer/model/times.h"
 #include "viewer/model/viewer.h"
 #include "viewer/pictures/cells.h"
-#include "viewer/pictures/sheet.h"
 #include "viewer/tools/inputs.h"
 #include "viewer/ui/ui.h"
 #include "viewer/window/changes.h"
@@ -234,12 +233,8 @@ void window_request_file(struct window *window, const char *path);
 /** Whether something is asked for. */
 bool window_has_request(const struct window *window);
 void open_request_finish(struct open_request *request);
-/** Asks for a context, pathway or tractogram to be added to the atlas that is open; @p value is that of the command
- * line's option. */
-void window_add(struct window *window, enum addition kind, const char *value);
-/** Asks for the atlas without what word @p index of window_words() added to it. */
-void window_take_out(struct window *window, size_t index);
-/** Likewise, and with something else in its place. */
+/** Asks for the atlas without what word @p index of window_words() added to it (SIZE_MAX = with all), and with a
+ * context, pathway, tractogram or atlas; @p value is that of the command line's option, NULL = nothing. */
 void window_change(struct window *window, size_t index, enum addition kind, const char *value);
 /** The options with which the atlas was opened, an array of texts; NULL where they are not known, and it was said. */
 const struct json_t *window_words(struct window *window);
