@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The options of conus render about the sheet: its size, side, background, legend and letters. The window's
- * figures have the same. */
+/** @file Options of conus render and the window's figures about the sheet: size, side, background, legend, letters. */
 #ifndef CONUS_FIGURES_FIGURE_H
 #define CONUS_FIGURES_FIGURE_H
 

@@ -57,11 +57,14 @@ static void put_choices(FILE *out, const struct option *option)
     }
 }
 
-static void bash_put_function_name(FILE *out, const char *program)
+enum { BASH_NAME = 64 };
+
+/* "_conus_view" of "conus-view" */
+static void bash_name_function(char out[BASH_NAME], const char *program)
 {
-    fputc('_', out);
-    for (; *program; program++) {
-        fputc(*program == '-' ? '_' : *program, out);
+    snprintf(out, BASH_NAME, "_%s", program);
+    for (char *dash; (dash = strchr(out, '-'));) {
+        *dash = '_';
     }
 }
 
@@ -113,20 +116,17 @@ static void bash_put_command(FILE *out, const struct command *command)
 /* Lets the completion of another program answer, whose words begin one later. */
 static void bash_put_handed_over(FILE *out, const struct program *program, const struct command *command)
 {
-    char name[64];
+    char name[BASH_NAME - 1];
+    char function[BASH_NAME];
     snprintf(name, sizeof name, "%s-%s", program->name, command->name);
-    fputs("        declare -F ", out);
-    bash_put_function_name(out, name);
+    bash_name_function(function, name);
     fprintf(out,
-            " >/dev/null || ! declare -F _completion_loader >/dev/null || _completion_loader %s\n"
+            "        declare -F %s >/dev/null || ! declare -F _completion_loader >/dev/null || _completion_loader %s\n"
             "        COMP_WORDS=(%s \"${COMP_WORDS[@]:2}\")\n"
             "        COMP_CWORD=$((COMP_CWORD - 1))\n"
-            "        ! declare -F ",
-            name, name);
-    bash_put_function_name(out, name);
-    fputs(" >/dev/null || ", out);
-    bash_put_function_name(out, name);
-    fputs("\n        return ;;\n", out);
+            "        ! declare -F %s >/dev/null || %s\n"
+            "        return ;;\n",
+            function, name, name, function, function);
 }
 
 static void bash_put_commands(FILE *out, const struct program *program)
@@ -154,10 +154,11 @@ static void bash_put_commands(FILE *out, const struct program *program)
 
 void completion_bash(FILE *out, const struct program *program)
 {
-    fprintf(out, "# Completion of %s for bash, written by the program from its table of options.\n", program->name);
-    bash_put_function_name(out, program->name);
-    fputs("()\n{\n"
-          "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} options= value= words=\n"
+    char function[BASH_NAME];
+    bash_name_function(function, program->name);
+    fprintf(out, "# Completion of %s for bash, written by the program from its table of options.\n%s()\n{\n",
+            program->name, function);
+    fputs("    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} options= value= words=\n"
           "    local atlas= name\n"
           "    COMPREPLY=()\n"
           "    if [ \"$word\" = = ]; then # --option=value is three words\n"
@@ -188,10 +189,9 @@ void completion_bash(FILE *out, const struct program *program)
           "    while IFS= read -r name; do # names are never expanded: they come from files\n"
           "        [[ $name != \"$source$word\"* ]] || COMPREPLY+=(\"${name#\"$source\"}\")\n"
           "    done < <(conus atlases --quiet --format names 2>/dev/null)\n"
-          "}\ncomplete -F ",
+          "}\n",
           out);
-    bash_put_function_name(out, program->name);
-    fprintf(out, " %s\n", program->name);
+    fprintf(out, "complete -F %s %s\n", function, program->name);
 }
 
 #define FISH_ATLASES "(conus atlases --quiet --format names 2>/dev/null)"

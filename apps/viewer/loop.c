@@ -3,7 +3,6 @@
 #include "viewer/loop.h"
 
 #include "link/send_selection.h"
-#include "options/messages.h"
 #include "viewer/commands/keys.h"
 #include "viewer/model/file_watch.h"
 #include "viewer/model/plans.h"
@@ -98,8 +97,7 @@ static double idle_s(const struct window *window, const struct script *script)
     return fmin(seconds, longest_s);
 }
 
-/* Once no mouse button is down, no text is being typed and no trigger changes an angle: until then more of the same
- * change may come. */
+/* Not while a mouse button is down, a text is typed or a trigger changes an angle: more of the change may come. */
 static void note_changes(struct window *window)
 {
     struct ui_mouse mouse = ui_mouse_now();

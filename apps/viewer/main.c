@@ -9,7 +9,6 @@
 #include "viewer/opening/view_words.h"
 #include "viewer/opening/waiting.h"
 
-#include <GLFW/glfw3.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -253,7 +252,6 @@ static const struct command cmd_view = {
         "  conus view aal --atlas /usr/share/mricron/templates/brodmann.nii.gz\n",
     .groups = groups,
     .settings_size = sizeof(struct view_settings),
-    .run = run_view,
 };
 
 int main(int count, char **words)

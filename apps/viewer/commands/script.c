@@ -756,20 +756,26 @@ static const struct script_command *find_command(const char *name)
     return NULL;
 }
 
-static bool do_command(struct call *call, const struct script_command *command)
+/* Whether it could be done. */
+static bool run_words(struct script *script, struct window *window, char *const *words, size_t count,
+                      const struct script_command *command)
 {
-    bool fits = call->count >= command->least && call->count <= command->most &&
-                numbers(call->numbers, call, 0, command->numbers);
-    return fits && (command->act ? command->act(call)
-                                 : property_set_words(call->window, command->sets, call->arguments, call->count));
+    struct call call = {.script = script,
+                        .window = window,
+                        .viewer = window->viewer,
+                        .words = words,
+                        .arguments = words + 1,
+                        .count = count - 1};
+    bool fits = call.count >= command->least && call.count <= command->most &&
+                numbers(call.numbers, &call, 0, command->numbers);
+    return fits &&
+           (command->act ? command->act(&call) : property_set_words(window, command->sets, call.arguments, call.count));
 }
 
 bool script_do(struct window *window, char *const *words, size_t count)
 {
-    struct call call = {
-        .window = window, .viewer = window->viewer, .words = words, .arguments = words + 1, .count = count - 1};
     const struct script_command *command = find_command(words[0]);
-    return command && (window->viewer || command->is_anywhere) && do_command(&call, command);
+    return command && (window->viewer || command->is_anywhere) && run_words(NULL, window, words, count, command);
 }
 
 int script_load(struct script **out, const char *path)
@@ -809,12 +815,6 @@ static bool fail_line(const struct script *script, const char *what)
 /* Runs the line that was read, of @p count words; false where it fails, with an error line. */
 static bool run_line(struct script *script, struct window *window, char *const *words, size_t count)
 {
-    struct call call = {.script = script,
-                        .window = window,
-                        .viewer = window->viewer,
-                        .words = words,
-                        .arguments = words + 1,
-                        .count = count - 1};
     const struct script_command *command = find_command(words[0]);
     if (!command) {
         print_error_line("%s:%u: unknown command \"%s\"", script->path, script->number, words[0]);
@@ -824,7 +824,7 @@ static bool run_line(struct script *script, struct window *window, char *const *
         print_error_line("%s:%u: %s needs an atlas, and none is open", script->path, script->number, words[0]);
         return false;
     }
-    bool fine = do_command(&call, command);
+    bool fine = run_words(script, window, words, count, command);
     if (!fine) {
         print_error_line("%s:%u: %s %s is needed, or it could not be done", script->path, script->number, words[0],
                          command->arguments);

@@ -8,8 +8,7 @@
 
 enum { SCRIPT_WORDS = 9 /**< A command and its arguments. */ };
 
-/** Cuts @p line into words, by spaces; "in quotes" is one, # begins a comment. They are pieces of the line. False:
- * there are too many. */
+/** Cuts @p line into words, its pieces, by spaces; "in quotes" is one, # begins a comment. False: too many. */
 bool script_split(char *words[SCRIPT_WORDS], size_t *count, char *line);
 /** A finite number, and nothing else. */
 bool script_number(double *out, const char *word);

@@ -74,8 +74,7 @@ struct devices {
 
 void devices_init(struct devices *out);
 void devices_finish(struct devices *devices);
-/** The speed of SpaceMouse and gamepad: mm and degrees a second at most, from SOURCE_LEAST_SPEED to SOURCE_MOST_SPEED.
- */
+/** The speed of SpaceMouse and gamepad, mm and degrees a second, SOURCE_LEAST_SPEED to SOURCE_MOST_SPEED. */
 static inline double devices_speed(const struct devices *devices)
 {
     return source_speed(&devices->gamepad.source);

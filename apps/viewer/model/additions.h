@@ -25,11 +25,9 @@ enum addition addition_of(const char **value, const char *word);
 /** The file in a value, without the keys behind it, as the command line finds it; false where it is too long. */
 bool addition_path(char path[PATH_MAX], enum addition kind, const char *value);
 
-/** @p words with one more; a volume takes the place of another one as context. NULL without memory, or where @p value
- * is not UTF-8. */
+/** @p words with one more; a volume takes the place of another one as context. NULL: no memory, or no UTF-8. */
 json_t *additions_with(const json_t *words, enum addition kind, const char *value);
-/** @p words without the one of index @p index, and without --context-opacity where no surface is left. NULL without
- * memory. */
+/** @p words without that of @p index, and without --context-opacity where no surface is left. NULL without memory. */
 json_t *additions_without(const json_t *words, size_t index);
 /** Index in @p words of the newest one whose file is @p path, or has that name; the number of words = none. */
 size_t additions_index(const json_t *words, const char *path);
@@ -56,11 +54,9 @@ json_t *additions_find(char missing[ADDITIONS_MISSING], const json_t *words, con
                        const char *session);
 /** Which entry of @p now each of @p then is, by its word, or its file's checksum or name: @p match is [entries of @p
  * then], SIZE_MAX = none. No two are the same one. Both as additions_describe() has them, or NULL. False without
- * memory.
- */
+ * memory. */
 bool additions_match(size_t *match, const json_t *then, const json_t *now);
-/** A file of @p now that surely is another than that of the same name in @p then, by its checksum; its name in @p name.
- * False: there is none. */
+/** Whether a file of @p now is another than that of the same name in @p then, by its checksum; @p name says which. */
 bool additions_differ(char name[ADDITIONS_MISSING], const json_t *then, const json_t *now);
 
 #endif

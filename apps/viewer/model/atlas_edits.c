@@ -222,8 +222,7 @@ void viewer_set_look(struct viewer *viewer, struct view_atlas *view, struct appe
     }
 }
 
-/* Sets those of pathways before @p end, or up to one that fails, where @p end is then; what they were takes their
- * place. */
+/* Exchanges those of pathways before @p end, or up to one that fails, where @p end is then. */
 static conus_status swap_some(struct view_atlas *view, double *thresholds, uint32_t *end)
 {
     conus_status status = CONUS_OK;

@@ -144,8 +144,7 @@ static uint32_t bit(size_t column)
     return UINT32_C(1) << column;
 }
 
-/* The columns that the user chose, or else the usual ones: with all layers the entry, which occluded areas have, too.
- */
+/* The columns that were chosen, or else the usual ones: with all layers the entry, which occluded areas have, too. */
 static uint32_t chosen(const struct viewer *viewer)
 {
     if (viewer->list.columns) {

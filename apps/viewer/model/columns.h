@@ -60,8 +60,7 @@ bool result_is_offered(const struct viewer *viewer, size_t column);
 size_t result_shown(size_t out[RESULT_COLUMNS], const struct viewer *viewer);
 /** Shows or hides a column; the name is always shown. */
 void result_show(struct viewer *viewer, size_t column, bool shown);
-/** Shows the columns of these names, and the name; without names the usual ones. False where one is unknown: nothing
- * changes. */
+/** Shows the columns of these names, and the name; of none the usual ones. False, and no change, if one is unknown. */
 bool result_choose(struct viewer *viewer, char *const *keys, size_t count);
 /** Orders rows by a column; the second time the other way round; the third time by rank. */
 void result_order_by(struct viewer *viewer, size_t column);

@@ -15,8 +15,8 @@ struct outline_top {
  * chosen, and without memory. */
 bool *outline_wanted(const struct viewer *viewer);
 
-/** Draws a bright line inside the edge of @p mask, [height width] of 0 and 1, and a dark one outside. The picture's own
- * border is no edge. */
+/** Draws a bright line inside the edge of @p mask, [height width] of 0 and 1, and a dark one outside; none at the
+ * picture's border. */
 void outline_draw(uint8_t *rgba, struct outline_top *top, const uint8_t *mask, uint32_t width, uint32_t height);
 
 /** A wider outline, two pixels bright, of the @p wanted ones of @p objects, [height width], in a copy of @p rgba that

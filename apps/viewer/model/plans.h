@@ -21,8 +21,7 @@ int plans_change(struct viewer *viewer, const struct arguments *arguments, const
 /** The options, as words, that make the object of this name the target, which the needle is to reach; NULL = none. NULL
  * without memory, or where the name is not UTF-8. */
 json_t *plans_target(const char *name);
-/** @p words with the targets, all --reach, of @p targets in place of their own; either NULL = none. NULL without
- * memory. */
+/** @p words with the targets (--reach) of @p targets in place of their own; either may be NULL. NULL without memory. */
 json_t *plans_put_targets(const json_t *words, const json_t *targets);
 bool plans_targets_are_same(const json_t *a, const json_t *b);
 /** Whether an object of the first atlas is by itself what the needle is to reach. */

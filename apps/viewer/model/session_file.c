@@ -2,13 +2,11 @@
 /* Reads what a session is of, and finds that again. */
 #include "viewer/model/session_file.h"
 
-#include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"
 
 #include <dirent.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>

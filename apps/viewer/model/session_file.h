@@ -20,8 +20,7 @@ struct session_file {
     const json_t *options; /**< An array of texts; NULL = unknown. */
 };
 
-/** Whether @p path is a session's file, which then is the caller's to session_file_finish(). What is damaged is none.
- */
+/** Whether @p path is a session's file, then to be ended by session_file_finish(). A damaged one is none. */
 bool session_file_read(struct session_file *out, const char *path);
 void session_file_finish(struct session_file *file);
 

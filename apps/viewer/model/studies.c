@@ -4,7 +4,6 @@
 
 #include "viewer/model/studier.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -66,8 +66,7 @@ void tool_choose(struct viewer *viewer, enum tool_number number, enum pointer po
 /** Has it moved by the next of all that can move it, and says so. */
 void tool_choose_next(struct viewer *viewer, enum tool_number number);
 
-/** Switches the second tool on or off; a pose stays. What moves the first tool does not move one that is switched on.
- */
+/** Switches the second tool on or off; a pose stays. What moves the first tool does not move the second. */
 void tool_use_second(struct viewer *viewer, bool on);
 /** Whether the first tool has the device that shall move the second one. */
 bool tool_second_is_taken(const struct viewer *viewer);

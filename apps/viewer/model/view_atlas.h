@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file One of the atlases in the window: what is hidden in it, and its answer to the question that all of them get.
- */
+/** @file One of the atlases in the window: what is hidden in it, and its answer to the question that all get. */
 #ifndef CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 #define CONUS_VIEWER_MODEL_VIEW_ATLAS_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /** @file
  * The state of the window apart from its look: the atlas, the cone and its hits, the hidden objects, the views of the
- * panes. Panels and panes read it and change it through these functions; scripts and sessions, too. */
+ * panes. Panels, panes, scripts and sessions read it and change it through these functions. */
 #ifndef CONUS_VIEWER_MODEL_VIEWER_H
 #define CONUS_VIEWER_MODEL_VIEWER_H
 
@@ -147,8 +147,7 @@ void viewer_pin(struct viewer *viewer, size_t atlas, uint32_t object, const char
                 const double contact[3]);
 /** The first tool's answer in the drawn atlas; NULL = none. */
 const conus_selection *viewer_selection(const struct viewer *viewer);
-/** How lists call the object of a pin, one of the viewer's: as view_atlas_title() does, by the name that it had then.
- */
+/** How lists call the object of a pin: as view_atlas_title() does, by the name that it had then. */
 const char *viewer_pin_title(char out[VIEW_ATLAS_TITLE], const struct viewer *viewer, const struct pin *pin);
 /** The pins as a table to paste, to be freed; NULL without memory. */
 char *viewer_pins_text(const struct viewer *viewer);
@@ -168,8 +167,7 @@ void viewer_measure(struct viewer *viewer, const double at[3]);
 double viewer_distance(const struct viewer *viewer);
 /** Puts the crosshair there, but not far from the atlas. */
 void viewer_cross(struct viewer *viewer, const double at[3]);
-/** The voxel that a place is in, of the first parcellation or else of the first volume; false outside of it, or
- * without. */
+/** The voxel that a place is in, of the first parcellation or else volume; false outside of it, or without. */
 bool viewer_voxel(long voxel[3], const struct viewer *viewer, const double at[3]);
 /** Chooses an object; the crosshair goes to its middle. */
 void viewer_choose(struct viewer *viewer, uint32_t object);
@@ -181,8 +179,7 @@ void viewer_colour(uint8_t rgb[3], const struct viewer *viewer, uint32_t object)
  * as a formula, which a session cannot keep. */
 const char *viewer_find_score(const char *name);
 
-/** The cut through the crosshair in a picture of @p size pixels: at magnification 1 the atlas fills its shorter side.
- */
+/** The cut through the crosshair, of @p size pixels: at magnification 1 the atlas fills the shorter side. */
 void cut_view(conus_cut_view *out, const struct viewer *viewer, enum plane plane, const double size[2]);
 
 /* Changes of the atlases themselves while they are shown (atlas_edits.c). */
@@ -208,8 +205,7 @@ void viewer_use_preset(struct viewer *viewer, const char *preset);
 /** Grey values that the cuts show as black and white, of the drawn atlas and those of the same context; both 0 = those
  * that were found. White is more than black. */
 void viewer_set_grey(struct viewer *viewer, double black, double white);
-/** Moves them (appearance_move_grey()) from where they are; false where the drawn atlas has no context, or one of a
- * single value. */
+/** Moves them (appearance_move_grey()); false where the drawn atlas has no context, or one of a single value. */
 bool viewer_move_grey(struct viewer *viewer, double right, double up);
 /** Opacity in 3-D, 0 to 1, of an object of the drawn atlas and all below it, NaN = as if none was set; of object 0: of
  * what the cone does not hit, more than 0. */

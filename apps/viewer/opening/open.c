@@ -19,7 +19,6 @@
 #include "viewer/session/session_atlases.h"
 #include "viewer/window/window.h"
 
-#include <GLFW/glfw3.h>
 #include <assert.h>
 #include <math.h>
 #include <stdio.h>
@@ -408,8 +407,7 @@ static void say_added(struct window *window, const struct resume *resume, char *
     }
 }
 
-/* Finds the atlas of a session and how it was opened. Runs on another thread, since it reads the files beside the
- * session. */
+/* Finds the atlas of a session and how it was opened, on another thread: it reads the files beside the session. */
 static void prepare_session(void *user)
 {
     struct resume *of = user;

@@ -13,7 +13,6 @@
 #include "viewer/opening/waiting.h"
 #include "viewer/session/undo.h"
 
-#include <GLFW/glfw3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -41,8 +41,7 @@ struct exchange {
     bool is_other;     /* there are areas now that were not there before */
 };
 
-/* The power of ten of the digit 1 to 3 that begins the labels of halves and pairs, the largest of the atlas. 0 = there
- * are none. */
+/* The power of ten of the digit 1 to 3 that begins the labels of halves and pairs, the largest ones; 0 = none do. */
 static uint32_t find_step(const conus_atlas *atlas, conus_hemispheres how)
 {
     uint32_t largest = 0;

@@ -11,8 +11,7 @@ void wait_leave(struct window *window);
 /** Loads, or goes on with what was begun, while the window says how far that is, unless it is quick. False: nobody
  * wants them any more, or @p why has the reason. */
 bool wait_load(struct window *window, const struct loading *request, struct atlases *out, char why[LOADER_WHY]);
-/** Calls @p look with @p user on the loader's thread, which looks at the file @p path and others, and waits likewise.
- */
+/** Calls @p look on the loader's thread, which looks at the file @p path and others, and waits likewise. */
 bool wait_look(struct window *window, const char *path, void (*appearance)(void *user), void *user,
                char why[LOADER_WHY]);
 

@@ -7,7 +7,6 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 /* The syntax of the line, by kind. */
 static const char *const keys[ADDITION_COUNT] = {

@@ -168,8 +168,7 @@ static void choose_atlas(struct window *window)
     }
 }
 
-/* Draws buttons that press keys, for users who do not know the keys yet: in a line, or on the rail one below the other.
- */
+/* Draws buttons for users who do not know the keys yet: in a line, or on the rail one below the other. */
 static void draw_key_buttons(struct window *window, bool in_line)
 {
     static const struct {

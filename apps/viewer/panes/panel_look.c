@@ -1,8 +1,13 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Widgets of how the atlas looks. */
+/* How the atlas looks: the view, an area, the context's grey values, pathways and streamlines. */
 #include "viewer/panes/panels.h"
 
+#include "conus/streamlines.h"
+#include "viewer/ui/ui_list.h"
+
 #include <math.h>
+#include <stdint.h>
+#include <stdio.h>
 #include <string.h>
 
 static const double least_pale = 0.02; /* what should not be seen at all is hidden */
@@ -65,7 +70,7 @@ static void choose_preset(struct viewer *viewer)
     ui_tip("colours and opacities of the context in 3-D by its values: a preset of conus render --transfer");
 }
 
-void panel_look_context(struct viewer *viewer)
+static void choose_look_of_context(struct viewer *viewer)
 {
     if (viewer->drawn->found_grey[1] > viewer->drawn->found_grey[0]) {
         edit_grey(viewer);
@@ -73,7 +78,7 @@ void panel_look_context(struct viewer *viewer)
     choose_preset(viewer);
 }
 
-void panel_look_pathway(struct viewer *viewer, uint32_t pathway)
+static void choose_look_of_pathway(struct viewer *viewer, uint32_t pathway)
 {
     const char *names[HAZE_LIMIT];
     size_t count = 0;
@@ -110,7 +115,7 @@ static void explain_colours(const struct appearance *appearance)
     }
 }
 
-void panel_look_streamlines(struct viewer *viewer)
+static void choose_look_of_streamlines(struct viewer *viewer)
 {
     const char *names[TRACT_COLOUR_LIMIT];
     size_t count = tract_colour_count(viewer->drawn->atlas);
@@ -147,5 +152,198 @@ void panel_look_area(struct viewer *viewer, uint32_t object)
         if (ui_small_button("As others", NULL)) {
             viewer_set_opacity(viewer, object, NAN);
         }
+    }
+}
+
+static const ui_colour bars = {120, 126, 140, 255};
+static const ui_colour curve = {255, 170, 40, 255};
+static const ui_colour dark = {24, 25, 30, 255};
+
+/* Opacities of 1 mm are small: the editor's height goes up to this. */
+static const double highest = 0.3;
+
+enum { HEIGHT = 110, REACH = 9 };
+
+/* Counts grey values; heights are logarithms, since air and tissue differ a thousandfold. */
+static void count_values(struct transfer_editor *editor, const conus_atlas *atlas, size_t volume)
+{
+    uint64_t counts[EDITOR_BINS];
+    double most = 0;
+    const conus_volume_info *info = conus_atlas_volume(atlas, volume);
+    if (conus_atlas_histogram(counts, EDITOR_BINS, atlas, volume)) {
+        return;
+    }
+    for (size_t i = 0; i < EDITOR_BINS; i++) {
+        editor->histogram[i] = log1p((double)counts[i]);
+        most = fmax(most, editor->histogram[i]);
+    }
+    for (size_t i = 0; i < EDITOR_BINS; i++) {
+        editor->histogram[i] /= fmax(most, 1);
+    }
+    editor->low = info->minimum;
+    editor->high = info->maximum > info->minimum ? info->maximum : info->minimum + 1;
+    editor->counted = true;
+}
+
+static bool make_ready(struct viewer *viewer)
+{
+    struct transfer_editor *editor = &viewer->transfer_editor;
+    size_t volume = view_atlas_context(viewer->drawn);
+    if (editor->ready || !viewer->painter || volume == conus_atlas_volume_count(viewer->drawn->atlas)) {
+        return editor->ready;
+    }
+    editor->count = painter_transfer(viewer->painter, editor->points, EDITOR_POINTS);
+    editor->held = EDITOR_POINTS;
+    editor->ready = editor->count > 0;
+    editor->counted = false;
+    return editor->ready;
+}
+
+static void place_of(float out[2], const struct transfer_editor *editor, const struct ui_box *box, size_t point)
+{
+    double across = (editor->points[point].value - editor->low) / (editor->high - editor->low);
+    double up = fmin(editor->points[point].rgba[3] / highest, 1);
+    out[0] = box->x + box->width * (float)fmin(fmax(across, 0), 1);
+    out[1] = box->y + box->height * (float)(1 - up);
+}
+
+static size_t point_at(const struct transfer_editor *editor, const struct ui_box *box, const struct ui_mouse *mouse)
+{
+    size_t found = EDITOR_POINTS;
+    float nearest = REACH;
+    for (size_t i = 0; i < editor->count; i++) {
+        float at[2];
+        place_of(at, editor, box, i);
+        float distance = hypotf(at[0] - mouse->x, at[1] - mouse->y);
+        found = distance < nearest ? i : found;
+        nearest = fminf(nearest, distance);
+    }
+    return found;
+}
+
+/* Moves the held point between its neighbours, since values never fall. */
+static void drag(struct transfer_editor *editor, const struct ui_box *box, const struct ui_mouse *mouse)
+{
+    conus_transfer_point *point = &editor->points[editor->held];
+    double across = (double)((mouse->x - box->x) / box->width);
+    double value = editor->low + across * (editor->high - editor->low);
+    double least = editor->held ? point[-1].value : editor->low;
+    double most = editor->held + 1 < editor->count ? point[1].value : editor->high;
+    point->value = fmin(fmax(value, least), most);
+    point->rgba[3] = highest * fmin(fmax((double)(1 - (mouse->y - box->y) / box->height), 0), 1);
+}
+
+static void draw_editor(const struct transfer_editor *editor, const struct ui_box *box)
+{
+    float step = box->width / EDITOR_BINS;
+    ui_draw_box(*box, dark, 0);
+    for (size_t i = 0; i < EDITOR_BINS; i++) {
+        float height = (float)editor->histogram[i] * box->height;
+        ui_draw_box((struct ui_box){box->x + (float)i * step, box->y + box->height - height, step, height}, bars, 0);
+    }
+    for (size_t i = 0; i < editor->count; i++) {
+        float at[2];
+        float before[2];
+        const double *rgba = editor->points[i].rgba;
+        place_of(at, editor, box, i);
+        place_of(before, editor, box, i ? i - 1 : 0);
+        ui_draw_line(before, at, curve, 2);
+        ui_draw_circle(
+            at, 5, (ui_colour){(uint8_t)(255 * rgba[0]), (uint8_t)(255 * rgba[1]), (uint8_t)(255 * rgba[2]), 255}, 0);
+        ui_draw_circle(at, 5, curve, 1.5F);
+    }
+}
+
+static void edit_transfer(struct viewer *viewer)
+{
+    struct transfer_editor *editor = &viewer->transfer_editor;
+    struct ui_box box = ui_area("transfer", HEIGHT);
+    struct ui_mouse mouse = ui_mouse_now();
+    bool held = ui_surface_held();
+    if (!editor->counted) {
+        count_values(editor, viewer->drawn->atlas, view_atlas_context(viewer->drawn));
+    }
+    if (held && mouse.pressed[0]) {
+        editor->held = point_at(editor, &box, &mouse);
+    }
+    if (held && editor->held < editor->count && (mouse.moved_x != 0 || mouse.moved_y != 0)) {
+        drag(editor, &box, &mouse);
+        viewer_use_transfer(viewer);
+    }
+    editor->held = held ? editor->held : EDITOR_POINTS;
+    ui_tip("drag the points: right is a brighter grey value, in the image's own unit; up is more opaque, 0 to 1 a mm");
+    draw_editor(editor, &box);
+}
+
+/* Shows a band of values, which cannot be changed. */
+static void show_band(const conus_object *band)
+{
+    char low[32] = "";
+    char high[32] = "";
+    if (isfinite(band->low)) {
+        snprintf(low, sizeof low, " from %.6g", band->low);
+    }
+    if (isfinite(band->high)) {
+        snprintf(high, sizeof high, " below %.6g", band->high);
+    }
+    char text[512];
+    snprintf(text, sizeof text, "%s: values%s%s%s", band->name, low, low[0] && high[0] ? " to" : "", high);
+    ui_text_wrapped(THEME_PLAIN, text);
+}
+
+static void edit_thresholds(struct viewer *viewer)
+{
+    for (uint32_t number = 1; number <= viewer->drawn->object_count; number++) {
+        const conus_object *object = conus_atlas_object(viewer->drawn->atlas, number);
+        const conus_volume_info *info = view_atlas_pathway(viewer->drawn, number);
+        if (object->is_band) {
+            show_band(object);
+        }
+        if (info && info->maximum > info->minimum) {
+            double threshold = info->threshold;
+            ui_id(number);
+            ui_text_cut(object->name, ui_room());
+            ui_width(ui_room());
+            ui_slider("##threshold", &threshold, info->minimum, info->maximum, "from %.6g", false);
+            bool done = ui_edited();
+            ui_tip("the value from which on voxels are of the pathway, in the unit of its file");
+            ui_id_end();
+            if (done && threshold != info->threshold) {
+                viewer_set_threshold(viewer, number, threshold);
+                return; /* objects and volumes have changed */
+            }
+        }
+        if (object->kind == CONUS_KIND_PATHWAY) {
+            choose_look_of_pathway(viewer, number);
+        }
+    }
+}
+
+/* Searches from the end, where bundles may come behind pathways. */
+static bool has_pathways(const struct view_atlas *view)
+{
+    size_t number = view->object_count;
+    while (number && conus_atlas_object(view->atlas, number)->kind != CONUS_KIND_PATHWAY) {
+        number--;
+    }
+    return number;
+}
+
+void panel_transfer(struct window *window)
+{
+    struct viewer *viewer = window->viewer;
+    bool has_context = view_atlas_context(viewer->drawn) < conus_atlas_volume_count(viewer->drawn->atlas);
+    bool is_ready = make_ready(viewer);
+    if (has_context && ui_section("Context", false)) {
+        choose_look_of_context(viewer);
+        if (is_ready) {
+            edit_transfer(viewer);
+        }
+    }
+    if (has_pathways(viewer->drawn) && ui_section("Pathways", true)) {
+        edit_thresholds(viewer);
+    }
+    if (conus_atlas_tractogram_count(viewer->drawn->atlas) && ui_section("Streamlines", true)) {
+        choose_look_of_streamlines(viewer);
     }
 }

@@ -6,7 +6,6 @@
 #include "viewer/ui/ui_list.h"
 
 #include <math.h>
-#include <stdio.h>
 
 /* Draws a list for each atlas, under its name, in the order in which they were given. */
 static void draw_all_results(struct window *window)

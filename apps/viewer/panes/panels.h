@@ -35,12 +35,9 @@ void panel_columns(struct window *window);
 void panel_transfer(struct window *window);
 /** Widgets of how the atlas looks, of other panels: the 3-D view, */
 void panel_look_view(struct window *window);
-void panel_look_context(struct viewer *viewer);                   /**< the context, */
-void panel_look_pathway(struct viewer *viewer, uint32_t pathway); /**< a pathway, */
-void panel_look_streamlines(struct viewer *viewer);               /**< streamlines, */
-void panel_look_area(struct viewer *viewer, uint32_t object);     /**< an area. */
-void panel_figure(struct window *window);                         /**< Before all others. */
-void panel_added(struct window *window);                          /**< Likewise: what was added to the atlas. */
+void panel_look_area(struct viewer *viewer, uint32_t object); /**< an area. */
+void panel_figure(struct window *window);                     /**< Before all others. */
+void panel_added(struct window *window);                      /**< Likewise: what was added to the atlas. */
 /** How fast a SpaceMouse or a gamepad moves; nothing of another pointer. */
 void panel_speed(struct window *window, enum pointer pointer);
 void panel_status(struct window *window);

@@ -12,8 +12,7 @@ extern const char *const backdrop_names[BACKDROP_COUNT];
 /** Sets it in @p view, of a pane: there what is transparent is white. */
 void backdrop_set(conus_view *view, enum backdrop backdrop);
 
-/** How a pathway is drawn: as a surface, or as haze by a transfer function of its value: its own colour, the presets.
- */
+/** How a pathway is drawn: as a surface, or as haze by its values, in its own colour or a preset's. */
 enum { HAZE_NONE = 0, HAZE_OWN, HAZE_LIMIT = 32 };
 /** "solid" and, as conus render --pathway-transfer has them, "own", "brain", ...; NULL past the last. Static. */
 const char *haze_name(size_t haze);
@@ -49,8 +48,7 @@ size_t appearance_pathways(conus_pathway_transfer *out, const struct appearance 
 
 enum { TRACT_BY_BUNDLE = 0, TRACT_BY_DIRECTION, TRACT_BY_NUMBER /**< and above */, TRACT_COLOUR_LIMIT = 64 };
 
-/** "bundle", "direction", a number's name, which is the atlas's; NULL past the last, and where there are no
- * streamlines. */
+/** "bundle", "direction", a number's name, which is the atlas's; NULL past the last, and without streamlines. */
 const char *tract_colour_name(const conus_atlas *atlas, size_t colour);
 /** The one of that name; TRACT_COLOUR_LIMIT = none. */
 size_t tract_colour_find(const conus_atlas *atlas, const char *name);

@@ -43,8 +43,7 @@ bool eye_is_same(const struct eye *a, const struct eye *b);
 /** Widens or narrows the frustum, so that a picture of that size has square pixels. */
 void eye_fit(struct eye *eye, const double size[2]);
 
-/** Where the world point @p p lies in a picture of width x height pixels: x right, y down from the top left. False
- * behind the eye. */
+/** Where world point @p p lies in such a picture: x right, y down from the top left. False behind the eye. */
 bool eye_project(double out[2], const struct eye *eye, const double size[2], const double p[3]);
 /** The unit direction from the eye through a point of such a picture. */
 void eye_ray(double direction[3], const struct eye *eye, const double size[2], const double at[2]);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The shape of some objects of an atlas, as cells at its surface, and its shadow in a picture. World RAS+, mm.
- */
+/** @file The shape of some objects, as cells at its surface, and its shadow in a picture. World RAS+, mm. */
 #ifndef CONUS_VIEWER_PICTURES_CELLS_H
 #define CONUS_VIEWER_PICTURES_CELLS_H
 

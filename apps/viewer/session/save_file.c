@@ -8,7 +8,6 @@
 #include "viewer/model/studies.h"
 #include "viewer/session/session.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

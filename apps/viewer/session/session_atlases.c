@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Each atlas in a session: where it lies, hidden objects, thresholds and looks; and which of them is drawn.
- */
+/* Each atlas in a session: where it lies, hidden objects, thresholds and looks; and which of them is drawn. */
 #include "viewer/session/session_atlases.h"
 #include "viewer/model/additions.h"
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The atlases of a session, read and written: what is hidden, thresholds of pathways, how it looks, and which
- * atlas is drawn. */
+/** @file The atlases of a session, read and written: what is hidden, thresholds, looks, and which one is drawn. */
 #ifndef CONUS_VIEWER_SESSION_SESSION_ATLASES_H
 #define CONUS_VIEWER_SESSION_SESSION_ATLASES_H
 

@@ -7,7 +7,6 @@
 #include "viewer/session/session_atlases.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 struct numbers {
     uint32_t *now; /* [then + 1] 0 = it is not there any more */

@@ -7,8 +7,6 @@
 #include "viewer/session/session.h"
 
 #include <jansson.h>
-#include <stdlib.h>
-#include <string.h>
 
 static bool moves_by_itself(const struct tool *tool)
 {

@@ -7,8 +7,7 @@
 
 #include "viewer/window/window.h"
 
-/** Notes the state, unless nothing was changed since the last time. To be called where changes are whole: not while a
- * slider is dragged. */
+/** Notes the state if it changed. To be called where changes are whole: not while a slider is dragged. */
 void undo_note(struct window *window);
 /** The state is as it was noted last, though the atlas is not: that is no change to be taken back. */
 void undo_renew(struct window *window);

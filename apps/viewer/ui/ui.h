@@ -140,8 +140,7 @@ struct ui_mouse ui_mouse_now(void);
 bool ui_surface(const char *id, struct ui_box box);
 /** Such a surface as wide as the panel, where the next widget would be; the widget before is it. */
 struct ui_box ui_area(const char *id, float height);
-/** In this frame the mouse's pointer says that what is under it can be dragged: to the sides or, @p down, up and down.
- */
+/** In this frame the mouse's pointer says that it can drag to the sides or, @p down, up and down. */
 void ui_resize_pointer(bool down);
 bool ui_surface_held(void); /**< The one before: a button is down that was pressed on it. */
 

@@ -28,8 +28,7 @@ bool ui_audit_colour(ui_colour *out, const char **name, size_t index);
 #ifdef __cplusplus
 }
 
-/** Loads the font for @p scale and sets sizes and colours, of which those under texts are the theme's. False where
- * there is no font. */
+/** Loads the font for @p scale, and sets sizes and the theme's colours. False where there is no font. */
 bool ui_style(float scale);
 
 /** Whether texts are looked at; then all sections are open. */

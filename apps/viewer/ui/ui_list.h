@@ -13,8 +13,7 @@ extern "C" {
  * leave less, the list scrolls to the side below it. False: nothing of it is to be drawn, and it is not to be ended. */
 bool ui_list(const char *id, const float *widths, size_t count, float height);
 void ui_list_end(void);
-/** The row of headings; then, for each column, a heading, true when it was pressed. @p right: as texts of
- * ui_text_right(). */
+/** The row of headings; then, for each column, a heading, at its @p right or left; true when it was pressed. */
 void ui_list_top(void);
 bool ui_list_heading(const char *text, bool right);
 /** Such a list with headings that are not pressed. */

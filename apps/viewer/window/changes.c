@@ -2,6 +2,7 @@
 /* A list of states, and a place in it. */
 #include "viewer/window/changes.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 

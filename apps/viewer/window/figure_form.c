@@ -84,8 +84,7 @@ static conus_status make_renderer(conus_renderer **out, const struct viewer *vie
     return CONUS_OK;
 }
 
-/* A field of view fits the drawing, which a legend beside it makes narrower; an eye beside the middle needs a
- * frustum. */
+/* A field of view fits the drawing, which a legend makes narrower; an eye beside the middle needs a frustum. */
 static bool set_camera(conus_view *view, struct eye *eye, const char *streamline_colour)
 {
     double *f = eye->frustum;

@@ -9,7 +9,6 @@
 
 #include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
@@ -85,8 +84,7 @@ static size_t installed_best(const conus_catalogue *catalogue, const char *text)
     return best;
 }
 
-/* The next one that fits and is no twin, from `index` on up (1) or down (-1) the list; `index` where there is none.
- */
+/* The next one that fits and is no twin, from `index` up (1) or down (-1) the list; else `index`. */
 static size_t installed_next(const conus_catalogue *catalogue, const char *text, size_t index, int by)
 {
     size_t count = conus_catalogue_count(catalogue);

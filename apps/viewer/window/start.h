@@ -53,8 +53,7 @@ void start_move(struct start *start, int by);
 /** The path that Enter opens: the one that was typed, where ~ is the home folder, or the atlas that is marked; false
  * where there is none, or it is too long. */
 bool start_typed(char path[PATH_MAX], struct start *start);
-/** Writes the phantom that is the sample, unless it is there, in the folder of the window's state: its path, or false
- * with conus_message(). */
+/** The path of the phantom that is the sample, which is written where it is missing; false with conus_message(). */
 bool start_sample(char path[PATH_MAX]);
 
 #endif

@@ -8,8 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/** The path of the file or folder @p name, in a folder that is made; false where there is no home, or it is too long.
- */
+/** The path of @p name in a folder that is made; false where there is no home, or it is too long. */
 bool state_file_path(char path[PATH_MAX], const char *name);
 /** The bytes of the file @p name, to be freed; NULL where there is none, or it has more than @p limit. */
 char *state_file_read(size_t *size, const char *name, size_t limit);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Opens and closes the window on its screen, lays it out, notes what is to be opened next, and decides when the next
- * frame is due. */
+/* Opens the window on its screen, lays it out, notes what is to be opened next, decides when a frame is due. */
 #include "viewer/window/window.h"
 
 #include "options/messages.h"
@@ -42,8 +41,7 @@ void texture_drop(struct texture *texture)
     *texture = (struct texture){0};
 }
 
-/* The screen that a place is on, and its area: all of it, or what is free there; the first one where that is on none.
- * NULL: there is none. */
+/* The screen that a place is on, else the first one, and its area, or what is free of it. NULL: there is none. */
 static GLFWmonitor *find_screen(int area[4], const int middle[2], bool free)
 {
     int count;

@@ -273,8 +273,7 @@ void window_place(const struct window *window, struct place *out);
 void window_close(struct window *window);
 /** Makes texts and panels larger by so many steps, a tenth each, or smaller; 0 = as large as they were at first. */
 void window_zoom(struct window *window, int steps);
-/** Presses a key: a character as typed ("?"), or "escape", "left", "f1", "ctrl+s", "ctrl+shift+s", ... False if it
- * means nothing. */
+/** Presses a key: a character as typed ("?"), or "escape", "f1", "ctrl+shift+s", ... False if it means nothing. */
 bool window_press(struct window *window, const char *key);
 /** Lays everything out for the window's size now. */
 void window_lay_out(struct window *window);
@@ -308,8 +307,7 @@ enum copied { COPY_RESULTS = 0, COPY_PINS, COPY_STUDY };
 /** Puts a table on the clipboard. */
 void window_copy(struct window *window, enum copied what);
 
-/** Puts bytes of sRGB, top row first, on the screen's texture; @p smooth: where it is enlarged, pixels run into each
- * other. */
+/** Puts bytes of sRGB, top row first, on a texture; @p smooth: where it is enlarged, pixels run into each other. */
 void texture_set(struct texture *texture, const uint8_t *rgba, uint32_t width, uint32_t height, bool smooth);
 /** Ends the picture on a texture. */
 void texture_drop(struct texture *texture);
