@@ -23,27 +23,25 @@ static void stop_readers(struct viewer *viewer)
 }
 
 /* Edits of the transfer function outlive the painter. */
-static bool pass_transfer(const struct viewer *viewer)
+static void pass_transfer(struct viewer *viewer)
 {
     const struct transfer_editor *editor = &viewer->transfer_editor;
-    return viewer->painter && (!editor->edited || painter_set_transfer(viewer->painter, editor->points, editor->count));
+    if (!viewer->painter || (editor->edited && !painter_set_transfer(viewer->painter, editor->points, editor->count))) {
+        viewer_say(viewer, "not enough memory");
+    }
 }
 
 /* In place of the one that there is. */
 static void start_painter(struct viewer *viewer)
 {
-    struct painter *painter = NULL;
     painter_destroy(viewer->painter);
     viewer->painter = NULL;
-    if (painter_create(&painter, viewer->drawn->atlas, viewer->preset ? viewer->preset : viewer->transfer,
+    if (painter_create(&viewer->painter, viewer->drawn->atlas, viewer->preset ? viewer->preset : viewer->transfer,
                        &viewer->drawn->appearance, viewer->cone.options.log, viewer->wake)) {
-        viewer->painter = painter;
         viewer->transfer_editor.ready = false;
     }
     viewer->scene_number++;
-    if (!pass_transfer(viewer)) {
-        viewer_say(viewer, "not enough memory");
-    }
+    pass_transfer(viewer);
 }
 
 static void start_readers(struct viewer *viewer)
@@ -116,9 +114,7 @@ void viewer_use_preset(struct viewer *viewer, const char *preset)
 void viewer_use_transfer(struct viewer *viewer)
 {
     viewer->transfer_editor.edited = true;
-    if (!pass_transfer(viewer)) {
-        viewer_say(viewer, "not enough memory");
-    }
+    pass_transfer(viewer);
     viewer->scene_number++;
     viewer->version++;
 }

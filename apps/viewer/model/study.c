@@ -3,6 +3,7 @@
 #include "viewer/model/study.h"
 
 #include "options/angles.h"
+#include "viewer/pictures/camera.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -51,15 +52,6 @@ bool study_has_same_selectors(const struct study_question *a, const struct study
 {
     return a->atlas_number == b->atlas_number && strcmp(a->level, b->level) == 0 &&
            selector_options_are_same(&a->options, &b->options);
-}
-
-bool pose_is_same(const conus_pose *a, const conus_pose *b)
-{
-    bool same = true;
-    for (int i = 0; i < 16; i++) {
-        same = same && a->world_from_device[i] == b->world_from_device[i];
-    }
-    return same;
 }
 
 bool study_is_same(const struct study_question *a, const struct study_question *b)

@@ -19,8 +19,6 @@ enum study_kind {
 /** Whether both make the same selector. Scores are compared by their address: they are names of conus_score(). */
 bool selector_options_are_same(const conus_selector_options *a, const conus_selector_options *b);
 
-bool pose_is_same(const conus_pose *a, const conus_pose *b);
-
 /** The user's settings. */
 struct study_settings {
     enum study_kind kind;

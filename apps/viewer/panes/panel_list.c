@@ -123,7 +123,8 @@ static void draw_rows(struct viewer *viewer, const struct view_atlas *view, cons
     free(order);
 }
 
-void panel_list(struct window *window, const struct view_atlas *view, const conus_selection *selection, float lines)
+static void draw_list(struct window *window, const struct view_atlas *view, const conus_selection *selection,
+                      float lines)
 {
     size_t shown[RESULT_COLUMNS];
     float widths[RESULT_COLUMNS];
@@ -145,6 +146,31 @@ void panel_list(struct window *window, const struct view_atlas *view, const conu
         }
         draw_rows(viewer, view, selection, shown, columns);
         ui_list_end();
+    }
+}
+
+void panel_lists(struct window *window, enum tool_number tool, float lines)
+{
+    struct viewer *viewer = window->viewer;
+    bool several = viewer->atlas_count > 1;
+    for (size_t i = 0; i < viewer->atlas_count; i++) {
+        const struct view_atlas *view = &viewer->atlases[i];
+        ui_id((uint32_t)i);
+        if (several) {
+            ui_text_coloured(THEME_AMBER, "%s", view->name);
+        }
+        if (several && tool == FIRST_TOOL) {
+            ui_same_line();
+            if (view == viewer->drawn) {
+                ui_text("drawn");
+            } else if (ui_small_button("Draw",
+                                       "shows this atlas in the pictures and the list of areas; N: the next one")) {
+                viewer_draw(viewer, i);
+            }
+        }
+        draw_list(window, view, view_atlas_selection(view, tool),
+                  several ? fmaxf(lines / (float)viewer->atlas_count, 5) : lines);
+        ui_id_end();
     }
 }
 

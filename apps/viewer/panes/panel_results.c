@@ -7,30 +7,6 @@
 
 #include <math.h>
 
-/* Draws a list for each atlas, under its name, in the order in which they were given. */
-static void draw_all_results(struct window *window)
-{
-    struct viewer *viewer = window->viewer;
-    float lines = fmaxf((viewer->tools[SECOND_TOOL].on ? 8.0F : 16.0F) / (float)viewer->atlas_count, 5);
-    for (size_t i = 0; i < viewer->atlas_count; i++) {
-        const struct view_atlas *view = &viewer->atlases[i];
-        ui_id((uint32_t)i);
-        ui_text_coloured(THEME_AMBER, "%s", view->name);
-        ui_same_line();
-        if (view == viewer->drawn) {
-            ui_text("drawn");
-        } else {
-            bool next =
-                ui_small_button("Draw", "shows this atlas in the pictures and the list of areas; N: the next one");
-            if (next) {
-                viewer_draw(viewer, i);
-            }
-        }
-        panel_list(window, view, view_atlas_selection(view, FIRST_TOOL), lines);
-        ui_id_end();
-    }
-}
-
 static void draw_pins(struct window *window)
 {
     const struct viewer *viewer = window->viewer;
@@ -122,20 +98,18 @@ void panel_results(struct window *window)
     }
     ui_dim(notice.is_old ? theme_pale : 1);
     panel_plan(window);
-    if (viewer->atlas_count > 1) {
-        draw_all_results(window);
-    } else {
-        float lines = fmaxf(14, ui_room_below() / ui_line() - 30); /* the rest is for what is asked, and the card */
-        bool shares_room = viewer->tools[SECOND_TOOL].on || viewer->study.settings.kind || plans_is_on(viewer);
-        panel_list(window, viewer->drawn, view_atlas_selection(viewer->drawn, FIRST_TOOL), shares_room ? 8 : lines);
-    }
+    bool two = viewer->tools[SECOND_TOOL].on; /* then its list stands below the first one's */
+    bool shares_room = two || viewer->study.settings.kind || plans_is_on(viewer);
+    float lines = viewer->atlas_count > 1 ? (two ? 8 : 16) /* else the rest is for what is asked, and the card */
+                  : shares_room           ? 8
+                                          : fmaxf(14, ui_room_below() / ui_line() - 30);
+    panel_lists(window, FIRST_TOOL, lines);
     ui_dim_end();
     draw_buttons(window);
     if (viewer->pin_count) {
         draw_pins(window);
     }
     panel_study(window, notice.is_old);
-    bool two = viewer->tools[SECOND_TOOL].on; /* then its list stands below the first one's */
     if (two) {
         panel_second(window);
     }

@@ -40,20 +40,6 @@ static void choose_settings(struct window *window)
     }
 }
 
-static void draw_lists(struct window *window)
-{
-    const struct viewer *viewer = window->viewer;
-    float lines = fmaxf(8.0F / (float)viewer->atlas_count, 5); /* as the first tool's */
-    for (size_t i = 0; i < viewer->atlas_count; i++) {
-        ui_id((uint32_t)i);
-        if (viewer->atlas_count > 1) {
-            ui_text_coloured(THEME_AMBER, "%s", viewer->atlases[i].name);
-        }
-        panel_list(window, &viewer->atlases[i], view_atlas_selection(&viewer->atlases[i], SECOND_TOOL), lines);
-        ui_id_end();
-    }
-}
-
 void panel_second(struct window *window)
 {
     struct notice notice;
@@ -72,7 +58,7 @@ void panel_second(struct window *window)
             ui_text_coloured(notice.is_trouble ? THEME_ORANGE : THEME_PLAIN, "%s", notice.text);
         }
         ui_dim(notice.is_old ? theme_pale : 1);
-        draw_lists(window);
+        panel_lists(window, SECOND_TOOL, 8);
         ui_dim_end();
         choose_settings(window);
         ui_separator();

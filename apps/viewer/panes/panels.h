@@ -12,8 +12,10 @@ void panel_ask(struct window *window);    /**< Before all others: how files open
 void panel_areas(struct window *window);
 /** A folded panel, left (0) or right (1). */
 void panel_rail(struct window *window, size_t side);
-/** The hits of a cone in an atlas, as a list so many lines high. */
-void panel_list(struct window *window, const struct view_atlas *view, const conus_selection *selection, float lines);
+/** What a tool's cone hits: lists, one for each atlas in the order in which they were given, so many lines high
+ * together.
+ */
+void panel_lists(struct window *window, enum tool_number tool, float lines);
 void panel_second(struct window *window);     /**< The second tool. */
 void panel_question(struct window *window);   /**< The four settings that everybody needs, */
 void panel_expert(struct window *window);     /**< and all others. */

@@ -5,12 +5,18 @@
 #include <math.h>
 #include <string.h>
 
-bool eye_is_same(const struct eye *a, const struct eye *b)
+bool pose_is_same(const conus_pose *a, const conus_pose *b)
 {
     bool same = true;
     for (int i = 0; i < 16; i++) {
-        same = same && a->camera.world_from_device[i] == b->camera.world_from_device[i];
+        same = same && a->world_from_device[i] == b->world_from_device[i];
     }
+    return same;
+}
+
+bool eye_is_same(const struct eye *a, const struct eye *b)
+{
+    bool same = pose_is_same(&a->camera, &b->camera);
     for (int i = 0; i < 4; i++) {
         same = same && a->frustum[i] == b->frustum[i];
     }
@@ -131,12 +137,9 @@ void head_move(struct head *head, const double eye[3], const conus_pose *screen)
     conus_pose camera;
     double frustum[4];
     bool inside = conus_window_camera(&camera, frustum, screen, head->size, eye);
-    bool moved = !head->known;
+    bool moved = !head->known || !pose_is_same(&head->screen, screen);
     for (int a = 0; a < 3; a++) {
         moved = moved || head->eye[a] != eye[a];
-    }
-    for (int i = 0; i < 16; i++) {
-        moved = moved || head->screen.world_from_device[i] != screen->world_from_device[i];
     }
     head->number += inside != head->inside || (!inside && moved);
     head->inside = inside;

@@ -38,6 +38,8 @@ struct eye {
 
 /** The eye on an orbit, for a picture of width x height pixels. */
 void eye_of_orbit(struct eye *out, const struct orbit *orbit, const double size[2]);
+/** Whether both are the same to the last bit. */
+bool pose_is_same(const conus_pose *a, const conus_pose *b);
 /** Whether both see the same. */
 bool eye_is_same(const struct eye *a, const struct eye *b);
 /** Widens or narrows the frustum, so that a picture of that size has square pixels. */

@@ -4,11 +4,12 @@
 #include "viewer/session/session.h"
 
 #include "conus/file.h"
+#include "options/input_file.h"
+#include "options/messages.h"
 #include "viewer/model/columns.h"
 #include "viewer/session/session_atlases.h"
 #include "viewer/session/session_fit.h"
 
-#include <errno.h>
 #include <float.h>
 #include <jansson.h>
 #include <math.h>
@@ -398,14 +399,20 @@ bool session_read(struct window *window, json_t *root, char why[PROPERTY_REASON]
     return fine;
 }
 
-bool session_parse(struct window *window, const char *text, size_t size, char why[PROPERTY_REASON])
+/* @p name is what errors call it. */
+static bool parse(struct window *window, const char *name, const char *text, size_t size, char why[PROPERTY_REASON])
 {
     json_error_t error;
     json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &error);
     bool fine =
-        root ? session_read(window, root, why) : session_refuse(why, "session: line %d: %s", error.line, error.text);
+        root ? session_read(window, root, why) : session_refuse(why, "%s: line %d: %s", name, error.line, error.text);
     json_decref(root);
     return fine;
+}
+
+bool session_parse(struct window *window, const char *text, size_t size, char why[PROPERTY_REASON])
+{
+    return parse(window, "session", text, size, why);
 }
 
 /* Notes where Ctrl+S saves from now on. */
@@ -431,39 +438,15 @@ bool session_save(struct window *window, const char *path, char why[PROPERTY_REA
                           text ? conus_message() : "session: not enough memory, or a name that is not UTF-8");
 }
 
-/* A file that is read up to a limit. */
-struct capped {
-    FILE *file;
-    size_t left;
-    bool is_larger;
-};
-
-/* For jansson: the bytes read, 0 at the end, (size_t)-1 ends it with an error. */
-static size_t read_capped(void *buffer, size_t size, void *user)
-{
-    struct capped *from = user;
-    size_t got = fread(buffer, 1, size, from->file);
-    from->is_larger = got > from->left;
-    from->left -= from->is_larger ? 0 : got;
-    return from->is_larger || ferror(from->file) ? (size_t)-1 : got;
-}
-
 bool session_load(struct window *window, const char *path, char why[PROPERTY_REASON])
 {
-    struct capped from = {.file = fopen(path, "re"), .left = SESSION_LIMIT};
-    json_error_t error;
-    if (!from.file) {
-        return session_refuse(why, "%s: cannot open: %s", path, strerror(errno));
-    }
-    json_t *root = json_load_callback(read_capped, &from, JSON_REJECT_DUPLICATES, &error);
-    fclose(from.file);
-    if (from.is_larger) {
-        json_decref(root);
-        return session_refuse(why, "%s: more than the %d bytes that are read", path, SESSION_LIMIT);
-    }
-    bool fine =
-        root ? session_read(window, root, why) : session_refuse(why, "%s: line %d: %s", path, error.line, error.text);
-    json_decref(root);
+    char *text = NULL;
+    size_t size = 0;
+    messages_hold(true);
+    int code = input_file_read(&text, &size, path, INPUT_FILE_OR_PIPE, SESSION_LIMIT);
+    messages_hold(false);
+    bool fine = code ? session_refuse(why, "%s", error_line()) : parse(window, path, text, size, why);
+    free(text);
     if (fine) {
         note_path(window, path);
     }

@@ -3,6 +3,8 @@
 #include "viewer/window/state_file.h"
 
 #include "conus/file.h"
+#include "options/input_file.h"
+#include "options/messages.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,18 +39,11 @@ bool state_file_path(char path[PATH_MAX], const char *name)
 char *state_file_read(size_t *size, const char *name, size_t limit)
 {
     char path[PATH_MAX];
-    FILE *file = find_path(path, name) ? fopen(path, "re") : NULL;
-    if (!file) {
-        return NULL;
-    }
-    char *text = malloc(limit + 1);
-    *size = text ? fread(text, 1, limit + 1, file) : 0;
-    if (ferror(file) || *size > limit) {
-        free(text);
-        text = NULL;
-    }
-    fclose(file);
-    return text;
+    char *text = NULL;
+    messages_hold(true);
+    bool fine = find_path(path, name) && !input_file_read(&text, size, path, INPUT_FILE, limit);
+    messages_hold(false);
+    return fine ? text : NULL;
 }
 
 void state_file_write(const char *name, const char *text, size_t size)
