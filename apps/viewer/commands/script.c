@@ -570,26 +570,17 @@ static bool do_figure(struct call *call)
     return pane < PANE_COUNT && write_figure(call, pane, &settings);
 }
 
-static bool set_sheet_size(struct sheet *sheet, const struct call *call, bool in_mm)
-{
-    double size[2];
-    double limit = in_mm ? SHEET_MM_LIMIT : SHEET_SIDE_LIMIT;
-    bool fine = numbers(size, call, 1, 2) && size[0] >= 1 && size[1] >= 1 && size[0] <= limit && size[1] <= limit;
-    for (int i = 0; i < 2 && fine; i++) {
-        sheet->in_mm = in_mm;
-        sheet->mm[i] = in_mm ? size[i] : sheet->mm[i];
-        sheet->pixels[i] = in_mm ? sheet->pixels[i] : (uint32_t)size[i];
-    }
-    return fine;
-}
-
 static bool do_sheet(struct call *call)
 {
     double dpi;
+    double size[2];
     if (call->count == 3) {
-        call->viewer->version++;
-        return (is_word(call, 0, "mm") || is_word(call, 0, "pixels")) &&
-               set_sheet_size(&call->window->sheet, call, is_word(call, 0, "mm"));
+        bool in_mm = is_word(call, 0, "mm");
+        enum property_id which = in_mm ? PROPERTY_FIGURE_MM : PROPERTY_FIGURE_PIXELS;
+        bool fine = (in_mm || is_word(call, 0, "pixels")) && numbers(size, call, 1, 2) && size[0] >= 1 &&
+                    size[1] >= 1 && property_set_words(call->window, which, call->arguments + 1, 2);
+        call->window->sheet.in_mm = fine ? in_mm : call->window->sheet.in_mm;
+        return fine;
     }
     if (is_word(call, 0, "dpi") && (!numbers(&dpi, call, 1, 1) || (dpi != 0 && dpi < SHEET_DPI_LEAST))) {
         return false;

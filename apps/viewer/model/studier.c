@@ -3,6 +3,7 @@
 #include "viewer/model/studier.h"
 
 #include "options/clock.h"
+#include "viewer/model/view_atlas.h"
 
 #include <pthread.h>
 #include <stdlib.h>
@@ -29,7 +30,7 @@ struct studier {
     bool has_selectors;         /* if there are any. */
 
     /* as they were given */
-    struct study_atlas *atlases;
+    const struct view_atlas *atlases;
     size_t atlas_count;
     void (*wake_window)(void);
 };
@@ -138,11 +139,10 @@ static void finish(struct studier *studier)
     pthread_cond_destroy(&studier->rest);
     study_answer_destroy(studier->done);
     free((void *)studier->selectors);
-    free(studier->atlases);
     free(studier);
 }
 
-bool studier_create(struct studier **out, const struct study_atlas *atlases, size_t count, void (*wake)(void))
+bool studier_create(struct studier **out, const struct view_atlas *atlases, size_t count, void (*wake)(void))
 {
     struct studier *studier = calloc(1, sizeof *studier);
     if (!studier) {
@@ -151,15 +151,11 @@ bool studier_create(struct studier **out, const struct study_atlas *atlases, siz
     *studier = (struct studier){.lock = PTHREAD_MUTEX_INITIALIZER,
                                 .wake = PTHREAD_COND_INITIALIZER,
                                 .rest = PTHREAD_COND_INITIALIZER,
-                                .atlases = calloc(count, sizeof *studier->atlases),
+                                .atlases = atlases,
                                 .selectors = calloc(count, sizeof(conus_selector *)),
                                 .atlas_count = count,
                                 .wake_window = wake};
-    bool fine = studier->atlases && studier->selectors;
-    for (size_t i = 0; i < count && fine; i++) {
-        studier->atlases[i] = atlases[i];
-    }
-    if (!fine || pthread_create(&studier->thread, NULL, run, studier)) {
+    if (!studier->selectors || pthread_create(&studier->thread, NULL, run, studier)) {
         finish(studier);
         return false;
     }

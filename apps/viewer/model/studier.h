@@ -17,7 +17,7 @@ struct study_state {
 
 /** The atlases [count] and their names must outlive it; @p wake (NULL = nothing) is called on its thread when there is
  * an answer. False without memory or a thread. */
-bool studier_create(struct studier **out, const struct study_atlas *atlases, size_t count, void (*wake)(void));
+bool studier_create(struct studier **out, const struct view_atlas *atlases, size_t count, void (*wake)(void));
 /** Waits for the portion that is being computed. NULL is allowed, here and below. */
 void studier_destroy(struct studier *studier);
 

@@ -49,18 +49,10 @@ void studies_ask(struct viewer *viewer, struct study_state *study, const struct 
     if (is_known || is_asked) {
         return;
     }
-    if (!study->studier) {
-        struct study_atlas *atlases = calloc(viewer->atlas_count, sizeof *atlases);
-        for (size_t i = 0; atlases && i < viewer->atlas_count; i++) {
-            atlases[i] = (struct study_atlas){viewer->atlases[i].atlas, viewer->atlases[i].name};
-        }
-        bool fine = atlases && studier_create(&study->studier, atlases, viewer->atlas_count, viewer->wake);
-        free(atlases);
-        if (!fine) {
-            viewer_say(viewer, "not enough memory");
-            study->settings.kind = STUDY_NONE;
-            return;
-        }
+    if (!study->studier && !studier_create(&study->studier, viewer->atlases, viewer->atlas_count, viewer->wake)) {
+        viewer_say(viewer, "not enough memory");
+        study->settings.kind = STUDY_NONE;
+        return;
     }
     study->asked = *now;
     studier_ask(study->studier, now);

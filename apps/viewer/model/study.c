@@ -3,6 +3,7 @@
 #include "viewer/model/study.h"
 
 #include "options/angles.h"
+#include "viewer/model/view_atlas.h"
 #include "viewer/pictures/camera.h"
 
 #include <math.h>
@@ -199,7 +200,7 @@ static conus_status answer_atlas(struct work *work, const char *name, size_t atl
     return status ? status : sweeps ? sweep(work, atlas) : shake(work, atlas);
 }
 
-static conus_status answer_all(struct work *work, const struct study_atlas *atlases, size_t count)
+static conus_status answer_all(struct work *work, const struct view_atlas *atlases, size_t count)
 {
     const char *text;
     size_t size;
@@ -231,7 +232,7 @@ struct study_answer *study_answer_refuse(const struct study_question *question, 
 }
 
 struct study_answer *study_answer_create(const struct study_question *question, conus_selector *const *selectors,
-                                         const struct study_atlas *atlases, size_t count, bool (*stops)(void *user),
+                                         const struct view_atlas *atlases, size_t count, bool (*stops)(void *user),
                                          void *user)
 {
     struct study_answer *answer = study_answer_refuse(question, "");

@@ -75,16 +75,12 @@ struct study_answer {
     char error[STUDY_ERROR]; /**< why. */
 };
 
-/** An atlas that is studied. */
-struct study_atlas {
-    const conus_atlas *atlas;
-    const char *name; /**< In the column `atlas`; "" = there is no such column. */
-};
+struct view_atlas;
 
 /** Answers by the selectors of @p question's options; what fails is the answer's error. NULL without memory, or where
  * @p stops, asked between portions, says so. */
 struct study_answer *study_answer_create(const struct study_question *question, conus_selector *const *selectors,
-                                         const struct study_atlas *atlases, size_t count, bool (*stops)(void *user),
+                                         const struct view_atlas *atlases, size_t count, bool (*stops)(void *user),
                                          void *user);
 /** An answer that only says why there is none. NULL without memory. */
 struct study_answer *study_answer_refuse(const struct study_question *question, const char *why);

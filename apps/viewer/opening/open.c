@@ -601,15 +601,12 @@ static bool add_all(struct window *window, const struct file_set *set, const str
     }
     const json_t *words = window_words(window);
     json_t *all = json_copy((json_t *)words);
-    for (size_t i = 0; i < set->image_count + set->tractogram_count && all; i++) {
-        bool is_image = i < set->image_count;
-        const char *path = is_image ? set->images[i] : set->tractograms[i - set->image_count];
-        json_t *more = additions_with(all, is_image ? ADD_CONTEXT : ADD_STREAMLINES, path);
-        json_decref(all);
-        all = more;
-    }
-    if (all && set->atlas) {
-        json_t *more = additions_with(all, ADD_ATLAS, set->atlas);
+    size_t volumes = set->image_count;
+    size_t files = volumes + set->tractogram_count;
+    for (size_t i = 0; i < files + (set->atlas != NULL) && all; i++) {
+        enum addition kind = i < volumes ? ADD_CONTEXT : i < files ? ADD_STREAMLINES : ADD_ATLAS;
+        const char *path = i < volumes ? set->images[i] : i < files ? set->tractograms[i - volumes] : set->atlas;
+        json_t *more = additions_with(all, kind, path);
         json_decref(all);
         all = more;
     }

@@ -33,10 +33,8 @@ static void choose_dpi(struct sheet *sheet)
         sheet->dpi = dpi;
     }
     ui_tip("pixels per inch, which the file says, with letters of 7.5 points; Ctrl and click to type it");
-    if (said) {
-        if (ui_small_button("Leave out", NULL)) {
-            sheet->dpi = 0;
-        }
+    if (said && ui_small_button("Leave out", NULL)) {
+        sheet->dpi = 0;
     }
 }
 

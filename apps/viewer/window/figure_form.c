@@ -32,38 +32,19 @@ void figure_of_window(struct figure_settings *out, const struct window *window)
     }
 }
 
-static bool refuse(char why[FIGURE_REASON], const char *text)
-{
-    snprintf(why, FIGURE_REASON, "%s", text);
-    return false;
-}
-
-static bool refuse_status(char why[FIGURE_REASON], conus_status status)
-{
-    return refuse(why, conus_message()[0] || status != CONUS_ERROR_MEMORY ? conus_message() : "not enough memory");
-}
-
-/* Ends the image. */
-static conus_status write_image(conus_image *image, conus_status status, const char *path)
-{
-    status = status ? status : conus_image_write(image, path);
-    conus_image_destroy(image);
-    return status;
-}
-
 /* The two places that are measured; NULL = fewer are. */
 static const double *measured(const struct viewer *viewer)
 {
     return viewer->measure.count == 2 ? viewer->measure.points : NULL;
 }
 
+/* What it made is the caller's, also where it fails. */
 static conus_status make_renderer(conus_renderer **out, const struct viewer *viewer,
                                   const struct figure_settings *settings)
 {
     const struct appearance *appearance = &viewer->drawn->appearance;
     const struct transfer_editor *editor = &viewer->transfer_editor;
     conus_pathway_transfer *pathways = calloc(appearance->object_count + 1, sizeof *pathways);
-    conus_renderer *renderer = NULL;
     if (!pathways) {
         return CONUS_ERROR_MEMORY;
     }
@@ -71,17 +52,9 @@ static conus_status make_renderer(conus_renderer **out, const struct viewer *vie
                                             .pathways = pathways,
                                             .pathway_count = appearance_pathways(pathways, appearance),
                                             .streamline_colour = settings->streamline_colour};
-    conus_status status = conus_renderer_create(&renderer, viewer->drawn->atlas, &options);
+    conus_status status = conus_renderer_create(out, viewer->drawn->atlas, &options);
     free(pathways);
-    if (!status && editor->edited) {
-        status = conus_renderer_set_transfer(renderer, editor->points, editor->count);
-    }
-    if (status) {
-        conus_renderer_destroy(renderer);
-        return status;
-    }
-    *out = renderer;
-    return CONUS_OK;
+    return status || !editor->edited ? status : conus_renderer_set_transfer(*out, editor->points, editor->count);
 }
 
 /* A field of view fits the drawing, which a legend makes narrower; an eye beside the middle needs a frustum. */
@@ -99,12 +72,11 @@ static bool set_camera(conus_view *view, struct eye *eye, const char *streamline
     return view->legend != CONUS_LEGEND_RIGHT || view->no_legend || (!view->selection && !has_key);
 }
 
-static bool write_3d(const struct window *window, const struct figure_settings *settings, const char *path,
-                     char why[FIGURE_REASON])
+static conus_status draw_3d(conus_image **out, const char **refusal, const struct window *window,
+                            const struct figure_settings *settings)
 {
     const struct viewer *viewer = window->viewer;
     conus_renderer *renderer = NULL;
-    conus_image *image = NULL;
     struct eye eye;
     conus_view view = {.selection = viewer_selection(viewer),
                        .chosen = viewer->drawn->shown.chosen,
@@ -114,33 +86,39 @@ static bool write_3d(const struct window *window, const struct figure_settings *
     figure_view(&view, settings);
     appearance_set(&view, &viewer->drawn->appearance);
     if (!set_camera(&view, &eye, settings->streamline_colour)) {
-        return refuse(why, "a tracked head's view has no room for a legend beside it: choose inside, below or none");
+        *refusal = "a tracked head's view has no room for a legend beside it: choose inside, below or none";
+        return CONUS_OK;
     }
     conus_status status = make_renderer(&renderer, viewer, settings);
-    status = status ? status : conus_render(&image, renderer, &view);
-    status = write_image(image, status, path);
+    status = status ? status : conus_render(out, renderer, &view);
     conus_renderer_destroy(renderer);
-    return !status || refuse_status(why, status);
+    return status;
 }
 
-static bool write_cut(const struct window *window, enum plane plane, const struct figure_settings *settings,
-                      const char *path, char why[FIGURE_REASON])
+static conus_status draw_cut(conus_image **out, const struct window *window, enum plane plane,
+                             const struct figure_settings *settings)
 {
     conus_view sheet = {.measured = measured(window->viewer)};
     conus_cut_view view;
-    conus_image *image = NULL;
     figure_view(&sheet, settings);
     cut_view(&view, window->viewer, plane, (double[]){sheet.width, sheet.height});
-    conus_status status = conus_cut_image(&image, window->viewer->drawn->atlas, &view, &sheet);
-    status = write_image(image, status, path);
-    return !status || refuse_status(why, status);
+    return conus_cut_image(out, window->viewer->drawn->atlas, &view, &sheet);
 }
 
 bool figure_write(const struct window *window, size_t pane, const struct figure_settings *settings, const char *path,
                   char why[FIGURE_REASON])
 {
-    return pane == PANE_3D ? write_3d(window, settings, path, why)
-                           : write_cut(window, (enum plane)pane, settings, path, why);
+    conus_image *image = NULL;
+    const char *refusal = NULL;
+    conus_status status = pane == PANE_3D ? draw_3d(&image, &refusal, window, settings)
+                                          : draw_cut(&image, window, (enum plane)pane, settings);
+    status = status || refusal ? status : conus_image_write(image, path);
+    conus_image_destroy(image);
+    if (status) {
+        refusal = conus_message()[0] || status != CONUS_ERROR_MEMORY ? conus_message() : "not enough memory";
+    }
+    snprintf(why, FIGURE_REASON, "%s", refusal ? refusal : "");
+    return !refusal;
 }
 
 const char *const figure_panes[PANE_COUNT] = {"axial", "coronal", "sagittal", "3d"};
