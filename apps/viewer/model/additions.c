@@ -31,6 +31,15 @@ json_t *words_or_none(json_t *made, bool fine)
     return fine ? made : NULL;
 }
 
+size_t words_place(const json_t *words, const json_t *word)
+{
+    size_t place = 0;
+    for (size_t i = json_array_size(words); i-- > 0;) {
+        place = json_equal(json_array_get(words, i), word) ? i + 1 : place;
+    }
+    return place;
+}
+
 enum addition addition_of(const char **value, const char *word)
 {
     int kind = 0;

@@ -19,6 +19,8 @@ extern const char *const addition_names[ADDITION_COUNT];
 const char *word_value(const char *word, const char *name);
 /** What was made of words, or NULL where that failed, and then it ends. */
 json_t *words_or_none(json_t *made, bool fine);
+/** The place of a word among others, from 1; 0 = it is not there. */
+size_t words_place(const json_t *words, const json_t *word);
 
 /** Which of them @p word is, ADDITION_COUNT = none; *value is what stands behind its '=', or "". */
 enum addition addition_of(const char **value, const char *word);

@@ -60,14 +60,14 @@ void side_show(struct viewer *viewer, enum side side)
 
 void side_show_next(struct viewer *viewer)
 {
-    static const char *const update[SIDE_COUNT] = {"both sides are shown", "only the left side is shown",
-                                                   "only the right side is shown"};
+    static const char *const says[SIDE_COUNT] = {"both sides are shown", "only the left side is shown",
+                                                 "only the right side is shown"};
     enum side now = side_shown(viewer);
     enum side next = now == SIDE_COUNT ? SIDE_BOTH : (enum side)((now + 1) % SIDE_COUNT);
     unsigned said = viewer->said;
     side_show(viewer, next);
     if (viewer->said == said) {
-        viewer_say(viewer, "%s", update[next]);
+        viewer_say(viewer, "%s", says[next]);
     }
 }
 

@@ -486,20 +486,10 @@ static bool open_session(struct window *window, const char *session, const char 
     return fine;
 }
 
-/* The place of a word in a list, from 1; 0 = it is not there. */
-static size_t find_place(const json_t *list, const json_t *word)
-{
-    size_t place = 0;
-    for (size_t i = json_array_size(list); i-- > 0;) {
-        place = json_equal(json_array_get(list, i), word) ? i + 1 : place;
-    }
-    return place;
-}
-
 /* The number now of an atlas that had `number` then, both from 1; 0 = it is gone. The lists are of further atlases. */
 static size_t find_number(json_int_t number, const json_t *then, const json_t *now)
 {
-    size_t place = number > 1 ? find_place(now, json_array_get(then, (size_t)number - 2)) : 0;
+    size_t place = number > 1 ? words_place(now, json_array_get(then, (size_t)number - 2)) : 0;
     return number > 1 ? place + (place > 0) : 1;
 }
 
@@ -511,7 +501,7 @@ static void fit_session(json_t *session, const struct viewer *viewer, const json
     json_t *pins = json_object_get(session, "confirmed");
     size_t drawn = find_number(json_integer_value(json_object_get(session, "drawn")), then, now);
     for (size_t i = 0; i < json_array_size(further); i++) {
-        size_t place = find_place(then, json_array_get(now, i));
+        size_t place = words_place(then, json_array_get(now, i));
         (void)(place && json_array_set(further, i, json_array_get(before, place - 1)));
     }
     for (size_t i = json_array_size(pins); i-- > 0;) {

@@ -38,16 +38,6 @@ static const char *find_note(const conus_atlas *before, const conus_atlas *after
     return NULL;
 }
 
-/* Whether `word` is among `words`, as window_words() gives them. */
-static bool has_word(const json_t *words, const json_t *word)
-{
-    bool has = false;
-    for (size_t i = 0; i < json_array_size(words); i++) {
-        has = has || json_equal(json_array_get(words, i), word);
-    }
-    return has;
-}
-
 /* Appends the files of `words` that are not among `others`. */
 static void put_names(char *out, size_t size, const char *title, const json_t *words, const json_t *others)
 {
@@ -56,7 +46,8 @@ static void put_names(char *out, size_t size, const char *title, const json_t *w
         const char *value = NULL;
         char path[PATH_MAX];
         enum addition kind = addition_of(&value, json_string_value(json_array_get(words, i)));
-        if (kind < ADDITION_COUNT && addition_path(path, kind, value) && !has_word(others, json_array_get(words, i))) {
+        if (kind < ADDITION_COUNT && addition_path(path, kind, value) &&
+            !words_place(others, json_array_get(words, i))) {
             size_t used = strlen(out);
             snprintf(out + used, size - used, "%s%s%s%s", used && joint == title ? "; " : "", joint, path_name(path),
                      kind == ADD_CONTEXT ? " as context" : "");
@@ -138,7 +129,7 @@ static bool *find_fresh(size_t object_count, const json_t *added, const json_t *
     for (size_t i = 0; fresh && i < json_array_size(added); i++) {
         const json_t *entry = json_array_get(added, i);
         const json_t *objects = json_object_get(entry, "objects");
-        bool is_old = has_word(before, json_object_get(entry, "option"));
+        bool is_old = words_place(before, json_object_get(entry, "option"));
         for (size_t k = 0; !is_old && k < json_array_size(objects); k++) {
             fresh[json_integer_value(json_array_get(objects, k))] = true;
         }

@@ -104,9 +104,8 @@ bool wait_load(struct window *window, const struct loading *request, struct atla
     return fine;
 }
 
-bool wait_look(struct window *window, const char *path, void (*appearance)(void *user), void *user,
-               char why[LOADER_WHY])
+bool wait_look(struct window *window, const char *path, void (*look)(void *user), void *user, char why[LOADER_WHY])
 {
     struct atlases none;
-    return wait_load(window, &(struct loading){.path = path, .task = appearance, .user = user}, &none, why);
+    return wait_load(window, &(struct loading){.path = path, .task = look, .user = user}, &none, why);
 }

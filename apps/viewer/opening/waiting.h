@@ -12,7 +12,6 @@ void wait_leave(struct window *window);
  * wants them any more, or @p why has the reason. */
 bool wait_load(struct window *window, const struct loading *request, struct atlases *out, char why[LOADER_WHY]);
 /** Calls @p look on the loader's thread, which looks at the file @p path and others, and waits likewise. */
-bool wait_look(struct window *window, const char *path, void (*appearance)(void *user), void *user,
-               char why[LOADER_WHY]);
+bool wait_look(struct window *window, const char *path, void (*look)(void *user), void *user, char why[LOADER_WHY]);
 
 #endif
