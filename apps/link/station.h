@@ -78,8 +78,7 @@ void station_on_pose(struct station *station, void (*call)(void));
 void station_ask(struct station *station, struct station_update *out);
 /** Waits up to @p seconds for a pose that is newer than number @p after; false: there was none. */
 bool station_wait(struct station *station, uint64_t after, double seconds, struct station_update *out);
-/** Sends what was selected to all that are connected: a STRING of JSON and a POINT per contact. A later one replaces
- * one that could not be sent yet. */
+/** Sends what was selected to all: a STRING of JSON and a POINT per contact. A later one replaces one not yet sent. */
 void station_send(struct station *station, const char *json, const struct igtl_point *points, size_t count);
 /** The port that is waited on, once there is one. */
 uint16_t station_port(struct station *station);

@@ -325,7 +325,7 @@ static void no_key_does_two_things(void **state)
     size_t i = 0;
     (void)state;
     for (; (key = keys_row(i)); i++) {
-        assert_true(key->act || key->view || key->tool || key->move || key->sets);
+        assert_true(key->act || key->view || key->tool || key->step || key->move || key->sets);
         for (size_t j = 0; j < i; j++) {
             other = keys_row(j);
             assert_true(strcmp(key->key, other->key) != 0 || (other->is_of_wand && !key->is_of_wand));

@@ -142,11 +142,6 @@ static void enlarge(struct window *window)
     window_lay_out(window);
 }
 
-static void undo(struct window *window, const int by[3])
-{
-    undo_step(window, by[0]);
-}
-
 static void widen(struct window *window, const int by[3])
 {
     if (window->viewer->tools[by[0]].on) {
@@ -192,11 +187,6 @@ static void widen_first(struct window *window, const int by[3])
 static void widen_panels(struct window *window, const int by[3])
 {
     layout_widen_panels(&window->screen.layout, by[0], (float)window->screen.width, window->screen.scale);
-}
-
-static void zoom_texts(struct window *window, const int by[3])
-{
-    window_zoom(window, by[0]);
 }
 
 static void say_grey(struct viewer *viewer)
@@ -376,10 +366,10 @@ static const struct key keys[] = {
     {":", NULL, .move = go_in_plan, .by = {-1}},
     {"h", "hide or show the chosen area", .act = hide_chosen, .group = "Hide, undo"},
     {"i", "show the chosen area only", .act = isolate_chosen},
-    {"ctrl+z", "take back the last change; U, too", .move = undo, .by = {-1}},
-    {"u", NULL, .move = undo, .by = {-1}},
-    {"ctrl+y", "do again what was taken back; Ctrl+Shift+Z, too", .move = undo, .by = {1}},
-    {"ctrl+shift+z", NULL, .move = undo, .by = {1}},
+    {"ctrl+z", "take back the last change; U, too", .step = undo_step, .by = {-1}},
+    {"u", NULL, .step = undo_step, .by = {-1}},
+    {"ctrl+y", "do again what was taken back; Ctrl+Shift+Z, too", .step = undo_step, .by = {1}},
+    {"ctrl+shift+z", NULL, .step = undo_step, .by = {1}},
     {"v", "show all areas", .view = viewer_show_all},
     {"r", "look at the whole brain", .act = look_at_all},
     {"f", "the brain alone in the whole window, or panels and cuts again", .sets = PROPERTY_BARE, .group = "Views"},
@@ -435,9 +425,9 @@ static const struct key keys[] = {
     {"<", "narrower panels", .move = widen_panels, .by = {-1}},
     {"\\", "panes and panels as at first", .act = reset_layout},
     {"f11", "3-D alone, over the whole screen, and back", .act = fill_screen},
-    {"ctrl++", "larger texts and panels", .move = zoom_texts, .by = {1}, .is_anywhere = true},
-    {"ctrl+-", "smaller ones", .move = zoom_texts, .by = {-1}, .is_anywhere = true},
-    {"ctrl+0", "as large as the screen asks for", .move = zoom_texts, .by = {0}, .is_anywhere = true},
+    {"ctrl++", "larger texts and panels", .step = window_zoom, .by = {1}, .is_anywhere = true},
+    {"ctrl+-", "smaller ones", .step = window_zoom, .by = {-1}, .is_anywhere = true},
+    {"ctrl+0", "as large as the screen asks for", .step = window_zoom, .by = {0}, .is_anywhere = true},
     {"up", NULL, .move = steer, .by = {3, 1}, .is_of_wand = true},
     {"down", NULL, .move = steer, .by = {3, -1}, .is_of_wand = true},
     {"left", NULL, .move = steer, .by = {4, 1}, .is_of_wand = true},
@@ -514,6 +504,8 @@ static void press(struct window *window, const struct key *key)
         key->view(window->viewer);
     } else if (key->tool) {
         key->tool(window->viewer, (enum tool_number)key->by[0]);
+    } else if (key->step) {
+        key->step(window, key->by[0]);
     } else if (key->move) {
         key->move(window, key->by);
     } else {

@@ -11,6 +11,7 @@ struct key {
     void (*act)(struct window *window); /**< Without any of these it sets the next value of a property. */
     void (*view)(struct viewer *viewer);
     void (*tool)(struct viewer *viewer, enum tool_number number); /**< The tool is by[0]. */
+    void (*step)(struct window *window, int by);                  /**< By by[0]. */
     void (*move)(struct window *window, const int by[3]);
     int by[3];
     enum property_id sets; /**< Row of the state's table (0 = none), also where it acts: its tip names the key. */

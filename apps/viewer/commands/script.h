@@ -18,8 +18,7 @@ bool script_waits(struct script *script, const struct window *window);
  * none left or one failed (then *code is set, and it was said why). */
 bool script_step(struct script *script, struct window *window, int *code);
 
-/** Does one command that waits for nothing: @p words are its name and arguments, [count]. False where they are wrong,
- * or it could not be done. */
+/** Does one command that waits for nothing; @p words, [count], are its name and arguments. False: it is not done. */
 bool script_do(struct window *window, char *const *words, size_t count);
 /** The name of a command, and what it takes; NULL = no more. */
 const char *script_command_name(const char **arguments, size_t index);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The files of an atlas that is shown are watched, so that the user is told when one changes on disk. The atlas
- * in memory stays as it was read. */
+/** @file Watches the files of an atlas that is shown, which stays as it was read when one changes on disk. */
 #ifndef CONUS_VIEWER_MODEL_FILE_WATCH_H
 #define CONUS_VIEWER_MODEL_FILE_WATCH_H
 

@@ -15,8 +15,7 @@ extern const char *const side_names[SIDE_COUNT];
 bool side_is_known(const struct viewer *viewer);
 /** The side whose areas are shown, if all of the other are hidden; SIDE_COUNT where those of both are. */
 enum side side_shown(const struct viewer *viewer);
-/** Hides the other side's areas; those of a side that is to be seen and was hidden whole are shown again. Areas without
- * a side stay as they are. */
+/** Hides the other side's areas; a side that is to be seen and was hidden whole is shown again. Others stay. */
 void side_show(struct viewer *viewer, enum side side);
 /** Both, left, right, and both again; says so. */
 void side_show_next(struct viewer *viewer);

@@ -11,8 +11,7 @@ struct outline_top {
     uint32_t x, y;
 };
 
-/** Which objects are the chosen one of the drawn atlas or below it, [objects + 1], to be freed; NULL where none is
- * chosen, and without memory. */
+/** Which objects are the chosen one or below it, [objects + 1], to be freed; NULL: none is chosen, or no memory. */
 bool *outline_wanted(const struct viewer *viewer);
 
 /** Draws a bright line inside the edge of @p mask, [height width] of 0 and 1, and a dark one outside; none at the

@@ -70,8 +70,7 @@ void tool_choose_next(struct viewer *viewer, enum tool_number number);
 void tool_use_second(struct viewer *viewer, bool on);
 /** Whether the first tool has the device that shall move the second one. */
 bool tool_second_is_taken(const struct viewer *viewer);
-/** Has the atlases asked about the second tool if its answers are not those to what is set now; costs nothing
- * otherwise, or while it is off. */
+/** Has the atlases asked about the second tool, if it is on and its answers are not those to what is set now. */
 void tool_update_second(struct viewer *viewer);
 
 /** Whether its pointer moves it: the second one only while it is on and the first has another pointer. */

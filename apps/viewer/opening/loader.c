@@ -105,8 +105,7 @@ static int set_context(struct loader *loader, size_t index, const struct context
                    : EXIT_DATA;
 }
 
-/* Any of the atlases may be drawn: each has the context, but for one that has its own. What no option asked for is no
- * reason to load nothing. */
+/* Any atlas may be drawn: each has the context, or its own. What no option asked for is no reason to load nothing. */
 static int set_contexts(struct loader *loader)
 {
     const struct atlases *atlases = &loader->atlases;

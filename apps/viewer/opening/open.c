@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Finds out what the files are that shall be opened, loads them while the window says how far that is, and puts them in
- * place of what was open before. */
+/* Finds out what files are, loads them while the window says how far that is, and shows them in place of others. */
 #include "viewer/opening/open.h"
 
 #include "conus/streamlines.h"

@@ -7,8 +7,7 @@
 #include "viewer/opening/view_words.h"
 #include "viewer/window/window.h"
 
-/** Begins to load @p path on another thread, with all options, before there is a window: for open_requested(). NULL:
- * there is nothing to begin with. */
+/** Begins to load @p path on another thread, before there is a window: for open_requested(). NULL: nothing is begun. */
 struct loader *open_begin(const char *path, const struct view_settings *settings);
 /** Opens what window->files.requested names, in place of what is open, or adds it to that; @p begun is the clock from
  * which times count. @p with_options, where nothing is open: as all @p settings say. Else without those that are for

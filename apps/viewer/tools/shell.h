@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file The wall of a cone, of a range of one or of a cylinder, between two rings of points: to be drawn as lines.
- * World, mm. */
+/** @file The wall of a cone, a range of one or a cylinder, between two rings of points, drawn as lines. World, mm. */
 #ifndef CONUS_VIEWER_TOOLS_SHELL_H
 #define CONUS_VIEWER_TOOLS_SHELL_H
 

@@ -78,8 +78,7 @@ void dialog_move(struct dialog *dialog, int by);
 void dialog_leave(struct dialog *dialog);
 /** Takes entry @p index: a folder is listed, a file is the text. */
 void dialog_take(struct dialog *dialog, size_t index);
-/** Does what Enter does: true, and the path, where a file is chosen; a folder is listed. A file that would be written
- * over is asked about first. */
+/** Does what Enter does: true, and the path, for a file; lists a folder. Asks first before a file is written over. */
 bool dialog_enter(char path[PATH_MAX], struct dialog *dialog);
 /** The folder that is listed, without a '/' at its end but for the root. */
 void dialog_here(char path[PATH_MAX], const struct dialog *dialog);

@@ -65,8 +65,7 @@ static bool means(const conus_catalogue *catalogue, const char *words, const con
     return !conus_atlas_is_path(words) && !conus_catalogue_find(&found, catalogue, words) && found == atlas;
 }
 
-/* Index of the atlas that a text without a path means: the one of that name, else the first that fits; the number of
- * atlases where none does. */
+/* Index of the atlas that a text means: the one of that name, else the first that fits; else the number of atlases. */
 static size_t installed_best(const conus_catalogue *catalogue, const char *text)
 {
     size_t count = conus_catalogue_count(catalogue);

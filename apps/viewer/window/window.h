@@ -227,8 +227,7 @@ bool window_find_display(void);
 bool window_open(struct window *out, const struct window_options *options);
 /** Shows what @p viewer holds (NULL = the start page), with nothing left of the one before. */
 void window_show(struct window *window, struct viewer *viewer);
-/** Asks for another atlas, a session and its atlas, or something to be added to the atlas that is open, in place of
- * what was asked for before. */
+/** Asks for another atlas, a session, or something to be added to what is open, in place of what was asked before. */
 void window_request_file(struct window *window, const char *path);
 /** Whether something is asked for. */
 bool window_has_request(const struct window *window);
