@@ -17,7 +17,7 @@ extern const char *const addition_names[ADDITION_COUNT];
 
 /** The value of a word such as "--space=lps"; NULL = it is of another option than @p name, or NULL. */
 const char *word_value(const char *word, const char *name);
-/** What was made of words, or NULL where that failed, and then it ends. */
+/** Returns @p made where all is fine; else it ends, and NULL is returned. */
 json_t *words_or_none(json_t *made, bool fine);
 /** The place of a word among others, from 1; 0 = it is not there. */
 size_t words_place(const json_t *words, const json_t *word);

@@ -12,8 +12,7 @@ void panel_ask(struct window *window);    /**< Before all others: how files open
 void panel_areas(struct window *window);
 /** A folded panel, left (0) or right (1). */
 void panel_rail(struct window *window, size_t side);
-/** What a tool's cone hits: lists, one for each atlas in the order in which they were given, so many lines high
- * together.
+/** Lists of the hits of a tool, one for each atlas, in the order in which they were given, so many lines high together.
  */
 void panel_lists(struct window *window, enum tool_number tool, float lines);
 void panel_second(struct window *window);     /**< The second tool. */

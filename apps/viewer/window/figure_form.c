@@ -38,7 +38,7 @@ static const double *measured(const struct viewer *viewer)
     return viewer->measure.count == 2 ? viewer->measure.points : NULL;
 }
 
-/* What it made is the caller's, also where it fails. */
+/* The renderer is the caller's to destroy, also where this fails. */
 static conus_status make_renderer(conus_renderer **out, const struct viewer *viewer,
                                   const struct figure_settings *settings)
 {
