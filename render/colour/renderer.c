@@ -51,19 +51,23 @@ static bool find_edge_tiles(uint32_t *tiles, const float *rgba, const struct tar
 }
 
 /* Adds the pictures of the tiles in `buffer`, a quarter each, by rays through four places of each pixel, a rotated
- * square. */
+ * square. Through translucent surfaces a ray costs more, and most tiles have edges: one, through the lower left corner
+ * of each pixel. */
 static conus_status draw_tiles(GLuint buffer, const struct target *target, const struct colour_pass *pass,
                                const struct colour_view *view)
 {
-    static const double places[RAYS][2] = {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}};
-    glBlendColor(0, 0, 0, 1.0F / RAYS);
+    static const double square[RAYS][2] = {{-0.125, -0.375}, {0.375, -0.125}, {0.125, 0.375}, {-0.375, 0.125}};
+    static const double corner[1][2] = {{-0.5, -0.5}};
+    const double(*places)[2] = view->opacity ? corner : square;
+    const size_t count = view->opacity ? 1 : RAYS;
+    glBlendColor(0, 0, 0, 1.0F / (float)count);
     glBlendFunc(GL_CONSTANT_ALPHA, GL_ONE);
     conus_status status = CONUS_OK;
-    for (int n = 0; n < RAYS && !status; n++) {
+    for (size_t n = 0; n < count && !status; n++) {
         struct colour_view shifted = *view;
         memcpy(shifted.shift, places[n], sizeof shifted.shift);
         shifted.tiles = buffer;
-        status = gl_tell(&view->listener, (size_t)n, RAYS);
+        status = gl_tell(&view->listener, n, count);
         status = status ? status : colour_pass_begin(pass, &shifted);
         if (!status) {
             target_bind(target);
@@ -73,6 +77,28 @@ static conus_status draw_tiles(GLuint buffer, const struct target *target, const
     }
     glDisable(GL_BLEND);
     return status;
+}
+
+/* Half of the pixel at x, y is its own ray's, half those of its four corners, which it shares with its neighbours. Of
+ * a tile that was not drawn the pixel's own ray stands for them. */
+static void mix_corners(float *rgba, const float *corners, const uint32_t *tiles, const struct target *target, size_t x,
+                        size_t y)
+{
+    float sum[4];
+    for (size_t c = 0; c < 4; c++) {
+        sum[c] = 4 * rgba[c];
+    }
+    for (size_t n = 0; n < 4; n++) {
+        const size_t right = x + (n % 2 && x + 1 < target->width);
+        const size_t up = y + (n / 2 && y + 1 < target->height);
+        const bool drawn = tiles[up / TILE * tiles_along(target->width) + right / TILE];
+        for (size_t c = 0; c < 4; c++) {
+            sum[c] += drawn ? corners[4 * (up * target->width + right) + c] : rgba[c];
+        }
+    }
+    for (size_t c = 0; c < 4; c++) {
+        rgba[c] = sum[c] / 8;
+    }
 }
 
 /* Smooths `rgba`, the picture of `view` in `target` (bottom row first), whose contents are lost. */
@@ -96,7 +122,12 @@ static conus_status smooth_edges(float *rgba, const struct target *target, const
         for (size_t y = 0; y < target->height && !status; y++) {
             for (size_t x = 0; x < target->width; x++) {
                 size_t pixel = 4 * (y * target->width + x);
-                if (tiles[y / TILE * across + x / TILE]) {
+                if (!tiles[y / TILE * across + x / TILE]) {
+                    continue;
+                }
+                if (view->opacity) {
+                    mix_corners(rgba + pixel, smooth, tiles, target, x, y);
+                } else {
                     memcpy(rgba + pixel, smooth + pixel, 4 * sizeof *rgba);
                 }
             }

@@ -72,31 +72,38 @@ static void a_mesh_ball_has_its_silhouette(void **state)
     conus_atlas_destroy(atlas);
 }
 
-/* A level edge through the middle of a row of pixels: two of the four samples of each pixel there are below it. */
+/* A level edge through the middle of a row of pixels: two of the four rays of each pixel there are below it. Where the
+ * wall is translucent, and the edge a quarter of a pixel above or below the middle, the ray of the pixel, of weight a
+ * half, is below or above it, and so are two of the corners, of weight an eighth each. */
 static void level_edges_are_smooth(void **state)
 {
     (void)state;
     enum { ROW = HEIGHT / 2 };
-    struct camera camera = picture_camera((double[]){0, 1, 0}, 120, FIELD_OF_VIEW);
-    const float edge = (float)(((ROW + 0.5) / HEIGHT * 2 - 1) * camera.slope[1] * 120);
-    const float positions[] = {-300, 0, -300, 300, 0, -300, 300, 0, edge, -300, 0, edge};
-    const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
-    struct mesh wall;
-    assert_ok(mesh_init(&wall, 4, 2));
-    memcpy(wall.positions, positions, sizeof positions);
-    memcpy(wall.triangles, triangles, sizeof triangles);
-    conus_atlas *atlas = mesh_scene_atlas();
-    mesh_scene_add(atlas, &wall);
-    conus_renderer *renderer = picture_renderer(atlas, NULL);
-    float *rgba = picture_draw(renderer, &camera, NULL, true);
-    for (int column = 0; column < WIDTH; column++) {
-        for (int row = -1; row <= 1; row++) {
-            assert_near(rgba[4 * ((ROW + row) * WIDTH + column) + 3], 0.5 - 0.5 * row, 1e-6);
+    static const double covered[] = {0.5, 0.75, 0.25}; /* and where the edge is, in pixels from the row's lower end */
+    static const float half[] = {1, 0.5F};
+    for (int n = 0; n < 3; n++) {
+        struct camera camera = picture_camera((double[]){0, 1, 0}, 120, FIELD_OF_VIEW);
+        const float edge = (float)(((ROW + covered[n]) / HEIGHT * 2 - 1) * camera.slope[1] * 120);
+        const float positions[] = {-300, 0, -300, 300, 0, -300, 300, 0, edge, -300, 0, edge};
+        const uint32_t triangles[] = {0, 1, 2, 0, 2, 3};
+        struct mesh wall;
+        assert_ok(mesh_init(&wall, 4, 2));
+        memcpy(wall.positions, positions, sizeof positions);
+        memcpy(wall.triangles, triangles, sizeof triangles);
+        conus_atlas *atlas = mesh_scene_atlas();
+        mesh_scene_add(atlas, &wall);
+        conus_renderer *renderer = picture_renderer(atlas, NULL);
+        float *rgba = picture_draw(renderer, &camera, &(struct colour_view){.opacity = n ? half : NULL}, true);
+        for (int column = 0; column < WIDTH; column++) {
+            for (int row = -1; row <= 1; row++) {
+                const double part = row < 0 ? 1 : row > 0 ? 0 : covered[n];
+                assert_near(rgba[4 * ((ROW + row) * WIDTH + column) + 3], (n ? 0.5 : 1) * part, 1e-6);
+            }
         }
+        memory_free(rgba);
+        conus_renderer_destroy(renderer);
+        conus_atlas_destroy(atlas);
     }
-    memory_free(rgba);
-    conus_renderer_destroy(renderer);
-    conus_atlas_destroy(atlas);
 }
 
 /* The visible side is lit, whichever way triangles face: an inside-out ball looks like the other one. */
