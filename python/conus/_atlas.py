@@ -241,7 +241,7 @@ def load(
     progress: LoadProgress = None,
     probability: float = 0,
     safe_colours: bool = False,
-    palette: Sequence[str] = (),
+    palette: Union[str, Sequence[str]] = (),
     cache: bool = True,
 ) -> Atlas:
     """Loads an atlas.
@@ -293,7 +293,7 @@ def load(
     safe_colours
         Colours of areas, pathways and bundles that people with any colour vision can tell apart.
     palette
-        Or these, "#rrggbb" each, different ones where areas touch.
+        Or these, "#rrggbb" each, in a list or one text, different ones where areas touch.
     cache
         For paths: keeps the atlas and each tractogram in the user's cache folder and maps them from there the
         next time, as the programs do (``conus cache``; ``$CONUS_CACHE`` may be "off" or a size; else ArgumentError).
@@ -344,8 +344,7 @@ def load(
         check(lib.conus_atlas_show(raw, optional(utf8, "only", only), optional(utf8, "hide", hide)))
     if flag("safe_colours", safe_colours):
         lib.conus_atlas_use_safe_colours(raw)
-    if isinstance(palette, str):
-        raise ArgumentError(f"palette: {palette!r}, wanted is a list of colours")
+    palette = palette.replace(",", " ").split() if isinstance(palette, str) else palette
     if palette:
         colours = b"".join(bytes(rgb_of("palette", colour)) for colour in palette)
         check(lib.conus_atlas_use_palette(raw, colours, len(palette)))

@@ -353,9 +353,9 @@ class Renderer:
             The stretch of the probes, mm from their origins; else to the last area.
         cuts : sequence of str
             Flat cuts on one sheet: "axial", "coronal" and "sagittal", through ``at`` or, as "axial:-10", at a place;
-            "3d" among them adds the view in space.
+            "mosaic:N" is N axial ones, 12 if not given, evenly over the atlas; "3d" adds the view in space.
         at : (3,) array
-            The point through which cuts go, RAS mm; needed unless each cut has a place.
+            The point through which cuts go, RAS mm; needed for those without a place.
         fill : float
             Opacity of areas in cuts, 0 (outlines only) to 1; 0.6 if not given.
         radiological : bool
@@ -379,6 +379,8 @@ class Renderer:
                      "frustum": frustum, "opacity": opacity, "unselected": unselected,
                      "view": None if view == "cone" else view,
                      "fade": fade or None, "draft": draft or None, "skipping": None if skipping else skipping}, probes)
+        if probes and (legend_rows is not None or legend_areas):
+            raise ArgumentError("legend_rows, legend_areas: have no effect with probes, which have no legend")
         _set_size(options, size, width_mm, height_mm, dpi)
         alive = _camera_of(camera, camera_origin, camera_toward, camera_up)
         options.camera = alive or ffi.NULL
@@ -410,7 +412,7 @@ class Renderer:
         if not cuts:
             check(lib.conus_render(out, pointer, options))
             return Picture(out[0], self.device)
-        planes, look = _planes_of(cuts, at, flag("radiological", radiological)), ffi.new("conus_cut_view *")
+        planes, look = _planes_of(self.atlas, cuts, at, flag("radiological", radiological)), ffi.new("conus_cut_view *")
         look.fill = 0.6 if fill is None else real("fill", fill)
         check(lib.conus_cuts_image(out, self.atlas._p, planes, len(planes), look,
                                    pointer if "3d" in cuts else ffi.NULL, options))
@@ -563,11 +565,24 @@ def _ends_of(measured: Any) -> list[float]:
     return [float(value) for value in array.ravel()]
 
 
-def _planes_of(cuts: Sequence[str], at: Any, radiological: bool) -> Any:
+def _mosaic_of(atlas: Atlas, cut: str) -> list[str]:
+    """Cuts in the middles of as many layers, at whole numbers where they are two or more apart."""
+    found = re.fullmatch("mosaic(?::([0-9]{1,3}))?", cut)
+    count = int(found[1] or 12) if found else 0
+    if not 1 <= count <= 400:
+        raise ArgumentError(f"cuts: {cut!r}, wanted is mosaic or mosaic:N, N from 1 to 400")
+    low, high = ffi.new("double[3]"), ffi.new("double[3]")
+    check(lib.conus_atlas_bounds(low, high, atlas._p))
+    step = (high[2] - low[2]) / count
+    places = [low[2] + (i + 0.5) * step for i in range(count)]
+    return [f"axial:{round(place) if step >= 2 else place}" for place in places]
+
+
+def _planes_of(atlas: Atlas, cuts: Sequence[str], at: Any, radiological: bool) -> Any:
     """An array of conus_cut_plane."""
     through = None if at is None else vector("at", at)
     planes = []
-    for cut in cuts:
+    for cut in (each for cut in cuts for each in (_mosaic_of(atlas, cut) if cut.startswith("mosaic") else [cut])):
         name, _, place = cut.partition(":")
         if cut == "3d":
             continue

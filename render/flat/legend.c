@@ -272,7 +272,7 @@ static conus_status write_row(const struct layout *layout, double left, double b
         const struct draw_box box = {rint(left), rint(bottom - CHIP * layout->em), rint(left + CHIP * layout->em),
                                      rint(bottom)};
         draw_colour(chip, row->rgb, 1);
-        if (row->hollow && layout->legend->ink) {
+        if (row->hollow) {
             memcpy(chip, layout->dim, sizeof chip);
         }
         draw_frame(layout->image, &box, 0.18 * layout->em, row->hollow ? fmax(1, 0.08 * layout->em) : 0, chip);

@@ -27,9 +27,12 @@ static const double MARGIN = 0.02;
 static const double SAMPLES = 2e6;
 static const double BRIGHT = 0.15;
 
-/* Lengths in em: beside a panel and above it for letters, below it for its title, the strip of the scale bar, and the
- * least height of a panel that has letters above and below. */
-static const double BAND = 1.6;
+/* Lengths in em: beside a panel and above it for letters, from it to the middle of those beside it, which are nearer to
+ * it than to the next panel's; below it for its title, the strip of the scale bar, and the least height of a panel that
+ * has letters above and below. */
+static const double BESIDE = 1.8;
+static const double ABOVE = 1.6;
+static const double LETTER = 0.55;
 static const double GAP = 0.4;
 static const double TITLE = 1.7;
 static const double STRIP = 3;
@@ -178,8 +181,8 @@ static void set_bands(struct sheet *sheet, bool has_letters)
 {
     const double em = sheet->picture.font ? sheet->picture.em : 0;
     const double gap = GAP * sheet->picture.em;
-    sheet->beside = BAND * em > gap ? BAND * em : gap;
-    sheet->above = has_letters ? sheet->beside : gap;
+    sheet->beside = fmax(BESIDE * em, gap);
+    sheet->above = has_letters ? fmax(ABOVE * em, gap) : gap;
     sheet->below = sheet->above + TITLE * em;
     sheet->strip = STRIP * em;
 }
@@ -480,9 +483,9 @@ static conus_status annotate(const struct sheet *sheet, const struct panel *pane
     const double middle[2] = {(double)panel->at[0] + (double)panel->size[0] / 2,
                               (double)panel->at[1] + (double)panel->size[1] / 2};
     const double bottom = (double)(panel->at[1] + panel->size[1]);
-    const bool has_letters = sheet->above >= sheet->beside;
-    const double places[4][2] = {{(double)panel->at[0] - sheet->beside / 2, middle[1] + 0.36 * size},
-                                 {(double)(panel->at[0] + panel->size[0]) + sheet->beside / 2, middle[1] + 0.36 * size},
+    const bool has_letters = sheet->above > GAP * em;
+    const double places[4][2] = {{(double)panel->at[0] - LETTER * em, middle[1] + 0.36 * size},
+                                 {(double)(panel->at[0] + panel->size[0]) + LETTER * em, middle[1] + 0.36 * size},
                                  {middle[0], bottom + 0.5 * sheet->above + 0.36 * size},
                                  {middle[0], (double)panel->at[1] - 0.5 * sheet->above + 0.36 * size}};
     const char *words[4];

@@ -404,13 +404,15 @@ void picture_describe_cone(char out[PICTURE_TEXT], const struct cone *cone, cons
     snprintf(out + size, PICTURE_TEXT - (size_t)size, "%s", places[space]);
 }
 
-/* Adds what is listed though the cone does not hit it: areas of one level once. Those that are hit are marked in
- * `done` [object_count + 1]. */
+/* Adds what is listed though the cone does not hit it: areas of one level once, pathways and bundles, which are few and
+ * drawn over areas, before them. Those that are hit are marked in `done` [object_count + 1]. */
 static size_t add_listed(struct picture_legend *out, struct legend_row *rows, const struct picture *picture, bool *done)
 {
     const conus_selection *selection = picture->options.selection;
+    const conus_atlas *atlas = picture->atlas;
     size_t count = 0;
-    for (uint32_t number = 1; number <= picture->atlas->object_count; number++) {
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        uint32_t number = (uint32_t)((atlas->area_count + i) % atlas->object_count + 1);
         uint32_t shown = selection && selection->group ? selection->group[number] : number;
         if (!done[shown] && is_listed(picture, number)) {
             done[shown] = true;
@@ -424,14 +426,21 @@ static size_t add_listed(struct picture_legend *out, struct legend_row *rows, co
 
 static const char *title_of(const struct picture *picture)
 {
-    bool areas = false;
-    bool others = false;
+    static const char *const titles[] = {NULL,
+                                         "Areas",
+                                         "Pathways",
+                                         "Areas and pathways",
+                                         "Bundles",
+                                         "Areas and bundles",
+                                         "Pathways and bundles",
+                                         "Areas, pathways and bundles"};
+    unsigned kinds = 0;
     for (uint32_t number = 1; number <= picture->atlas->object_count; number++) {
-        bool listed = is_listed(picture, number);
-        areas = areas || (listed && number <= picture->atlas->area_count);
-        others = others || (listed && number > picture->atlas->area_count);
+        const bool bundle = picture->atlas->objects[number - 1].kind == CONUS_KIND_BUNDLE;
+        const unsigned kind = number <= picture->atlas->area_count ? 1 : bundle ? 4 : 2;
+        kinds |= is_listed(picture, number) ? kind : 0;
     }
-    return areas && others ? "Areas and pathways" : areas ? "Areas" : others ? "Pathways" : NULL;
+    return titles[kinds];
 }
 
 /* Leaves out rows of objects from number `kept` on, or only those behind others; one row says how many they are. */

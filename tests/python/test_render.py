@@ -78,6 +78,7 @@ CASES = {
     "legend areas": ({}, {"legend_areas": ("Thalamus_L",)}, ("--legend-area=Thalamus_L",)),
     "only hits": ({}, {"opacity": 0}, ()),
     "cuts": ({}, {"cuts": ("axial", "coronal:-10", "sagittal"), "at": (-40, 5, 10), "fill": 0.3}, ()),
+    "mosaic": ({}, {"cuts": ("mosaic:7", "coronal:0")}, ()),
     "radiological": ({}, {"cuts": ("3d", "axial"), "at": (-40, 5, 10), "radiological": True}, ("--radiological",)),
 }
 ONLY_OURS = ("legend_areas",)  # the program has it under another name
@@ -130,8 +131,9 @@ def test_measured_distance_is_written(tmp_path):
     assert ">5.00 mm</text>" in (tmp_path / "measured.svg").read_text()
 
 
-def test_palette_gives_its_colours():
-    atlas = conus.load(plates(), AFFINE, palette=["#102030", "#ffffff"])
+@pytest.mark.parametrize("palette", [["#102030", "#ffffff"], "#102030,#ffffff", "#102030 #FFFFFF"])
+def test_palette_gives_its_colours(palette):
+    atlas = conus.load(plates(), AFFINE, palette=palette)
     colours = {tuple(map(int, rgb)) for rgb in atlas.objects.colours[1:]}
     assert colours == {(16, 32, 48), (255, 255, 255)}
 
@@ -153,6 +155,10 @@ def test_palette_gives_its_colours():
     ({"cuts": ["axial:up"]}, "cuts: 'axial:up', wanted is axial or axial:NUMBER"),
     ({"probe_range": (0, 9)}, "probe_range: there are no probes"),
     ({"legend_rows": 0}, "legend_rows"),
+    ({"legend_rows": 2, "probes": {"A": np.eye(4)}}, "legend_rows, legend_areas: have no effect with probes"),
+    ({"legend_areas": [1], "probes": {"A": np.eye(4)}}, "legend_rows, legend_areas: have no effect with probes"),
+    ({"cuts": ["mosaic:0"]}, "cuts: 'mosaic:0', wanted is mosaic or mosaic:N"),
+    ({"cuts": ["mosaics"]}, "cuts: 'mosaics', wanted is mosaic or mosaic:N"),
 ])
 def test_new_options_refuse_what_they_are_not(view, why):
     with pytest.raises(conus.ArgumentError, match=why):
