@@ -370,3 +370,22 @@ END
     gl render slabs.nii.gz --origin=0,-60,0 --toward=0,0,0 --angle 20 --view front --opacity 0.5 --size 400x300 -o glass.svg -q
     grep -q '>Slab posterior</text>' glass.svg
 }
+
+# texts FILE.svg: each text of the file with the place where it begins, one a line: x, a tab, the text.
+texts() { grep -o '<text[^>]*>[^<]*' "$1" | sed -E 's/.* x="([^"]*)".*>(.*)/\1\t\2/'; }
+
+@test "a legend without a cone names pathways and bundles first, and its title says which there are" {
+    conus phantom brain -o .
+    conus phantom bundle -o .
+    gl render brain.atlas.json --opacity 0.3 --legend right --size 400x300 -o brain.svg -q
+    texts brain.svg | cut -f 2 | grep -A1 -x 'Areas and pathways' | grep -x Arc
+    gl render bundle.atlas.json --legend right --size 400x300 -o bundle.svg -q
+    texts bundle.svg | cut -f 2 | grep -x Bundles
+}
+
+# Letters have 11 pixels here: the middles of two are 2.5 of these apart, where each is 0.55 from its own cut.
+@test "the letters of two cuts side by side do not read as one word" {
+    conus phantom nested -o .
+    answers render nested.nii.gz --cuts coronal,sagittal --size 600x300 -o two.svg -q
+    texts two.svg | awk -F '\t' '$2 == "R" { r = $1 } $2 == "P" { p = $1 } END { exit !(p - r > 22) }'
+}
