@@ -3,18 +3,18 @@
  * rows of a stream. */
 #include "poses/pose_stream.h"
 
+#include "base/child/hdf5.h"
+#include "base/files/folder.h"
 #include "base/formats/matlab.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
 #include "poses/pose_candidates.h"
-#include "poses/pose_formats.h"
 #include "poses/pose_table.h"
 #include "poses/programs/pose_programs.h"
 #include "poses/rows/pose_lines.h"
 #include "poses/rows/pose_list.h"
 #include "poses/rows/pose_row.h"
-#include "poses/rows/pose_strings.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -23,6 +23,132 @@
 #include <sys/eventfd.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+static conus_status parse_matrix(conus_pose_list *list, struct text text, const conus_pose_options *options)
+{
+    conus_pose_row row = pose_row_at(1);
+    conus_status bad = CONUS_OK;
+    if (!pose_plain_matrix(&row, &bad, text, options)) {
+        return fail(CONUS_ERROR_DATA, "numbers, but neither the 16 of a matrix nor lines of x y z and a name");
+    }
+    return pose_list_add(list, &row, text_from(""), bad ? conus_message() : NULL);
+}
+
+/* Formats by number. A parser reads a text as a whole (pose_programs.h); without one it is read line by line. */
+static const struct {
+    const char *name;
+    conus_status (*parse)(conus_pose_list *list, struct text text, const conus_pose_options *options);
+} formats[] = {
+    [CONUS_POSE_FORMAT_AUTO] = {"auto", NULL},
+    [CONUS_POSE_FORMAT_TABLE] = {"table", NULL},
+    [CONUS_POSE_FORMAT_MATRIX] = {"matrix", parse_matrix},
+    [CONUS_POSE_FORMAT_POINTS] = {"points", NULL},
+    [CONUS_POSE_FORMAT_BRAINSIGHT] = {"brainsight", pose_brainsight_parse},
+    [CONUS_POSE_FORMAT_LOCALITE] = {"localite", pose_localite_parse},
+    [CONUS_POSE_FORMAT_ELECTRODES] = {"electrodes", pose_electrodes_parse},
+    [CONUS_POSE_FORMAT_MARKUPS] = {"markups", pose_markups_parse},
+    [CONUS_POSE_FORMAT_SIMNIBS] = {"simnibs", pose_simnibs_parse},
+    [CONUS_POSE_FORMAT_NIBS] = {"nibs", pose_nibs_parse},
+    [CONUS_POSE_FORMAT_INVESALIUS] = {"invesalius", pose_invesalius_parse},
+    [CONUS_POSE_FORMAT_LEAD_DBS] = {"lead-dbs", pose_lead_dbs_parse},
+    [CONUS_POSE_FORMAT_LEAD_DBS_NATIVE] = {"lead-dbs-native", pose_lead_dbs_parse_native},
+    [CONUS_POSE_FORMAT_IBL] = {"ibl", pose_ibl_parse},
+    [CONUS_POSE_FORMAT_NWB] = {"nwb", pose_nwb_parse},
+};
+
+enum { FORMATS = sizeof formats / sizeof formats[0] };
+
+const char *conus_pose_format_name(size_t index)
+{
+    return index < FORMATS ? formats[index].name : NULL;
+}
+
+/* The format of a text whose first line of data this is. */
+static conus_pose_format format_of(struct text line)
+{
+    struct text word;
+    struct text rest = line;
+    double number;
+    if (line.data[0] == '<' || line.data[0] == '{') {
+        return line.data[0] == '<' ? CONUS_POSE_FORMAT_LOCALITE : CONUS_POSE_FORMAT_MARKUPS;
+    }
+    return pose_is_point(line)                                        ? CONUS_POSE_FORMAT_POINTS
+           : text_word(&rest, &word) && text_to_double(word, &number) ? CONUS_POSE_FORMAT_MATRIX
+           : pose_electrodes_header(line)                             ? CONUS_POSE_FORMAT_ELECTRODES
+           : pose_nibs_header(line)                                   ? CONUS_POSE_FORMAT_NIBS
+                                                                      : CONUS_POSE_FORMAT_TABLE;
+}
+
+/* The format of the first line with data, which ends behind *used bytes; CONUS_POSE_FORMAT_AUTO while it is not `all`
+ * there. JSON is CONUS_POSE_FORMAT_MARKUPS and MATLAB's binary CONUS_POSE_FORMAT_SIMNIBS, whichever program wrote it.
+ */
+static conus_pose_format guess_format(struct text text, bool all, size_t *used)
+{
+    const char *begin = text.data;
+    const char *end = text.data + text.size;
+    struct text line;
+    bool is_hdf5 = hdf5_is((const uint8_t *)text.data, text.size);
+    if (matlab_is(text) || is_hdf5) { /* which program's MATLAB is found when all of it is read */
+        *used = 0;
+        return matlab_is(text) ? CONUS_POSE_FORMAT_SIMNIBS : CONUS_POSE_FORMAT_NWB;
+    }
+    *used = text.size;
+    while (text_line(&text, &line)) {
+        struct text trimmed = text_trim(line);
+        if (!all && line.data + line.size == end) {
+            return CONUS_POSE_FORMAT_AUTO;
+        }
+        *used = (size_t)(line.data + line.size - begin);
+        if (pose_brainsight_line(line) || pose_invesalius_line(line)) {
+            return pose_brainsight_line(line) ? CONUS_POSE_FORMAT_BRAINSIGHT : CONUS_POSE_FORMAT_INVESALIUS;
+        }
+        if (pose_fcsv_line(line)) {
+            return CONUS_POSE_FORMAT_MARKUPS;
+        }
+        if (trimmed.size && trimmed.data[0] != '#') {
+            return format_of(trimmed);
+        }
+    }
+    return all ? CONUS_POSE_FORMAT_TABLE : CONUS_POSE_FORMAT_AUTO;
+}
+
+/* Why a text with these first bytes holds no poses; NULL if they do not show that. */
+static const char *why_no_poses(struct text text)
+{
+    static const struct {
+        const char *bytes, *kind;
+    } kinds[] = {
+        {"\x1f\x8b", "packed by gzip: unpack it, or let gzip -dc write it to standard input"},
+        {"\xfd"
+         "7zXZ",
+         "packed by xz: unpack it, or let xz -dc write it to standard input"},
+        {"BZh", "packed by bzip2: unpack it, or let bzip2 -dc write it to standard input"},
+        {"\x28\xb5\x2f\xfd", "packed by zstd: unpack it, or let zstd -dc write it to standard input"},
+        {"PK\x03\x04", "a zip file or a spreadsheet: unpack it, or export it as text with tabs or commas"},
+        {"\xd0\xcf\x11\xe0", "a spreadsheet: export it as text with tabs or commas"},
+        {"(", "a table of the sites of SpikeGLX's probe (.imro) says which are on, and not where the probe lies"},
+        {"channel_groups", "a layout of a probe's channels (.prb) says where they are on it, and not where it lies"},
+        {"\xff\xfe", "UTF-16 text: save it as UTF-8"},
+        {"\xfe\xff", "UTF-16 text: save it as UTF-8"},
+    };
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        if (text_starts(text, kinds[i].bytes)) {
+            return kinds[i].kind;
+        }
+    }
+    return NULL;
+}
+
+/* Where `text` is a MAT-file of another program than SimNIBS, sets *format and reads it into the list, as its parser
+ * does: of level 7.3 another process reads the file, which takes longer than the rest. */
+static conus_status find_format_of_matlab(conus_pose_format *format, conus_pose_list *list, struct text text,
+                                          const conus_pose_options *options)
+{
+    bool is_lead = false;
+    conus_status status = matlab_is(text) ? pose_lead_dbs_find(&is_lead, list, text, options) : CONUS_OK;
+    *format = is_lead ? CONUS_POSE_FORMAT_LEAD_DBS : *format;
+    return status;
+}
 
 /* The box around positions. */
 struct extent {
@@ -61,7 +187,7 @@ struct conus_pose_stream {
     struct text text;
     struct pose_lines lines;
     struct pose_table table;
-    struct pose_strings strings; /* of the rows of the last block */
+    conus_pose_list block; /* rows of the last block that were read line by line or made */
     struct pose_candidates candidates;
     conus_pose_list list; /* rows of a format that is read whole, and all notes */
     uint64_t taken;       /* rows read or passed over */
@@ -84,12 +210,12 @@ static conus_status find_format(conus_pose_stream *stream)
     while (!status && found == CONUS_POSE_FORMAT_AUTO) {
         bool all = lines->ended || lines->size >= POSE_LINE_LIMIT;
         size_t size = lines->size < POSE_LINE_LIMIT ? lines->size : POSE_LINE_LIMIT;
-        found = pose_format_guess((struct text){lines->data, size}, all, &used);
+        found = guess_format((struct text){lines->data, size}, all, &used);
         if (found == CONUS_POSE_FORMAT_AUTO) {
             status = pose_lines_fill(lines, lines->size + 1);
         }
     }
-    const char *kind = status ? NULL : pose_format_refused((struct text){lines->data, lines->size});
+    const char *kind = status ? NULL : why_no_poses((struct text){lines->data, lines->size});
     if (kind) {
         return fail(CONUS_ERROR_DATA, "%s", kind);
     }
@@ -139,7 +265,7 @@ static conus_status read_header(conus_pose_stream *stream)
 
 static bool is_read_whole(const conus_pose_stream *stream)
 {
-    return pose_format_parser(stream->format) != NULL;
+    return formats[stream->format].parse != NULL;
 }
 
 static bool is_of_rodents(conus_pose_format format)
@@ -168,8 +294,7 @@ static conus_status note_extent(conus_pose_stream *stream)
         return CONUS_OK;
     }
     const char *source = conus_pose_list_coordsystem(&stream->list); /* says that they are in mm; "" if none does */
-    const char *slash = strrchr(source, '/');
-    source = slash ? slash + 1 : source;
+    source = path_base(source);
     return notes_warn(&stream->list.notes,
                       "all positions lie within %s, as if they were in metres; they are taken as mm%s%s%s",
                       near_origin ? "1 mm of the origin" : "0.2 mm of each other", source[0] ? ", as " : "", source,
@@ -186,7 +311,7 @@ static conus_status read_whole(conus_pose_stream *stream)
     status = status ? status : pose_lines_rest(&bytes, &stream->lines, pose_memory(&stream->options));
     const struct text text = {(const char *)bytes.data, bytes.size};
     if (!status && stream->options.format == CONUS_POSE_FORMAT_AUTO) {
-        status = pose_format_of_matlab(&stream->format, &stream->list, text, &stream->options);
+        status = find_format_of_matlab(&stream->format, &stream->list, text, &stream->options);
     }
     bool is_read = !stream->options.format && stream->format == CONUS_POSE_FORMAT_LEAD_DBS;
     if (!status && !stream->options.format && stream->format == CONUS_POSE_FORMAT_MARKUPS) { /* or another's JSON */
@@ -200,7 +325,7 @@ static conus_status read_whole(conus_pose_stream *stream)
                       "positions of format %s are not in space %s, which tables, points, ibl and nwb may be",
                       conus_pose_format_name(stream->format), conus_space_name((size_t)stream->options.space));
     }
-    status = status || is_read ? status : pose_format_parser(stream->format)(&stream->list, text, &stream->options);
+    status = status || is_read ? status : formats[stream->format].parse(&stream->list, text, &stream->options);
     if (!status && stream->format == CONUS_POSE_FORMAT_ELECTRODES) {
         /* The table as it is, for an answer that adds columns to it. */
         bool is_text = !text.size || !memchr(text.data, '\0', text.size);
@@ -376,7 +501,7 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
         close(stream->stop);
     }
     pose_lines_finish(&stream->lines);
-    pose_strings_finish(&stream->strings);
+    pose_list_finish(&stream->block);
     pose_candidates_finish(&stream->candidates);
     pose_list_finish(&stream->list);
     memory_free(stream->name);
@@ -386,9 +511,9 @@ void conus_pose_stream_destroy(conus_pose_stream *stream)
 /* The strings live until the next block. */
 static conus_status name_row(conus_pose_row *row, conus_pose_stream *stream, struct text id, const char *error)
 {
-    row->id = pose_strings_add(&stream->strings, id);
-    row->error = error ? pose_strings_add(&stream->strings, text_from(error)) : NULL;
-    return row->id && (!error || row->error) ? CONUS_OK : CONUS_ERROR_MEMORY;
+    conus_status status = pose_list_add(&stream->block, row, id, error);
+    *row = status ? *row : stream->block.rows[stream->block.count - 1];
+    return status;
 }
 
 static conus_status make_row(conus_pose_row *out, conus_pose_stream *stream, bool *found)
@@ -431,7 +556,7 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
     size_t got = 0;
     bool found = true;
     conus_status status = capacity ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "capacity: 0 rows, allowed is 1 or more");
-    pose_strings_clear(&stream->strings);
+    pose_list_finish(&stream->block);
     while (!status && found && got < capacity) {
         if (is_read_whole(stream)) {
             found = stream->taken < stream->list.count;
@@ -455,7 +580,7 @@ conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows)
 {
     conus_status status = CONUS_OK;
     stream->is_partial = stream->is_partial || rows;
-    pose_strings_clear(&stream->strings);
+    pose_list_finish(&stream->block);
     if (is_read_whole(stream) || stream->candidates.count) {
         uint64_t left = (is_read_whole(stream) ? stream->list.count : stream->candidates.count) - stream->taken;
         stream->taken += rows < left ? rows : left;

@@ -144,7 +144,7 @@ static conus_status add_column(struct header *header, struct text field)
     if ((!field.size && !is_index) || text_to_double(field, &number)) {
         return fail(CONUS_ERROR_DATA,
                     "header: \"%.*s\" is no name of a column, but the first line of a table has names",
-                    pose_quote(field), field.data);
+                    POSE_QUOTE(field));
     }
     if (table->field_count == POSE_COLUMN_LIMIT) {
         return fail(CONUS_ERROR_DATA, "header: more than %d columns", POSE_COLUMN_LIMIT);
@@ -157,7 +157,7 @@ static conus_status add_column(struct header *header, struct text field)
     }
     if ((column < COLUMNS && column != ID && table->has[column]) || (rank && rank == header->id_rank)) {
         field = column < COLUMNS ? text_from(names[column]) : field;
-        return fail(CONUS_ERROR_DATA, "header: column \"%.*s\" twice", pose_quote(field), field.data);
+        return fail(CONUS_ERROR_DATA, "header: column \"%.*s\" twice", POSE_QUOTE(field));
     }
     /* The name of the rows is in the field that names them best; a worse one is passed over. */
     if (rank > header->id_rank) {
@@ -220,7 +220,7 @@ static conus_status list_columns(struct buffer *out, const struct pose_table *ta
             continue;
         }
         const char *meant = is_known ? NULL : column_meant(table, field);
-        buffer_format(out, "%s\"%.*s\"", count > 1 ? ", " : "", pose_quote(field), field.data);
+        buffer_format(out, "%s\"%.*s\"", count > 1 ? ", " : "", POSE_QUOTE(field));
         if (meant) {
             buffer_format(out, " (did you mean %s?)", meant);
         }
@@ -254,13 +254,12 @@ static conus_status note_ignored(struct notes *notes, const struct pose_table *t
 static conus_status check_quotes(const struct pose_table *table, struct text field, enum text_quotes quotes)
 {
     if (quotes == TEXT_UNCLOSED) {
-        return fail(CONUS_ERROR_DATA, "a quotation mark that is not closed in its line: \"%.*s", pose_quote(field),
-                    field.data);
+        return fail(CONUS_ERROR_DATA, "a quotation mark that is not closed in its line: \"%.*s", POSE_QUOTE(field));
     }
     bool stray = quotes == TEXT_PLAIN && table->separator != '\t' && field.size && memchr(field.data, '"', field.size);
     return !stray && quotes != TEXT_FOLLOWED
                ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "a quotation mark inside a field: %.*s", pose_quote(field), field.data);
+               : fail(CONUS_ERROR_DATA, "a quotation mark inside a field: %.*s", POSE_QUOTE(field));
 }
 
 conus_status pose_table_header(struct pose_table *out, struct notes *notes, struct text line,
@@ -277,7 +276,7 @@ conus_status pose_table_header(struct pose_table *out, struct notes *notes, stru
     conus_status status = text_is_utf8(line) ? CONUS_OK : fail(CONUS_ERROR_DATA, "header: not UTF-8 text");
     if (!status && !memchr(line.data, table->separator, line.size)) {
         status = fail(CONUS_ERROR_DATA, "header: \"%.*s\": no tab, comma or semicolon is between names of columns",
-                      pose_quote(line), line.data);
+                      POSE_QUOTE(line));
     }
     for (bool more = true; !status && text_quoted_field(&line, table->separator, &more, &field, &quotes);) {
         status = check_quotes(table, field, quotes);
@@ -365,7 +364,7 @@ static conus_status read_trigger(double *out, struct text field)
     *out = on;
     return on || off ? CONUS_OK
                      : fail(CONUS_ERROR_DATA, "column trigger: \"%.*s\", allowed are 0, 1, true, false and n/a",
-                            pose_quote(field), field.data);
+                            POSE_QUOTE(field));
 }
 
 static conus_status read_value(double *out, enum column column, struct text field)
@@ -408,7 +407,7 @@ static conus_status read_space(double *out, struct text field)
                : fail(CONUS_ERROR_DATA,
                       "column space: \"%.*s\", allowed are RAS, LPS, ccf, bregma and n/a; all rows are in one brain, "
                       "that of the atlas (--atlas-transform)",
-                      pose_quote(field), field.data);
+                      POSE_QUOTE(field));
 }
 
 static conus_status read_values(double values[COLUMNS], struct pose_name *name, const struct pose_table *table,
@@ -506,7 +505,7 @@ static bool read_point(double point[3], struct text *name, struct text line)
     double number;
     if (text_to_double(word, &number)) {
         (void)fail(CONUS_ERROR_DATA, "a number after x y z: \"%.*s\", allowed is a name that does not begin with one",
-                   pose_quote(word), word.data);
+                   POSE_QUOTE(word));
         return false;
     }
     return true;

@@ -74,7 +74,7 @@ static conus_status read_space(struct reading *reading, struct text name)
         return fail(CONUS_ERROR_DATA,
                     "line %zu: coordinate system \"%.*s\" is not the world of an image; export as NIfTI:Scanner, "
                     "NIfTI:Aligned, NIfTI:MNI-152, NIfTI:Talairach or World",
-                    reading->line, pose_quote(name), name.data);
+                    reading->line, POSE_QUOTE(name));
     }
     reading->lps = !nifti;
     reading->has_space = true;
@@ -134,7 +134,7 @@ static conus_status read_comment(struct reading *reading, struct text line)
         return text_starts(value, "millimetres") || text_starts(value, "millimeters") || text_starts(value, "mm")
                    ? CONUS_OK
                    : fail(CONUS_ERROR_DATA, "line %zu: units \"%.*s\", millimetres are needed", reading->line,
-                          pose_quote(value), value.data);
+                          POSE_QUOTE(value));
     }
     return memchr(rest.data, '\t', rest.size) ? begin_section(reading, rest) : CONUS_OK;
 }

@@ -4,6 +4,7 @@
 
 #include "base/buffer.h"
 #include "base/files/file.h"
+#include "base/files/folder.h"
 #include "base/formats/json_text.h"
 #include "base/memory.h"
 #include "poses/rows/pose_row.h"
@@ -82,18 +83,11 @@ conus_status pose_coordsystem_parse(struct pose_space *out, struct text text)
         space.scale = text_equal(units, scales[i].name) ? scales[i].scale : space.scale;
     }
     if (!status && space.scale == 0) {
-        status =
-            fail(CONUS_ERROR_DATA, "CoordinateUnits \"%.*s\", allowed are mm, cm and m", pose_quote(units), units.data);
+        status = fail(CONUS_ERROR_DATA, "CoordinateUnits \"%.*s\", allowed are mm, cm and m", POSE_QUOTE(units));
     }
     json_decref(root);
     *out = status ? *out : space;
     return status;
-}
-
-static struct text file_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return text_from(slash ? slash + 1 : path);
 }
 
 enum { CANDIDATES = 4 };
@@ -102,7 +96,7 @@ enum { CANDIDATES = 4 };
  * the person only (3): files that hold for several tables lack the rest. NULL without memory. */
 static char *system_path(const char *path, int candidate)
 {
-    struct text rest = file_name(path);
+    struct text rest = text_from(path_base(path));
     struct buffer name = {0};
     struct text entity;
     for (bool more = true; text_field(&rest, '_', &more, &entity);) {
@@ -136,7 +130,7 @@ static conus_status load_system(conus_pose_list *list, const char *path)
 /* Without a file: what the table's own name says after "space-", if anything. */
 static conus_status space_of_name(conus_pose_list *list, const char *path)
 {
-    struct text rest = file_name(path);
+    struct text rest = text_from(path_base(path));
     struct text entity;
     for (bool more = true; text_field(&rest, '_', &more, &entity);) {
         if (text_starts(entity, "space-")) {

@@ -5,6 +5,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/order.h"
+#include "poses/rows/pose_columns.h"
 #include "poses/rows/pose_row.h"
 
 #include <stdlib.h>
@@ -14,15 +15,14 @@ enum column { NAME, X, Y, Z, GROUP, PROBE_NAME, COLUMNS };
 
 static const char *const names[COLUMNS] = {"name", "x", "y", "z", "group", "probe_name"};
 
-static const size_t NO_COLUMN = SIZE_MAX;
+static const struct pose_columns table_columns = {.names = names, .count = COLUMNS, .quotes_are_plain = true};
 
 struct contact {
     struct text name;
     struct text shaft; /* the column group, or the name without the number at its end */
     uint64_t number;   /* at the end of the name, or else of the row */
     double position[3];
-    conus_status bad;
-    const char *message; /* of bad; owned */
+    char *error; /* why it is no pose; owned, NULL = it is one */
     size_t line;
     size_t next; /* on the same shaft; itself if it is the last */
     size_t previous;
@@ -32,8 +32,7 @@ struct reading {
     const conus_pose_options *options;
     double scale; /* mm per unit */
     bool lps;
-    size_t at[COLUMNS]; /* field of each column */
-    size_t field_count;
+    struct pose_columns columns;
     struct contact *contacts;
     size_t count, capacity;
 };
@@ -43,33 +42,13 @@ static bool is_absent(struct text field)
     return !field.size || text_equal(field, "n/a");
 }
 
-/* Sets *twice where a column that is read is there twice. */
-static void read_header(struct reading *reading, struct text line, bool *twice)
-{
-    struct text field;
-    *twice = false;
-    for (int i = 0; i < COLUMNS; i++) {
-        reading->at[i] = NO_COLUMN;
-    }
-    reading->field_count = 0;
-    for (bool more = true; text_field(&line, '\t', &more, &field); reading->field_count++) {
-        for (int i = 0; i < COLUMNS; i++) {
-            if (text_equal(text_trim(field), names[i])) {
-                *twice = *twice || reading->at[i] != NO_COLUMN;
-                reading->at[i] = reading->field_count;
-            }
-        }
-    }
-}
-
 bool pose_electrodes_header(struct text line)
 {
-    struct reading reading;
-    bool twice;
-    read_header(&reading, line, &twice);
+    struct pose_columns columns = table_columns;
+    (void)pose_columns_find(&columns, line); /* a column that is there twice is an error of such a table */
     bool all = true;
-    for (int i = NAME; i <= Z; i++) {
-        all = all && reading.at[i] != NO_COLUMN;
+    for (size_t i = NAME; i <= Z; i++) {
+        all = all && pose_columns_has(&columns, i);
     }
     /* A column that says where a device points: the table is one of poses, with a column that it does not know. */
     static const char *const directions[] = {"tx", "dx", "qw", "m00"};
@@ -82,37 +61,6 @@ bool pose_electrodes_header(struct text line)
     return all;
 }
 
-static conus_status split_row(struct text fields[COLUMNS], const struct reading *reading, struct text line)
-{
-    struct text field;
-    size_t index = 0;
-    for (int i = 0; i < COLUMNS; i++) {
-        fields[i] = (struct text){"", 0};
-    }
-    for (bool more = true; text_field(&line, '\t', &more, &field); index++) {
-        for (int i = 0; i < COLUMNS; i++) {
-            fields[i] = reading->at[i] == index ? text_trim(field) : fields[i];
-        }
-    }
-    return index == reading->field_count
-               ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "%zu fields, the header has %zu", index, reading->field_count);
-}
-
-static conus_status read_position(double out[3], const struct text *fields)
-{
-    for (int i = 0; i < 3; i++) {
-        struct text field = fields[X + i];
-        if (is_absent(field)) {
-            return fail(CONUS_ERROR_DATA, "%s: not known (n/a)", names[X + i]);
-        }
-        if (!text_to_double(field, &out[i]) || !isfinite(out[i])) {
-            return pose_no_number(names[X + i], field);
-        }
-    }
-    return CONUS_OK;
-}
-
 static conus_status read_contact(struct reading *reading, struct text line, size_t number)
 {
     if (!memory_reserve(&reading->contacts, &reading->capacity, reading->count + 1, sizeof *reading->contacts)) {
@@ -120,14 +68,15 @@ static conus_status read_contact(struct reading *reading, struct text line, size
     }
     struct text fields[COLUMNS];
     struct contact contact = {.line = number, .next = reading->count, .previous = reading->count};
-    contact.bad = split_row(fields, reading, line);
+    conus_status bad = pose_columns_split(fields, &reading->columns, line);
     contact.name = fields[NAME];
-    contact.bad = contact.bad ? contact.bad : read_position(contact.position, fields);
-    if (contact.bad) {
-        contact.message = memory_text(conus_message(), text_from(conus_message()).size);
-        if (!contact.message) {
-            return CONUS_ERROR_MEMORY;
-        }
+    for (size_t i = X; !bad && i <= Z; i++) {
+        bad = is_absent(fields[i]) ? fail(CONUS_ERROR_DATA, "%s: not known (n/a)", names[i])
+                                   : pose_columns_number(&contact.position[i - X], &reading->columns, fields, i);
+    }
+    contact.error = bad ? memory_text(conus_message(), text_from(conus_message()).size) : NULL;
+    if (bad && !contact.error) {
+        return CONUS_ERROR_MEMORY;
     }
     vec3_scale(contact.position, contact.position, reading->scale);
     if (reading->lps) {
@@ -158,10 +107,10 @@ static conus_status read_table(struct reading *reading, struct text text)
         if (begun) {
             status = read_contact(reading, line, number);
         } else if (pose_electrodes_header(line)) {
-            bool twice;
-            read_header(reading, line, &twice);
             begun = true;
-            status = twice ? fail(CONUS_ERROR_DATA, "header: a column name, x, y, z or group twice") : CONUS_OK;
+            status = pose_columns_find(&reading->columns, line)
+                         ? fail(CONUS_ERROR_DATA, "header: a column name, x, y, z or group twice")
+                         : CONUS_OK;
         } else {
             status = fail(CONUS_ERROR_DATA, "header: the columns name, x, y and z, separated by tabs, are needed");
         }
@@ -169,16 +118,11 @@ static conus_status read_table(struct reading *reading, struct text text)
     return status;
 }
 
-/* A contact in the order of the shafts. */
-struct place {
-    struct contact *contact;
-};
-
 /* By shaft, then outward. */
 static int compare_contacts(const void *left, const void *right)
 {
-    const struct contact *a = ((const struct place *)left)->contact;
-    const struct contact *b = ((const struct place *)right)->contact;
+    const struct contact *a = *(struct contact *const *)left;
+    const struct contact *b = *(struct contact *const *)right;
     int order = text_compare(a->shaft, b->shaft);
     order = order ? order : compare_unsigned(a->number, b->number);
     return order ? order : compare_unsigned(a->line, b->line);
@@ -187,20 +131,20 @@ static int compare_contacts(const void *left, const void *right)
 /* Each contact's neighbours on its shaft, of those that have positions. */
 static conus_status find_neighbours(struct reading *reading)
 {
-    struct place *sorted = memory_raw(reading->count, sizeof *sorted);
+    struct contact **sorted = memory_raw(reading->count, sizeof(struct contact *));
     if (!sorted) {
         return CONUS_ERROR_MEMORY;
     }
     size_t count = 0;
     for (size_t i = 0; i < reading->count; i++) {
-        if (!reading->contacts[i].bad) {
-            sorted[count++].contact = &reading->contacts[i];
+        if (!reading->contacts[i].error) {
+            sorted[count++] = &reading->contacts[i];
         }
     }
-    qsort(sorted, count, sizeof *sorted, compare_contacts);
+    qsort(sorted, count, sizeof(struct contact *), compare_contacts);
     for (size_t i = 1; i < count; i++) {
-        struct contact *inner = sorted[i - 1].contact;
-        struct contact *outer = sorted[i].contact;
+        struct contact *inner = sorted[i - 1];
+        struct contact *outer = sorted[i];
         if (text_compare(inner->shaft, outer->shaft) == 0) {
             inner->next = (size_t)(outer - reading->contacts);
             outer->previous = (size_t)(inner - reading->contacts);
@@ -219,7 +163,7 @@ static conus_status pose_along_shaft(conus_pose *out, const struct reading *read
     double direction[3];
     if (from == to) {
         return fail(CONUS_ERROR_DATA, "the only contact of its shaft \"%.*s\": no other gives it a direction",
-                    pose_quote(contact->shaft), contact->shaft.data);
+                    POSE_QUOTE(contact->shaft));
     }
     vec3_sub(direction, to->position, from->position);
     return conus_pose_along(out, contact->position, direction, NULL);
@@ -227,7 +171,8 @@ static conus_status pose_along_shaft(conus_pose *out, const struct reading *read
 
 conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)
 {
-    struct reading reading = {.options = options, .scale = list->space.scale > 0 ? list->space.scale : 1};
+    struct reading reading = {
+        .options = options, .scale = list->space.scale > 0 ? list->space.scale : 1, .columns = table_columns};
     bool is_named = list->space.brain != POSE_BRAIN_UNKNOWN; /* and by that RAS */
     reading.lps = options->space == CONUS_SPACE_LPS && !is_named;
     if (options->axis != CONUS_AXIS_OF_FORMAT) {
@@ -246,13 +191,13 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
         const struct contact *contact = &reading.contacts[i];
         conus_pose_row row = pose_row_at(contact->line);
         row.is_point = !options->along_shafts;
-        conus_status bad = contact->bad   ? CONUS_OK
+        conus_status bad = contact->error ? CONUS_OK
                            : row.is_point ? pose_of_point(&row.pose, contact->position)
                                           : pose_along_shaft(&row.pose, &reading, i);
-        status = pose_list_add(list, &row, contact->name, bad ? conus_message() : contact->message);
+        status = pose_list_add(list, &row, contact->name, bad ? conus_message() : contact->error);
     }
     for (size_t i = 0; i < reading.count; i++) {
-        memory_free((char *)reading.contacts[i].message);
+        memory_free(reading.contacts[i].error);
     }
     memory_free(reading.contacts);
     return status;

@@ -50,7 +50,7 @@ static conus_status read_columns(struct reading *reading, struct text value)
     conus_status status = pose_columns_find(&reading->columns, value);
     for (size_t i = X; !status && i <= Z; i++) {
         if (!pose_columns_has(&reading->columns, i)) {
-            status = fail(CONUS_ERROR_DATA, "columns: \"%.*s\", x, y and z are needed", pose_quote(value), value.data);
+            status = fail(CONUS_ERROR_DATA, "columns: \"%.*s\", x, y and z are needed", POSE_QUOTE(value));
         }
     }
     reading->has_columns = true;
@@ -67,9 +67,9 @@ static conus_status read_comment(struct reading *reading, struct text line)
     bool ras = text_equal(value, "RAS") || text_equal(value, "0");
     reading->lps = text_equal(value, "LPS") || text_equal(value, "1");
     reading->has_space = true;
-    return ras || reading->lps ? pose_note_space(&reading->list->notes, reading->options, reading->lps)
-                               : fail(CONUS_ERROR_DATA, "CoordinateSystem \"%.*s\", allowed are RAS, LPS, 0 and 1",
-                                      pose_quote(value), value.data);
+    return ras || reading->lps
+               ? pose_note_space(&reading->list->notes, reading->options, reading->lps)
+               : fail(CONUS_ERROR_DATA, "CoordinateSystem \"%.*s\", allowed are RAS, LPS, 0 and 1", POSE_QUOTE(value));
 }
 
 /* Before the first point, or at the end. */

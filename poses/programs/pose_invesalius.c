@@ -33,7 +33,7 @@ static conus_status read_version(struct reading *reading, struct text line)
     struct text number = text_trim((struct text){line.data + SKIPPED, line.size - SKIPPED});
     uint64_t version;
     if (!text_to_uint(number, UINT32_MAX, &version)) {
-        return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is no version", first_line, pose_quote(number), number.data);
+        return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is no version", first_line, POSE_QUOTE(number));
     }
     return version <= NEWEST_VERSION
                ? CONUS_OK

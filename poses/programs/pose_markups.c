@@ -34,7 +34,7 @@ static conus_status read_space_and_units(struct markup *markup)
     markup->lps = text_equal(space, "LPS");
     if (!markup->lps && !text_equal(space, "RAS")) {
         return fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateSystem \"%.*s\", allowed are LPS and RAS",
-                    markup->number - 1, pose_quote(space), space.data);
+                    markup->number - 1, POSE_QUOTE(space));
     }
     const json_t *value = json_object_get(markup->json, "coordinateUnits");
     value = json_is_array(value) ? json_array_get(value, 0) : value;
@@ -43,7 +43,7 @@ static conus_status read_space_and_units(struct markup *markup)
     return text_equal(units, "um") || text_equal(units, "mm")
                ? CONUS_OK
                : fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateUnits \"%.*s\", allowed are mm and um",
-                      markup->number - 1, pose_quote(units), units.data);
+                      markup->number - 1, POSE_QUOTE(units));
 }
 
 /* The file has no lines that matter: a row has the number of its markup. */
@@ -57,8 +57,7 @@ static conus_status read_position(double out[3], const struct markup *markup, co
     const json_t *position = json_object_get(point, "position");
     struct text status = text_of(json_object_get(point, "positionStatus"));
     if (status.size && !text_equal(status, "defined")) {
-        return fail(CONUS_ERROR_DATA, "positionStatus \"%.*s\": the point was not placed", pose_quote(status),
-                    status.data);
+        return fail(CONUS_ERROR_DATA, "positionStatus \"%.*s\": the point was not placed", POSE_QUOTE(status));
     }
     if (json_array_size(position) != 3) {
         return fail(CONUS_ERROR_DATA, "position: three numbers are needed");
@@ -136,9 +135,9 @@ static conus_status read_markup(struct markup *markup)
         return read_line(markup, points);
     }
     const conus_pose_row row = pose_row_at(markup->number);
-    return add_row(markup, &row, markup->name,
-                   fail(CONUS_ERROR_DATA, "a markup of type \"%.*s\", allowed are Line and Fiducial", pose_quote(type),
-                        type.data));
+    return add_row(
+        markup, &row, markup->name,
+        fail(CONUS_ERROR_DATA, "a markup of type \"%.*s\", allowed are Line and Fiducial", POSE_QUOTE(type)));
 }
 
 conus_status pose_markups_parse(conus_pose_list *list, struct text text, const conus_pose_options *options)

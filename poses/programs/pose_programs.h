@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Poses in the files of other programs: the parsers of pose_formats.c's table, and how each file is recognised.
+/** @file Poses in the files of other programs: the parsers of pose_stream.c's table, and how each file is recognised.
  * A parser adds the rows of the text, with notes and the space that it names, to the list; a bad pose is a row with its
  * error. */
 #ifndef CONUS_POSES_PROGRAMS_POSE_PROGRAMS_H

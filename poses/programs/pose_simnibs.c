@@ -134,7 +134,7 @@ static conus_status parse_text(const struct reading *reading, struct text text)
         first = i ? first : line;
         if (!text_to_double(word, &m[4 * (i % 4) + i / 4])) {
             status = fail(CONUS_ERROR_DATA, "line %zu: \"%.*s\" is no number; a matsimnibs is 16 of them", line,
-                          pose_quote(word), word.data);
+                          POSE_QUOTE(word));
         } else if (i + 1 == NUMBERS) {
             status = add_matrix(reading, m, text_from(""), first);
         }

@@ -19,9 +19,17 @@ static bool is_called(struct text field, const char *names)
     return found;
 }
 
-static char separator_of(const struct pose_columns *columns)
+static bool next_field(struct text *field, enum text_quotes *quotes, const struct pose_columns *columns,
+                       struct text *line, bool *more)
 {
-    return columns->separator ? columns->separator : '\t';
+    char separator = columns->separator ? columns->separator : '\t';
+    if (!columns->quotes_are_plain) {
+        return text_quoted_field(line, separator, more, field, quotes);
+    }
+    bool found = text_field(line, separator, more, field);
+    *field = text_trim(*field);
+    *quotes = TEXT_PLAIN;
+    return found;
 }
 
 conus_status pose_columns_find(struct pose_columns *columns, struct text header)
@@ -33,8 +41,7 @@ conus_status pose_columns_find(struct pose_columns *columns, struct text header)
     for (size_t i = 0; i < columns->count; i++) {
         columns->at[i] = NO_COLUMN;
     }
-    for (bool more = true; text_quoted_field(&header, separator_of(columns), &more, &field, &quotes);
-         columns->field_count++) {
+    for (bool more = true; next_field(&field, &quotes, columns, &header, &more); columns->field_count++) {
         for (size_t i = 0; i < columns->count; i++) {
             if (is_called(field, columns->names[i])) {
                 bool twice = columns->at[i] != NO_COLUMN;
@@ -62,10 +69,10 @@ conus_status pose_columns_split(struct text *fields, const struct pose_columns *
         fields[i] = (struct text){"", 0};
         least = columns->at[i] != NO_COLUMN && columns->at[i] >= least ? columns->at[i] + 1 : least;
     }
-    for (bool more = true; text_quoted_field(&line, separator_of(columns), &more, &field, &quotes); index++) {
+    for (bool more = true; next_field(&field, &quotes, columns, &line, &more); index++) {
         if (!status && (quotes == TEXT_UNCLOSED || quotes == TEXT_FOLLOWED)) {
             status = fail(CONUS_ERROR_DATA, "a quotation mark inside a field, or one that is not closed: %.*s",
-                          pose_quote(field), field.data);
+                          POSE_QUOTE(field));
         }
         for (size_t i = 0; i < columns->count; i++) {
             fields[i] = columns->at[i] == index ? field : fields[i];
@@ -81,13 +88,21 @@ bool pose_field_is_absent(struct text field)
     return !field.size || text_equal_ignoring_case(field, "n/a") || text_equal(field, "None");
 }
 
+conus_status pose_columns_number(double *out, const struct pose_columns *columns, const struct text *fields,
+                                 size_t column)
+{
+    return text_to_double(fields[column], out) && isfinite(*out)
+               ? CONUS_OK
+               : pose_no_number(columns->names[column], fields[column]);
+}
+
 conus_status pose_columns_point(double out[3], const struct pose_columns *columns, const struct text *fields,
                                 size_t first, double scale)
 {
     for (size_t i = 0; i < 3; i++) {
-        struct text field = fields[first + i];
-        if (!text_to_double(field, &out[i]) || !isfinite(out[i])) {
-            return pose_no_number(columns->names[first + i], field);
+        conus_status status = pose_columns_number(&out[i], columns, fields, first + i);
+        if (status) {
+            return status;
         }
         out[i] *= scale;
     }

@@ -13,6 +13,7 @@ struct pose_columns {
     const char *const *names; /**< [count]; "a|b" is called a or b. */
     size_t count;             /**< At most POSE_COLUMNS_MOST. */
     char separator;           /**< 0 = tab. */
+    bool quotes_are_plain;    /**< Quotation marks belong to the field. */
     bool may_end_early;       /**< Rows may lack fields behind the last column that is read. */
     size_t at[POSE_COLUMNS_MOST];
     size_t field_count;
@@ -30,6 +31,10 @@ conus_status pose_columns_split(struct text *fields, const struct pose_columns *
 
 /** Whether a field holds no value: empty, "n/a", "None". */
 bool pose_field_is_absent(struct text field);
+
+/** The number of @p column. */
+conus_status pose_columns_number(double *out, const struct pose_columns *columns, const struct text *fields,
+                                 size_t column);
 
 /** Three numbers, times @p scale, of the columns from @p first. */
 conus_status pose_columns_point(double out[3], const struct pose_columns *columns, const struct text *fields,

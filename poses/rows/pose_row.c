@@ -35,7 +35,7 @@ const char *pose_check_id(struct text *id, char ordinal[POSE_ORDINAL_SIZE], uint
 conus_status pose_no_number(const char *what, struct text field)
 {
     bool has_comma = field.size && memchr(field.data, ',', field.size);
-    return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is not a finite number%s", what, pose_quote(field), field.data,
+    return fail(CONUS_ERROR_DATA, "%s: \"%.*s\" is not a finite number%s", what, POSE_QUOTE(field),
                 has_comma ? "; decimals are written with a point" : "");
 }
 
@@ -176,9 +176,4 @@ conus_status pose_note_space(struct notes *notes, const conus_pose_options *opti
     static const char text[] = "the file says that its positions are RAS, and as such they are taken";
     bool said = notes->count && strcmp(notes->lines[notes->count - 1], text) == 0;
     return options->space == CONUS_SPACE_LPS && !lps && !said ? notes_warn(notes, "%s", text) : CONUS_OK;
-}
-
-int pose_quote(struct text field)
-{
-    return (int)(field.size < POSE_QUOTE_LIMIT ? field.size : POSE_QUOTE_LIMIT);
 }

@@ -64,7 +64,7 @@ conus_status pose_of_point(conus_pose *out, const double point[3]);
 /** CONUS_ERROR_DATA: @p what, "column x" say, holds @p field, which is no number. */
 conus_status pose_no_number(const char *what, struct text field);
 
-/** @p size for a message: at most POSE_QUOTE_LIMIT. */
-int pose_quote(struct text field);
+/** TEXT_SHOW() of a field in a message. */
+#define POSE_QUOTE(field) TEXT_SHOW(field, POSE_QUOTE_LIMIT)
 
 #endif
