@@ -128,6 +128,18 @@ bool text_equal_ignoring_case(struct text text, const char *string)
     return text.size == strlen(string) && strncasecmp(text.data, string, text.size) == 0;
 }
 
+bool text_is_one_of(struct text text, const char *words, bool exact)
+{
+    struct text rest = text_from(words);
+    struct text word;
+    for (bool more = true; text_field(&rest, '/', &more, &word);) {
+        if (word.size == text.size && (exact ? strncmp : strncasecmp)(word.data, text.data, word.size) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 struct text text_from_bytes(const uint8_t *data, size_t size)
 {
     struct text text = {(const char *)data, size};

@@ -16,7 +16,7 @@ struct text {
 };
 
 /** Arguments for "%.*s": the first @p most bytes of the text @p t. */
-#define TEXT_SHOW(t, most) (int)((t).size < (most) ? (t).size : (most)), (t).data
+#define TEXT_SHOW(t, most) (int)((t).size < (most) ? (t).size : (most)), (t).size ? (t).data : ""
 
 /** A text over a C string. */
 struct text text_from(const char *string);
@@ -53,6 +53,9 @@ struct text text_trim(struct text text);
 bool text_equal(struct text text, const char *string);
 bool text_equal_ignoring_case(struct text text, const char *string);
 bool text_starts(struct text text, const char *prefix);
+
+/** Whether @p text is one of @p words, which have '/' between them; @p exact: upper and lower case differ. */
+bool text_is_one_of(struct text text, const char *words, bool exact);
 
 /** True when @p part stands somewhere in @p text. */
 bool text_mentions(struct text text, const char *part);

@@ -3,7 +3,7 @@
 #include "loaders/file_kind.h"
 
 #include "base/text.h"
-#include "loaders/labels/label_bytes.h"
+#include "loaders/labels/label_format.h"
 
 const struct file_kind *file_kind_of(const char *path, const struct bytes *head)
 {

@@ -75,8 +75,7 @@ static conus_status take_quoted(struct text *rest, bool *more, struct text *out)
     after = text_trim(after);
     return !after.size ? CONUS_OK
                        : fail(CONUS_ERROR_ARGUMENT, "\"%.*s\" is followed by \"%.*s\", a comma is needed between areas",
-                              (int)(out->size < 40 ? out->size : 40), out->data,
-                              (int)(after.size < 40 ? after.size : 40), after.data);
+                              (int)(out->size < 40 ? out->size : 40), out->data, TEXT_SHOW(after, 40));
 }
 
 static conus_status list_item(const struct reading *reading, struct text *rest, bool *more)

@@ -508,3 +508,8 @@ struct text hdf5_string(const struct hdf5_value *value, size_t index)
     uint64_t end = order_u64(value->data + 8 * index + 8, SWAPPED);
     return (struct text){(const char *)value->data + 8 * (value->count + 1) + begin, (size_t)(end - begin)};
 }
+
+struct text hdf5_text(const struct hdf5_value *value)
+{
+    return value && value->class == HDF5_STRING && value->count == 1 ? hdf5_string(value, 0) : text_from("");
+}

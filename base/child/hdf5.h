@@ -76,5 +76,7 @@ double hdf5_number(const struct hdf5_value *value, size_t index);
 int64_t hdf5_whole(const struct hdf5_value *value, size_t index);
 /** Element @p index of strings. */
 struct text hdf5_string(const struct hdf5_value *value, size_t index);
+/** The one string that @p value is; "" where it is anything else, or NULL. */
+struct text hdf5_text(const struct hdf5_value *value);
 
 #endif

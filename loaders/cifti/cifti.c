@@ -322,7 +322,7 @@ static conus_status read_indices(struct cifti_model *model, const char *name, st
     for (; text_word(&text, &word); n++) {
         if (!text_to_uint(word, limit - 1, &value)) {
             return fail(CONUS_ERROR_DATA, "%s: number %zu is \"%.*s\", allowed are whole numbers from 0 to %llu", name,
-                        n, word.size < 20 ? (int)word.size : 20, word.data, (unsigned long long)limit - 1);
+                        n, TEXT_SHOW(word, 20), (unsigned long long)limit - 1);
         }
         if (n < wanted) {
             model->indices[n] = (uint32_t)value;

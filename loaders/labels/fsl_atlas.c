@@ -93,16 +93,13 @@ static conus_status start_element(void *user, const struct xml_event *event)
 
 static conus_status set_type(struct fsl_atlas *atlas, struct text text)
 {
-    static const char *const types[] = {"Label", "Probabilistic", "Probabalistic", "Statistic"};
-    for (size_t i = 0; i < sizeof types / sizeof types[0]; i++) {
-        if (text_equal_ignoring_case(text_trim(text), types[i])) {
-            atlas->is_label = i == 0;
-            return label_set_text(&atlas->type, text);
-        }
+    struct text type = text_trim(text);
+    if (!text_is_one_of(type, "Label/Probabilistic/Probabalistic/Statistic", false)) {
+        return fail(CONUS_ERROR_DATA, "type \"%.*s\", allowed are Label, Probabilistic and Statistic",
+                    TEXT_SHOW(type, 60));
     }
-    struct text shown = text_trim(text);
-    return fail(CONUS_ERROR_DATA, "type \"%.*s\", allowed are Label, Probabilistic and Statistic",
-                shown.size < 60 ? (int)shown.size : 60, shown.size ? shown.data : "");
+    atlas->is_label = text_equal_ignoring_case(type, "Label");
+    return label_set_text(&atlas->type, text);
 }
 
 /* The elements that SPM writes inside a label. */

@@ -5,6 +5,7 @@
 #define CONUS_LOADERS_LABELS_FSL_ATLAS_H
 
 #include "atlas/labels/labels.h"
+#include "loaders/labels/label_use.h"
 
 enum { FSL_ATLAS_LIMIT = 4 << 20 }; /**< Bytes of an atlas XML. */
 
@@ -34,5 +35,9 @@ struct fsl_atlas {
 /** Parses the bytes of an atlas XML. */
 conus_status fsl_atlas_parse(struct fsl_atlas *out, struct text text);
 void fsl_atlas_finish(struct fsl_atlas *atlas);
+
+/** Gives the labels the numbers that they have in a volume of labels, and sorts them: index or index + 1, as their
+ * points say if @p use has a volume, else as the type says (docs/formats.md). @p use->path is the XML's. */
+conus_status fsl_atlas_number(struct fsl_atlas *atlas, const struct label_use *use, struct notes *notes);
 
 #endif

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which number a label of an FSL atlas XML has in a volume of labels: its index, or that plus one. */
-#include "loaders/labels/fsl_number.h"
-
 #include "base/files/folder.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Which format, by content; and MRIcron's colours, the one format that is not text. */
-#include "loaders/labels/label_bytes.h"
-
 #include "loaders/labels/label_format.h"
 
 #include <string.h>

@@ -2,29 +2,19 @@
 /* Cells and entries of label tables, for all formats. */
 #include "loaders/labels/label_cells.h"
 
+#include "base/formats/base64.h"
+
 #include <stdio.h>
 #include <string.h>
 
 enum { SHOWN = 60 };
 
-/* A cell as a message quotes it: cut if long, and never NULL. */
-struct quoted {
-    char text[SHOWN + 1];
-};
-
-static struct quoted quote_cell(struct text cell)
-{
-    struct quoted quoted = {0};
-    memcpy(quoted.text, cell.size ? cell.data : "", cell.size < SHOWN ? cell.size : SHOWN);
-    return quoted;
-}
-
 conus_status label_cell_number(uint32_t *out, struct text cell, const char *where)
 {
     uint64_t number;
     if (!text_to_uint(cell, UINT32_MAX, &number)) {
-        return fail(CONUS_ERROR_DATA, "%s: label \"%s\", a whole number from 0 to 4294967295 is needed", where,
-                    quote_cell(cell).text);
+        return fail(CONUS_ERROR_DATA, "%s: label \"%.*s\", a whole number from 0 to 4294967295 is needed", where,
+                    TEXT_SHOW(cell, SHOWN));
     }
     *out = (uint32_t)number;
     return CONUS_OK;
@@ -34,8 +24,8 @@ conus_status label_cell_channel(uint8_t *out, struct text cell, const char *chan
 {
     uint64_t value;
     if (!text_to_uint(cell, 255, &value)) {
-        return fail(CONUS_ERROR_DATA, "%s: %s is \"%s\", a whole number from 0 to 255 is needed", where, channel,
-                    quote_cell(cell).text);
+        return fail(CONUS_ERROR_DATA, "%s: %s is \"%.*s\", a whole number from 0 to 255 is needed", where, channel,
+                    TEXT_SHOW(cell, SHOWN));
     }
     *out = (uint8_t)value;
     return CONUS_OK;
@@ -45,8 +35,8 @@ conus_status label_cell_fraction(uint8_t *out, struct text cell, const char *cha
 {
     double value;
     if (!text_to_double(cell, &value) || !(value >= 0 && value <= 1)) {
-        return fail(CONUS_ERROR_DATA, "%s: %s is \"%s\", a number from 0 to 1 is needed", where, channel,
-                    quote_cell(cell).text);
+        return fail(CONUS_ERROR_DATA, "%s: %s is \"%.*s\", a number from 0 to 1 is needed", where, channel,
+                    TEXT_SHOW(cell, SHOWN));
     }
     *out = (uint8_t)(value * 255 + 0.5);
     return CONUS_OK;
@@ -117,14 +107,6 @@ conus_status label_entry_end(struct label_entry *entry, struct label_table *tabl
     return status;
 }
 
-static int hex_digit(char c)
-{
-    return c >= '0' && c <= '9'   ? c - '0'
-           : c >= 'a' && c <= 'f' ? c - 'a' + 10
-           : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                  : -1;
-}
-
 /* "rgba(255,0,0,1)" or "rgb(255,0,0)": the opacity says nothing about an area. */
 static conus_status read_function(uint8_t out[3], struct text cell, const char *where)
 {
@@ -139,8 +121,8 @@ static conus_status read_function(uint8_t out[3], struct text cell, const char *
     }
     return status || count == 3 || count == 4
                ? status
-               : fail(CONUS_ERROR_DATA, "%s: colour \"%s\", rgb(R,G,B) or rgba(R,G,B,A) is needed", where,
-                      quote_cell(cell).text);
+               : fail(CONUS_ERROR_DATA, "%s: colour \"%.*s\", rgb(R,G,B) or rgba(R,G,B,A) is needed", where,
+                      TEXT_SHOW(cell, SHOWN));
 }
 
 conus_status label_cell_colour(uint8_t out[3], struct text cell, const char *where)
@@ -151,31 +133,22 @@ conus_status label_cell_colour(uint8_t out[3], struct text cell, const char *whe
     size_t start = cell.size == 7 && cell.data[0] == '#';
     bool fine = cell.size - start == 6;
     for (size_t i = 0; fine && i < 3; i++) {
-        int high = hex_digit(cell.data[start + 2 * i]);
-        int low = hex_digit(cell.data[start + 2 * i + 1]);
+        int high = base16_value(cell.data[start + 2 * i]);
+        int low = base16_value(cell.data[start + 2 * i + 1]);
         fine = high >= 0 && low >= 0;
         out[i] = fine ? (uint8_t)(16 * high + low) : 0;
     }
     return fine ? CONUS_OK
-                : fail(CONUS_ERROR_DATA, "%s: colour \"%s\", #rrggbb in hexadecimal, or rgba(R,G,B,A), is needed",
-                       where, quote_cell(cell).text);
+                : fail(CONUS_ERROR_DATA, "%s: colour \"%.*s\", #rrggbb in hexadecimal, or rgba(R,G,B,A), is needed",
+                       where, TEXT_SHOW(cell, SHOWN));
 }
 
 char label_hemisphere_of(struct text cell)
 {
-    static const struct {
-        const char *word;
-        char hemisphere;
-    } words[] = {
-        {"L", 'L'},  {"left", 'L'}, {"lh", 'L'},   {"R", 'R'},         {"right", 'R'},
-        {"rh", 'R'}, {"B", 'B'},    {"both", 'B'}, {"bilateral", 'B'},
-    };
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
-        if (text_equal_ignoring_case(cell, words[i].word)) {
-            return words[i].hemisphere;
-        }
-    }
-    return 0;
+    return text_is_one_of(cell, "L/left/lh", false)          ? 'L'
+           : text_is_one_of(cell, "R/right/rh", false)       ? 'R'
+           : text_is_one_of(cell, "B/both/bilateral", false) ? 'B'
+                                                             : 0;
 }
 
 static bool is_letter(char c)
@@ -212,23 +185,15 @@ static bool next_letters(struct text *rest, struct text *word)
 /* A name is that of no area if its first word says that nothing is there, or if it has neither a word nor a number. */
 bool label_is_background(struct text name)
 {
-    static const char *const absent[] = {
-        "air",        "background", "bg",          "clear",        "empty",     "exterior", "na",
-        "nan",        "nil",        "no",          "non",          "none",      "not",      "null",
-        "nothing",    "outside",    "unassigned",  "unclassified", "undefined", "unknown",  "unlabeled",
-        "unlabelled", "unnamed",    "unsegmented", "unspecified",  "void",
-    };
+    static const char absent[] = "air/background/bg/clear/empty/exterior/na/nan/nil/no/non/none/not/null/nothing/"
+                                 "outside/unassigned/unclassified/undefined/unknown/unlabeled/unlabelled/unnamed/"
+                                 "unsegmented/unspecified/void";
     struct text word;
     struct text rest = name;
     if (!next_letters(&rest, &word)) {
         return !has_number(name);
     }
-    for (size_t i = 0; i < sizeof absent / sizeof absent[0]; i++) {
-        if (text_equal_ignoring_case(word, absent[i])) {
-            return true;
-        }
-    }
-    return text_equal_ignoring_case(name, "n/a");
+    return text_is_one_of(word, absent, false) || text_equal_ignoring_case(name, "n/a");
 }
 
 conus_status label_keep(struct label_table *table, struct label *label, conus_status status, struct notes *notes)

@@ -178,7 +178,7 @@ static conus_status fill_label(struct label *label, const struct text cells[COLU
     label->hemisphere = label_hemisphere_of(hemisphere);
     if (!status && hemisphere.size && !label->hemisphere) {
         status = notes_warn(notes, "label table, %s: hemisphere \"%.*s\" is none of L, R, B: taken as not given", where,
-                            hemisphere.size < 40 ? (int)hemisphere.size : 40, hemisphere.data);
+                            TEXT_SHOW(hemisphere, 40));
     }
     const struct text parent = cells[cells[PARENT].size ? PARENT : PARENT_IDENTIFIER];
     if (!status && parent.size) {
@@ -339,8 +339,7 @@ static size_t list_columns(struct buffer *out, struct text line, char separator)
     size_t count = 0;
     for (bool more = true; text_quoted_field(&line, separator, &more, &field, &quotes); count++) {
         if (count < SHOWN) {
-            buffer_format(out, "%s\"%.*s\"", count ? ", " : "", field.size < WIDTH ? (int)field.size : WIDTH,
-                          field.size ? field.data : "");
+            buffer_format(out, "%s\"%.*s\"", count ? ", " : "", TEXT_SHOW(field, WIDTH));
         }
     }
     buffer_text(out, count > SHOWN ? ", ..." : "");

@@ -5,7 +5,6 @@
 #include "base/files/folder.h"
 #include "base/memory.h"
 #include "loaders/formats/formats.h"
-#include "loaders/labels/label_bytes.h"
 #include "loaders/labels/label_format.h"
 
 #include <string.h>

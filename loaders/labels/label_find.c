@@ -11,10 +11,9 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "loaders/labels/fsl_find.h"
-#include "loaders/labels/fsl_number.h"
-#include "loaders/labels/label_bytes.h"
 #include "loaders/labels/label_cells.h"
 #include "loaders/labels/label_file.h"
+#include "loaders/labels/label_format.h"
 #include "loaders/labels/label_search.h"
 #include "loaders/labels/label_use.h"
 #include "loaders/labels/label_words.h"
@@ -42,26 +41,13 @@ static enum kind kind_of_volume(const struct label_search *search)
 {
     const char *name = path_base(search->volume->info->path);
     const struct text stem = {name, volume_stem_length(name)};
-    static const char *const whole[] = {
-        "aseg",
-        "aseg.auto",
-        "aseg.auto_noCCseg",
-        "aseg.presurf",
-        "aparc+aseg",
-        "aparc.a2009s+aseg",
-        "aparc.DKTatlas+aseg",
-        "aparc.DKTatlas40+aseg",
-        "wmparc",
-        "ribbon",
-        "aseg.presurf.hypos",
-        "aparc.DKTatlas+aseg.deep",
-    };
+    static const char whole[] = "aseg/aseg.auto/aseg.auto_noCCseg/aseg.presurf/aseg.presurf.hypos/aparc+aseg/"
+                                "aparc.a2009s+aseg/aparc.DKTatlas+aseg/aparc.DKTatlas+aseg.deep/"
+                                "aparc.DKTatlas40+aseg/wmparc/ribbon";
     static const char *const parts[] = {"brainstemSsLabels",  "ThalamicNuclei",   "lh.hippoAmygLabels",
                                         "rh.hippoAmygLabels", "lh.hippoSfLabels", "rh.hippoSfLabels"};
-    for (size_t i = 0; i < sizeof whole / sizeof whole[0]; i++) {
-        if (text_equal(stem, whole[i])) {
-            return WHOLE;
-        }
+    if (text_is_one_of(stem, whole, true)) {
+        return WHOLE;
     }
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
         if (text_starts(stem, parts[i])) {
@@ -268,10 +254,7 @@ static bool label_fit_is_good(const struct label_fit *fit, const struct label_ta
 
 #define TABLE_ENDINGS ".nii.txt/.nii.lut/.niml.lt/.txt/.tsv/.json/.label/.ctbl/.csv/.lut/.ctab"
 
-enum {
-    FOLDER_LIMIT = 4096, /* names that names_list() gives at most: one more could be another volume */
-    TABLE_LIMIT = 16,    /* candidates that are read */
-};
+enum { TABLE_LIMIT = 16 }; /* candidates that are read */
 
 /* Length of the name without the ending of a table; 0 if it has none. */
 static size_t table_stem_length(const char *name)
@@ -416,7 +399,8 @@ static conus_status label_search_alike(struct label_search *search, const char *
     size_t tries = 0;
     conus_status status = search->use.voxels ? names_list(&names, folder, VOLUME_ENDINGS "/" TABLE_ENDINGS) : CONUS_OK;
     label_words_find(&here.volume, here.stem);
-    for (size_t i = 0; !status && names.count < FOLDER_LIMIT && tries < TABLE_LIMIT && i < names.count; i++) {
+    /* of NAMES_LIMIT names one that is not listed could be another volume */
+    for (size_t i = 0; !status && names.count < NAMES_LIMIT && tries < TABLE_LIMIT && i < names.count; i++) {
         bool tried;
         status = consider(&tried, search, &here, names.names[i]);
         tries += !status && tried;

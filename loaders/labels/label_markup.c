@@ -4,7 +4,6 @@
 
 #include "base/formats/xml.h"
 #include "loaders/labels/fsl_atlas.h"
-#include "loaders/labels/fsl_number.h"
 #include "loaders/labels/label_cells.h"
 
 #include <string.h>

@@ -5,7 +5,6 @@
 #include "base/files/file.h"
 #include "base/files/folder.h"
 #include "base/memory.h"
-#include "loaders/labels/label_bytes.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_format.h"
 

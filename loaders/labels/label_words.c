@@ -17,22 +17,11 @@ static enum kind kind_of(char c)
     return (c >= 'a' && c <= 'z') || (c & 0x80) ? SMALL : NO_WORD;
 }
 
-static bool is_neutral(struct text word)
-{
-    static const char *const neutral[] = {
-        "atl",   "atlas",  "atlases", "color",        "colors",  "colortable", "colour",  "colours", "ctab",
-        "desc",  "dseg",   "hemi",    "index",        "indices", "info",       "key",     "keys",    "l",
-        "label", "labels", "left",    "legend",       "lh",      "list",       "lookup",  "lut",     "name",
-        "names", "nii",    "parc",    "parcellation", "r",       "region",     "regions", "rh",      "right",
-        "roi",   "rois",   "seg",     "segmentation", "table",
-    };
-    for (size_t i = 0; i < sizeof neutral / sizeof neutral[0]; i++) {
-        if (text_equal_ignoring_case(word, neutral[i])) {
-            return true;
-        }
-    }
-    return false;
-}
+/* Words that any table or volume may have. */
+static const char neutral[] =
+    "atl/atlas/atlases/color/colors/colortable/colour/colours/ctab/desc/dseg/hemi/index/indices/info/key/keys/l/label/"
+    "labels/left/legend/lh/list/lookup/lut/name/names/nii/parc/parcellation/r/region/regions/rh/right/roi/rois/seg/"
+    "segmentation/table";
 
 /* The next word off `rest`; false if none is left. */
 static bool next_word(struct text *rest, struct text *word)
@@ -60,10 +49,12 @@ static void add_word(struct label_words *words, struct text word)
     const struct text *last = size ? &words->items[words->count - 1] : NULL;
     if (last && kind_of(last->data[0]) == DIGIT && last->data + last->size == word.data) {
         words->count--;
-    } else if (!is_neutral(word) && words->count == LABEL_WORDS) {
-        words->overflow = true;
-    } else if (!is_neutral(word)) {
-        words->items[words->count++] = word;
+    } else if (!text_is_one_of(word, neutral, false)) {
+        if (words->count < LABEL_WORDS) {
+            words->items[words->count++] = word;
+        } else {
+            words->overflow = true;
+        }
     }
 }
 

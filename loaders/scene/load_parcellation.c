@@ -10,7 +10,6 @@
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/file_kind.h"
 #include "loaders/labels/fsl_find.h"
-#include "loaders/labels/fsl_number.h"
 #include "loaders/labels/label_file.h"
 #include "loaders/labels/label_search.h"
 #include "loaders/volumes/grey.h"

@@ -9,7 +9,6 @@
 #include "base/options.h"
 #include "loaders/cifti/cifti_file.h"
 #include "loaders/labels/fsl_atlas.h"
-#include "loaders/labels/fsl_number.h"
 #include "loaders/labels/label_volumes.h"
 #include "loaders/manifest/manifest.h"
 #include "loaders/manifest/manifest_brainglobe.h"

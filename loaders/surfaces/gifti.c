@@ -519,7 +519,7 @@ static conus_status end_space(int *space, const char *name, struct text text)
         return fail(CONUS_ERROR_DATA,
                     "%s: found \"%.*s\", allowed are NIFTI_XFORM_ with UNKNOWN, SCANNER_ANAT, "
                     "ALIGNED_ANAT, TALAIRACH and MNI_152",
-                    name, (int)(text.size < 60 ? text.size : 60), text.size ? text.data : "");
+                    name, TEXT_SHOW(text, 60));
     }
     *space = value;
     return CONUS_OK;

@@ -83,7 +83,7 @@ static conus_status read_type(struct tck *tck)
         }
     }
     return fail(CONUS_ERROR_DATA, "datatype: found \"%.*s\", allowed are Float32LE, Float32BE, Float64LE and Float64BE",
-                (int)(tck->type.size < 40 ? tck->type.size : 40), tck->type.data ? tck->type.data : "");
+                TEXT_SHOW(tck->type, 40));
 }
 
 /* "file: . 620": in this file, from that byte on. */
@@ -95,8 +95,7 @@ static conus_status tck_read_file(struct tck *tck, size_t header_size)
     (void)text_word(&rest, &name);
     if (!text_equal(name, ".") || !text_word(&rest, &number) || !text_to_uint(number, UINT64_MAX, &tck->offset) ||
         text_trim(rest).size) {
-        return fail(CONUS_ERROR_DATA, "file: found \"%.*s\", needed is \". OFFSET\"",
-                    (int)(tck->file.size < 40 ? tck->file.size : 40), tck->file.data ? tck->file.data : "");
+        return fail(CONUS_ERROR_DATA, "file: found \"%.*s\", needed is \". OFFSET\"", TEXT_SHOW(tck->file, 40));
     }
     if (tck->offset < header_size) {
         return fail(CONUS_ERROR_DATA, "file: found offset %llu, the header ends at %zu",

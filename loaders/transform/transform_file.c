@@ -112,8 +112,8 @@ enum { VOXEL_TO_VOXEL = 0, RAS_TO_RAS = 1 };
 
 /* The geometry of one of the two images. */
 struct lta_volume {
-    bool valid, has_valid, has_size, has_voxel, has_axis[3], has_centre;
-    double size[3], voxel[3], axis[3][3], centre[3];
+    bool has[7]; /* as the keys of take_volume_line() */
+    double valid, size[3], voxel[3], axis[3][3], centre[3];
 };
 
 static bool lta_is(struct text text)
@@ -150,32 +150,19 @@ static conus_status lta_take_numbers(double *out, size_t count, struct text valu
 
 static conus_status take_volume_line(struct lta_volume *out, struct text line)
 {
-    static const char *const axes[] = {"xras", "yras", "zras"};
+    const struct {
+        const char *key;
+        double *numbers;
+        size_t count;
+    } keys[] = {
+        {"valid", &out->valid, 1}, {"volume", out->size, 3},  {"voxelsize", out->voxel, 3}, {"cras", out->centre, 3},
+        {"xras", out->axis[0], 3}, {"yras", out->axis[1], 3}, {"zras", out->axis[2], 3},
+    };
     struct text values;
-    double valid;
-    conus_status status;
-    if (lta_take_key(&values, line, "valid")) {
-        status = lta_take_numbers(&valid, 1, values, "valid");
-        out->has_valid = true;
-        out->valid = !status && valid == 1;
-        return status;
-    }
-    if (lta_take_key(&values, line, "volume")) {
-        out->has_size = true;
-        return lta_take_numbers(out->size, 3, values, "volume");
-    }
-    if (lta_take_key(&values, line, "voxelsize")) {
-        out->has_voxel = true;
-        return lta_take_numbers(out->voxel, 3, values, "voxelsize");
-    }
-    if (lta_take_key(&values, line, "cras")) {
-        out->has_centre = true;
-        return lta_take_numbers(out->centre, 3, values, "cras");
-    }
-    for (int a = 0; a < 3; a++) {
-        if (lta_take_key(&values, line, axes[a])) {
-            out->has_axis[a] = true;
-            return lta_take_numbers(out->axis[a], 3, values, axes[a]);
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+        if (lta_take_key(&values, line, keys[i].key)) {
+            out->has[i] = true;
+            return lta_take_numbers(keys[i].numbers, keys[i].count, values, keys[i].key);
         }
     }
     return CONUS_OK; /* the image's name, and what later versions say */
@@ -184,8 +171,10 @@ static conus_status take_volume_line(struct lta_volume *out, struct text line)
 /* cras is the middle of the voxels: of 256 of them voxel 128's. */
 static conus_status world_from_voxel(double out[16], const struct lta_volume *volume, const char *which)
 {
-    bool whole = volume->valid && volume->has_size && volume->has_voxel && volume->has_axis[0] && volume->has_axis[1] &&
-                 volume->has_axis[2] && volume->has_centre;
+    bool whole = volume->valid == 1;
+    for (size_t i = 0; i < sizeof volume->has; i++) {
+        whole = whole && volume->has[i];
+    }
     if (!whole) {
         return fail(CONUS_ERROR_DATA, "%s volume info: not valid or not whole, but the matrix is between voxels",
                     which);

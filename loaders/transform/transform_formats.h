@@ -16,16 +16,6 @@ struct itk_entry {
     bool has_parameters, has_fixed; /**< A composite has neither. */
 };
 
-/** The transforms of a file, in its order. */
-struct itk_list {
-    struct itk_entry *items;
-    size_t count, capacity;
-};
-
-/** Adds an entry of this type, to be filled. CONUS_ERROR_MEMORY. */
-conus_status itk_list_add(struct itk_list *list, struct text type);
-void itk_list_finish(struct itk_list *list);
-
 /** Adds an affine or a B-spline as a step before those of @p chain. CONUS_ERROR_DATA for numbers that do not fit the
  * type, CONUS_ERROR_UNSUPPORTED for other types. */
 conus_status itk_chain_add(struct transform_chain *chain, const struct itk_entry *entry);

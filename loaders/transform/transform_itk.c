@@ -69,57 +69,76 @@ static void itk_place(double out[16], double r[3][3], const double c[3], const d
 }
 
 /* "AffineTransform_double_3_3" begins with "AffineTransform_" and ends with "_3_3". */
-static bool is_type(struct text name, const char *type)
+bool itk_is_type(struct text name, const char *type)
 {
     size_t length = strlen(type);
     return name.size > length + 4 && text_starts(name, type) && name.data[length] == '_' &&
            memcmp(name.data + name.size - 4, "_3_3", 4) == 0;
 }
 
-static conus_status check_counts(struct text name, size_t count, size_t wanted, size_t fixed, size_t fixed_wanted,
-                                 size_t fixed_most)
+/* What the matrix of an affine follows from. */
+enum linear { MATRIX, EULER, VERSOR, SKEWED, QUATERNION, SCALE, IDENTITY };
+
+/* The affines that are read: how many parameters and fixed ones they have, and where the translation is. */
+static const struct affine {
+    const char *type;
+    enum linear linear;
+    size_t count, fixed, fixed_most, translation; /* translation = count: there is none */
+} affines[] = {
+    {"AffineTransform", MATRIX, 12, 3, 3, 9},
+    {"MatrixOffsetTransformBase", MATRIX, 12, 3, 3, 9},
+    {"Rigid3DTransform", MATRIX, 12, 3, 3, 9},
+    {"Euler3DTransform", EULER, 6, 3, 4, 3},
+    {"VersorRigid3DTransform", VERSOR, 6, 3, 3, 3},
+    {"Similarity3DTransform", VERSOR, 7, 3, 3, 3},
+    {"ScaleSkewVersor3DTransform", SKEWED, 15, 3, 3, 3},
+    {"QuaternionRigidTransform", QUATERNION, 7, 3, 3, 4},
+    {"ScaleTransform", SCALE, 3, 3, 3, 3},
+    {"TranslationTransform", IDENTITY, 3, 0, 0, 0},
+    {"IdentityTransform", IDENTITY, 0, 0, 0, 0},
+};
+
+static const struct affine *find_affine(struct text name)
 {
-    if (count != wanted) {
-        return fail(CONUS_ERROR_DATA, "Parameters: %zu numbers, %.*s has %zu", count, (int)name.size, name.data,
-                    wanted);
+    for (size_t i = 0; i < sizeof affines / sizeof affines[0]; i++) {
+        if (itk_is_type(name, affines[i].type)) {
+            return &affines[i];
+        }
     }
-    return fixed >= fixed_wanted && fixed <= fixed_most
+    return NULL;
+}
+
+static conus_status check_fixed(const struct itk_entry *entry, size_t least, size_t most)
+{
+    return entry->fixed_count >= least && entry->fixed_count <= most
                ? CONUS_OK
-               : fail(CONUS_ERROR_DATA, "FixedParameters: %zu numbers, %.*s has %zu", fixed, (int)name.size, name.data,
-                      fixed_wanted);
+               : fail(CONUS_ERROR_DATA, "FixedParameters: %zu numbers, %.*s has %zu", entry->fixed_count,
+                      (int)entry->type.size, entry->type.data, least);
 }
 
 /* Cubic ones; ITK 3's class has the same numbers. */
 static bool is_spline(struct text name)
 {
-    return is_type(name, "BSplineTransform") || is_type(name, "BSplineDeformableTransform");
+    return itk_is_type(name, "BSplineTransform") || itk_is_type(name, "BSplineDeformableTransform");
 }
 
 /* CONUS_OK for the types that are known. */
 static conus_status check_type(struct text name)
 {
-    static const char *const read[] = {
-        "AffineTransform",        "MatrixOffsetTransformBase",  "Rigid3DTransform",        "Euler3DTransform",
-        "VersorRigid3DTransform", "Similarity3DTransform",      "TranslationTransform",    "IdentityTransform",
-        "ScaleTransform",         "ScaleSkewVersor3DTransform", "QuaternionRigidTransform"};
-    bool found = is_spline(name);
-    for (size_t i = 0; i < sizeof read / sizeof read[0]; i++) {
-        found = found || is_type(name, read[i]);
-    }
-    int size = (int)(name.size < 60 ? name.size : 60);
+    bool found = is_spline(name) || find_affine(name);
     if (!found && text_mentions(name, "DisplacementField")) {
         return fail(CONUS_ERROR_UNSUPPORTED,
                     "Transform: %.*s, a field in ITK's own format, is not read; write it as a displacement field in "
                     "NIfTI, by 3D Slicer's Transforms, Convert, or by ANTs: "
                     "antsApplyTransforms -d 3 -r IMAGE -t FILE -o [FIELD.nii.gz,1]",
-                    size, name.data);
+                    TEXT_SHOW(name, 60));
     }
     return found ? CONUS_OK
                  : fail(CONUS_ERROR_UNSUPPORTED,
                         "Transform: %.*s; read are Affine, MatrixOffsetBase, Rigid3D, Euler3D, VersorRigid3D, "
                         "Similarity3D, ScaleSkewVersor3D, QuaternionRigid, Scale, Translation, Identity and cubic "
                         "BSpline, in 3-D, and composites of them",
-                        size, name.data);
+                        TEXT_SHOW(name, 60));
 }
 
 /* A turn by p[0..2], to which scales p[6..8] and skews p[9..14] are added: itk::ScaleSkewVersor3DTransform. */
@@ -153,57 +172,48 @@ static conus_status set_quaternion(double r[3][3], const double q[4])
 /* The matrix of an affine one. */
 static conus_status itk_matrix(double out[16], const struct itk_entry *entry)
 {
-    const struct text name = entry->type;
+    const struct affine *affine = find_affine(entry->type);
     const double *p = entry->parameters;
-    const double *fixed = entry->fixed;
-    size_t count = entry->count;
-    size_t fixed_count = entry->fixed_count;
     static const double zero[3] = {0, 0, 0};
     double r[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    const double *t = zero;
-    conus_status status;
-    if (is_type(name, "Euler3DTransform")) {
-        status = check_counts(name, count, 6, fixed_count, 3, 4);
-        if (!status) {
-            t = p + 3;
-            set_euler(r, p, fixed_count == 4 && fixed[3] != 0);
-        }
-    } else if (is_type(name, "VersorRigid3DTransform") || is_type(name, "Similarity3DTransform")) {
-        bool scaled = is_type(name, "Similarity3DTransform");
-        status = check_counts(name, count, scaled ? 7 : 6, fixed_count, 3, 3);
-        status = status ? status : set_versor(r, p);
-        t = status ? zero : p + 3;
-        for (int i = 0; !status && scaled && i < 9; i++) {
+    if (entry->count != affine->count) {
+        return fail(CONUS_ERROR_DATA, "Parameters: %zu numbers, %.*s has %zu", entry->count, (int)entry->type.size,
+                    entry->type.data, affine->count);
+    }
+    conus_status status = check_fixed(entry, affine->fixed, affine->fixed_most);
+    if (status) {
+        return status;
+    }
+    switch (affine->linear) {
+    case MATRIX:
+        memcpy(r, p, sizeof r);
+        break;
+    case EULER:
+        set_euler(r, p, entry->fixed_count == 4 && entry->fixed[3] != 0);
+        break;
+    case VERSOR:
+        status = set_versor(r, p);
+        for (int i = 0; affine->count == 7 && i < 9; i++) { /* with a scale */
             r[i / 3][i % 3] *= p[6];
         }
-    } else if (is_type(name, "ScaleSkewVersor3DTransform")) {
-        status = check_counts(name, count, 15, fixed_count, 3, 3);
-        status = status ? status : set_skewed(r, p);
-        t = status ? zero : p + 3;
-    } else if (is_type(name, "QuaternionRigidTransform")) {
-        status = check_counts(name, count, 7, fixed_count, 3, 3);
-        status = status ? status : set_quaternion(r, p);
-        t = status ? zero : p + 4;
-    } else if (is_type(name, "ScaleTransform")) {
-        status = check_counts(name, count, 3, fixed_count, 3, 3);
-        t = zero;
-        for (int i = 0; !status && i < 3; i++) {
+        break;
+    case SKEWED:
+        status = set_skewed(r, p);
+        break;
+    case QUATERNION:
+        status = set_quaternion(r, p);
+        break;
+    case SCALE:
+        for (int i = 0; i < 3; i++) {
             r[i][i] = p[i];
         }
-    } else if (is_type(name, "TranslationTransform")) {
-        status = check_counts(name, count, 3, fixed_count, 0, 0);
-        t = p;
-    } else if (is_type(name, "IdentityTransform")) {
-        status = check_counts(name, count, 0, fixed_count, 0, 0);
-    } else { /* a matrix and a translation */
-        status = check_counts(name, count, 12, fixed_count, 3, 3);
-        t = status ? zero : p + 9;
-        for (int i = 0; !status && i < 9; i++) {
-            r[i / 3][i % 3] = p[i];
-        }
+        break;
+    case IDENTITY:
+        break;
     }
     if (!status) {
-        itk_place(out, r, fixed_count >= 3 ? fixed : zero, t);
+        itk_place(out, r, affine->fixed ? entry->fixed : zero,
+                  affine->translation < affine->count ? p + affine->translation : zero);
     }
     return status;
 }
@@ -234,7 +244,7 @@ static conus_status spline_make(struct deformation *out, const struct itk_entry 
 {
     struct deformation field = {.stays_outside = true};
     size_t count;
-    conus_status status = check_counts(entry->type, 0, 0, entry->fixed_count, 18, 18);
+    conus_status status = check_fixed(entry, 18, 18);
     status = status ? status : spline_place(&field, entry->fixed);
     if (status) {
         return status;
@@ -258,12 +268,18 @@ static conus_status spline_make(struct deformation *out, const struct itk_entry 
     return CONUS_OK;
 }
 
-static bool is_composite(struct text name)
+bool itk_is_composite(struct text name)
 {
     return text_starts(name, "CompositeTransform_");
 }
 
-conus_status itk_list_add(struct itk_list *list, struct text type)
+/* The transforms of a file, in its order. */
+struct itk_list {
+    struct itk_entry *items;
+    size_t count, capacity;
+};
+
+static conus_status itk_list_add(struct itk_list *list, struct text type)
 {
     if (!memory_reserve(&list->items, &list->capacity, list->count + 1, sizeof *list->items)) {
         return CONUS_ERROR_MEMORY;
@@ -272,7 +288,7 @@ conus_status itk_list_add(struct itk_list *list, struct text type)
     return CONUS_OK;
 }
 
-void itk_list_finish(struct itk_list *list)
+static void itk_list_finish(struct itk_list *list)
 {
     for (size_t i = 0; i < list->count; i++) {
         memory_free(list->items[i].parameters);
@@ -306,11 +322,11 @@ conus_status itk_chain_add(struct transform_chain *chain, const struct itk_entry
 
 static conus_status find_parts(size_t *first, size_t *end, const struct itk_list *list, size_t chosen)
 {
-    bool is_chain = list->count && is_composite(list->items[0].type);
+    bool is_chain = list->count && itk_is_composite(list->items[0].type);
     *first = is_chain;
     *end = list->count;
     for (size_t i = *first; i < list->count; i++) {
-        if (is_composite(list->items[i].type)) {
+        if (itk_is_composite(list->items[i].type)) {
             return fail(CONUS_ERROR_UNSUPPORTED, "Transform: a composite behind another transform");
         }
     }
@@ -501,14 +517,4 @@ conus_status itk_matlab_parse(struct transform_chain *chain, const uint8_t *data
     memory_free(entry.parameters);
     memory_free(entry.fixed);
     return status;
-}
-
-bool itk_is_type(struct text name, const char *type)
-{
-    return is_type(name, type);
-}
-
-bool itk_is_composite(struct text name)
-{
-    return is_composite(name);
 }

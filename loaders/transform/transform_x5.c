@@ -9,18 +9,10 @@
 
 enum { CHAIN_LIMIT = 64 };
 
-/* The text of an attribute; empty where it is none. */
-static struct text attribute_text(const struct hdf5_object *object, const char *name)
-{
-    const struct hdf5_value *value = hdf5_attribute(object, name);
-    bool is = value && value->class == HDF5_STRING && value->count == 1;
-    return is ? hdf5_string(value, 0) : (struct text){"", 0};
-}
-
 bool x5_is(const struct hdf5 *hdf5)
 {
     const struct hdf5_object *root = hdf5_find(hdf5, "/");
-    return root && text_equal(attribute_text(root, "Format"), "X5");
+    return root && text_equal(hdf5_text(hdf5_attribute(root, "Format")), "X5");
 }
 
 static conus_status check_version(const struct hdf5 *hdf5)
@@ -90,9 +82,9 @@ static conus_status add_group(struct transform_chain *chain, const struct hdf5 *
                               uint64_t max_memory)
 {
     struct text path = group->value.name;
-    struct text type = attribute_text(group, "Type");
-    struct text kind = attribute_text(group, "SubType");
-    struct text form = attribute_text(group, "Representation");
+    struct text type = hdf5_text(hdf5_attribute(group, "Type"));
+    struct text kind = hdf5_text(hdf5_attribute(group, "SubType"));
+    struct text form = hdf5_text(hdf5_attribute(group, "Representation"));
     bool displacements = text_equal(form, "displacements");
     bool positions = text_equal(form, "deformations");
     double m[16];
@@ -124,8 +116,7 @@ static conus_status take_order(size_t order[CHAIN_LIMIT], size_t *steps, const s
         return count == 1 ? CONUS_OK
                           : fail(CONUS_ERROR_UNSUPPORTED, "%zu transforms, and no /TransformChain of them", count);
     }
-    bool is_text = chain->value.class == HDF5_STRING && chain->value.count == 1;
-    struct text rest = is_text ? hdf5_string(&chain->value, 0) : (struct text){"", 0};
+    struct text rest = hdf5_text(&chain->value);
     struct text part;
     *steps = 0;
     for (bool more = true; text_field(&rest, '/', &more, &part);) {
@@ -153,7 +144,7 @@ conus_status x5_parse(struct transform_chain *chain, const struct hdf5 *hdf5, ui
     }
     buffer_text(words, "of X5, points of the reference go to the moving image through");
     for (size_t i = 0; !status && i < steps; i++) {
-        struct text kind = attribute_text(groups[order[i]], "SubType");
+        struct text kind = hdf5_text(hdf5_attribute(groups[order[i]], "SubType"));
         buffer_format(words, "%s %.*s", i ? ", then" : "", TEXT_SHOW(kind, 20));
     }
     memory_free(groups);

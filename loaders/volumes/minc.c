@@ -41,9 +41,7 @@ static bool get_numbers(double *out, const struct hdf5_object *object, const cha
 /* The attribute as a text without the space around it; "" where there is none. */
 static struct text get_text(const struct hdf5_object *object, const char *name)
 {
-    const struct hdf5_value *value = hdf5_attribute(object, name);
-    bool is_text = value && value->class == HDF5_STRING && value->count == 1;
-    return is_text ? text_trim(hdf5_string(value, 0)) : text_from("");
+    return text_trim(hdf5_text(hdf5_attribute(object, name)));
 }
 
 /* Adds axis @p column of the voxels to the transform: the dimension @p object, of so many voxels. */

@@ -51,12 +51,9 @@ bool pose_electrodes_header(struct text line)
         all = all && pose_columns_has(&columns, i);
     }
     /* A column that says where a device points: the table is one of poses, with a column that it does not know. */
-    static const char *const directions[] = {"tx", "dx", "qw", "m00"};
     struct text field;
     for (bool more = true; text_field(&line, '\t', &more, &field);) {
-        for (size_t i = 0; i < sizeof directions / sizeof directions[0]; i++) {
-            all = all && !text_equal_ignoring_case(text_trim(field), directions[i]);
-        }
+        all = all && !text_is_one_of(text_trim(field), "tx/dx/qw/m00", false);
     }
     return all;
 }

@@ -32,13 +32,8 @@ struct reading {
 
 static conus_status begin_list(struct reading *reading, const struct xml_event *event)
 {
-    static const char *const lists[] = {"InstrumentMarkerList", "TriggerMarkerList", "GUMMarkerList"};
     const char *space = xml_attribute(event, "coordinateSpace");
-    bool known = false;
-    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
-        known = known || text_equal(text_from(event->name), lists[i]);
-    }
-    if (!known) {
+    if (!text_is_one_of(text_from(event->name), "InstrumentMarkerList/TriggerMarkerList/GUMMarkerList", true)) {
         return fail(CONUS_ERROR_DATA,
                     "line %zu: <%.40s>, allowed are InstrumentMarkerList, TriggerMarkerList and GUMMarkerList",
                     event->line, event->name);

@@ -48,9 +48,7 @@ static conus_status find_column(const struct hdf5_value **out, const struct hdf5
 
 static struct text get_text(const struct hdf5_object *object, const char *name)
 {
-    const struct hdf5_value *value = object ? hdf5_attribute(object, name) : NULL;
-    bool is_text = value && value->class == HDF5_STRING && value->count == 1;
-    return is_text ? hdf5_string(value, 0) : text_from("");
+    return hdf5_text(object ? hdf5_attribute(object, name) : NULL);
 }
 
 /* Columns of places, which lie in @p group. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as a label table whose format is detected from its content. The labels that are read must be in order. */
-#include "loaders/labels/label_bytes.h"
+#include "loaders/labels/label_format.h"
 
 #include <stdlib.h>
 #include <string.h>

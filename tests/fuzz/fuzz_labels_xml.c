@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Any bytes as an FSL atlas, a Workbench table and an AFNI table, whatever their outermost element is. */
 #include "base/memory.h"
-#include "loaders/labels/label_bytes.h"
 #include "loaders/labels/label_format.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -563,8 +563,7 @@ static conus_status vtk_read_header(struct vtk *vtk)
     struct text number = there ? text_trim((struct text){line.data + sizeof magic - 1, line.size - (sizeof magic - 1)})
                                : (struct text){0};
     if (!text_to_double(number, &version) || !(version >= 1 && version < 6)) {
-        return fail(CONUS_ERROR_UNSUPPORTED, "header: version \"%.*s\", allowed are 1.0 to 5.1",
-                    (int)(number.size < 60 ? number.size : 60), number.size ? number.data : "");
+        return fail(CONUS_ERROR_UNSUPPORTED, "header: version \"%.*s\", allowed are 1.0 to 5.1", TEXT_SHOW(number, 60));
     }
     vtk->has_offsets = version >= 5;
     if (words_line(&vtk->words, &line)) {

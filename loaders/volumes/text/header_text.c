@@ -26,23 +26,10 @@ bool header_line(struct text *rest, struct text *line, size_t *count, conus_stat
     return true;
 }
 
-/* Whether `text` is one of `names`, which have '/' between them. */
-static bool header_is_named(const char *names, struct text text, bool exact)
-{
-    struct text rest = text_from(names);
-    struct text name;
-    for (bool more = true; text_field(&rest, '/', &more, &name);) {
-        if (name.size == text.size && (exact ? text_compare(name, text) == 0 : text_contains(name, text))) {
-            return true;
-        }
-    }
-    return false;
-}
-
 int header_word(const struct header_word *words, struct text text, bool exact)
 {
     for (; words->names; words++) {
-        if (header_is_named(words->names, text, exact)) {
+        if (text_is_one_of(text, words->names, exact)) {
             return words->value;
         }
     }
@@ -62,7 +49,7 @@ conus_status header_keep(struct header_values *values, bool *known, const struct
                          struct text value)
 {
     for (size_t i = 0; i < table->count; i++) {
-        *known = header_is_named(table->rows[i].names, name, table->exact);
+        *known = text_is_one_of(name, table->rows[i].names, table->exact);
         if (*known) {
             return header_once(&values->of[i], value, name);
         }

@@ -2,8 +2,8 @@
 /* Label tables in XML, and in AFNI's NIML, which looks like it. */
 #include "base/buffer.h"
 #include "builders/parsed_labels.h"
-#include "loaders/labels/fsl_number.h"
-#include "loaders/labels/label_bytes.h"
+#include "loaders/labels/fsl_atlas.h"
+#include "loaders/labels/label_format.h"
 #include "test.h"
 
 #include <string.h>

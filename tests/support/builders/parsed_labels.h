@@ -3,7 +3,7 @@
 #ifndef CONUS_TESTS_SUPPORT_BUILDERS_PARSED_LABELS_H
 #define CONUS_TESTS_SUPPORT_BUILDERS_PARSED_LABELS_H
 
-#include "loaders/labels/label_bytes.h"
+#include "loaders/labels/label_format.h"
 
 struct parsed {
     struct label_table table;
