@@ -58,6 +58,16 @@ void conus_atlas_destroy(conus_atlas *atlas)
     memory_free(atlas);
 }
 
+conus_status atlas_give(conus_atlas **out, conus_atlas *atlas, conus_status status)
+{
+    if (status) {
+        conus_atlas_destroy(atlas);
+        return status;
+    }
+    *out = atlas;
+    return CONUS_OK;
+}
+
 conus_status atlas_append_volume(conus_atlas *atlas, struct volume *volume)
 {
     struct volume *volumes = memory_resize(atlas->volumes, atlas->volume_count + 1, sizeof *volumes);

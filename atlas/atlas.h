@@ -152,6 +152,9 @@ const struct context_surface *atlas_mapped_surface(const conus_atlas *atlas);
 /** Removes the surfaces around the areas after the first @p count. */
 void atlas_cut_context_surfaces(conus_atlas *atlas, size_t count);
 
+/** Hands @p atlas out, or after a failure destroys it. Returns @p status. */
+conus_status atlas_give(conus_atlas **out, conus_atlas *atlas, conus_status status);
+
 /** Records that the atlas comes from the file @p path with these bytes. A path is recorded once. */
 conus_status atlas_add_file(conus_atlas *atlas, const char *path, const struct bytes *content);
 

@@ -7,12 +7,19 @@
 
 #include "conus/status.h"
 
+#include <stdint.h>
+
 /** Sets this thread's message from @p format (one line, no final period) and returns @p status. */
 conus_status fail(conus_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /** Puts "@p where: " in front of this thread's message and returns @p status, so that a reader of bytes
  * need not know its path: `return fail_in(status, path);` */
 conus_status fail_in(conus_status status, const char *where);
+
+#define FAIL_ALONE SIZE_MAX /**< An entry that is no list's. */
+
+/** After a failure the same with "@p list[@p entry]: ", or "@p list: " where it stands alone. */
+conus_status fail_in_entry(conus_status status, const char *list, size_t entry);
 
 #ifdef __clang_analyzer__ /* which does not see that they return their argument */
 #define fail(status, ...) ((void)fail(status, __VA_ARGS__), (status))

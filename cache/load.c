@@ -31,12 +31,7 @@ static conus_status find_or_load(conus_atlas **out, const char *path, const char
         status = fail(CONUS_ERROR_CANCELLED, "%s: cancelled before it was read", path);
     }
     atlas_cache_finish(&cache);
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
+    return atlas_give(out, atlas, status);
 }
 
 conus_status conus_atlas_load(conus_atlas **out, const char *path, const conus_load_options *options)

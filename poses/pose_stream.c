@@ -4,7 +4,6 @@
 #include "poses/pose_stream.h"
 
 #include "base/child/hdf5.h"
-#include "base/files/folder.h"
 #include "base/formats/matlab.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -294,7 +293,8 @@ static conus_status note_extent(conus_pose_stream *stream)
         return CONUS_OK;
     }
     const char *source = conus_pose_list_coordsystem(&stream->list); /* says that they are in mm; "" if none does */
-    source = path_base(source);
+    const char *slash = strrchr(source, '/');
+    source = slash ? slash + 1 : source;
     return notes_warn(&stream->list.notes,
                       "all positions lie within %s, as if they were in metres; they are taken as mm%s%s%s",
                       near_origin ? "1 mm of the origin" : "0.2 mm of each other", source[0] ? ", as " : "", source,

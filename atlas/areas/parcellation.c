@@ -250,12 +250,7 @@ static conus_status create_with(conus_atlas **out, struct numbering *numbering, 
     }
     status = status ? status : add_notes(atlas, numbering->table);
     status = status ? status : notes_move(&atlas->notes, notes);
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
+    return atlas_give(out, atlas, status);
 }
 
 conus_status atlas_create_of(conus_atlas **out, struct labelled_volume *volumes, size_t count,

@@ -19,6 +19,14 @@ void label_finish(struct label *label)
     *label = (struct label){0};
 }
 
+conus_status label_copy(struct label *out, const struct label *label)
+{
+    *out = *label;
+    out->name = label->name ? memory_text(label->name, strlen(label->name)) : NULL;
+    out->abbreviation = label->abbreviation ? memory_text(label->abbreviation, strlen(label->abbreviation)) : NULL;
+    return !out->name == !label->name && !out->abbreviation == !label->abbreviation ? CONUS_OK : CONUS_ERROR_MEMORY;
+}
+
 conus_object label_object(const struct label *label, size_t index, char digits[LABEL_DIGITS])
 {
     conus_object object = {

@@ -26,6 +26,9 @@ void label_finish(struct label *label);
 
 enum { LABEL_DIGITS = 16 }; /**< Bytes of a number as text. */
 
+/** Copies @p label with its strings. @p out is the caller's to finish, also on failure. */
+conus_status label_copy(struct label *out, const struct label *label);
+
 /** The area that @p label describes, the atlas's @p index-th object: without a name it is called by its number, which
  * goes to @p digits; without a colour it has one of the palette. The strings are borrowed. */
 conus_object label_object(const struct label *label, size_t index, char digits[LABEL_DIGITS]);

@@ -29,20 +29,15 @@ struct head {
     int intent;        /* of a CIFTI-2 matrix, else 0 */
 };
 
-static bool is_dicom(const struct head *head)
+static bool is_dicom(const uint8_t *data, size_t size)
 {
     enum { PREAMBLE = 128 };
-    return head->bytes->size >= PREAMBLE + 4 && memcmp(head->bytes->data + PREAMBLE, "DICM", 4) == 0;
+    return size >= PREAMBLE + 4 && memcmp(data + PREAMBLE, "DICM", 4) == 0;
 }
 
-static bool is_hdf5(const struct head *head)
+static bool is_volume(const uint8_t *data, size_t size)
 {
-    return hdf5_is(head->bytes->data, head->bytes->size);
-}
-
-static bool is_vertex_values(const struct head *head)
-{
-    return mgh_is_of_vertices(head->bytes->data, head->bytes->size);
+    return nifti_has_magic(data, size) || mgh_is(data, size) || volume_text_is(&(struct bytes){(uint8_t *)data, size});
 }
 
 /* CIFTI-1 calls labels by the code of connections; which version it is stands in the XML only. */
@@ -57,22 +52,6 @@ static bool is_matrix(const struct head *head)
     return head->intent;
 }
 
-static bool is_volume(const struct head *head)
-{
-    return nifti_has_magic(head->bytes->data, head->bytes->size) || mgh_is(head->bytes->data, head->bytes->size) ||
-           volume_text_is(head->bytes);
-}
-
-static bool is_curvature(const struct head *head)
-{
-    return freesurfer_is_curvature(head->bytes->data, head->bytes->size);
-}
-
-static bool is_freesurfer(const struct head *head)
-{
-    return freesurfer_is_surface(head->bytes->data, head->bytes->size);
-}
-
 static bool has_lines_only(const struct head *head)
 {
     return head->readable && text_mentions(head->start, "NumberOfPolys=\"0\"") &&
@@ -82,22 +61,6 @@ static bool has_lines_only(const struct head *head)
 static bool is_web_page(const struct head *head)
 {
     return head->readable && text_equal_ignoring_case(head->root, "html");
-}
-
-static bool is_xml(const struct head *head)
-{
-    return head->readable && head->start.size && head->start.data[0] == '<';
-}
-
-static bool is_manifest(const struct head *head)
-{
-    return head->readable && head->start.size && head->start.data[0] == '{' &&
-           text_mentions(head->start, "\"conus_atlas\"");
-}
-
-static bool is_json(const struct head *head)
-{
-    return head->readable && head->start.size && (head->start.data[0] == '{' || head->start.data[0] == '[');
 }
 
 static bool is_text(const struct head *head)
@@ -118,7 +81,9 @@ static const struct format {
     } magic;              /* with which the file begins */
     int intent;           /* of a CIFTI-2 matrix */
     const char *root;     /* the outermost element of XML */
+    const char *begins;   /* one of these characters is the first of the text */
     const char *mentions; /* words in it */
+    bool (*has)(const uint8_t *data, size_t size);
     bool (*is)(const struct head *head);
     const char *ending; /* of the name, perhaps with .gz behind it */
     struct file_kind kind;
@@ -133,7 +98,7 @@ static const struct format {
     {.magic = BYTES("CDF\1"), .kind = {"a MINC-1 volume", "convert it to MINC 2 (mincconvert -2)"}},
     {.magic = BYTES("CDF\2"), .kind = {"a MINC-1 volume", "convert it to MINC 2 (mincconvert -2)"}},
     {.magic = BYTES("MATLAB 7.3"), .kind = {"a MATLAB file of version 7.3", FOREIGN}},
-    {.is = is_hdf5, .kind = {"an HDF5 file (a MINC-2 volume, say)", "give a volume as ATLAS, --pathway or --context"}},
+    {.has = hdf5_is, .kind = {"an HDF5 file (a MINC-2 volume, say)", "give a volume as ATLAS, --pathway or --context"}},
     {.magic = BYTES("MZ"), .kind = {"an MZ3 surface", "give it as ATLAS with the ending .mz3"}},
     {.magic = BYTES("# vtk DataFile"),
      .kind = {"a VTK file", "give it as ATLAS with the ending .vtk, or its lines as --streamlines"}},
@@ -171,8 +136,8 @@ static const struct format {
      .kind = {"a program", NULL}},
     {.magic = BYTES("version https://git-lfs"),
      .kind = {"a Git LFS pointer, not the file itself", "fetch it (git lfs pull)"}},
-    {.is = is_dicom, .kind = {"a DICOM file", "convert its series to NIfTI (dcm2niix)"}},
-    {.is = is_vertex_values, .kind = {"values of the vertices of a surface", NULL}},
+    {.has = is_dicom, .kind = {"a DICOM file", "convert its series to NIfTI (dcm2niix)"}},
+    {.has = mgh_is_of_vertices, .kind = {"values of the vertices of a surface", NULL}},
     {.intent = NIFTI_DENSE_LABELS, .is = is_first_cifti, .kind = {"a CIFTI-1 file", CIFTI_1, READER_CIFTI}},
     {.is = is_first_cifti, .kind = {"a CIFTI-1 file", CIFTI_1}},
     {.intent = 3000, .kind = {"a CIFTI matrix without a kind (a .plabel.nii, say)", PARCELS}},
@@ -191,9 +156,9 @@ static const struct format {
     {.intent = 3011, .kind = {"a CIFTI matrix of connections of parcels (.pconnseries.nii)", PARCELS}},
     {.intent = 3012, .kind = {"a CIFTI matrix of connections of parcels (.pconnscalar.nii)", PARCELS}},
     {.is = is_matrix, .kind = {"a CIFTI matrix of an unknown kind", PARCELS}},
-    {.is = is_volume, .kind = {"a volume", VOLUME}},
-    {.is = is_curvature, .kind = {"values of the vertices of a surface", NULL, READER_SURFACE}},
-    {.is = is_freesurfer, .kind = {"a surface", "give it as ATLAS", READER_SURFACE}},
+    {.has = is_volume, .kind = {"a volume", VOLUME}},
+    {.has = freesurfer_is_curvature, .kind = {"values of the vertices of a surface", NULL, READER_SURFACE}},
+    {.has = freesurfer_is_surface, .kind = {"a surface", "give it as ATLAS", READER_SURFACE}},
     {.root = "GIFTI", .mentions = "NIFTI_INTENT_POINTSET", .kind = {"a surface", "give it as ATLAS", READER_SURFACE}},
     {.root = "GIFTI",
      .mentions = "NIFTI_INTENT_LABEL",
@@ -210,9 +175,12 @@ static const struct format {
     {.root = "atlas",
      .kind = {"an FSL atlas XML", "'conus manifest FOLDER' makes pathways of its volumes", READER_ATLAS_XML}},
     {.is = is_web_page, .kind = {"a web page", NULL}},
-    {.is = is_xml, .kind = {"XML of another kind", NULL, .certainty = KIND_VAGUE}},
-    {.is = is_manifest, .kind = {"a manifest", "give it as ATLAS", READER_MANIFEST}},
-    {.is = is_json, .kind = {"JSON of another kind", NULL, .certainty = KIND_VAGUE}},
+    {.begins = "<", .is = is_text, .kind = {"XML of another kind", NULL, .certainty = KIND_VAGUE}},
+    {.begins = "{",
+     .mentions = "\"conus_atlas\"",
+     .is = is_text,
+     .kind = {"a manifest", "give it as ATLAS", READER_MANIFEST}},
+    {.begins = "{[", .is = is_text, .kind = {"JSON of another kind", NULL, .certainty = KIND_VAGUE}},
     {.ending = ".annot",
      .is = is_no_text,
      .kind = {"a FreeSurfer annotation", "give it as --labels, and the surface as ATLAS", .certainty = KIND_BY_NAME}},
@@ -251,7 +219,9 @@ static bool matches(const struct format *row, const struct head *head)
     return (!row->magic.size ||
             (bytes->size >= row->magic.size && memcmp(bytes->data, row->magic.data, row->magic.size) == 0)) &&
            (!row->intent || row->intent == head->intent) && (!row->root || text_equal(head->root, row->root)) &&
-           (!row->mentions || text_mentions(head->start, row->mentions)) && (!row->is || row->is(head)) &&
+           (!row->begins || (head->start.size && strchr(row->begins, head->start.data[0]))) &&
+           (!row->mentions || text_mentions(head->start, row->mentions)) &&
+           (!row->has || row->has(bytes->data, bytes->size)) && (!row->is || row->is(head)) &&
            (!row->ending || (head->path && ends_with(head->path, row->ending)));
 }
 

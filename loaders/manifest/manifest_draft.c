@@ -32,20 +32,15 @@ void manifest_draft_finish(struct manifest_draft *draft)
 
 conus_status manifest_draft_log(const struct manifest_draft *draft, const char *format, ...)
 {
-    struct buffer line = {0};
     va_list arguments;
     char text[512];
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    buffer_text(&line, text);
-    conus_status status = buffer_status(&line);
-    if (!status && draft->options->log) {
-        const conus_note note = {CONUS_SEVERITY_NOTE, draft->folder, line.data};
-        draft->options->log(draft->options->log_user, &note);
+    if (draft->options->log) {
+        draft->options->log(draft->options->log_user, &(conus_note){CONUS_SEVERITY_NOTE, draft->folder, text});
     }
-    buffer_finish(&line);
-    return status;
+    return CONUS_OK;
 }
 
 conus_status manifest_draft_append(json_t *list, json_t *entry)

@@ -38,20 +38,6 @@ void area_plan_finish(struct area_plan *plan)
     *plan = (struct area_plan){0};
 }
 
-static conus_status copy_text(char **out, const char *text)
-{
-    *out = text ? memory_text(text, strlen(text)) : NULL;
-    return text && !*out ? CONUS_ERROR_MEMORY : CONUS_OK;
-}
-
-static conus_status copy_label(struct label *out, const struct label *label)
-{
-    *out = *label;
-    out->abbreviation = NULL;
-    conus_status status = copy_text(&out->name, label->name);
-    return status ? status : copy_text(&out->abbreviation, label->abbreviation);
-}
-
 /* Appends a copy of `label` with the surface `path`, which is taken over in any case. */
 static conus_status area_plan_add(struct area_plan *plan, size_t entry, char *path, const struct label *label)
 {
@@ -61,14 +47,14 @@ static conus_status area_plan_add(struct area_plan *plan, size_t entry, char *pa
     }
     struct planned_area *area = &plan->areas[plan->count++];
     *area = (struct planned_area){.path = path, .entry = entry};
-    return copy_label(&area->label, label);
+    return label_copy(&area->label, label);
 }
 
 static conus_status area_plan_add_group(struct area_plan *plan, const struct label *label)
 {
     struct label *group = label_table_add(&plan->groups, label->number);
     struct label copy = {0};
-    conus_status status = group ? copy_label(&copy, label) : CONUS_ERROR_MEMORY;
+    conus_status status = group ? label_copy(&copy, label) : CONUS_ERROR_MEMORY;
     if (status) {
         label_finish(&copy);
         return status;
@@ -467,14 +453,12 @@ conus_status area_plan_make(struct area_plan *out, const struct manifest *manife
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < manifest->area_count; i++) {
-        char key[48];
         const struct manifest_area *area = &manifest->areas[i];
         status = area->vertex_labels ? plan_labelled(out, i, area, path, notes)
                  : area->file        ? plan_file(out, i, area, path)
                  : area->files       ? plan_pattern(out, i, area, path, notes)
                                      : plan_brainglobe(out, i, area, path, notes);
-        snprintf(key, sizeof key, "areas[%zu]", i);
-        status = status ? fail_in(status, key) : CONUS_OK;
+        status = fail_in_entry(status, "areas", i);
     }
     if (out->count) {
         qsort(out->areas, out->count, sizeof *out->areas, compare_areas);

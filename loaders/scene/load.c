@@ -26,17 +26,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Hands the atlas out; after a failure there is none. */
-static conus_status give_atlas(conus_atlas **out, conus_atlas *atlas, conus_status status)
-{
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
-}
-
 struct surface {
     struct mesh mesh;
     struct label about;
@@ -176,7 +165,7 @@ static conus_status surface_load(conus_atlas **out, const char *path, const stru
     status = status ? status : atlas_note_file(atlas, path, &state);
     status = status ? status : file_sums_move(&atlas->files, &surface.read);
     surface_finish(&surface);
-    return give_atlas(out, atlas, status);
+    return atlas_give(out, atlas, status);
 }
 
 /* Loads the .dlabel.nii path, which may choose a map, with the surfaces beside it. The atlas's notes keep the sink. */
@@ -200,7 +189,7 @@ static conus_status cifti_load(conus_atlas **out, const char *path, struct load_
     notes_finish(&notes);
     manifest_finish(&manifest);
     memory_free(file_path);
-    return give_atlas(out, atlas, status);
+    return atlas_give(out, atlas, status);
 }
 
 enum { JSON_LIMIT = 64 << 20 };
@@ -218,7 +207,7 @@ static conus_status load_volume(conus_atlas **out, const struct probe *probe, co
     status = status ? status : parcellation_atlas(&atlas, &parts);
     status = status ? status : file_sums_move(&atlas->files, &parts.read);
     parcellation_finish(&parts);
-    return give_atlas(out, atlas, status);
+    return atlas_give(out, atlas, status);
 }
 
 static conus_status load_only(struct load_progress *progress, const char *path)
@@ -319,28 +308,27 @@ static conus_status load_brainglobe(conus_atlas **out, const char *folder, struc
     file_sums_finish(&read);
     manifest_finish(&manifest);
     memory_free(root);
-    return give_atlas(out, atlas, status);
+    return atlas_give(out, atlas, status);
 }
 
 static conus_status load_folder(conus_atlas **out, const char *path, struct load_progress *progress)
 {
     struct buffer folder = {0};
     struct buffer text = {0};
-    char *atlas = NULL; /* of which the folder is the meshes */
+    conus_atlas *atlas = NULL;
+    char *whole = NULL; /* the folder of which this one is the meshes */
     size_t length = strlen(path);
-    conus_status status = brainglobe_of_meshes(&atlas, path);
-    buffer_format(&folder, "%s%s", atlas ? atlas : path, atlas || path[length - 1] == '/' ? "" : "/");
+    conus_status status = brainglobe_of_meshes(&whole, path);
+    buffer_format(&folder, "%s%s", whole ? whole : path, whole || path[length - 1] == '/' ? "" : "/");
     status = status ? status : buffer_status(&folder);
-    status = status ? status : manifest_of_folder(&text, folder.data, atlas != NULL);
+    status = status ? status : manifest_of_folder(&text, folder.data, whole != NULL);
     const struct bytes bytes = {(uint8_t *)text.data, text.size};
-    status = status ? status : manifest_load(out, folder.data, &bytes, progress);
-    if (!status && !atlas && (status = note_hemispheres(*out, folder.data))) {
-        conus_atlas_destroy(*out);
-    }
+    status = status ? status : manifest_load(&atlas, folder.data, &bytes, progress);
+    status = status || whole ? status : note_hemispheres(atlas, folder.data);
     buffer_finish(&text);
     buffer_finish(&folder);
-    memory_free(atlas);
-    return status;
+    memory_free(whole);
+    return atlas_give(out, atlas, status);
 }
 
 /* Whether the file is an FSL atlas of probabilities: the type Label is a parcellation. */
@@ -425,13 +413,7 @@ conus_status atlas_load_files(conus_atlas **out, const char *path, const conus_l
         probe_close(&probe);
     }
     memory_free(brainglobe);
-    if (!status) {
-        status = check_whole(atlas, path, &progress);
-        conus_atlas_destroy(status ? atlas : NULL);
-    }
+    status = status ? status : check_whole(atlas, path, &progress);
     load_progress_finish(&progress);
-    if (!status) {
-        *out = atlas;
-    }
-    return status;
+    return atlas_give(out, atlas, status);
 }

@@ -138,7 +138,6 @@ static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan
     const struct mesh_file_options options = {.space = surfaces->space, .max_memory = surfaces->max_memory};
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < plan->count; i++) {
-        char key[48];
         struct planned_area *area = &plan->areas[i];
         if (!area->is_part && !is_foreign(area)) {
             struct label said = {0};
@@ -148,8 +147,7 @@ static conus_status read_areas(struct surfaces *surfaces, struct area_plan *plan
             status = status ? status : name_area(area, &said);
             label_finish(&said);
         }
-        snprintf(key, sizeof key, "areas[%zu]", area->entry);
-        status = status ? fail_in(status, key) : CONUS_OK;
+        status = fail_in_entry(status, "areas", area->entry);
     }
     return status;
 }

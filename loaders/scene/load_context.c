@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* conus_atlas_set_context(): a volume or a surface around the areas. */
-#include "loaders/scene/load_context.h"
-
 #include "atlas/fit/box_fit.h"
 #include "atlas/fit/fit.h"
 #include "base/files/file.h"
@@ -182,37 +180,4 @@ conus_status conus_atlas_set_context_map(conus_atlas *atlas, const char *path, c
     surface->high = high;
     surface->opacity = options->opacity > 0 ? options->opacity : 1;
     return CONUS_OK;
-}
-
-conus_status context_entry_set(conus_atlas *atlas, const struct manifest_context *entry, const char *path,
-                               const conus_load_options *options)
-{
-    const conus_context_options context = {.block_threshold = entry->blocks,
-                                           .max_memory = options->max_memory,
-                                           .log = options->log,
-                                           .log_user = options->log_user,
-                                           .opacity = entry->opacity};
-    const char *wrong;
-    if (mesh_file_is(path)) {
-        wrong = entry->transfer     ? "transfer: is of volumes, this is a surface"
-                : entry->blocks > 0 ? "blocks: only voxels of a volume do, this is a surface"
-                : entry->moves      ? "moves: a surface is where poses are"
-                                    : NULL;
-    } else {
-        wrong = entry->opacity != 0    ? "opacity: is of surfaces, this is none; a volume has a transfer function"
-                : atlas_context(atlas) ? "file: is no surface, and there is a volume already"
-                                       : NULL;
-    }
-    return wrong ? fail(CONUS_ERROR_DATA, "%s", wrong) : conus_atlas_set_context(atlas, path, &context);
-}
-
-conus_status context_entry_transfer(conus_atlas *atlas, const struct manifest_context *context, const char *path)
-{
-    const char *name = context->transfer;
-    memory_free(atlas->transfer);
-    atlas->transfer = context->transfer_is_file ? file_beside(path, name) : memory_text(name, strlen(name));
-    if (!atlas->transfer || !context->transfer_is_file || file_exists(atlas->transfer)) {
-        return atlas->transfer ? CONUS_OK : CONUS_ERROR_MEMORY;
-    }
-    return fail(CONUS_ERROR_IO, "transfer.file: %s: there is no such file", atlas->transfer);
 }

@@ -12,7 +12,6 @@
 #include "loaders/maps/load_probability.h"
 #include "loaders/maps/load_scalar.h"
 #include "loaders/scene/area_plan.h"
-#include "loaders/scene/load_context.h"
 #include "loaders/scene/load_streamlines.h"
 #include "loaders/scene/parcellations.h"
 
@@ -34,11 +33,12 @@ struct loading {
     struct named_maps *maps; /* whose table names the volumes of a file that is ATLAS; NULL without one */
 };
 
-/* Puts manifest and key in front of the message. What a manifest asks for in vain is its fault, not the caller's. */
-static conus_status fail_at(conus_status status, const struct loading *loading, const char *key)
+/* After a failure puts manifest, key and entry in front of the message. What a manifest asks for in vain is its fault,
+ * not the caller's. */
+static conus_status fail_at(conus_status status, const struct loading *loading, const char *key, size_t entry)
 {
-    status = fail_in(status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : status, key);
-    return fail_in(status, loading->path);
+    status = fail_in_entry(status == CONUS_ERROR_ARGUMENT ? CONUS_ERROR_DATA : status, key, entry);
+    return status ? fail_in(status, loading->path) : CONUS_OK;
 }
 
 static conus_status move_by(struct loading *loading, const struct manifest_transform *transform)
@@ -71,10 +71,8 @@ static conus_status move_atlas(struct loading *loading)
     const struct manifest *manifest = loading->manifest;
     conus_status status = CONUS_OK;
     for (size_t i = manifest->transform_count; !status && i > 0; i--) { /* the atlas goes back through the last first */
-        char key[48];
-        snprintf(key, sizeof key, manifest->single_transform ? "transform" : "transform[%zu]", i - 1);
         status = move_by(loading, &manifest->transforms[i - 1]);
-        status = status ? fail_at(status, loading, key) : CONUS_OK;
+        status = fail_at(status, loading, "transform", manifest->single_transform ? FAIL_ALONE : i - 1);
     }
     return status;
 }
@@ -133,10 +131,9 @@ static conus_status load_parcellations(struct parcellations *all, struct loading
     const struct manifest *manifest = loading->manifest;
     conus_status status = parcellations_reserve(all, manifest->parcellation_count, &loading->progress->sink);
     for (size_t i = 0; !status && i < all->count; i++) {
-        char key[48];
-        snprintf(key, sizeof key, manifest->single ? "parcellation" : "parcellations[%zu]", i);
         status = load_parcellation(&all->parts[i], loading, &manifest->parcellations[i]);
-        status = status ? fail_in(status, key) : CONUS_OK;
+        status = manifest->single ? fail_in_entry(status, "parcellation", FAIL_ALONE)
+                                  : fail_in_entry(status, "parcellations", i);
     }
     return status ? status : parcellations_unite(all);
 }
@@ -386,11 +383,9 @@ static conus_status add_probabilities(struct loading *loading)
 {
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < loading->manifest->map_count; i++) {
-        char key[48];
         const struct manifest_pathway *entry = &loading->manifest->maps[i];
         status = entry->fsl ? add_fsl_areas(loading, entry) : add_file_areas(loading, entry);
-        snprintf(key, sizeof key, "probabilities[%zu]", i);
-        status = status && !loading->maps ? fail_at(status, loading, key) : status;
+        status = loading->maps ? status : fail_at(status, loading, "probabilities", i);
     }
     return status;
 }
@@ -445,7 +440,6 @@ static conus_status add_pathways(struct loading *loading, bool moves)
     conus_status status = CONUS_OK;
     size_t count = loading->manifest->pathway_count;
     for (size_t i = 0; !status && i < count; i++) {
-        char key[48];
         const struct manifest_pathway *pathway = &loading->manifest->pathways[i];
         if (pathway->moves != moves) {
             continue;
@@ -455,8 +449,7 @@ static conus_status add_pathways(struct loading *loading, bool moves)
                  : pathway->names ? add_named_volumes(loading, pathway)
                  : shared         ? add_of_series(loading, pathway)
                                   : add_single(loading, pathway);
-        snprintf(key, sizeof key, "pathways[%zu]", i);
-        status = status ? fail_at(status, loading, key) : CONUS_OK;
+        status = fail_at(status, loading, "pathways", i);
     }
     close_series(loading);
     return status;
@@ -464,18 +457,49 @@ static conus_status add_pathways(struct loading *loading, bool moves)
 
 static conus_status add_streamlines(struct loading *loading, bool moves)
 {
-    const struct manifest *manifest = loading->manifest;
     conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && i < manifest->streamlines_count; i++) {
-        char key[48];
-        snprintf(key, sizeof key, "streamlines[%zu]", i);
-        status =
-            manifest->streamlines[i].moves == moves
-                ? streamlines_add_entry(loading->atlas, &manifest->streamlines[i], loading->path, loading->progress)
-                : CONUS_OK;
-        status = status ? fail_at(status, loading, key) : CONUS_OK;
+    for (size_t i = 0; !status && i < loading->manifest->streamlines_count; i++) {
+        const struct manifest_streamlines *entry = &loading->manifest->streamlines[i];
+        if (entry->moves == moves) {
+            status = streamlines_add_entry(loading->atlas, entry, loading->path, loading->progress);
+            status = fail_at(status, loading, "streamlines", i);
+        }
     }
     return status;
+}
+
+/* Sets the file `path` as the entry says, without its transfer function. */
+static conus_status context_entry_set(conus_atlas *atlas, const struct manifest_context *entry, const char *path,
+                                      const conus_load_options *options)
+{
+    const conus_context_options context = {.block_threshold = entry->blocks,
+                                           .max_memory = options->max_memory,
+                                           .log = options->log,
+                                           .log_user = options->log_user,
+                                           .opacity = entry->opacity};
+    const char *wrong;
+    if (mesh_file_is(path)) {
+        wrong = entry->transfer     ? "transfer: is of volumes, this is a surface"
+                : entry->blocks > 0 ? "blocks: only voxels of a volume do, this is a surface"
+                : entry->moves      ? "moves: a surface is where poses are"
+                                    : NULL;
+    } else {
+        wrong = entry->opacity != 0    ? "opacity: is of surfaces, this is none; a volume has a transfer function"
+                : atlas_context(atlas) ? "file: is no surface, and there is a volume already"
+                                       : NULL;
+    }
+    return wrong ? fail(CONUS_ERROR_DATA, "%s", wrong) : conus_atlas_set_context(atlas, path, &context);
+}
+
+static conus_status context_entry_transfer(conus_atlas *atlas, const struct manifest_context *context, const char *path)
+{
+    const char *name = context->transfer;
+    memory_free(atlas->transfer);
+    atlas->transfer = context->transfer_is_file ? file_beside(path, name) : memory_text(name, strlen(name));
+    if (!atlas->transfer || !context->transfer_is_file || file_exists(atlas->transfer)) {
+        return atlas->transfer ? CONUS_OK : CONUS_ERROR_MEMORY;
+    }
+    return fail(CONUS_ERROR_IO, "transfer.file: %s: there is no such file", atlas->transfer);
 }
 
 static conus_status set_contexts(struct loading *loading, bool moves)
@@ -483,7 +507,6 @@ static conus_status set_contexts(struct loading *loading, bool moves)
     const struct manifest *manifest = loading->manifest;
     conus_status status = CONUS_OK;
     for (size_t i = 0; i < manifest->context_count && !status; i++) {
-        char key[32];
         const struct manifest_context *context = &manifest->contexts[i];
         if (context->moves != moves) {
             continue;
@@ -493,8 +516,7 @@ static conus_status set_contexts(struct loading *loading, bool moves)
         status = status ? status : context_entry_set(loading->atlas, context, path, loading->options);
         memory_free(path);
         status = status || !context->transfer ? status : context_entry_transfer(loading->atlas, context, loading->path);
-        snprintf(key, sizeof key, "context[%zu]", i);
-        status = status ? fail_at(status, loading, manifest->context_count > 1 ? key : "context") : CONUS_OK;
+        status = fail_at(status, loading, "context", manifest->context_count > 1 ? i : FAIL_ALONE);
     }
     return status;
 }
@@ -514,12 +536,7 @@ static conus_status load_scene(conus_atlas **out, struct loading *loading)
     status = status ? status : add_others(loading, true);
     status = status ? status : move_atlas(loading);
     status = status ? status : add_others(loading, false);
-    if (status) {
-        conus_atlas_destroy(loading->atlas);
-        return status;
-    }
-    *out = loading->atlas;
-    return CONUS_OK;
+    return atlas_give(out, loading->atlas, status);
 }
 
 conus_status manifest_load(conus_atlas **out, const char *path, const struct bytes *file,
@@ -581,10 +598,5 @@ conus_status named_maps_load(conus_atlas **out, const char *path, struct named_m
     conus_status status = load_entry(&atlas, path, &entry, maps, progress);
     status = status ? status : notes_move(&atlas->notes, &maps->notes);
     status = status ? status : file_sums_move(&atlas->files, &maps->read);
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
+    return atlas_give(out, atlas, status);
 }

@@ -109,12 +109,7 @@ conus_status streamlines_load(conus_atlas **out, const char *path, const conus_l
     status = status ? status : file_sums_move(&atlas->files, &tractogram->files);
     status = status ? status : bundles_ready(tractogram);
     notes_finish(&notes);
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
+    return atlas_give(out, atlas, status);
 }
 
 /* The names are copied, since an atlas may change them; the numbers are borrowed. */
@@ -157,12 +152,7 @@ conus_status streamlines_borrow(conus_atlas **out, const conus_atlas *alone)
     for (size_t i = 0; i < alone->files.count && !status; i++) {
         status = file_sums_put(&atlas->files, alone->files.items[i].path, alone->files.items[i].sha256);
     }
-    if (status) {
-        conus_atlas_destroy(atlas);
-        return status;
-    }
-    *out = atlas;
-    return CONUS_OK;
+    return atlas_give(out, atlas, status);
 }
 
 conus_status streamlines_take(conus_atlas *atlas, conus_atlas *alone, double radius,

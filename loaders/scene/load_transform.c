@@ -8,8 +8,8 @@
 #include "base/files/file_sums.h"
 #include "base/geometry/math3.h"
 #include "base/options.h"
+#include "loaders/transform/chain_file.h"
 #include "loaders/transform/field_file.h"
-#include "loaders/transform/transform_chain.h"
 #include "loaders/transform/transform_file.h"
 #include "loaders/transform/transform_name.h"
 #include "loaders/volumes/volume_file.h"
@@ -118,28 +118,6 @@ static conus_status move_along(conus_atlas *atlas, struct transform_chain *chain
     return status ? status : atlas_warp_all(atlas, chain->fields, chain->count, &own);
 }
 
-static conus_status move_by_transform(conus_atlas *atlas, const char *path, const conus_transform_options *options,
-                                      const struct warp_plan *plan, struct file_sums *read)
-{
-    struct transform_chain chain = {0};
-    if (options->vectors) {
-        return fail(CONUS_ERROR_ARGUMENT, "%s: vectors of a field are relative or absolute, and this is none", path);
-    }
-    conus_status status = transform_file_read(&chain, path, options, read);
-    if (!status && options->inverse && chain.count) {
-        status = fail(CONUS_ERROR_UNSUPPORTED, "%s: a B-spline is not inverted; that of the other direction is needed",
-                      path);
-    } else if (!status && options->inverse) {
-        (void)mat4_invert_affine(chain.matrix, chain.matrix); /* which the reader has tried */
-    }
-    status = status || !options->from ? status : transform_images_note(atlas, options);
-    status = status ? status : transform_images_sum(read, atlas, options);
-    status = status ? status : file_sums_move(&atlas->files, read);
-    status = status ? status : move_along(atlas, &chain, plan);
-    transform_chain_finish(&chain);
-    return status;
-}
-
 static conus_status move_by_field(conus_atlas *atlas, const char *path, const conus_transform_options *options,
                                   const struct warp_plan *plan, struct file_sums *read)
 {
@@ -191,27 +169,35 @@ static conus_status note_direction(conus_atlas *atlas, const char *path, bool in
         path, TEXT_SHOW(from, 40), TEXT_SHOW(to, 40));
 }
 
-static conus_status move_by_chain(conus_atlas *atlas, const char *path, const conus_transform_options *options,
-                                  const struct warp_plan *plan, struct file_sums *read)
+/* Moves it by an affine, a B-spline or, from HDF5, a chain. */
+static conus_status move_by_chain(conus_atlas *atlas, const char *path, bool is_hdf5,
+                                  const conus_transform_options *options, const struct warp_plan *plan,
+                                  struct file_sums *read)
 {
     struct transform_chain chain = {0};
-    if (options->from || options->to || options->vectors) {
+    if (is_hdf5 && (options->from || options->to || options->vectors)) {
         return fail(CONUS_ERROR_ARGUMENT,
                     "%s: from, to, relative and absolute are of files of FSL, ITK and SPM that are no HDF5", path);
     }
-    conus_status status = chain_file_read(&chain, path, options->max_memory, read, &atlas->notes);
-    if (!status && options->inverse && chain.count) {
-        status =
-            fail(CONUS_ERROR_UNSUPPORTED,
-                 "%s: a chain with a deformation field is not inverted; the file of the other direction is needed: "
-                 "InverseComposite.h5 for Composite.h5 (ANTs), from-B_to-A for from-A_to-B (fMRIPrep)",
-                 path);
+    if (options->vectors) {
+        return fail(CONUS_ERROR_ARGUMENT, "%s: vectors of a field are relative or absolute, and this is none", path);
     }
-    status = status ? status : transform_images_sum(read, atlas, options);
-    status = status ? status : file_sums_move(&atlas->files, read);
-    if (!status && options->inverse) {
+    conus_status status = is_hdf5 ? chain_file_read(&chain, path, options->max_memory, read, &atlas->notes)
+                                  : transform_file_read(&chain, path, options, read);
+    if (!status && options->inverse && chain.count) {
+        status = fail(
+            CONUS_ERROR_UNSUPPORTED,
+            is_hdf5
+                ? "%s: a chain with a deformation field is not inverted; the file of the other direction is needed: "
+                  "InverseComposite.h5 for Composite.h5 (ANTs), from-B_to-A for from-A_to-B (fMRIPrep)"
+                : "%s: a B-spline is not inverted; that of the other direction is needed",
+            path);
+    } else if (!status && options->inverse) {
         (void)mat4_invert_affine(chain.matrix, chain.matrix); /* which the reader has tried */
     }
+    status = status || !options->from ? status : transform_images_note(atlas, options);
+    status = status ? status : transform_images_sum(read, atlas, options);
+    status = status ? status : file_sums_move(&atlas->files, read);
     status = status ? status : move_along(atlas, &chain, plan);
     transform_chain_finish(&chain);
     return status;
@@ -238,10 +224,9 @@ conus_status conus_atlas_transform(conus_atlas *atlas, const char *path, const c
         status = fail(CONUS_ERROR_ARGUMENT, "%s: transform is of lists in ITK's text, and this is none", path);
     }
     status = status || is_field ? status : note_direction(atlas, path, options->inverse);
-    status = status ? status
-                    : (is_field   ? move_by_field
-                       : is_chain ? move_by_chain
-                                  : move_by_transform)(atlas, path, options, &plan, &read);
+    status = status     ? status
+             : is_field ? move_by_field(atlas, path, options, &plan, &read)
+                        : move_by_chain(atlas, path, is_chain, options, &plan, &read);
     if (status) {
         file_sums_cut(&atlas->files, file_count);
         notes_cut(&atlas->notes, note_count);

@@ -7,8 +7,6 @@
 #include "atlas/deformation/deformation.h"
 #include "base/buffer.h"
 #include "base/child/hdf5.h"
-#include "base/files/file_sums.h"
-#include "base/notes.h"
 #include "conus/atlas_info.h"
 
 /** The result of all steps: one affine, or fields of which all affines are parts. Points are RAS mm. */
@@ -48,13 +46,5 @@ conus_status x5_parse(struct transform_chain *chain, const struct hdf5 *hdf5, ui
 /** The groups of /TransformGroup, which must be called 0, 1, 2, …, in this order; memory_free() the list. */
 conus_status chain_groups(const struct hdf5_object ***out, size_t *count, const struct hdf5 *hdf5);
 /** @} */
-
-/** Whether @p path is an HDF5 file. */
-conus_status chain_file_is(bool *out, const char *path);
-
-/** Reads the chain in @p path, of points from where poses are. Errors and @p read as of transform_file_read(). What a
- * careful user should know goes into @p notes, with the path. @p max_memory: bytes of all fields; 0 = 8 GiB. */
-conus_status chain_file_read(struct transform_chain *out, const char *path, uint64_t max_memory, struct file_sums *read,
-                             struct notes *notes);
 
 #endif

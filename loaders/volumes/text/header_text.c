@@ -224,26 +224,17 @@ void text_volume_finish(struct text_volume *volume)
     *volume = (struct text_volume){0};
 }
 
-static conus_status add_copy(struct label_table *table, const struct label *label)
-{
-    struct label *entry = label_table_add(table, label->number);
-    if (!entry) {
-        return CONUS_ERROR_MEMORY;
-    }
-    entry->has_rgb = label->has_rgb;
-    memcpy(entry->rgb, label->rgb, sizeof entry->rgb);
-    entry->name = label->name ? memory_text(label->name, strlen(label->name)) : NULL;
-    return label->name && !entry->name ? CONUS_ERROR_MEMORY : CONUS_OK;
-}
-
 conus_status text_volume_labels(struct label_table *out, const struct text_volume *volume, size_t index,
                                 struct notes *notes)
 {
     struct label_table table = {0};
     conus_status status = CONUS_OK;
     for (size_t i = 0; !status && i < volume->segment_count; i++) {
-        const struct text_segment *segment = &volume->segments[i];
-        status = segment->volume == index ? add_copy(&table, &segment->label) : CONUS_OK;
+        const struct label *label = &volume->segments[i].label;
+        if (volume->segments[i].volume == index) {
+            struct label *entry = label_table_add(&table, label->number);
+            status = entry ? label_copy(entry, label) : CONUS_ERROR_MEMORY;
+        }
     }
     status = status ? status : label_table_sort(&table, notes);
     if (status) {

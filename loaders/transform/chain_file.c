@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Reads HDF5 files of transforms. */
+#include "loaders/transform/chain_file.h"
+
+enum { HEAD_READ = 1 << 16 };
+
+conus_status chain_file_is(bool *out, const char *path)
+{
+    struct bytes head = {0};
+    conus_status status = file_read_head(&head, path, HEAD_READ);
+    *out = !status && hdf5_is(head.data, head.size);
+    bytes_finish(&head);
+    return status;
+}
+
+static conus_status parse(struct transform_chain *out, const struct hdf5 *hdf5, uint64_t max_memory,
+                          struct buffer *words)
+{
+    struct transform_chain chain;
+    chain_begin(&chain);
+    conus_status status = (x5_is(hdf5) ? x5_parse : itk_hdf5_parse)(&chain, hdf5, max_memory, words);
+    status = status ? status : buffer_status(words);
+    status = status ? status : chain_end(&chain);
+    if (status) {
+        transform_chain_finish(&chain);
+        return status;
+    }
+    *out = chain;
+    return CONUS_OK;
+}
+
+static conus_status read_open(struct transform_chain *out, const struct open_file *file, uint64_t max_memory,
+                              struct notes *notes)
+{
+    static const char *const wanted[] = {"/",
+                                         "/TransformGroup/*",
+                                         "/TransformGroup/*/TransformType",
+                                         "/TransformGroup/*/TransformParameters",
+                                         "/TransformGroup/*/TranformParameters",
+                                         "/TransformGroup/*/TransformFixedParameters",
+                                         "/TransformGroup/*/TranformFixedParameters",
+                                         "/TransformGroup/*/Transform",
+                                         "/TransformGroup/*/Domain/*",
+                                         "/TransformChain/*"};
+    struct hdf5 *hdf5 = NULL;
+    struct buffer words = {0};
+    conus_status status = hdf5_read(&hdf5, file, wanted, sizeof wanted / sizeof wanted[0], max_memory);
+    if (status) {
+        return status;
+    }
+    status = parse(out, hdf5, max_memory, &words);
+    status = status ? fail_in(status, file->path) : notes_add(notes, "%s: %s", file->path, words.data);
+    buffer_finish(&words);
+    hdf5_destroy(hdf5);
+    return status;
+}
+
+conus_status chain_file_read(struct transform_chain *out, const char *path, uint64_t max_memory, struct file_sums *read,
+                             struct notes *notes)
+{
+    struct open_file file;
+    struct transform_chain chain = {0};
+    conus_status status = file_open(&file, path);
+    if (status) {
+        return status;
+    }
+    status = read_open(&chain, &file, max_memory, notes);
+    status = status ? status : file_sums_add_open(read, &file);
+    file_close(&file);
+    if (status) {
+        transform_chain_finish(&chain);
+        return status;
+    }
+    *out = chain;
+    return CONUS_OK;
+}
