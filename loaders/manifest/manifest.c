@@ -10,7 +10,12 @@
 #include <stddef.h>
 #include <string.h>
 
-#define AT(type, member) offsetof(struct type, member)
+#define AT(type, member) .offset = offsetof(struct type, member)
+#define WORDS(...)                                                                                                     \
+    .words = (const char *const[])                                                                                     \
+    {                                                                                                                  \
+        __VA_ARGS__, NULL                                                                                              \
+    }
 
 /* Readers of keys of a struct manifest_volume. */
 static conus_status read_volume_number(void *field, const json_t *value, const struct schema_place *place)
@@ -39,12 +44,6 @@ static conus_status read_resolution(void *field, const json_t *value, const stru
     return status;
 }
 
-static void manifest_volume_finish(struct manifest_volume *volume)
-{
-    memory_free(volume->file);
-    memory_free(volume->orientation);
-}
-
 static conus_status read_transfer_file(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest_context *context = field;
@@ -55,7 +54,7 @@ static conus_status read_transfer_file(void *field, const json_t *value, const s
 static conus_status read_transfer(void *field, const json_t *value, const struct schema_place *place)
 {
     struct manifest_context *context = field;
-    static const struct schema_field keys[] = {{"file", read_transfer_file, 0, true}, {0}};
+    static const struct schema_field keys[] = {{"file", read_transfer_file, .required = true}, {0}};
     return json_is_object(value) ? schema_object(context, value, keys, place)
                                  : schema_text(&context->transfer, value, place);
 }
@@ -82,21 +81,22 @@ static conus_status read_one_or_list(void **entries, size_t *count, size_t size,
     return *entries ? read(*entries, value, place) : CONUS_ERROR_MEMORY;
 }
 
+static const struct schema_field context_keys[] = {
+    {"file", schema_path, AT(manifest_context, source.file), .required = true},
+    {"volume", read_volume_number, AT(manifest_context, source)},
+    {"resolution", read_resolution, AT(manifest_context, source)},
+    {"orientation", schema_text, AT(manifest_context, source.orientation)},
+    {"transfer", .read = read_transfer},
+    {"blocks", schema_positive, AT(manifest_context, blocks)},
+    {"opacity", read_opacity, AT(manifest_context, opacity)},
+    {"moves", schema_flag, AT(manifest_context, moves)},
+    {0},
+};
+
 static conus_status read_context(void *field, const json_t *value, const struct schema_place *place)
 {
-    static const struct schema_field keys[] = {
-        {"file", schema_path, AT(manifest_context, source.file), true},
-        {"volume", read_volume_number, AT(manifest_context, source), false},
-        {"resolution", read_resolution, AT(manifest_context, source), false},
-        {"orientation", schema_text, AT(manifest_context, source.orientation), false},
-        {"transfer", read_transfer, 0, false},
-        {"blocks", schema_positive, AT(manifest_context, blocks), false},
-        {"opacity", read_opacity, AT(manifest_context, opacity), false},
-        {"moves", schema_flag, AT(manifest_context, moves), false},
-        {0},
-    };
     struct manifest_context *out = field;
-    return schema_path_or_object(&out->source.file, out, value, keys, place);
+    return schema_path_or_object(&out->source.file, out, value, context_keys, place);
 }
 
 static conus_status read_contexts(void *field, const json_t *value, const struct schema_place *place)
@@ -106,18 +106,20 @@ static conus_status read_contexts(void *field, const json_t *value, const struct
                             read_context, place);
 }
 
+static const struct schema_field streamlines_keys[] = {
+    {"file", schema_path, AT(manifest_streamlines, file), .required = true},
+    {"name", schema_text, AT(manifest_streamlines, name)},
+    {"radius", schema_positive, AT(manifest_streamlines, radius)},
+    {"moves", schema_flag, AT(manifest_streamlines, moves)},
+    {"comment", .read = schema_comment},
+    {0},
+};
+
 static conus_status read_streamlines(void *field, const json_t *value, const struct schema_place *place)
 {
-    static const struct schema_field keys[] = {
-        {"file", schema_path, AT(manifest_streamlines, file), true},
-        {"name", schema_text, AT(manifest_streamlines, name), false},
-        {"radius", schema_positive, AT(manifest_streamlines, radius), false},
-        {"moves", schema_flag, AT(manifest_streamlines, moves), false},
-        {"comment", schema_comment, 0, false},
-        {0},
-    };
     struct manifest_streamlines *out = field;
-    return json_is_string(value) ? schema_path(&out->file, value, place) : schema_object(out, value, keys, place);
+    return json_is_string(value) ? schema_path(&out->file, value, place)
+                                 : schema_object(out, value, streamlines_keys, place);
 }
 
 static conus_status read_transform_number(void *field, const json_t *value, const struct schema_place *place)
@@ -128,30 +130,22 @@ static conus_status read_transform_number(void *field, const json_t *value, cons
     return status;
 }
 
-static conus_status read_vectors(void *field, const json_t *value, const struct schema_place *place)
-{
-    static const char *const words[] = {"as-stated", "relative", "absolute", NULL};
-    unsigned word = 0;
-    conus_status status = schema_word(&word, value, place, words);
-    *(conus_vectors *)field = (conus_vectors)word;
-    return status;
-}
+static const struct schema_field transform_keys[] = {
+    {"file", schema_path, AT(manifest_transform, file), .required = true},
+    {"from", schema_path, AT(manifest_transform, from)},
+    {"to", schema_path, AT(manifest_transform, to)},
+    {"inverse", schema_flag, AT(manifest_transform, inverse)},
+    {"grid", schema_path, AT(manifest_transform, grid)},
+    {"vectors", WORDS("as-stated", "relative", "absolute"), AT(manifest_transform, vectors)},
+    {"transform", read_transform_number, AT(manifest_transform, transform)},
+    {"comment", .read = schema_comment},
+    {0},
+};
 
 static conus_status read_transform(void *field, const json_t *value, const struct schema_place *place)
 {
-    static const struct schema_field keys[] = {
-        {"file", schema_path, AT(manifest_transform, file), true},
-        {"from", schema_path, AT(manifest_transform, from), false},
-        {"to", schema_path, AT(manifest_transform, to), false},
-        {"inverse", schema_flag, AT(manifest_transform, inverse), false},
-        {"grid", schema_path, AT(manifest_transform, grid), false},
-        {"vectors", read_vectors, AT(manifest_transform, vectors), false},
-        {"transform", read_transform_number, AT(manifest_transform, transform), false},
-        {"comment", schema_comment, 0, false},
-        {0},
-    };
     struct manifest_transform *out = field;
-    return schema_path_or_object(&out->file, out, value, keys, place);
+    return schema_path_or_object(&out->file, out, value, transform_keys, place);
 }
 
 static conus_status read_transforms(void *field, const json_t *value, const struct schema_place *place)
@@ -223,21 +217,22 @@ static conus_status read_hemisphere(void *field, const json_t *value, const stru
     return status;
 }
 
+static const struct schema_field parcellation_keys[] = {
+    {"file", schema_path, AT(manifest_parcellation, source.file), .required = true},
+    {"volume", read_volume_number, AT(manifest_parcellation, source)},
+    {"resolution", read_resolution, AT(manifest_parcellation, source)},
+    {"orientation", schema_text, AT(manifest_parcellation, source.orientation)},
+    {"labels", schema_path, AT(manifest_parcellation, labels)},
+    {"label_offset", read_offset, AT(manifest_parcellation, label_offset)},
+    {"hemisphere", read_hemisphere, AT(manifest_parcellation, hemisphere)},
+    {"comment", .read = schema_comment},
+    {0},
+};
+
 static conus_status read_labelled(void *field, const json_t *value, const struct schema_place *place)
 {
-    static const struct schema_field keys[] = {
-        {"file", schema_path, AT(manifest_parcellation, source.file), true},
-        {"volume", read_volume_number, AT(manifest_parcellation, source), false},
-        {"resolution", read_resolution, AT(manifest_parcellation, source), false},
-        {"orientation", schema_text, AT(manifest_parcellation, source.orientation), false},
-        {"labels", schema_path, AT(manifest_parcellation, labels), false},
-        {"label_offset", read_offset, AT(manifest_parcellation, label_offset), false},
-        {"hemisphere", read_hemisphere, AT(manifest_parcellation, hemisphere), false},
-        {"comment", schema_comment, 0, false},
-        {0},
-    };
     struct manifest_parcellation *out = field;
-    return schema_path_or_object(&out->source.file, out, value, keys, place);
+    return schema_path_or_object(&out->source.file, out, value, parcellation_keys, place);
 }
 
 static conus_status refuse_both(const struct manifest *manifest)
@@ -279,10 +274,10 @@ static conus_status read_end(void *field, const json_t *value, const struct sche
 static conus_status read_band(void *field, const json_t *value, const struct schema_place *place)
 {
     static const struct schema_field keys[] = {
-        {"name", schema_text, AT(conus_band, name), true},
-        {"low", read_end, AT(conus_band, low), false},
-        {"high", read_end, AT(conus_band, high), false},
-        {"comment", schema_comment, 0, false},
+        {"name", schema_text, AT(conus_band, name), .required = true},
+        {"low", read_end, AT(conus_band, low)},
+        {"high", read_end, AT(conus_band, high)},
+        {"comment", .read = schema_comment},
         {0},
     };
     conus_band *band = field;
@@ -328,24 +323,25 @@ static conus_status check_pathway(const struct manifest_pathway *pathway, const 
                                                 : fail(CONUS_ERROR_DATA, "%s: file or fsl is missing", place->key);
 }
 
+static const struct schema_field pathway_keys[] = {
+    {"file", schema_path, AT(manifest_pathway, source.file)},
+    {"volume", read_volume_number, AT(manifest_pathway, source)},
+    {"resolution", read_resolution, AT(manifest_pathway, source)},
+    {"orientation", schema_text, AT(manifest_pathway, source.orientation)},
+    {"fsl", schema_path, AT(manifest_pathway, fsl)},
+    {"name", schema_text, AT(manifest_pathway, name)},
+    {"names", .read = read_names},
+    {"threshold", schema_positive, AT(manifest_pathway, threshold)},
+    {"scale", schema_positive, AT(manifest_pathway, scale)},
+    {"bands", .read = read_bands},
+    {"moves", schema_flag, AT(manifest_pathway, moves)},
+    {"comment", .read = schema_comment},
+    {0},
+};
+
 static conus_status read_entry(struct manifest_pathway *out, const json_t *value, const struct schema_place *place)
 {
-    static const struct schema_field keys[] = {
-        {"file", schema_path, AT(manifest_pathway, source.file), false},
-        {"volume", read_volume_number, AT(manifest_pathway, source), false},
-        {"resolution", read_resolution, AT(manifest_pathway, source), false},
-        {"orientation", schema_text, AT(manifest_pathway, source.orientation), false},
-        {"fsl", schema_path, AT(manifest_pathway, fsl), false},
-        {"name", schema_text, AT(manifest_pathway, name), false},
-        {"names", read_names, 0, false},
-        {"threshold", schema_positive, AT(manifest_pathway, threshold), false},
-        {"scale", schema_positive, AT(manifest_pathway, scale), false},
-        {"bands", read_bands, 0, false},
-        {"moves", schema_flag, AT(manifest_pathway, moves), false},
-        {"comment", schema_comment, 0, false},
-        {0},
-    };
-    conus_status status = schema_path_or_object(&out->source.file, out, value, keys, place);
+    conus_status status = schema_path_or_object(&out->source.file, out, value, pathway_keys, place);
     return status || json_is_string(value) ? status : check_pathway(out, place);
 }
 
@@ -394,33 +390,33 @@ static conus_status read_structures(void *field, const json_t *value, const stru
 
 /* Each kind of entry has keys of its own; the key that decides comes first. */
 static const struct schema_field file_keys[] = {
-    {"file", schema_path, AT(manifest_area, file), true},
-    {"label", read_area_label, 0, false},
-    {"name", schema_text, AT(manifest_area, label.name), false},
-    {"abbreviation", schema_text, AT(manifest_area, label.abbreviation), false},
-    {"color", read_color, AT(manifest_area, label), false},
-    {"parent", read_parent, AT(manifest_area, label), false},
-    {"hemisphere", read_hemisphere, AT(manifest_area, label.hemisphere), false},
-    {"vertex_labels", schema_path, AT(manifest_area, vertex_labels), false},
-    {"label_offset", read_offset, AT(manifest_area, label_offset), false},
-    {"comment", schema_comment, 0, false},
+    {"file", schema_path, AT(manifest_area, file), .required = true},
+    {"label", .read = read_area_label},
+    {"name", schema_text, AT(manifest_area, label.name)},
+    {"abbreviation", schema_text, AT(manifest_area, label.abbreviation)},
+    {"color", read_color, AT(manifest_area, label)},
+    {"parent", read_parent, AT(manifest_area, label)},
+    {"hemisphere", read_hemisphere, AT(manifest_area, label.hemisphere)},
+    {"vertex_labels", schema_path, AT(manifest_area, vertex_labels)},
+    {"label_offset", read_offset, AT(manifest_area, label_offset)},
+    {"comment", .read = schema_comment},
     {0},
 };
 static const struct schema_field files_keys[] = {
-    {"files", schema_path, AT(manifest_area, files), true},
-    {"labels", schema_path, AT(manifest_area, labels), false},
-    {"label_offset", read_offset, AT(manifest_area, label_offset), false},
-    {"parent", read_parent, AT(manifest_area, label), false},
-    {"hemisphere", read_hemisphere, AT(manifest_area, label.hemisphere), false},
-    {"comment", schema_comment, 0, false},
+    {"files", schema_path, AT(manifest_area, files), .required = true},
+    {"labels", schema_path, AT(manifest_area, labels)},
+    {"label_offset", read_offset, AT(manifest_area, label_offset)},
+    {"parent", read_parent, AT(manifest_area, label)},
+    {"hemisphere", read_hemisphere, AT(manifest_area, label.hemisphere)},
+    {"comment", .read = schema_comment},
     {0},
 };
 static const struct schema_field brainglobe_keys[] = {
-    {"brainglobe", schema_path, AT(manifest_area, brainglobe), true},
-    {"structures", read_structures, 0, false},
-    {"scale", schema_positive, AT(manifest_area, scale), false},
-    {"orientation", schema_text, AT(manifest_area, orientation), false},
-    {"comment", schema_comment, 0, false},
+    {"brainglobe", schema_path, AT(manifest_area, brainglobe), .required = true},
+    {"structures", .read = read_structures},
+    {"scale", schema_positive, AT(manifest_area, scale)},
+    {"orientation", schema_text, AT(manifest_area, orientation)},
+    {"comment", .read = schema_comment},
     {0},
 };
 
@@ -451,18 +447,19 @@ static conus_status read_area(void *field, const json_t *value, const struct sch
     return CONUS_OK;
 }
 
+static const struct schema_field node_keys[] = {
+    {"label", read_label_number, .required = true},
+    {"parent", .read = read_parent},
+    {"name", schema_text, AT(label, name)},
+    {"abbreviation", schema_text, AT(label, abbreviation)},
+    {"color", .read = read_color},
+    {"comment", .read = schema_comment},
+    {0},
+};
+
 static conus_status read_node(void *field, const json_t *value, const struct schema_place *place)
 {
-    static const struct schema_field keys[] = {
-        {"label", read_label_number, 0, true},
-        {"parent", read_parent, 0, false},
-        {"name", schema_text, AT(label, name), false},
-        {"abbreviation", schema_text, AT(label, abbreviation), false},
-        {"color", read_color, 0, false},
-        {"comment", schema_comment, 0, false},
-        {0},
-    };
-    return schema_object(field, value, keys, place);
+    return schema_object(field, value, node_keys, place);
 }
 
 /* Defines a reader of a list of a struct manifest, whose entries `read` reads. */
@@ -479,33 +476,6 @@ DEFINE_LIST(read_areas, areas, area_count, SIZE_MAX, read_area)
 DEFINE_LIST(read_tree, tree, tree_count, SIZE_MAX, read_node)
 DEFINE_LIST(read_all_streamlines, streamlines, streamlines_count, MANIFEST_MANY, read_streamlines)
 
-static conus_status read_space(void *field, const json_t *value, const struct schema_place *place)
-{
-    static const char *const words[] = {"ras", "lps", NULL};
-    unsigned word = 0;
-    conus_status status = schema_word(&word, value, place, words);
-    ((struct manifest *)field)->space = word ? MESH_SPACE_LPS : MESH_SPACE_RAS;
-    return status;
-}
-
-static conus_status read_ccf(void *field, const json_t *value, const struct schema_place *place)
-{
-    static const char *const words[] = {"asr", "asl", NULL};
-    unsigned word = 0;
-    conus_status status = schema_word(&word, value, place, words);
-    ((struct manifest *)field)->ccf = word ? MANIFEST_CCF_ASL : MANIFEST_CCF_ASR;
-    return status;
-}
-
-static conus_status read_prefer(void *field, const json_t *value, const struct schema_place *place)
-{
-    static const char *const words[] = {"areas", "parcellation", NULL};
-    unsigned word = 0;
-    conus_status status = schema_word(&word, value, place, words);
-    ((struct manifest *)field)->prefer = word ? MANIFEST_PREFER_PARCELLATION : MANIFEST_PREFER_AREAS;
-    return status;
-}
-
 /* For people and conus cite: a text, or a list of them. */
 static conus_status read_references(void *field, const json_t *value, const struct schema_place *place)
 {
@@ -518,23 +488,23 @@ static conus_status read_references(void *field, const json_t *value, const stru
 }
 
 static const struct schema_field manifest_keys[] = {
-    {"conus_atlas", read_version, 0, true},
-    {"comment", schema_comment, 0, false},
-    {"references", read_references, 0, false},
-    {"allow_outside", schema_flag, AT(manifest, allow_outside), false},
-    {"parcellation", read_parcellation, 0, false},
-    {"parcellations", read_parcellations, 0, false},
-    {"areas", read_areas, 0, false},
-    {"space", read_space, 0, false},
-    {"ccf", read_ccf, 0, false},
-    {"prefer", read_prefer, 0, false},
-    {"tree", read_tree, 0, false},
-    {"probabilities", read_maps, 0, false},
-    {"pathways", read_pathways, 0, false},
-    {"streamlines", read_all_streamlines, 0, false},
-    {"threshold", schema_positive, AT(manifest, threshold), false},
-    {"transform", read_transforms, 0, false},
-    {"context", read_contexts, 0, false},
+    {"conus_atlas", read_version, .required = true},
+    {"comment", .read = schema_comment},
+    {"references", .read = read_references},
+    {"allow_outside", schema_flag, AT(manifest, allow_outside)},
+    {"parcellation", .read = read_parcellation},
+    {"parcellations", .read = read_parcellations},
+    {"areas", .read = read_areas},
+    {"space", WORDS("ras", "lps"), .first = MESH_SPACE_RAS, AT(manifest, space)},
+    {"ccf", WORDS("asr", "asl"), .first = MANIFEST_CCF_ASR, AT(manifest, ccf)},
+    {"prefer", WORDS("areas", "parcellation"), .first = MANIFEST_PREFER_AREAS, AT(manifest, prefer)},
+    {"tree", .read = read_tree},
+    {"probabilities", .read = read_maps},
+    {"pathways", .read = read_pathways},
+    {"streamlines", .read = read_all_streamlines},
+    {"threshold", schema_positive, AT(manifest, threshold)},
+    {"transform", .read = read_transforms},
+    {"context", .read = read_contexts},
     {0},
 };
 
@@ -597,68 +567,55 @@ conus_status manifest_parse(struct manifest *out, struct text text)
     return CONUS_OK;
 }
 
-static void pathway_finish(struct manifest_pathway *pathway)
+static void finish_names(struct manifest_pathway *pathways, size_t count)
 {
-    for (size_t i = 0; i < pathway->name_count; i++) {
-        memory_free(pathway->names[i]);
+    for (size_t k = 0; k < count; k++) {
+        struct manifest_pathway *pathway = &pathways[k];
+        for (size_t i = 0; i < pathway->name_count; i++) {
+            memory_free(pathway->names[i]);
+        }
+        for (size_t i = 0; i < pathway->band_count; i++) {
+            memory_free((char *)pathway->bands[i].name);
+        }
+        memory_free(pathway->bands);
+        memory_free(pathway->names);
     }
-    for (size_t i = 0; i < pathway->band_count; i++) {
-        memory_free((char *)pathway->bands[i].name);
-    }
-    memory_free(pathway->bands);
-    memory_free(pathway->names);
-    memory_free(pathway->name);
-    memory_free(pathway->fsl);
-    manifest_volume_finish(&pathway->source);
 }
 
 void manifest_finish(struct manifest *manifest)
 {
-    for (size_t i = 0; i < manifest->area_count; i++) {
-        struct manifest_area *area = &manifest->areas[i];
-        memory_free(area->file);
-        memory_free(area->files);
-        memory_free(area->brainglobe);
-        label_finish(&area->label);
-        memory_free(area->vertex_labels);
-        memory_free(area->labels);
-        memory_free(area->orientation);
+    const struct {
+        void *entries;
+        size_t count, size;
+        const struct schema_field *keys;
+    } lists[] = {
+        {manifest->parcellations, manifest->parcellation_count, sizeof *manifest->parcellations, parcellation_keys},
+        {manifest->areas, manifest->area_count, sizeof *manifest->areas, file_keys},
+        {manifest->areas, manifest->area_count, sizeof *manifest->areas, files_keys},
+        {manifest->areas, manifest->area_count, sizeof *manifest->areas, brainglobe_keys},
+        {manifest->tree, manifest->tree_count, sizeof *manifest->tree, node_keys},
+        {manifest->maps, manifest->map_count, sizeof *manifest->maps, pathway_keys},
+        {manifest->pathways, manifest->pathway_count, sizeof *manifest->pathways, pathway_keys},
+        {manifest->streamlines, manifest->streamlines_count, sizeof *manifest->streamlines, streamlines_keys},
+        {manifest->transforms, manifest->transform_count, sizeof *manifest->transforms, transform_keys},
+        {manifest->contexts, manifest->context_count, sizeof *manifest->contexts, context_keys},
+    };
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
+        schema_finish(lists[i].entries, lists[i].count, lists[i].size, lists[i].keys);
     }
-    for (size_t i = 0; i < manifest->tree_count; i++) {
-        label_finish(&manifest->tree[i]);
-    }
-    memory_free(manifest->areas);
-    memory_free(manifest->tree);
-    for (size_t i = 0; i < manifest->map_count; i++) {
-        pathway_finish(&manifest->maps[i]);
-    }
-    memory_free(manifest->maps);
-    for (size_t i = 0; i < manifest->pathway_count; i++) {
-        pathway_finish(&manifest->pathways[i]);
-    }
-    memory_free(manifest->pathways);
-    for (size_t i = 0; i < manifest->parcellation_count; i++) {
-        manifest_volume_finish(&manifest->parcellations[i].source);
-        memory_free(manifest->parcellations[i].labels);
-    }
-    memory_free(manifest->parcellations);
-    for (size_t i = 0; i < manifest->streamlines_count; i++) {
-        memory_free(manifest->streamlines[i].file);
-        memory_free(manifest->streamlines[i].name);
-    }
-    memory_free(manifest->streamlines);
     for (size_t i = 0; i < manifest->context_count; i++) {
-        manifest_volume_finish(&manifest->contexts[i].source);
         memory_free(manifest->contexts[i].transfer);
     }
-    memory_free(manifest->contexts);
-    for (size_t i = 0; i < manifest->transform_count; i++) {
-        memory_free(manifest->transforms[i].file);
-        memory_free(manifest->transforms[i].from);
-        memory_free(manifest->transforms[i].to);
-        memory_free(manifest->transforms[i].grid);
-    }
+    finish_names(manifest->maps, manifest->map_count);
+    finish_names(manifest->pathways, manifest->pathway_count);
+    memory_free(manifest->parcellations);
+    memory_free(manifest->areas);
+    memory_free(manifest->tree);
+    memory_free(manifest->maps);
+    memory_free(manifest->pathways);
+    memory_free(manifest->streamlines);
     memory_free(manifest->transforms);
+    memory_free(manifest->contexts);
     *manifest = (struct manifest){0};
 }
 

@@ -82,8 +82,14 @@ conus_status schema_object(void *out, const json_t *object, const struct schema_
         while (field->key && strcmp(field->key, key) != 0) {
             field++;
         }
-        conus_status status =
-            field->key ? field->read((char *)out + field->offset, value, &inner) : fail_unknown(&inner, fields);
+        void *at = (char *)out + field->offset;
+        unsigned word = 0;
+        conus_status status = !field->key    ? fail_unknown(&inner, fields)
+                              : field->words ? schema_word(&word, value, &inner, field->words)
+                                             : field->read(at, value, &inner);
+        if (!status && field->words) {
+            *(unsigned *)at = field->first + word;
+        }
         if (status) {
             return status;
         }
@@ -220,4 +226,13 @@ conus_status schema_list(void **entries, size_t *count, size_t size, size_t most
         status = read((char *)*entries + i * size, json_array_get(list, i), &inner);
     }
     return status;
+}
+
+void schema_finish(void *objects, size_t count, size_t size, const struct schema_field *fields)
+{
+    for (const struct schema_field *field = fields; field->key; field++) {
+        for (size_t i = 0; i < count && (field->read == schema_text || field->read == schema_path); i++) {
+            memory_free(*(char **)(void *)((char *)objects + i * size + field->offset));
+        }
+    }
 }

@@ -26,6 +26,8 @@ struct schema_field {
     schema_read read;
     size_t offset; /**< Offset of the field in what the object is read into. */
     bool required;
+    const char *const *words; /**< Instead of read: one of these, NULL at the end. The field, an enum, becomes */
+    unsigned first;           /**< this and the word's index. */
 };
 
 /** "KEY: found ..., WANTED is needed". */
@@ -57,6 +59,9 @@ conus_status schema_positive(void *field, const json_t *value,
 
 /** A whole number from @p least, 0 or 1. */
 conus_status schema_uint(uint32_t *out, const json_t *value, const struct schema_place *place, json_int_t least);
+
+/** Frees the texts (schema_text, schema_path) of @p count objects of @p size bytes that were read by the table. */
+void schema_finish(void *objects, size_t count, size_t size, const struct schema_field *fields);
 
 /** One of @p words (NULL at the end); *out becomes its index. */
 conus_status schema_word(unsigned *out, const json_t *value, const struct schema_place *place,

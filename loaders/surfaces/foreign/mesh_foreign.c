@@ -53,13 +53,9 @@ struct reading {
 
 bool mesh_foreign_is(const char *path)
 {
-    static const char *const endings[] = {".vtk", ".vtp", ".ply", ".stl", ".obj", ".off", ".mz3"};
-    for (size_t i = 0; i < sizeof endings / sizeof endings[0]; i++) {
-        if (foreign_is_named(path, endings[i])) {
-            return true;
-        }
-    }
-    return false;
+    static const char endings[] = ".vtk/.vtp/.ply/.stl/.obj/.off/.mz3/"
+                                  ".vtk.gz/.vtp.gz/.ply.gz/.stl.gz/.obj.gz/.off.gz/.mz3.gz";
+    return path_ending_length(path, endings) > 0;
 }
 
 bool mesh_foreign_keeps_vertices(const char *path)

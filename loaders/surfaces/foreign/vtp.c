@@ -247,91 +247,76 @@ static int64_t vtp_whole_at(const uint8_t *data, const struct vtp_storage *stora
 }
 
 /* The numbers that an array becomes: 64-bit whole ones, or floats. */
-struct numbers {
-    size_t size;
-    conus_status (*read)(void *to, struct words *words);
-    void (*take)(void *to, const uint8_t *data, const struct vtp_storage *storage);
-};
-
-static conus_status read_whole_word(void *to, struct words *words)
+static size_t size_of_number(bool whole)
 {
-    return words_whole(to, words, INT64_MIN, "a whole number");
+    return whole ? sizeof(int64_t) : sizeof(float);
 }
 
-static conus_status read_float(void *to, struct words *words)
-{
-    return words_float(to, words, "a number");
-}
-
-static conus_status read_any_float(void *to, struct words *words)
-{
-    return words_any_float(to, words, "a number");
-}
-
-static void vtp_take_whole(void *to, const uint8_t *data, const struct vtp_storage *storage)
-{
-    *(int64_t *)to = vtp_whole_at(data, storage);
-}
-
-static void take_float(void *to, const uint8_t *data, const struct vtp_storage *storage)
-{
-    *(float *)to = storage->kind == VTP_REAL ? (float)order_real(data, storage->size, storage->swapped)
-                                             : (float)vtp_whole_at(data, storage);
-}
-
-static conus_status numbers_of_text(void **out, size_t *count, const struct vtp_storage *storage,
-                                    const struct numbers *kind)
+static conus_status numbers_of_text(char *numbers, size_t count, const struct vtp_storage *storage, bool whole)
 {
     struct words words = {.rest = storage->content, .line = 1};
-    struct text rest = words.rest;
-    struct text word;
+    conus_status status = CONUS_OK;
+    for (size_t i = 0; !status && i < count; i++) {
+        void *to = numbers + i * size_of_number(whole);
+        status = whole          ? words_whole(to, &words, INT64_MIN, "a whole number")
+                 : storage->any ? words_any_float(to, &words, "a number")
+                                : words_float(to, &words, "a number");
+    }
+    return status ? fail_in(status, "DataArray") : CONUS_OK;
+}
+
+static void numbers_of_bytes(char *numbers, size_t count, const struct vtp_storage *storage, const uint8_t *data,
+                             bool whole)
+{
+    for (size_t i = 0; i < count; i++, data += storage->size) {
+        void *to = numbers + i * size_of_number(whole);
+        if (whole) {
+            *(int64_t *)to = vtp_whole_at(data, storage);
+        } else {
+            *(float *)to = storage->kind == VTP_REAL ? (float)order_real(data, storage->size, storage->swapped)
+                                                     : (float)vtp_whole_at(data, storage);
+        }
+    }
+}
+
+static conus_status numbers_of(void **out, size_t *count, const struct vtp_storage *storage, bool whole)
+{
+    struct bytes bytes = {0};
+    struct source source = {.rest = storage->content, .is_raw = storage->is_raw};
     size_t n = 0;
-    while (text_word(&rest, &word)) {
+    conus_status status = storage->is_text     ? CONUS_OK
+                          : storage->is_packed ? read_packed(&bytes, &source, storage)
+                                               : read_plain(&bytes, &source, storage);
+    if (!status && bytes.size % storage->size) {
+        status = fail(CONUS_ERROR_DATA, "DataArray: %zu bytes, each number has %zu", bytes.size, storage->size);
+    }
+    struct text rest = storage->content;
+    for (struct text word; storage->is_text && text_word(&rest, &word);) {
         n++;
     }
-    char *numbers = memory_raw(n, kind->size);
-    conus_status status = numbers ? CONUS_OK : CONUS_ERROR_MEMORY;
-    for (size_t i = 0; !status && i < n; i++) {
-        status = kind->read(numbers + i * kind->size, &words);
+    n = storage->is_text ? n : bytes.size / storage->size;
+    char *numbers = status ? NULL : memory_raw(n, size_of_number(whole));
+    status = status || numbers ? status : CONUS_ERROR_MEMORY;
+    if (!status && storage->is_text) {
+        status = numbers_of_text(numbers, n, storage, whole);
+    } else if (!status) {
+        numbers_of_bytes(numbers, n, storage, bytes.data, whole);
     }
+    bytes_finish(&bytes);
     if (status) {
         memory_free(numbers);
-        return fail_in(status, "DataArray");
+        return status;
     }
     *out = numbers;
     *count = n;
     return CONUS_OK;
 }
 
-static conus_status numbers_of(void **out, size_t *count, const struct vtp_storage *storage, const struct numbers *kind)
-{
-    struct bytes bytes = {0};
-    if (storage->is_text) {
-        return numbers_of_text(out, count, storage, kind);
-    }
-    struct source source = {.rest = storage->content, .is_raw = storage->is_raw};
-    conus_status status =
-        storage->is_packed ? read_packed(&bytes, &source, storage) : read_plain(&bytes, &source, storage);
-    if (!status && bytes.size % storage->size) {
-        status = fail(CONUS_ERROR_DATA, "DataArray: %zu bytes, each number has %zu", bytes.size, storage->size);
-    }
-    size_t n = bytes.size / storage->size;
-    char *numbers = status ? NULL : memory_raw(n, kind->size);
-    for (size_t i = 0; numbers && i < n; i++) {
-        kind->take(numbers + i * kind->size, bytes.data + i * storage->size, storage);
-    }
-    bytes_finish(&bytes);
-    *count = numbers ? n : *count;
-    *out = numbers ? numbers : *out;
-    return status || numbers ? status : CONUS_ERROR_MEMORY;
-}
-
 /* The whole numbers of an array into *out[*count], the caller's to memory_free(); those above 2^63 - 1 become -1. */
 static conus_status vtp_wholes(int64_t **out, size_t *count, const struct vtp_storage *storage)
 {
-    static const struct numbers wholes = {sizeof(int64_t), read_whole_word, vtp_take_whole};
     void *numbers = NULL;
-    conus_status status = numbers_of(&numbers, count, storage, &wholes);
+    conus_status status = numbers_of(&numbers, count, storage, true);
     *out = status ? *out : numbers;
     return status;
 }
@@ -339,10 +324,8 @@ static conus_status vtp_wholes(int64_t **out, size_t *count, const struct vtp_st
 /* Numbers of any kind as float, rounded once. */
 static conus_status vtp_floats(float **out, size_t *count, const struct vtp_storage *storage)
 {
-    static const struct numbers finite = {sizeof(float), read_float, take_float};
-    static const struct numbers any = {sizeof(float), read_any_float, take_float};
     void *numbers = NULL;
-    conus_status status = numbers_of(&numbers, count, storage, storage->any ? &any : &finite);
+    conus_status status = numbers_of(&numbers, count, storage, false);
     *out = status ? *out : numbers;
     return status;
 }
