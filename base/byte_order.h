@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/** @file Numbers of either byte order out of unaligned bytes. `swapped` = not this machine's order. */
+/** @file Numbers of either byte order out of unaligned bytes, and into them, the lowest byte first. `swapped` = not
+ * this machine's order. */
 #ifndef CONUS_BASE_BYTE_ORDER_H
 #define CONUS_BASE_BYTE_ORDER_H
 
@@ -82,6 +83,21 @@ static inline int64_t order_whole(const uint8_t *data, size_t size, bool is_sign
 static inline double order_real(const uint8_t *data, size_t size, bool swapped)
 {
     return size == 4 ? (double)order_f32(data, swapped) : order_f64(data, swapped);
+}
+
+/** Writes the @p size lowest bytes of @p value, the lowest first. */
+static inline void order_put(uint8_t *to, uint64_t value, size_t size)
+{
+    for (size_t i = 0; i < size; i++) {
+        to[i] = (uint8_t)(value >> 8 * i);
+    }
+}
+
+static inline void order_put_f32(uint8_t *to, float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    order_put(to, bits, sizeof bits);
 }
 
 #endif

@@ -660,7 +660,7 @@ void conus_pose_stream_stop(conus_pose_stream *stream)
 bool conus_pose_stream_has_times(const conus_pose_stream *stream)
 {
     if (!is_read_whole(stream)) {
-        return stream->format == CONUS_POSE_FORMAT_TABLE && pose_table_has_times(&stream->table);
+        return stream->format == CONUS_POSE_FORMAT_TABLE && stream->table.has_times;
     }
     bool found = stream->list.count == 0;
     for (size_t i = 0; i < stream->list.count && !found; i++) {
@@ -671,7 +671,7 @@ bool conus_pose_stream_has_times(const conus_pose_stream *stream)
 
 bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 {
-    bool found = stream->format == CONUS_POSE_FORMAT_TABLE && pose_table_has_angles(&stream->table);
+    bool found = stream->format == CONUS_POSE_FORMAT_TABLE && stream->table.has_angles;
     for (size_t i = 0; is_read_whole(stream) && i < stream->list.count; i++) {
         found = found || stream->list.rows[i].angle != 0;
     }
@@ -681,7 +681,7 @@ bool conus_pose_stream_has_angles(const conus_pose_stream *stream)
 bool conus_pose_stream_has_ranges(const conus_pose_stream *stream)
 {
     return stream->candidates.asked.to_target ||
-           (stream->format == CONUS_POSE_FORMAT_TABLE && pose_table_has_ranges(&stream->table));
+           (stream->format == CONUS_POSE_FORMAT_TABLE && stream->table.has_ranges);
 }
 
 bool conus_pose_stream_has_points(const conus_pose_stream *stream)

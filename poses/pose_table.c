@@ -298,23 +298,11 @@ conus_status pose_table_header(struct pose_table *out, struct notes *notes, stru
                       "header: rotations (qw qx qy qz or m00...m33) are not read in space %s; tx ty tz or dx dy dz are",
                       conus_space_name((size_t)options->space));
     }
+    table->has_times = table->has[TIME];
+    table->has_angles = table->has[ANGLE];
+    table->has_ranges = table->has[NEAR] || table->has[FAR];
     *out = status ? *out : *table;
     return status;
-}
-
-bool pose_table_has_times(const struct pose_table *table)
-{
-    return table->has[TIME];
-}
-
-bool pose_table_has_angles(const struct pose_table *table)
-{
-    return table->has[ANGLE];
-}
-
-bool pose_table_has_ranges(const struct pose_table *table)
-{
-    return table->has[NEAR] || table->has[FAR];
 }
 
 static conus_status pose_from_values(conus_pose *out, const struct pose_table *table, double v[COLUMNS],

@@ -19,6 +19,7 @@ struct pose_table {
     uint8_t of_field[POSE_COLUMN_LIMIT]; /**< Column of each field, POSE_COLUMNS = passed over. */
     size_t field_count;
     bool has[POSE_COLUMNS];
+    bool has_times, has_angles, has_ranges; /**< Rows may have some. */
 };
 
 /** Reads the header, CONUS_ERROR_DATA when a column is missing or twice, or when there is not exactly one way of saying
@@ -26,13 +27,6 @@ struct pose_table {
  * that are passed over. */
 conus_status pose_table_header(struct pose_table *out, struct notes *notes, struct text line,
                                const conus_pose_options *options);
-
-/** Whether there is a column time_s. */
-bool pose_table_has_times(const struct pose_table *table);
-/** Whether rows may have angles. */
-bool pose_table_has_angles(const struct pose_table *table);
-/** Whether rows may have ranges. */
-bool pose_table_has_ranges(const struct pose_table *table);
 
 /** A row's name; "" if it gives none. */
 struct pose_name {

@@ -33,3 +33,8 @@ conus_status json_text_load(json_t **out, struct text text)
     }
     return fail(CONUS_ERROR_DATA, "line %d, column %d: %s", error.line, error.column, error.text);
 }
+
+struct text json_text_of(const json_t *value)
+{
+    return json_is_string(value) ? (struct text){json_string_value(value), json_string_length(value)} : text_from("");
+}

@@ -43,12 +43,8 @@ static void write_tail(uint8_t tail[TAIL_SIZE], const void *content, uint64_t si
     uint32_t sum = libdeflate_crc32(0, content, (size_t)size);
     memset(tail, 0, TAIL_SIZE);
     memcpy(tail, magic, sizeof magic);
-    for (int i = 0; i < 8; i++) {
-        tail[8 + i] = (uint8_t)(size >> 8 * i);
-    }
-    for (int i = 0; i < 4; i++) {
-        tail[16 + i] = (uint8_t)(sum >> 8 * i);
-    }
+    order_put(tail + 8, size, 8);
+    order_put(tail + 16, sum, 4);
 }
 
 size_t mesh_cache_content(const void *entry, size_t size)

@@ -119,7 +119,8 @@ void mesh_stream_start(struct buffer *out)
 
 void mesh_append_u32(struct buffer *out, uint32_t value)
 {
-    const uint8_t bytes[4] = {(uint8_t)value, (uint8_t)(value >> 8), (uint8_t)(value >> 16), (uint8_t)(value >> 24)};
+    uint8_t bytes[4];
+    order_put(bytes, value, sizeof bytes);
     buffer_append(out, bytes, sizeof bytes);
 }
 

@@ -364,6 +364,17 @@ static conus_status judge_similar_table(bool *taken, struct label_search *search
                      name, volume, fit.unnamed ? "nearly all" : "all", fit.used, fit.names);
 }
 
+/* Tries the file `name` beside `path`, which `judge`, unless NULL, must take. */
+static conus_status search_named(struct label_search *search, const char *path, const char *name, label_judge judge)
+{
+    char *file = file_beside(path, name);
+    search->judge = judge;
+    conus_status status = file ? label_search_file(search, file) : CONUS_ERROR_MEMORY;
+    search->judge = NULL;
+    memory_free(file);
+    return status;
+}
+
 static conus_status consider(bool *tried, struct label_search *search, const struct folder *folder, const char *name)
 {
     struct text stem = {name, table_stem_length(name)};
@@ -378,15 +389,7 @@ static conus_status consider(bool *tried, struct label_search *search, const str
     bool other = is_of_another(folder, &words);
     conus_status status = words.count || other ? CONUS_OK : is_only_table(&only, folder, name, search->use.max_memory);
     *tried = !status && only && !other;
-    if (!*tried) {
-        return status;
-    }
-    char *path = file_beside(folder->folder, name);
-    search->judge = judge_similar_table;
-    status = path ? label_search_file(search, path) : CONUS_ERROR_MEMORY;
-    search->judge = NULL;
-    memory_free(path);
-    return status;
+    return *tried ? search_named(search, folder->folder, name, judge_similar_table) : status;
 }
 
 /* Tries the tables in folder whose names have no word that the volume's lacks, unless they may belong to another
@@ -444,9 +447,7 @@ static conus_status search_inherited(struct label_search *search, const char *fo
             best = names.names[i];
         }
     }
-    char *found = !status && best ? file_beside(folder, best) : NULL;
-    status = !status && best ? (found ? label_search_file(search, found) : CONUS_ERROR_MEMORY) : status;
-    memory_free(found);
+    status = status || !best ? status : search_named(search, folder, best, NULL);
     names_finish(&names);
     return status;
 }
@@ -472,16 +473,10 @@ static conus_status offer_atlas(void *user, struct fsl_atlas *atlas, const char 
 /* Tables for all volumes in the folder, which are read only where no other was found. */
 static conus_status search_fixed(struct label_search *search)
 {
-    static const char *const names[] = {"structures.json", "FreeSurferColorLUT.txt"};
-    conus_status status = CONUS_OK;
-    for (size_t i = 0; !status && !search->found && i < 2; i++) {
-        char *path = file_beside(search->volume->info->path, names[i]);
-        search->judge = i == 1 ? label_judge_freesurfer : NULL;
-        status = path ? label_search_file(search, path) : CONUS_ERROR_MEMORY;
-        search->judge = NULL;
-        memory_free(path);
-    }
-    return status;
+    const char *path = search->volume->info->path;
+    conus_status status = search_named(search, path, "structures.json", NULL);
+    return status || search->found ? status
+                                   : search_named(search, path, "FreeSurferColorLUT.txt", label_judge_freesurfer);
 }
 
 void label_volume_finish(struct label_volume *volume)

@@ -11,13 +11,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static conus_status set_string(char **field, const json_t *value)
-{
-    return json_is_string(value)
-               ? label_set_text(field, (struct text){json_string_value(value), json_string_length(value)})
-               : CONUS_OK;
-}
-
 static conus_status read_number(uint32_t *out, const json_t *value, const char *field, const char *where)
 {
     json_int_t number = json_is_integer(value) ? json_integer_value(value) : -1;
@@ -89,8 +82,9 @@ static conus_status fill_structure(struct label *label, const json_t *structure,
     status = status ? status : set_rgb(label, json_object_get(structure, "rgb_triplet"), where);
     status = status ? status : set_parent(label, json_object_get(structure, "structure_id_path"), where);
     status = status ? status : set_hex(label, json_object_get(structure, "color_hex_triplet"), where);
-    status = status ? status : set_string(&label->abbreviation, json_object_get(structure, "acronym"));
-    status = status ? status : set_string(&label->name, json_object_get(structure, "name"));
+    status =
+        status ? status : label_set_text(&label->abbreviation, json_text_of(json_object_get(structure, "acronym")));
+    status = status ? status : label_set_text(&label->name, json_text_of(json_object_get(structure, "name")));
     if (!status && !label->name && label->abbreviation) {
         status = label_set_text(&label->name, text_from(label->abbreviation));
     }
@@ -203,7 +197,7 @@ static conus_status fill_from_lists(struct label *label, const struct lists *lis
         status = list ? read_channel(&label->rgb[channel], json_array_get(list, i), where) : CONUS_OK;
     }
     label->has_rgb = lists->channels[0] && lists->channels[1] && lists->channels[2];
-    return status ? status : set_string(&label->name, json_array_get(lists->names, i));
+    return status ? status : label_set_text(&label->name, json_text_of(json_array_get(lists->names, i)));
 }
 
 static conus_status parse_lists(struct label_table *out, struct text text, struct notes *notes)
@@ -250,7 +244,7 @@ static conus_status parse_map(struct label_table *out, struct text text, struct 
         if (!status && !json_is_string(name)) {
             status = fail(CONUS_ERROR_DATA, "key %s: the name of the label must be a text", key);
         }
-        status = status ? status : set_string(&label.name, name);
+        status = status ? status : label_set_text(&label.name, json_text_of(name));
         status = label_keep(out, &label, status, notes);
     }
     json_decref(root);
@@ -306,8 +300,9 @@ static conus_status fill_object(struct label *label, const json_t *object, const
     }
     conus_status status = read_number(&label->number, json_object_get(object, fields->number), fields->number, where);
     status = status ? status : note_rival_field(fields, object, where, notes);
-    status = status ? status : set_string(&label->name, name);
-    status = status ? status : set_string(&label->abbreviation, json_object_get(object, "abbreviation"));
+    status = status ? status : label_set_text(&label->name, json_text_of(name));
+    status =
+        status ? status : label_set_text(&label->abbreviation, json_text_of(json_object_get(object, "abbreviation")));
     return status ? status : set_hex(label, json_object_get(object, "color"), where);
 }
 
@@ -332,7 +327,7 @@ static conus_status fill_ome(struct label *label, const json_t *object, const ch
     conus_status status = read_number(&label->number, json_object_get(object, "label-value"), "label-value", where);
     status = status ? status : set_rgb(label, json_object_get(object, "rgba"), where);
     for (size_t i = 0; !status && !label->name && i < sizeof names / sizeof names[0]; i++) {
-        status = set_string(&label->name, json_object_get(object, names[i]));
+        status = label_set_text(&label->name, json_text_of(json_object_get(object, names[i])));
     }
     return status;
 }

@@ -5,6 +5,7 @@
 #include "atlas/phantom/phantom_brain.h"
 #include "atlas/space.h"
 #include "base/buffer.h"
+#include "base/byte_order.h"
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
@@ -114,12 +115,7 @@ static double length_of(int ring)
 static void append_float(struct buffer *out, double value)
 {
     uint8_t bytes[4];
-    uint32_t bits;
-    float rounded = (float)value;
-    memcpy(&bits, &rounded, sizeof bits);
-    for (int i = 0; i < 4; i++) {
-        bytes[i] = (uint8_t)(bits >> 8 * i);
-    }
+    order_put_f32(bytes, (float)value);
     buffer_append(out, bytes, sizeof bytes);
 }
 

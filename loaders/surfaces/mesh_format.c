@@ -2,6 +2,7 @@
 /* Writes a mesh in each of the formats. */
 #include "loaders/surfaces/mesh_format.h"
 
+#include "base/byte_order.h"
 #include "base/geometry/math3.h"
 #include "conus/version.h"
 
@@ -32,11 +33,7 @@ static void flush_words(struct word_writer *writer)
 
 static void put_word(struct word_writer *writer, uint32_t word)
 {
-    uint8_t *at = writer->bytes + writer->size;
-    at[0] = (uint8_t)word;
-    at[1] = (uint8_t)(word >> 8);
-    at[2] = (uint8_t)(word >> 16);
-    at[3] = (uint8_t)(word >> 24);
+    order_put(writer->bytes + writer->size, word, 4);
     writer->size += 4;
     if (writer->size == sizeof writer->bytes) {
         flush_words(writer);

@@ -3,6 +3,7 @@
 #include "loaders/surfaces/vertex_map.h"
 
 #include "atlas/sites.h"
+#include "base/byte_order.h"
 #include "base/files/file.h"
 #include "base/files/folder.h"
 #include "base/formats/gzip.h"
@@ -118,11 +119,7 @@ static conus_status append_values(struct buffer *out, const float *values, size_
     conus_status status = bytes && text ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
         for (size_t i = 0; i < count; i++) {
-            uint32_t bits;
-            memcpy(&bits, &values[i], sizeof bits);
-            for (size_t k = 0; k < 4; k++) {
-                bytes[4 * i + k] = (uint8_t)(bits >> 8 * k);
-            }
+            order_put_f32(bytes + 4 * i, values[i]);
         }
         size_t size = libdeflate_zlib_compress(packer, bytes, 4 * count, packed, bound);
         base64_encode_raw(text, size, packed);

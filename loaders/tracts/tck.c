@@ -270,12 +270,8 @@ static size_t format_header(char out[HEADER_SIZE], size_t count)
 
 static uint8_t *put_point(uint8_t *at, const float point[3])
 {
-    for (int a = 0; a < 3; a++) {
-        uint32_t bits;
-        memcpy(&bits, &point[a], sizeof bits);
-        for (int byte = 0; byte < 4; byte++) {
-            *at++ = (uint8_t)(bits >> 8 * byte);
-        }
+    for (int a = 0; a < 3; a++, at += sizeof *point) {
+        order_put_f32(at, point[a]);
     }
     return at;
 }

@@ -40,21 +40,6 @@ struct header_values {
     const char *description;
 };
 
-static void put_integer(uint8_t *at, uint32_t value, size_t size)
-{
-    for (size_t i = 0; i < size; i++) {
-        at[i] = (uint8_t)(value >> 8 * i);
-    }
-}
-
-static void put_float(uint8_t *at, double value)
-{
-    float narrow = (float)value;
-    uint32_t bits;
-    memcpy(&bits, &narrow, sizeof bits);
-    put_integer(at, bits, sizeof bits);
-}
-
 static conus_status check_grid(const struct header_values *values)
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -117,19 +102,19 @@ static void quaternion_of(double q[4], double r[3][3])
 static void put_header(uint8_t *header, const struct header_values *values)
 {
     const double *m = values->world_from_voxel;
-    put_integer(header, 348, 4);
-    put_integer(header + 40, values->volumes ? 4 : 3, 2);
+    order_put(header, 348, 4);
+    order_put(header + 40, values->volumes ? 4 : 3, 2);
     for (int axis = 0; axis < 7; axis++) {
         size_t along = axis < 3 ? values->dim[axis] : axis == 3 && values->volumes ? values->volumes : 1;
-        put_integer(header + 42 + 2 * axis, (uint32_t)along, 2);
-        put_float(header + 80 + 4 * axis, axis < 3 ? vec3_length(m + 4 * axis) : 1);
+        order_put(header + 42 + 2 * axis, (uint32_t)along, 2);
+        order_put_f32(header + 80 + 4 * axis, (float)(axis < 3 ? vec3_length(m + 4 * axis) : 1));
     }
-    put_integer(header + 68, (uint32_t)values->intent, 2);
-    put_integer(header + 70, (uint32_t)values->type->code, 2);
-    put_integer(header + 72, (uint32_t)values->type->size * 8, 2);
-    put_float(header + 76, 1);
-    put_float(header + 108, (double)(HEADER + values->extension));
-    put_float(header + 112, 1);
+    order_put(header + 68, (uint32_t)values->intent, 2);
+    order_put(header + 70, (uint32_t)values->type->code, 2);
+    order_put(header + 72, (uint32_t)values->type->size * 8, 2);
+    order_put_f32(header + 76, 1);
+    order_put_f32(header + 108, (float)(HEADER + values->extension));
+    order_put_f32(header + 112, 1);
     header[123] = UNITS_MM;
     snprintf((char *)header + 148, 80, "%s", values->description);
     double r[3][3];
@@ -137,17 +122,17 @@ static void put_header(uint8_t *header, const struct header_values *values)
     double qfac;
     if (rotation_of(r, &qfac, m)) {
         quaternion_of(q, r);
-        put_float(header + 76, qfac);
-        put_integer(header + 252, (uint32_t)values->code, 2);
+        order_put_f32(header + 76, (float)qfac);
+        order_put(header + 252, (uint32_t)values->code, 2);
         for (int i = 0; i < 3; i++) {
-            put_float(header + 256 + 4 * i, q[i + 1]);
-            put_float(header + 268 + 4 * i, m[12 + i]);
+            order_put_f32(header + 256 + 4 * i, (float)q[i + 1]);
+            order_put_f32(header + 268 + 4 * i, (float)m[12 + i]);
         }
     }
-    put_integer(header + 254, (uint32_t)values->code, 2);
+    order_put(header + 254, (uint32_t)values->code, 2);
     for (int row = 0; row < 3; row++) {
         for (int column = 0; column < 4; column++) {
-            put_float(header + 280 + 16 * row + 4 * column, m[4 * column + row]);
+            order_put_f32(header + 280 + 16 * row + 4 * column, (float)m[4 * column + row]);
         }
     }
     memcpy(header + 344, "n+1", 4);
@@ -197,7 +182,7 @@ static conus_status format_numbers(struct bytes *out, const conus_volume_info *i
     }
     size_t size = values.type->size;
     for (size_t i = 0; i < (out->size - HEADER) / size; i++) {
-        put_integer(out->data + HEADER + i * size, labels[i], size);
+        order_put(out->data + HEADER + i * size, labels[i], size);
     }
     return CONUS_OK;
 }
@@ -242,8 +227,8 @@ conus_status nifti_format_grid(struct bytes *out, const conus_grid *grid)
     conus_status status = check_grid(&values);
     status = status ? status : start_file(out, &values);
     for (size_t i = 0; !status && i < view->count; i++) {
-        put_integer(out->data + HEADER + i * grid->size,
-                    (uint32_t)order_whole(data + i * grid->size, grid->size, false, false), grid->size);
+        order_put(out->data + HEADER + i * grid->size,
+                  (uint32_t)order_whole(data + i * grid->size, grid->size, false, false), grid->size);
     }
     return status;
 }
@@ -270,15 +255,15 @@ conus_status nifti_format_maps(struct bytes *out, const conus_grid_view *grid, c
         uint8_t *extension = out->data + HEADER;
         uint8_t *data = extension + values.extension;
         extension[-4] = 1; /* there is one */
-        put_integer(extension, (uint32_t)values.extension, 4);
-        put_integer(extension + 4, COMMENT, 4);
+        order_put(extension, (uint32_t)values.extension, 4);
+        order_put(extension + 4, COMMENT, 4);
         memcpy(extension + BEFORE, names.data ? names.data : "", names.size);
         for (size_t i = 0; i < count * grid->count; i++) {
-            put_float(data + 4 * i, NAN);
+            order_put_f32(data + 4 * i, NAN);
         }
         for (size_t i = 0; i < count * site_count; i++) {
             size_t k = i / site_count;
-            put_float(data + 4 * (k * grid->count + voxels[i % site_count]), (double)maps[k].values[i % site_count]);
+            order_put_f32(data + 4 * (k * grid->count + voxels[i % site_count]), maps[k].values[i % site_count]);
         }
     }
     buffer_finish(&names);

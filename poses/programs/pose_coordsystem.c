@@ -57,7 +57,7 @@ static struct text find_text(const json_t *root, const char *key)
         snprintf(name, sizeof name, "%s%s", modalities[i], key);
         const json_t *value = json_object_get(root, name);
         if (json_is_string(value)) {
-            return (struct text){json_string_value(value), json_string_length(value)};
+            return json_text_of(value);
         }
     }
     return (struct text){"", 0};

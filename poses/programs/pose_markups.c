@@ -20,17 +20,11 @@ struct markup {
     bool lps;
 };
 
-static struct text text_of(const json_t *value)
-{
-    return json_is_string(value) ? (struct text){json_string_value(value), json_string_length(value)}
-                                 : (struct text){"", 0};
-}
-
 /* Absent keys have the schema's defaults. */
 static conus_status read_space_and_units(struct markup *markup)
 {
     const json_t *system = json_object_get(markup->json, "coordinateSystem");
-    struct text space = system ? text_of(system) : text_from("LPS");
+    struct text space = system ? json_text_of(system) : text_from("LPS");
     markup->lps = text_equal(space, "LPS");
     if (!markup->lps && !text_equal(space, "RAS")) {
         return fail(CONUS_ERROR_DATA, "markups[%zu]: coordinateSystem \"%.*s\", allowed are LPS and RAS",
@@ -38,7 +32,7 @@ static conus_status read_space_and_units(struct markup *markup)
     }
     const json_t *value = json_object_get(markup->json, "coordinateUnits");
     value = json_is_array(value) ? json_array_get(value, 0) : value;
-    struct text units = value ? text_of(value) : text_from("mm");
+    struct text units = value ? json_text_of(value) : text_from("mm");
     markup->scale = text_equal(units, "um") ? 1e-3 : 1;
     return text_equal(units, "um") || text_equal(units, "mm")
                ? CONUS_OK
@@ -55,7 +49,7 @@ static conus_status add_row(const struct markup *markup, const conus_pose_row *r
 static conus_status read_position(double out[3], const struct markup *markup, const json_t *point)
 {
     const json_t *position = json_object_get(point, "position");
-    struct text status = text_of(json_object_get(point, "positionStatus"));
+    struct text status = json_text_of(json_object_get(point, "positionStatus"));
     if (status.size && !text_equal(status, "defined")) {
         return fail(CONUS_ERROR_DATA, "positionStatus \"%.*s\": the point was not placed", POSE_QUOTE(status));
     }
@@ -85,7 +79,7 @@ static conus_status read_points(const struct markup *markup, const json_t *point
         row.is_point = true;
         conus_status bad = read_position(position, markup, point);
         bad = bad ? bad : pose_of_point(&row.pose, position);
-        status = add_row(markup, &row, text_of(json_object_get(point, "label")), bad);
+        status = add_row(markup, &row, json_text_of(json_object_get(point, "label")), bad);
     }
     return status;
 }
@@ -114,15 +108,15 @@ static conus_status read_line(const struct markup *markup, const json_t *points)
     }
     conus_pose_row row = pose_row_at(markup->number);
     conus_status bad = line_pose(&row, markup, points);
-    struct text label = text_of(json_object_get(json_array_get(points, 0), "label"));
+    struct text label = json_text_of(json_object_get(json_array_get(points, 0), "label"));
     return add_row(markup, &row, markup->name.size ? markup->name : label, bad);
 }
 
 static conus_status read_markup(struct markup *markup)
 {
-    struct text type = text_of(json_object_get(markup->json, "type"));
+    struct text type = json_text_of(json_object_get(markup->json, "type"));
     const json_t *points = json_object_get(markup->json, "controlPoints");
-    markup->name = text_of(json_object_get(markup->json, "name"));
+    markup->name = json_text_of(json_object_get(markup->json, "name"));
     conus_status status = read_space_and_units(markup);
     status = status ? status : pose_note_space(&markup->list->notes, markup->options, markup->lps);
     if (status) {
@@ -149,7 +143,7 @@ conus_status pose_markups_parse(conus_pose_list *list, struct text text, const c
     conus_status status = json_text_load(&root, text);
     const json_t *markups = json_object_get(root, "markups");
     if (!status && !json_is_array(markups)) {
-        bool is_probe = text_equal(text_of(json_object_get(root, "specification")), "probeinterface");
+        bool is_probe = text_equal(json_text_of(json_object_get(root, "specification")), "probeinterface");
         status = is_probe
                      ? fail(CONUS_ERROR_DATA, "a probe of ProbeInterface says where contacts are on it, and not where "
                                               "it lies: its poses are another file")
@@ -157,7 +151,7 @@ conus_status pose_markups_parse(conus_pose_list *list, struct text text, const c
     }
     bool fits = options->axis == CONUS_AXIS_OF_FORMAT; /* an axis is for lines */
     for (size_t i = 0; !fits && i < json_array_size(markups); i++) {
-        fits = text_equal(text_of(json_object_get(json_array_get(markups, i), "type")), "Line");
+        fits = text_equal(json_text_of(json_object_get(json_array_get(markups, i), "type")), "Line");
     }
     if (!status && !fits) {
         status = fail(CONUS_ERROR_DATA, "no markup is a line, so that no axis (%s) can be chosen",
