@@ -556,7 +556,7 @@ conus_status conus_pose_stream_read(conus_pose_row *rows, size_t *count, conus_p
     size_t got = 0;
     bool found = true;
     conus_status status = capacity ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "capacity: 0 rows, allowed is 1 or more");
-    pose_list_finish(&stream->block);
+    pose_list_clear(&stream->block);
     while (!status && found && got < capacity) {
         if (is_read_whole(stream)) {
             found = stream->taken < stream->list.count;
@@ -580,7 +580,7 @@ conus_status conus_pose_stream_skip(conus_pose_stream *stream, uint64_t rows)
 {
     conus_status status = CONUS_OK;
     stream->is_partial = stream->is_partial || rows;
-    pose_list_finish(&stream->block);
+    pose_list_clear(&stream->block);
     if (is_read_whole(stream) || stream->candidates.count) {
         uint64_t left = (is_read_whole(stream) ? stream->list.count : stream->candidates.count) - stream->taken;
         stream->taken += rows < left ? rows : left;

@@ -9,12 +9,18 @@
 #include <stdio.h>
 #include <string.h>
 
-void pose_list_finish(conus_pose_list *list)
+void pose_list_clear(conus_pose_list *list)
 {
     for (size_t i = 0; i < list->count; i++) {
         memory_free((char *)list->rows[i].id);
         memory_free((char *)list->rows[i].error);
     }
+    list->count = 0;
+}
+
+void pose_list_finish(conus_pose_list *list)
+{
+    pose_list_clear(list);
     memory_free(list->rows);
     memory_free(list->electrodes);
     memory_free(list->coordsystem);

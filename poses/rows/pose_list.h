@@ -49,6 +49,9 @@ conus_status pose_list_add(conus_pose_list *list, const conus_pose_row *row, str
 /** Lets the sink hear the notes of the list, which keeps a copy of it and of its path. */
 conus_status pose_list_hear(conus_pose_list *list, const struct note_sink *sink);
 
+/** Takes all rows out, and keeps their memory for the next ones. */
+void pose_list_clear(conus_pose_list *list);
+
 /** Frees what is in it. */
 void pose_list_finish(conus_pose_list *list);
 
