@@ -69,8 +69,7 @@ static const char *option_of(const struct batch_output *output)
 static bool outputs_differ_from(const struct batch_output *one, const struct batch_output *other)
 {
     if (output_is_stdout(one->path) ? output_is_stdout(other->path) : paths_equal(one->path, other->path)) {
-        print_error_line("--%s and --%s are the same file", option_of(one), option_of(other));
-        return false;
+        return refuse("--%s and --%s are the same file", option_of(one), option_of(other));
     }
     if (output_is_stdout(one->path) || output_is_stdout(other->path)) {
         return true;
@@ -98,10 +97,9 @@ static bool check_outputs_differ(const struct batch_output *outputs, size_t coun
         }
     }
     if (count > 1 && output_is_no_file(poses)) {
-        print_error_line("--%s besides --%s reads the poses once more: it needs a file of poses, not %s",
-                         option_of(&outputs[1]), option_of(&outputs[0]),
-                         output_is_stdout(poses) ? "standard input" : "a pipe");
-        return false;
+        return refuse("--%s besides --%s reads the poses once more: it needs a file of poses, not %s",
+                      option_of(&outputs[1]), option_of(&outputs[0]),
+                      output_is_stdout(poses) ? "standard input" : "a pipe");
     }
     return true;
 }

@@ -170,8 +170,7 @@ static int open_own(int *out, const char *path, int flags)
     if (!S_ISREG(info.st_mode)) {
         close(*out);
         *out = -1;
-        print_error_line("%s: cannot write: is a device or pipe, which is no file of a batch", path);
-        return EXIT_DATA;
+        return print_data_error("%s: cannot write: is a device or pipe, which is no file of a batch", path);
     }
     return EXIT_DONE;
 }
@@ -184,8 +183,7 @@ static int open_files(struct batch_file *file, int flags)
     }
     struct stat info; /* without a link where who held the lock before has finished the file since the open() */
     if (flock(file->log, LOCK_EX | LOCK_NB) || fstat(file->log, &info) || info.st_nlink == 0) {
-        print_error_line("%s: another conus is writing this file", file->path);
-        return EXIT_DATA;
+        return print_data_error("%s: another conus is writing this file", file->path);
     }
     return open_own(&file->rows, file->part, flags);
 }

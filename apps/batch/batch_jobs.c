@@ -51,19 +51,16 @@ static bool add_job(struct batch_jobs *jobs, const size_t place[COLUMNS], char *
 {
     char *fields[COLUMNS] = {NULL};
     if (!split_fields(fields, line)) {
-        print_error_line("%s:%zu: not three fields with tabs between them", path, number);
-        return false;
+        return refuse("%s:%zu: not three fields with tabs between them", path, number);
     }
     struct batch_job job = {fields[place[0]], fields[place[1]], fields[place[2]], number};
     if (!*job.atlas || output_is_stdout(job.poses) || !*job.poses || output_is_stdout(job.output) || !*job.output) {
-        print_error_line("%s:%zu: atlas, poses and output must be files", path, number);
-        return false;
+        return refuse("%s:%zu: atlas, poses and output must be files", path, number);
     }
     if ((jobs->count & (jobs->count - 1)) == 0) { /* 0 and powers of two: the array is full */
         struct batch_job *more = realloc(jobs->jobs, (jobs->count ? 2 * jobs->count : 1) * sizeof *more);
         if (!more) {
-            print_error_line("not enough memory");
-            return false;
+            return refuse("not enough memory");
         }
         jobs->jobs = more;
     }

@@ -149,8 +149,7 @@ int batch_record_write(const char *path, const char *text, const struct batch_re
     }
     json_decref(root);
     if (!whole) {
-        print_error_line("%s: not enough memory", path);
-        return EXIT_DATA;
+        return print_data_error("%s: not enough memory", path);
     }
     int code = output_write(path, whole, strlen(whole));
     free(whole);
@@ -199,8 +198,7 @@ int batch_record_parse(struct batch_record *out, const char *path, const char *t
     json_error_t error;
     json_t *root = json_loadb(text, size, 0, &error);
     if (!root) {
-        print_error_line("%s: %s", path, error.text);
-        return EXIT_DATA;
+        return print_data_error("%s: %s", path, error.text);
     }
     bool read = read_record(out, root);
     json_decref(root);

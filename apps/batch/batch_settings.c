@@ -143,11 +143,9 @@ bool batch_format(conus_format *out, const struct batch_settings *settings, cons
         return true;
     }
     bool known = output_format(out, settings->output) && *out != CONUS_FORMAT_TABLE && *out != CONUS_FORMAT_JSON;
-    return known ||
-           (print_error_line("%s: --%s ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else is "
-                             "written",
-                             settings->output, settings->of_axis ? settings->of_axis->option : "output"),
-            false);
+    return known || refuse("%s: --%s ends in none of .tsv, .csv, .ndjson and .jsonl; --format says what else is "
+                           "written",
+                           settings->output, settings->of_axis ? settings->of_axis->option : "output");
 }
 
 /* Number of an environment's variable; `missing` where it is not set. */

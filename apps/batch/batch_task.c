@@ -22,27 +22,21 @@ static bool check_settings(conus_format *format, const struct batch_settings *se
         return false;
     }
     if (settings->atlas.more.count && format_is_foreign(*format)) {
-        print_error_line(
-            "--format: formats of other programs have no column for the atlas; tsv, csv and ndjson have one");
-        return false;
+        return refuse("--format: formats of other programs have no column for the atlas; tsv, csv and ndjson have one");
     }
     if (settings->of_axis && format_is_foreign(*format)) {
-        print_error_line("--format: formats of other programs hold no %s; tsv, csv and ndjson do",
-                         settings->of_axis->option);
-        return false;
+        return refuse("--format: formats of other programs hold no %s; tsv, csv and ndjson do",
+                      settings->of_axis->option);
     }
     if (settings->of_axis && !option_given(arguments, "output") && (settings->summary || settings->axis.order)) {
-        print_error_line("--%s has no effect without --output: other rows have but one order",
-                         settings->summary ? "summary" : "order");
-        return false;
+        return refuse("--%s has no effect without --output: other rows have but one order",
+                      settings->summary ? "summary" : "order");
     }
     if (settings->summary && format_is_foreign(*format)) {
-        print_error_line("--summary: formats of other programs have no summary; tsv, csv and ndjson have one");
-        return false;
+        return refuse("--summary: formats of other programs have no summary; tsv, csv and ndjson have one");
     }
     if ((settings->force || settings->resume) && output_is_stdout(settings->output)) {
-        print_error_line("--%s has no effect without a file for --output", settings->force ? "force" : "resume");
-        return false;
+        return refuse("--%s has no effect without a file for --output", settings->force ? "force" : "resume");
     }
     return settings_check_score(&settings->engine, false) &&
            settings_check_shape(&settings->aim, &settings->engine, arguments) &&
@@ -281,7 +275,7 @@ int batch_task_open_output(struct batch_task *task)
 int batch_task_skip(struct batch_task *task, uint64_t poses)
 {
     conus_status status = poses ? conus_pose_stream_skip(task->poses, poses) : CONUS_OK;
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 void batch_task_start_progress(struct batch_task *task)
@@ -368,8 +362,7 @@ int batch_task_check_poses(struct batch_task *task)
         return print_status(status);
     }
     if (strcmp(hash, task->pose_hash) != 0) {
-        print_error_line("%s: changed while it was read", task->settings->poses);
-        return EXIT_DATA;
+        return print_data_error("%s: changed while it was read", task->settings->poses);
     }
     return EXIT_DONE;
 }

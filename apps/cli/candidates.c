@@ -117,16 +117,14 @@ static bool read_place(struct place *out, const char *value, bool is_from)
         } else if (word[length] == '=') {
             word[length] = '\0';
             const char *near = closest_name(word, key_name, &is_from);
-            print_error_line("--%s: there is no key \"%s\"%s%s%s", option, word, near ? "; did you mean " : "",
-                             near ? near : "", near ? "?" : "");
-            return false;
+            return refuse("--%s: there is no key \"%s\"%s%s%s", option, word, near ? "; did you mean " : "",
+                          near ? near : "", near ? "?" : "");
         }
     }
     if (out->spacing && !(number_parse(out->spacing, &out->apart) && out->apart >= 1e-3 && out->apart <= 1e6)) {
-        print_error_line("--%s: spacing=%s is not a number from 0.001 to 1000000", option, out->spacing);
-        return false;
+        return refuse("--%s: spacing=%s is not a number from 0.001 to 1000000", option, out->spacing);
     }
-    return *out->path || (print_error_line("--%s: there is no file", option), false);
+    return *out->path || refuse("--%s: there is no file", option);
 }
 
 /* "70", "target", "target+3", "target-1" */
@@ -142,7 +140,7 @@ static bool read_depth(struct candidates *out, const char *text)
         is_fine =
             number_parse(rest + (*rest == '+'), number) && (out->to_target || *number > 0) && fabs(*number) <= 1e9;
     }
-    return is_fine || (print_error_line("--depth: \"%s\" is neither a number above 0 nor target[+MM]", text), false);
+    return is_fine || refuse("--depth: \"%s\" is neither a number above 0 nor target[+MM]", text);
 }
 
 int candidates_parse(struct candidates *out, const struct candidate_settings *settings,
@@ -275,7 +273,7 @@ static int keep(conus_sites *sites, const char *what, bool inside, const struct 
         print_error_line("--from: %s: %s", inside ? "within" : "without", conus_message());
         return exit_code_of(status);
     }
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 static int thin_out(struct place *place, const char *option, const struct request *request)
@@ -287,7 +285,7 @@ static int thin_out(struct place *place, const char *option, const struct reques
     for (size_t i = 0; !request->settings->common.quiet && conus_sites_note(place->sites, i); i++) {
         print_error_line("note: %s", conus_sites_note(place->sites, i));
     }
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 static int load_entries(struct place *place, const struct request *request)
@@ -295,7 +293,7 @@ static int load_entries(struct place *place, const struct request *request)
     int code = EXIT_DONE;
     if (conus_context_is_surface(place->path)) {
         conus_status status = conus_sites_load(&place->sites, place->path, place->flip);
-        code = status ? print_status(status) : EXIT_DONE;
+        code = print_status(status);
     } else if (place->flip) {
         code = print_usage_error("--from: flip is of surfaces, which alone have normals");
     } else {
@@ -389,8 +387,7 @@ int candidates_open(struct candidates *candidates, struct request *request, cons
     }
     asked.targets = is_normal ? NULL : conus_sites_points(candidates->toward.sites);
     asked.target_count = conus_sites_count(candidates->toward.sites);
-    conus_status status = conus_candidates_open(&request->stream, &asked);
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(conus_candidates_open(&request->stream, &asked));
 }
 
 void candidates_list_inputs(struct provenance *out, const struct candidates *candidates)

@@ -52,25 +52,14 @@ static const struct option_group groups[] = {
     {0},
 };
 
-/* Writes a text of any bytes as one cell. */
-static void put_cell(FILE *out, const char *text)
-{
-    char *plain = strdup(text);
-    if (plain) {
-        make_plain_line(plain);
-    }
-    fputs(plain && *plain ? plain : "n/a", out);
-    free(plain);
-}
-
 enum { ATLAS_COLUMNS = 6, PLACE_COLUMNS = 4 };
 
-static void put_atlases(FILE *out, const conus_catalogue *catalogue)
+static void put_atlases(FILE *out, const void *catalogue)
 {
     fputs("name\tsource\tkind\tvoxel_mm\tpath\tlabels\n", out);
     for (size_t i = 0; i < conus_catalogue_count(catalogue); i++) {
         const conus_installed *atlas = conus_catalogue_atlas(catalogue, i);
-        put_cell(out, atlas->name);
+        aligned_put_cell(out, atlas->name);
         fprintf(out, "\t%s\t%s\t", atlas->source, atlas->kind);
         const double *mm = atlas->spacing;
         if (!(mm[0] > 0)) {
@@ -81,20 +70,20 @@ static void put_atlases(FILE *out, const conus_catalogue *catalogue)
             fprintf(out, "%.4gx%.4gx%.4g", mm[0], mm[1], mm[2]);
         }
         fputc('\t', out);
-        put_cell(out, atlas->path);
+        aligned_put_cell(out, atlas->path);
         fputc('\t', out);
-        put_cell(out, atlas->labels ? atlas->labels : "");
+        aligned_put_cell(out, atlas->labels);
         fputc('\n', out);
     }
 }
 
-static void put_places(FILE *out, const conus_catalogue *catalogue)
+static void put_places(FILE *out, const void *catalogue)
 {
     fputs("source\tplace\tpath\tstate\n", out);
     for (size_t i = 0; i < conus_catalogue_place_count(catalogue); i++) {
         const conus_catalogue_place *place = conus_catalogue_place_at(catalogue, i);
         fprintf(out, "%s\t%s\t", place->source, place->rule);
-        put_cell(out, place->path);
+        aligned_put_cell(out, place->path);
         fprintf(out, "\t%s\n",
                 place->there            ? "there"
                 : place->path[0]        ? "no such folder"
@@ -103,31 +92,22 @@ static void put_places(FILE *out, const conus_catalogue *catalogue)
     }
 }
 
-static void put_table(FILE *out, const conus_catalogue *catalogue, bool places)
+static bool put_table(FILE *out, const conus_catalogue *catalogue, bool places)
 {
     static const bool right[ATLAS_COLUMNS] = {[3] = true};
-    char *tsv = NULL;
-    size_t size = 0;
-    FILE *cells = open_memstream(&tsv, &size);
+    static const bool left[PLACE_COLUMNS] = {0};
     size_t count = conus_catalogue_count(catalogue);
-    if (!cells) {
-        return;
+    if (places) {
+        return aligned_put(out, put_places, catalogue, PLACE_COLUMNS, left);
     }
-    if (places || !count) {
-        put_places(cells, catalogue);
-    } else {
-        put_atlases(cells, catalogue);
+    if (!count) {
+        fputs("no atlas was found in any of these places\n\n", out);
+        return aligned_put(out, put_places, catalogue, PLACE_COLUMNS, left);
     }
-    fputs(places || count ? "" : "no atlas was found in any of these places\n\n", out);
-    if (fclose(cells) == 0) {
-        aligned_put(out, tsv, places || !count ? PLACE_COLUMNS : ATLAS_COLUMNS,
-                    places || !count ? (bool[4]){0} : right);
-    }
-    if (!places && count) {
-        fprintf(out, "\n%zu atlas%s; a name, or source:name, may stand for ATLAS in every command\n", count,
-                count == 1 ? "" : "es");
-    }
-    free(tsv);
+    bool whole = aligned_put(out, put_atlases, catalogue, ATLAS_COLUMNS, right);
+    fprintf(out, "\n%zu atlas%s; a name, or source:name, may stand for ATLAS in every command\n", count,
+            count == 1 ? "" : "es");
+    return whole;
 }
 
 /* The word to type for ATLAS: the name, where it means this one. */
@@ -184,8 +164,7 @@ static bool put_list(FILE *out, const void *what)
     const struct list_settings *settings = text->settings;
     switch ((enum list_format)settings->format) {
     case LIST_TABLE:
-        put_table(out, catalogue, settings->places);
-        break;
+        return put_table(out, catalogue, settings->places);
     case LIST_TSV:
         (settings->places ? put_places : put_atlases)(out, catalogue);
         break;

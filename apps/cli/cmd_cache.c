@@ -8,7 +8,6 @@
 #include "settings/settings.h"
 
 #include <inttypes.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -39,7 +38,7 @@ static const struct option_group groups[] = {
 
 enum { COLUMNS = 4 };
 
-static void put_tsv(FILE *out, const conus_cache *cache)
+static void put_tsv(FILE *out, const void *cache)
 {
     fputs("kind\tbytes\tlast_used\tpath\n", out);
     for (size_t i = 0; i < conus_cache_count(cache); i++) {
@@ -47,15 +46,12 @@ static void put_tsv(FILE *out, const conus_cache *cache)
         char when[32] = "n/a";
         struct tm parts;
         const time_t used = (time_t)entry->last_used;
-        char *path = strdup(entry->path);
-        if (path) {
-            make_plain_line(path);
-        }
         if (localtime_r(&used, &parts)) {
             strftime(when, sizeof when, "%Y-%m-%d %H:%M:%S", &parts);
         }
-        fprintf(out, "%s\t%" PRIu64 "\t%s\t%s\n", entry->kind, entry->size, when, path && *path ? path : "n/a");
-        free(path);
+        fprintf(out, "%s\t%" PRIu64 "\t%s\t", entry->kind, entry->size, when);
+        aligned_put_cell(out, entry->path);
+        fputc('\n', out);
     }
 }
 
@@ -65,28 +61,16 @@ static bool put_rows(FILE *out, const void *cache)
     return true;
 }
 
-static bool put_table(FILE *out, const void *what)
+static bool put_table(FILE *out, const void *cache)
 {
     static const bool right[COLUMNS] = {[1] = true};
-    const conus_cache *cache = what;
-    char *tsv = NULL;
-    size_t size = 0;
     uint64_t bytes = 0;
     size_t count = conus_cache_count(cache);
-    FILE *cells = open_memstream(&tsv, &size);
-    if (!cells) {
-        return false;
-    }
-    put_tsv(cells, cache);
     for (size_t i = 0; i < count; i++) {
         bytes += conus_cache_entry_at(cache, i)->size;
     }
-    bool whole = fclose(cells) == 0;
-    if (whole && count) {
-        aligned_put(out, tsv, COLUMNS, right);
-        fputc('\n', out);
-    }
-    free(tsv);
+    bool whole = !count || aligned_put(out, put_tsv, cache, COLUMNS, right);
+    fputs(count ? "\n" : "", out);
     const char *folder = conus_cache_folder(cache);
     fprintf(out, "%zu entr%s, %" PRIu64 " bytes%s%s\n", count, count == 1 ? "y" : "ies", bytes, *folder ? ", in " : "",
             folder);
@@ -134,8 +118,7 @@ static int print_folder(const struct cache_settings *settings)
 static int clear_cache(const struct cache_settings *settings)
 {
     (void)settings;
-    conus_status status = conus_cache_clear();
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(conus_cache_clear());
 }
 
 static int run_cache(const void *given, const struct arguments *arguments)

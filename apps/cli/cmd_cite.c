@@ -132,8 +132,7 @@ static int list_recorded(struct citing *citing, struct places *places)
         const char *path = record_atlas(&citing->record, i);
         const char *name = json_string_value(json_object_get(json_array_get(several, i), "name"));
         if (!path) {
-            print_error_line("%s: Atlas: path: is missing", citing->given);
-            return EXIT_DATA;
+            return print_data_error("%s: Atlas: path: is missing", citing->given);
         }
         citing->names[i] = name ? strdup(name) : stem_of(path);
         atlas->name = citing->names[i];
@@ -150,8 +149,7 @@ static int cite_result(struct citing *citing, const char *sidecar)
     int code = EXIT_DONE;
     citing->replay.record = &citing->record;
     if (!replay_parse(&citing->replay, citing->commands)) {
-        print_error_line("%s: %s", sidecar, citing->replay.why);
-        return EXIT_DATA;
+        return print_data_error("%s: %s", sidecar, citing->replay.why);
     }
     citation->sidecar = citing->record.root;
     citation->question = citation_question(citation, &citing->replay.arguments);
@@ -159,8 +157,8 @@ static int cite_result(struct citing *citing, const char *sidecar)
         return print_no_memory();
     }
     if (!citation_is_known(citation)) {
-        print_error_line("%s: Question: names rows that this conus, %s, does not know", sidecar, conus_version());
-        return EXIT_DATA;
+        return print_data_error("%s: Question: names rows that this conus, %s, does not know", sidecar,
+                                conus_version());
     }
     citation->version = citing->record.version;
     for (size_t i = 0; i < citing->settings->folders.count && !code; i++) {
@@ -307,16 +305,9 @@ static int write_citation(const struct citing *citing)
 /* Whether a file is JSON that conus wrote about a result, and not an atlas. */
 static bool is_sidecar(const char *path)
 {
-    char *text = NULL;
-    size_t size = 0;
-    json_error_t error;
-    messages_hold(true);
-    int code = input_file_read(&text, &size, path, INPUT_FILE, RECORD_LIMIT);
-    messages_hold(false);
-    json_t *root = code ? NULL : provenance_parse(text, size, &error);
+    json_t *root = provenance_load(path, RECORD_LIMIT);
     bool is = json_object_get(root, "GeneratedBy");
     json_decref(root);
-    free(text);
     return is;
 }
 
@@ -328,8 +319,7 @@ static int read_record(struct citing *citing, const char *sidecar)
     const char *bad = code ? NULL : record_parse(&citing->record, text, size);
     free(text);
     if (bad) {
-        print_error_line("%s: %s", sidecar, bad);
-        return EXIT_DATA;
+        return print_data_error("%s: %s", sidecar, bad);
     }
     return code;
 }

@@ -3,7 +3,6 @@
 #include "cli/answers/ends.h"
 #include "cli/commands.h"
 #include "cli/request.h"
-#include "options/answer_file.h"
 #include "options/messages.h"
 
 #include <stdlib.h>

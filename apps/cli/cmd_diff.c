@@ -220,7 +220,7 @@ static int diff_pictures(const char *a, const char *b, double tolerance)
     conus_image *second = NULL;
     conus_status status = conus_image_load(&first, a);
     status = status ? status : conus_image_load(&second, b);
-    int code = status ? print_status(status) : EXIT_DONE;
+    int code = print_status(status);
     if (!code) {
         char *text = NULL;
         size_t size = 0;

@@ -244,138 +244,82 @@ static void put_around(FILE *out, const conus_atlas *atlas)
     }
 }
 
-/** One column of the list of areas. */
-struct column {
-    const char *name;
-    bool right; /* aligned */
-    void (*put)(FILE *out, const conus_atlas *atlas, const conus_object *object);
-};
+enum column { KIND, INDEX, NAME, ABBREVIATION, HEMISPHERE, PARENT, COLOR, VOXELS, TRIANGLES, CLOSED, MM3, STREAMLINES };
 
-static void put_kind(FILE *out, const conus_atlas *atlas, const conus_object *object)
+/* The columns of the list of areas; the last one only with bundles. */
+static const char *const columns[] = {"kind",  "index",  "name",      "abbreviation", "hemisphere", "parent",
+                                      "color", "voxels", "triangles", "closed",       "volume_mm3", "streamlines"};
+enum { COLUMN_COUNT = sizeof columns / sizeof columns[0] };
+/* Those that are aligned by their ends. */
+static const bool right[COLUMN_COUNT] = {
+    [INDEX] = true, [PARENT] = true, [VOXELS] = true, [TRIANGLES] = true, [MM3] = true, [STREAMLINES] = true};
+
+static void put_cell(FILE *out, const conus_atlas *atlas, const conus_object *object, enum column column)
 {
-    (void)atlas;
     static const char *const kinds[] = {
         [CONUS_KIND_AREA] = "area", [CONUS_KIND_PATHWAY] = "pathway", [CONUS_KIND_BUNDLE] = "bundle"};
-    fputs(kinds[object->kind], out);
-}
-
-static void put_index(FILE *out, const conus_atlas *atlas, const conus_object *object)
-{
-    (void)atlas;
-    fprintf(out, "%u", object->label);
-}
-
-static void put_text(FILE *out, const char *text)
-{
-    fputs(*text ? text : "n/a", out);
-}
-
-static void put_name(FILE *out, const conus_atlas *atlas, const conus_object *object)
-{
-    (void)atlas;
-    put_text(out, object->name);
-}
-
-static void put_abbreviation(FILE *out, const conus_atlas *atlas, const conus_object *object)
-{
-    (void)atlas;
-    put_text(out, object->abbreviation);
-}
-
-static void put_hemisphere(FILE *out, const conus_atlas *atlas, const conus_object *object)
-{
-    (void)atlas;
-    put_text(out, (char[]){object->hemisphere, '\0'});
-}
-
-static void put_count(FILE *out, bool is_known, uint64_t count)
-{
-    if (is_known) {
-        fprintf(out, "%" PRIu64, count);
-    } else {
-        fputs("n/a", out);
-    }
-}
-
-static void put_parent(FILE *out, const conus_atlas *atlas, const conus_object *object)
-{
+    const char *text = "";
     const conus_object *parent = conus_atlas_object(atlas, object->parent);
-    put_count(out, parent, parent ? parent->label : 0);
-}
-
-static void put_color(FILE *out, const conus_atlas *atlas, const conus_object *object)
-{
-    (void)atlas;
-    fprintf(out, "#%02x%02x%02x", object->rgb[0], object->rgb[1], object->rgb[2]);
-}
-
-static void put_voxels(FILE *out, const conus_atlas *atlas, const conus_object *object)
-{
-    (void)atlas;
-    put_count(out, !object->triangles && object->kind != CONUS_KIND_BUNDLE, object->voxels);
-}
-
-static void put_triangles(FILE *out, const conus_atlas *atlas, const conus_object *object)
-{
-    (void)atlas;
-    put_count(out, object->triangles > 0, object->triangles);
-}
-
-static void put_closed(FILE *out, const conus_atlas *atlas, const conus_object *object)
-{
-    (void)atlas;
-    fputs(!object->triangles ? "n/a" : object->closed ? "yes" : "no", out);
-}
-
-static void put_mm3(FILE *out, const conus_atlas *atlas, const conus_object *object)
-{
-    (void)atlas;
-    if ((object->triangles && object->volume_mm3 == 0) || object->kind == CONUS_KIND_BUNDLE) {
-        fputs("n/a", out);
-    } else {
-        fprintf(out, "%.9g", object->volume_mm3);
+    const bool is_bundle = object->kind == CONUS_KIND_BUNDLE;
+    char number[32] = "";
+    switch (column) {
+    case KIND:
+        text = kinds[object->kind];
+        break;
+    case INDEX:
+        snprintf(number, sizeof number, "%" PRIu32, object->label);
+        break;
+    case NAME:
+        text = object->name;
+        break;
+    case ABBREVIATION:
+        text = object->abbreviation;
+        break;
+    case HEMISPHERE:
+        number[0] = object->hemisphere;
+        break;
+    case PARENT:
+        snprintf(number, sizeof number, parent ? "%" PRIu32 : "", parent ? parent->label : 0);
+        break;
+    case COLOR:
+        snprintf(number, sizeof number, "#%02x%02x%02x", object->rgb[0], object->rgb[1], object->rgb[2]);
+        break;
+    case VOXELS:
+        snprintf(number, sizeof number, object->triangles || is_bundle ? "" : "%" PRIu64, object->voxels);
+        break;
+    case TRIANGLES:
+        snprintf(number, sizeof number, object->triangles ? "%" PRIu64 : "", (uint64_t)object->triangles);
+        break;
+    case CLOSED:
+        text = !object->triangles ? "" : object->closed ? "yes" : "no";
+        break;
+    case MM3:
+        snprintf(number, sizeof number, (object->triangles && object->volume_mm3 == 0) || is_bundle ? "" : "%.9g",
+                 object->volume_mm3);
+        break;
+    case STREAMLINES:
+        snprintf(number, sizeof number, is_bundle ? "%" PRIu64 : "", object->streamlines);
+        break;
     }
+    fputs(*number ? number : *text ? text : "n/a", out);
 }
-
-static void put_streamlines(FILE *out, const conus_atlas *atlas, const conus_object *object)
-{
-    (void)atlas;
-    put_count(out, object->kind == CONUS_KIND_BUNDLE, object->streamlines);
-}
-
-static const struct column columns[] = {
-    {"kind", false, put_kind},
-    {"index", true, put_index},
-    {"name", false, put_name},
-    {"abbreviation", false, put_abbreviation},
-    {"hemisphere", false, put_hemisphere},
-    {"parent", true, put_parent},
-    {"color", false, put_color},
-    {"voxels", true, put_voxels},
-    {"triangles", true, put_triangles},
-    {"closed", false, put_closed},
-    {"volume_mm3", true, put_mm3},
-    {"streamlines", true, put_streamlines}, /* the last one, only with bundles */
-};
-
-enum { COLUMN_COUNT = sizeof columns / sizeof columns[0] };
 
 static size_t column_count(const conus_atlas *atlas)
 {
     return conus_atlas_tractogram_count(atlas) ? COLUMN_COUNT : COLUMN_COUNT - 1;
 }
 
-static void put_tsv(FILE *out, const conus_atlas *atlas)
+static void put_tsv(FILE *out, const void *atlas)
 {
     size_t count = column_count(atlas);
     for (size_t c = 0; c < count; c++) {
-        fprintf(out, "%s%s", c ? "\t" : "", columns[c].name);
+        fprintf(out, "%s%s", c ? "\t" : "", columns[c]);
     }
     fputc('\n', out);
     for (size_t i = 1; i <= conus_atlas_object_count(atlas); i++) {
         for (size_t c = 0; c < count; c++) {
             fputs(c ? "\t" : "", out);
-            columns[c].put(out, atlas, conus_atlas_object(atlas, i));
+            put_cell(out, atlas, conus_atlas_object(atlas, i), (enum column)c);
         }
         fputc('\n', out);
     }
@@ -431,19 +375,8 @@ static void put_counts(FILE *out, const conus_atlas *atlas)
     }
 }
 
-static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed *installed)
+static bool put_table(FILE *out, const conus_atlas *atlas, const conus_installed *installed)
 {
-    char *tsv = NULL;
-    size_t size = 0;
-    FILE *cells = open_memstream(&tsv, &size);
-    if (!cells) {
-        return EXIT_DATA;
-    }
-    put_tsv(cells, atlas);
-    if (fclose(cells)) {
-        free(tsv);
-        return EXIT_DATA;
-    }
     if (installed) {
         fprintf(out, "Installed atlas\n  name         %s:%s\n  file         %s\n", installed->source, installed->name,
                 installed->path);
@@ -464,13 +397,7 @@ static int put_table(FILE *out, const conus_atlas *atlas, const conus_installed 
         fprintf(out, "  %s\n", conus_atlas_note(atlas, i));
     }
     put_counts(out, atlas);
-    bool right[COLUMN_COUNT];
-    for (size_t c = 0; c < COLUMN_COUNT; c++) {
-        right[c] = columns[c].right;
-    }
-    aligned_put(out, tsv, column_count(atlas), right);
-    free(tsv);
-    return EXIT_DONE;
+    return aligned_put(out, put_tsv, atlas, column_count(atlas), right);
 }
 
 /* The forms in which an atlas is described. */
@@ -492,7 +419,7 @@ static bool put_atlas(FILE *out, const void *what)
         free(json);
         return whole;
     case INFO_TABLE:
-        return put_table(out, text->atlas, text->installed) == EXIT_DONE;
+        return put_table(out, text->atlas, text->installed);
     case INFO_TREE:
         return info_tree(out, text->atlas);
     default:

@@ -53,7 +53,7 @@ static int write_manifest(const char *folder, const char *name, const struct man
         return print_no_memory();
     }
     conus_status status = conus_manifest_write(path, &options);
-    int code = status ? print_status(status) : EXIT_DONE;
+    int code = print_status(status);
     if (!status) {
         if (isatty(STDOUT_FILENO)) { /* a script wants the name as it is */
             conus_plain_text(path);
@@ -77,8 +77,7 @@ static int run_manifest(const void *given, const struct arguments *arguments)
     char *full = realpath(folder, NULL);
     const char *slash = full ? strrchr(full, '/') : NULL;
     if (!slash) {
-        print_error_line("%s: there is no such folder", folder);
-        return EXIT_DATA;
+        return print_data_error("%s: there is no such folder", folder);
     }
     int code = write_manifest(folder, slash[1] ? slash + 1 : "atlas", settings); /* the last part of the full path */
     free(full);

@@ -78,10 +78,9 @@ static int read_part(struct part *part)
         return EXIT_DATA;
     }
     if (crc != part->record.crc || size != part->record.bytes) {
-        print_error_line("%s: is not the file that %s describes: %" PRIu64 " bytes with CRC-32 %08" PRIx32
-                         ", not %" PRIu64 " with %08" PRIx32,
-                         part->path, part->sidecar, size, crc, part->record.bytes, part->record.crc);
-        return EXIT_DATA;
+        return print_data_error("%s: is not the file that %s describes: %" PRIu64 " bytes with CRC-32 %08" PRIx32
+                                ", not %" PRIu64 " with %08" PRIx32,
+                                part->path, part->sidecar, size, crc, part->record.bytes, part->record.crc);
     }
     return EXIT_DONE;
 }
@@ -170,9 +169,8 @@ static int check_errors(const struct part *part)
         return code;
     }
     if (errors != part->record.errors * part->record.atlases) { /* each atlas has a row that says it */
-        print_error_line("%s: %" PRIu64 " poses without an answer, %s says %" PRIu64, part->path,
-                         errors / part->record.atlases, part->sidecar, part->record.errors);
-        return EXIT_DATA;
+        return print_data_error("%s: %" PRIu64 " poses without an answer, %s says %" PRIu64, part->path,
+                                errors / part->record.atlases, part->sidecar, part->record.errors);
     }
     return EXIT_DONE;
 }
@@ -186,9 +184,8 @@ static int by_index(const void *a, const void *b)
 
 static int print_missing_shard(uint64_t index, const struct part *first)
 {
-    print_error_line("shard %" PRIu64 " of %" PRIu64 " is missing (%s is one of them)", index,
-                     first->record.shard.count, first->path);
-    return EXIT_DATA;
+    return print_data_error("shard %" PRIu64 " of %" PRIu64 " is missing (%s is one of them)", index,
+                            first->record.shard.count, first->path);
 }
 
 /* Checks that every shard is there once, and all are of one batch. The parts are sorted. */
@@ -200,16 +197,14 @@ static int check_set(const struct merge *merge)
         if (strcmp(part->record.fingerprint, first->record.fingerprint) != 0 ||
             part->record.shard.count != first->record.shard.count ||
             part->record.header_size != first->record.header_size) {
-            print_error_line(
+            return print_data_error(
                 "%s and %s are not shards of one batch: settings, poses, atlas, version or the number of shards "
                 "differ",
                 first->path, part->path);
-            return EXIT_DATA;
         }
         if (i > 0 && part->record.shard.index == part[-1].record.shard.index) {
-            print_error_line("%s and %s are both shard %" PRIu64 " of %" PRIu64, part[-1].path, part->path,
-                             part->record.shard.index, part->record.shard.count);
-            return EXIT_DATA;
+            return print_data_error("%s and %s are both shard %" PRIu64 " of %" PRIu64, part[-1].path, part->path,
+                                    part->record.shard.index, part->record.shard.count);
         }
         if (part->record.shard.index != i) {
             return print_missing_shard(i, first);
@@ -230,9 +225,9 @@ static int check_poses(struct merge *merge)
         uint64_t first, count;
         shard_range(&first, &count, record->shard, merge->record.poses);
         if (record->first != first || record->poses != count) {
-            print_error_line("%s: has poses %" PRIu64 " to %" PRIu64 " of %" PRIu64 ", not its own",
-                             merge->parts[i].path, record->first, record->first + record->poses, merge->record.poses);
-            return EXIT_DATA;
+            return print_data_error("%s: has poses %" PRIu64 " to %" PRIu64 " of %" PRIu64 ", not its own",
+                                    merge->parts[i].path, record->first, record->first + record->poses,
+                                    merge->record.poses);
         }
     }
     return EXIT_DONE;
@@ -379,7 +374,7 @@ static bool init_merge(struct merge *merge, const struct arguments *arguments)
         merge->parts[i].sidecar = provenance_path(merge->parts[i].path);
         whole = merge->parts[i].sidecar;
     }
-    return whole || (print_error_line("not enough memory"), false);
+    return whole || refuse("not enough memory");
 }
 
 static int run_merge(const void *given, const struct arguments *arguments)

@@ -12,11 +12,7 @@
 struct mesh_settings {
     struct common_settings common;
     const char *output;
-    const char *labels;
-    bool labels_anyway;
-    struct option_list transforms;
-    uint64_t max_memory;
-    bool no_cache;
+    struct atlas_settings atlas;
     uint32_t smooth;
     double pass_band;
     double decimate;
@@ -69,27 +65,27 @@ static const struct option own_options[] = {
      .common = true},
     {.name = "labels",
      .type = OPTION_TEXT,
-     .offset = offsetof(struct mesh_settings, labels),
+     .offset = offsetof(struct mesh_settings, atlas.labels),
      .value = "FILE[,label=COLUMN,name=COLUMN]",
      .help = "label table; replaces the one found beside or inside the atlas; columns of a header row that are not "
              "called as usual are given by their names"},
     {.name = "labels-anyway",
      .type = OPTION_FLAG,
-     .offset = offsetof(struct mesh_settings, labels_anyway),
+     .offset = offsetof(struct mesh_settings, atlas.labels_anyway),
      .help = "treat every value as a label, even if the volume looks like an image"},
     {.name = "atlas-transform",
      .type = OPTION_LIST,
-     .offset = offsetof(struct mesh_settings, transforms),
+     .offset = offsetof(struct mesh_settings, atlas.transforms),
      .value = "FILE[,from=IMAGE,to=IMAGE][,inverse]",
      .help = "surfaces where the atlas lies after it was brought to the poses, as conus query does; may be repeated"},
     {.name = "max-memory",
      .type = OPTION_BYTES,
-     .offset = offsetof(struct mesh_settings, max_memory),
+     .offset = offsetof(struct mesh_settings, atlas.max_memory),
      .value = "SIZE",
      .help = "largest file or volume to accept, and memory of conus-mesh (default 8G)"},
     {.name = "no-cache",
      .type = OPTION_FLAG,
-     .offset = offsetof(struct mesh_settings, no_cache),
+     .offset = offsetof(struct mesh_settings, atlas.no_cache),
      .help = "read the atlas's files anew, and keep no atlas for the next time (conus cache)"},
     {.name = "quiet",
      .letter = 'q',
@@ -116,18 +112,13 @@ static bool show_progress(void *user, size_t done, size_t total)
 static int run_mesh(const void *given, const struct arguments *arguments)
 {
     const struct mesh_settings *settings = given;
-    const struct atlas_settings atlas_settings = {.labels = settings->labels,
-                                                  .labels_anyway = settings->labels_anyway,
-                                                  .transforms = settings->transforms,
-                                                  .max_memory = settings->max_memory,
-                                                  .no_cache = settings->no_cache};
     const conus_mesh_options options = {
         .format = (conus_mesh_format)settings->format,
         .smooth = settings->smooth,
         .no_smoothing = option_given(arguments, "smooth") && settings->smooth == 0,
         .pass_band = settings->pass_band,
         .decimate = settings->decimate,
-        .max_memory = settings->max_memory,
+        .max_memory = settings->atlas.max_memory,
         .progress = !settings->common.quiet && isatty(STDERR_FILENO) ? show_progress : NULL,
         .log = settings->common.quiet ? NULL : log_note,
     };
@@ -135,11 +126,10 @@ static int run_mesh(const void *given, const struct arguments *arguments)
         return print_usage_error("--pass-band has no effect with --smooth 0");
     }
     conus_atlas *atlas = NULL;
-    int code = atlas_input_load(&atlas, arguments->operands[0], &atlas_settings);
+    int code = atlas_input_load(&atlas, arguments->operands[0], &settings->atlas);
     if (!code) {
         atlas_notes_say(atlas, &settings->common);
-        conus_status status = conus_atlas_write_meshes(atlas, settings->output, &options);
-        code = status ? print_status(status) : EXIT_DONE;
+        code = print_status(conus_atlas_write_meshes(atlas, settings->output, &options));
     }
     conus_atlas_destroy(atlas);
     return code;

@@ -2,7 +2,6 @@
 /* conus overlap: which areas and pathways regions of interest cover. */
 #include "cli/commands.h"
 #include "cli/request.h"
-#include "options/answer_file.h"
 #include "options/messages.h"
 
 #include <stdio.h>
@@ -126,7 +125,7 @@ static int add_answer(struct overlap *overlap, size_t index, const char *path, c
         say_place(overlap, index, roi, coverages);
     }
     conus_overlap_destroy(coverages);
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 static int add_region(struct overlap *overlap, const char *path)

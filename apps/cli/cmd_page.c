@@ -139,8 +139,7 @@ static int add_file(struct page *page, const char *path)
         }
     }
     if (path && page->count == FILE_LIMIT) {
-        print_error_line("a page holds at most %d files", FILE_LIMIT);
-        return EXIT_DATA;
+        return print_data_error("a page holds at most %d files", FILE_LIMIT);
     }
     char *copy = path ? strdup(path) : NULL;
     if (path && !copy) {
@@ -224,8 +223,7 @@ static int put_file(FILE *out, const char *path, const char *name, const char *r
     char digits[BASE64_ENCODE_RAW_LENGTH(sizeof piece)];
     FILE *in = fopen(path, "rb");
     if (!in) {
-        print_error_line("%s: %s", path, strerror(errno));
-        return EXIT_DATA;
+        return print_data_error("%s: %s", path, strerror(errno));
     }
     fputs("<script type=\"application/octet-stream\" data-file=\"", out);
     put_text(out, name, false);
@@ -252,8 +250,8 @@ static int check_size(const struct page *page)
         sum += stat(i < page->count ? page->files[i] : context, &state) ? 0 : (double)state.st_size;
     }
     if (sum > SIZE_LIMIT && !page->settings->large) {
-        print_error_line("the files have %.0f MB, 100 are allowed; --large writes the page all the same", sum / 1e6);
-        return EXIT_DATA;
+        return print_data_error("the files have %.0f MB, 100 are allowed; --large writes the page all the same",
+                                sum / 1e6);
     }
     return EXIT_DONE;
 }
@@ -277,7 +275,7 @@ static int put_question(struct page *page)
     status = status ? status : conus_report_create(&report, selector, &rows);
     status = status ? status : conus_report_add(report, "1", selection);
     status = status ? status : conus_report_text(&text, &size, report);
-    int code = status ? print_status(status) : EXIT_DONE;
+    int code = print_status(status);
     if (!status) {
         char fragment[512];
         const double *o = settings->origin;
@@ -319,9 +317,8 @@ static int read_template(char **out, const char *given)
     char *text = NULL;
     size_t size = 0;
     if (!in && !given) {
-        print_error_line(
+        return print_data_error(
             "the page's template is not installed: no %s (Debian package conus-page); --template names one", name);
-        return EXIT_DATA;
     }
     if (!in || getdelim(&text, &size, '\0', in) < 0 || !strstr(text, mark)) {
         print_error_line("%s: %s", name,

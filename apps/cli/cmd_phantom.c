@@ -93,8 +93,7 @@ static bool read_flip(bool flip[3], const char *axes)
     for (const char *c = axes; *c; c++) {
         const char *axis = strchr(known, *c);
         if (!axis || flip[axis - known]) {
-            print_error_line("--flip: \"%s\" is not letters of x, y, z, each at most once", axes);
-            return false;
+            return refuse("--flip: \"%s\" is not letters of x, y, z, each at most once", axes);
         }
         flip[axis - known] = true;
     }
@@ -109,8 +108,7 @@ static int run_phantom(const void *given, const struct arguments *arguments)
     if (!check_kind(arguments->operands[0]) || (settings->flip && !read_flip(phantom.flip, settings->flip))) {
         return EXIT_USAGE;
     }
-    conus_status status = conus_phantom_write(arguments->operands[0], settings->output, &phantom);
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(conus_phantom_write(arguments->operands[0], settings->output, &phantom));
 }
 
 static void list_kinds(FILE *out)

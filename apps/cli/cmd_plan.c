@@ -6,7 +6,6 @@
 #include "cli/commands.h"
 #include "cli/plan_journal.h"
 #include "cli/request.h"
-#include "options/answer_file.h"
 #include "options/interrupt.h"
 #include "options/messages.h"
 #include "options/progress.h"
@@ -292,14 +291,14 @@ static bool read_top(uint64_t *out, const char *text)
 {
     *out = text && strcmp(text, "all") == 0 ? UINT64_MAX : 0;
     bool is_fine = !text || *out || (count_parse(text, UINT64_MAX, out) && *out > 0);
-    return is_fine || (print_error_line("--top: \"%s\" is neither a whole number above 0 nor all", text), false);
+    return is_fine || refuse("--top: \"%s\" is neither a whole number above 0 nor all", text);
 }
 
 static bool read_step(double *out, const char *text)
 {
     *out = 1;
     bool is_fine = !text || (number_parse(text, out) && *out > 0);
-    return is_fine || (print_error_line("--profile: step=%s is not a number above 0", text), false);
+    return is_fine || refuse("--profile: step=%s is not a number above 0", text);
 }
 
 static bool read_pivot(conus_tolerance_options *out, const char *text)
@@ -307,7 +306,7 @@ static bool read_pivot(conus_tolerance_options *out, const char *text)
     *out = (conus_tolerance_options)CONUS_TOLERANCE_OPTIONS_INIT;
     out->pivot_at_tip = text && strcmp(text, "tip") == 0;
     bool is_fine = !text || out->pivot_at_tip || strcmp(text, "entry") == 0 || number_parse(text, &out->pivot);
-    return is_fine || (print_error_line("--pivot: \"%s\" is neither a number nor entry nor tip", text), false);
+    return is_fine || refuse("--pivot: \"%s\" is neither a number nor entry nor tip", text);
 }
 
 /* Behind read_pivot(). */
@@ -321,9 +320,7 @@ static bool read_box(conus_tolerance_options *out, const char *text)
         out->box[way] = way < 3 ? out->box[way] : radians(out->box[way]);
     }
     is_fine = is_fine && (!text || sum > 0);
-    return is_fine ||
-           (print_error_line("--box: \"%s\" is not five numbers X,Y,Z,PITCH,YAW from 0 to 1000, one above 0", text),
-            false);
+    return is_fine || refuse("--box: \"%s\" is not five numbers X,Y,Z,PITCH,YAW from 0 to 1000, one above 0", text);
 }
 
 static bool has_avoided(const struct constraints *constraints)
@@ -427,7 +424,7 @@ static int run_all(struct planning *planning)
         free(command);
         return 128 + signal;
     }
-    return code ? code : status ? print_status(status) : EXIT_DONE;
+    return code ? code : print_status(status);
 }
 
 static int try_poses(struct planning *planning)
@@ -667,7 +664,7 @@ static int write_map(const struct planning *planning, const char *path, bool of_
         conus_sites_write_maps(path, place->sites, maps, written, planning->settings->structure, fill);
     free(values);
     free(candidates);
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 static int check_maps(const struct planning *planning)
@@ -748,7 +745,7 @@ static int answer_plan(struct planning *planning)
         return code;
     }
     conus_status status = request_start(request, &engine);
-    code = status ? print_status(status) : EXIT_DONE;
+    code = print_status(status);
     if (!code && !request->stream) {
         code = candidates_open(&planning->candidates, request, &planning->constraints);
     }

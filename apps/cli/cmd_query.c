@@ -4,7 +4,6 @@
 #include "cli/answers/selection_files.h"
 #include "cli/commands.h"
 #include "cli/request.h"
-#include "options/answer_file.h"
 #include "options/messages.h"
 #include "options/options.h"
 #include "options/output.h"
@@ -134,12 +133,10 @@ static bool check_outputs(const struct query_settings *settings, const struct ar
     conus_format format;
     if (settings->voxels && output_format(&format, settings->voxels) && format != CONUS_FORMAT_TSV &&
         format != CONUS_FORMAT_TABLE) {
-        print_error_line("%s: --voxels writes TSV; end the name in .tsv", settings->voxels);
-        return false;
+        return refuse("%s: --voxels writes TSV; end the name in .tsv", settings->voxels);
     }
     if (settings->files.deep && settings->request.engine.layers != CONUS_LAYERS_ALL) {
-        print_error_line("--deep needs --layers all");
-        return false;
+        return refuse("--deep needs --layers all");
     }
     return ends_check(&settings->ends, arguments);
 }
@@ -162,9 +159,8 @@ static bool check_format(const struct request *request, const struct query_setti
 {
     conus_format format = request->format;
     if (format_is_foreign(format) && option_given(request->arguments, "atlas")) {
-        print_error_line("--format: formats of other programs have no column for the atlas; table, tsv, csv, json and "
-                         "ndjson have one");
-        return false;
+        return refuse("--format: formats of other programs have no column for the atlas; table, tsv, csv, json and "
+                      "ndjson have one");
     }
     const char *why = format == CONUS_FORMAT_BEP032 && !settings->probe
                           ? "--format: bep032 lists the contacts of probes; --probe FILE.json describes them"
@@ -175,14 +171,12 @@ static bool check_format(const struct request *request, const struct query_setti
                           ? "--format: bids adds to a table of electrodes, --probe has none; bep032 writes one"
                           : NULL;
     if (why) {
-        print_error_line("%s", why);
-        return false;
+        return refuse("%s", why);
     }
     bool of_contacts =
         format == CONUS_FORMAT_BIDS || (format_is_of_probe(format) && option_given(request->arguments, "point"));
     if (of_contacts && !request->settings->aim.pose) {
-        print_error_line("--format: this format lists contacts; --pose FILE names them");
-        return false;
+        return refuse("--format: this format lists contacts; --pose FILE names them");
     }
     return true;
 }
@@ -551,17 +545,15 @@ static int find_poses(conus_pose *out, size_t count, const struct query_run *run
     const conus_pose_list *poses = request->poses;
     size_t found = poses ? conus_pose_list_count(poses) : 1;
     if (found != count) {
-        print_error_line("%s: found %zu poses, wanted are %zu: each probe of %s has one of its own",
-                         poses ? pose_settings_file_name(request->settings->aim.pose) : "--origin", found, count,
-                         run->settings->probe);
-        return EXIT_DATA;
+        return print_data_error("%s: found %zu poses, wanted are %zu: each probe of %s has one of its own",
+                                poses ? pose_settings_file_name(request->settings->aim.pose) : "--origin", found, count,
+                                run->settings->probe);
     }
     for (size_t i = 0; i < count && poses; i++) {
         const conus_pose_row *row = conus_pose_list_row(poses, i);
         if (row->error || row->is_point) {
-            print_error_line("%s:%zu: %s", pose_settings_file_name(request->settings->aim.pose), row->line,
-                             row->error ? row->error : "a point, without the direction that a probe needs");
-            return EXIT_DATA;
+            return print_data_error("%s:%zu: %s", pose_settings_file_name(request->settings->aim.pose), row->line,
+                                    row->error ? row->error : "a point, without the direction that a probe needs");
         }
         out[i] = row->pose;
         go_to_far_end(&out[i], row->range[1], run);
@@ -601,7 +593,7 @@ static int load_probe(struct query_run *run)
     const struct query_settings *settings = run->settings;
     const conus_probe_options options = {.tip = settings->tip, .max_memory = settings->request.atlas.max_memory};
     conus_status status = settings->probe ? conus_probe_load(&run->probe, settings->probe, &options) : CONUS_OK;
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 static int load_poses(void *user)

@@ -59,9 +59,8 @@ static bool render_pattern_check(const char *pattern)
         if (!begins(at, QUERY) && !begins(at, ROW) && !begins(at, TURN_FRAME)) {
             const char *end = strchr(at, '}');
             int length = end ? (int)(end - at + 1) : (int)strlen(at);
-            print_error_line("--output: \"%.*s\" stands for nothing, allowed are %s, %s and " TURN_FRAME, length, at,
-                             QUERY, ROW);
-            return false;
+            return refuse("--output: \"%.*s\" stands for nothing, allowed are %s, %s and " TURN_FRAME, length, at,
+                          QUERY, ROW);
         }
     }
     return true;
@@ -274,8 +273,7 @@ static bool translucent_check(const struct translucent_settings *settings)
         const char *equals = strrchr(text, '=');
         double opacity;
         if (!parse_opacity(&opacity, equals ? equals + 1 : text)) {
-            print_error_line("--opacity: \"%s\"; wanted is AREA=A or A, A from 0 to 1", text);
-            return false;
+            return refuse("--opacity: \"%s\"; wanted is AREA=A or A, A from 0 to 1", text);
         }
     }
     return true;
@@ -597,13 +595,11 @@ static bool check_cone(const struct render_settings *settings, const struct argu
     }
     bool cone = option_given(arguments, "origin") || has_file(arguments);
     if (settings->strips && option_with(arguments, OPTION_OF_RAYS)) {
-        print_error_line("--%s has no effect with --strips, which follow the axis",
-                         option_with(arguments, OPTION_OF_RAYS)->name);
-        return false;
+        return refuse("--%s has no effect with --strips, which follow the axis",
+                      option_with(arguments, OPTION_OF_RAYS)->name);
     }
     if (!cone && settings->atlas.hemispheres == CONUS_HEMISPHERES_MERGED) {
-        print_error_line("--hemispheres merged has no effect without a cone: --origin or --pose");
-        return false;
+        return refuse("--hemispheres merged has no effect without a cone: --origin or --pose");
     }
     const struct option *of_rays = option_with(arguments, OPTION_OF_RAYS);
     const char *unused = of_rays ? of_rays->name : NULL;
@@ -626,27 +622,23 @@ static bool check_settings(const struct render_settings *settings, const struct 
     }
     if (option_given(arguments, "slices") && settings->engine.sampling != CONUS_SAMPLING_SLICES &&
         !render_cuts_need_space(&settings->cuts)) {
-        print_error_line("--slices has no effect on cuts: --cuts 3d,... adds the view in space");
-        return false;
+        return refuse("--slices has no effect on cuts: --cuts 3d,... adds the view in space");
     }
     if (option_given(arguments, "frustum") && !has_camera(arguments)) {
-        print_error_line("--frustum has no effect without a camera: --camera-origin or --camera");
-        return false;
+        return refuse("--frustum has no effect without a camera: --camera-origin or --camera");
     }
     bool file = has_file(arguments);
     if ((!file || settings->strips) && render_pattern_varies(settings->output)) {
-        print_error_line("--output: {query} and {row} stand for poses of a file%s",
-                         file ? ", --strips draws all in one picture" : ", --poses FILE");
-        return false;
+        return refuse("--output: {query} and {row} stand for poses of a file%s",
+                      file ? ", --strips draws all in one picture" : ", --poses FILE");
     }
     if ((file && !render_pattern_check(settings->output)) || !figure_check(&settings->figure) ||
         !translucent_check(&settings->translucent)) {
         return false;
     }
     if (settings->transfer && !context_choice_has_volume(&settings->context)) {
-        print_error_line("--transfer has no effect: %s is a surface (--context-opacity)",
-                         settings->context.files.items[0]);
-        return false;
+        return refuse("--transfer has no effect: %s is a surface (--context-opacity)",
+                      settings->context.files.items[0]);
     }
     return space_settings_check(arguments, &settings->aim.space);
 }
@@ -679,8 +671,7 @@ static int load_camera(struct picture *picture)
     if (!code && conus_pose_list_count(list) != 1) {
         code = print_usage_error("%s has %zu poses, a camera takes one", path, conus_pose_list_count(list));
     } else if (!code && pose_settings_row_error(row)) {
-        print_error_line("%s:%zu: %s", path, row->line, pose_settings_row_error(row));
-        code = EXIT_DATA;
+        code = print_data_error("%s:%zu: %s", path, row->line, pose_settings_row_error(row));
     } else if (!code) {
         picture->camera = row->pose;
     }
@@ -826,7 +817,7 @@ static int draw_frames(const struct picture *picture, const conus_view *view, co
         }
         status = status ? status : draw_view(&image, picture, &of_frame, planes, count);
         status = status ? status : conus_image_write(image, name);
-        code = status ? print_status(status) : EXIT_DONE;
+        code = print_status(status);
         conus_image_destroy(image);
         free(name);
     }

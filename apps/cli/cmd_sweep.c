@@ -3,7 +3,6 @@
 #include "cli/commands.h"
 #include "cli/request.h"
 #include "options/angles.h"
-#include "options/answer_file.h"
 #include "options/messages.h"
 #include "options/options.h"
 
@@ -76,8 +75,7 @@ struct sweep {
 
 static bool refuse_angles(const struct sweep *sweep, const char *why)
 {
-    print_error_line("--angles: \"%s\" %s", sweep->settings->angles, why);
-    return false;
+    return refuse("--angles: \"%s\" %s", sweep->settings->angles, why);
 }
 
 static bool read_angles(struct sweep *sweep)
@@ -86,8 +84,7 @@ static bool read_angles(struct sweep *sweep)
     const char *text = sweep->settings->angles;
     sweep->angles = malloc(ANGLE_LIMIT * sizeof *sweep->angles);
     if (!sweep->angles) {
-        print_error_line("not enough memory");
-        return false;
+        return refuse("not enough memory");
     }
     if (strchr(text, ':')) {
         if (numbers_parse(range, 3, text, ':') != 3) {
@@ -112,9 +109,8 @@ static bool read_angles(struct sweep *sweep)
     }
     for (size_t i = 0; i < sweep->angle_count; i++) {
         if (!(sweep->angles[i] > 0 && sweep->angles[i] < 180)) {
-            print_error_line("--angles: %.10g is out of range, allowed is more than 0 and less than 180",
-                             sweep->angles[i]);
-            return false;
+            return refuse("--angles: %.10g is out of range, allowed is more than 0 and less than 180",
+                          sweep->angles[i]);
         }
         sweep->angles[i] = radians(sweep->angles[i]);
     }
@@ -126,8 +122,7 @@ static bool read_jitter(struct sweep *sweep)
     const struct sweep_settings *settings = sweep->settings;
     sweep->jitter_of_rows = strcmp(settings->jitter, "columns") == 0;
     if (sweep->jitter_of_rows && !settings->request.aim.pose) {
-        print_error_line("--jitter columns: without --pose FILE there are none");
-        return false;
+        return refuse("--jitter columns: without --pose FILE there are none");
     }
     return settings_jitter(&sweep->jitter, sweep->jitter_of_rows ? "0,0" : settings->jitter, settings->samples, false);
 }
@@ -137,14 +132,12 @@ static bool check_kind(const struct sweep *sweep, const struct arguments *argume
 {
     const struct sweep_settings *settings = sweep->settings;
     if (sweep->rows != CONUS_ROWS_CHANCES && settings->request.engine.radius > 0) {
-        print_error_line("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
-        return false;
+        return refuse("--radius makes a cylinder, which has no angle to sweep; it goes with --jitter");
     }
     /* Which angle admits what depends on no ray: round cones hold what is in them, hidden or not. */
     const struct option *of_rays = option_with(arguments, OPTION_OF_RAYS);
     if (sweep->rows == CONUS_ROWS_ADMISSIONS && of_rays) {
-        print_error_line("--%s has no effect without --angles or --jitter", of_rays->name);
-        return false;
+        return refuse("--%s has no effect without --angles or --jitter", of_rays->name);
     }
     return true;
 }
@@ -232,7 +225,7 @@ static int answer_row(void *user, const conus_pose_row *row)
     if (status == CONUS_ERROR_ARGUMENT) {
         why = conus_message();
     }
-    return why ? request_refuse_row(&sweep->request, row, why) : status ? print_status(status) : EXIT_DONE;
+    return why ? request_refuse_row(&sweep->request, row, why) : print_status(status);
 }
 
 /* Errors in the file that --jitter on the command line overrides. */

@@ -3,7 +3,6 @@
 #include "cli/commands.h"
 #include "cli/request.h"
 #include "link/send_selection.h"
-#include "options/answer_file.h"
 #include "options/clock.h"
 #include "options/interrupt.h"
 #include "options/messages.h"
@@ -326,8 +325,7 @@ static int open_poses(void *user)
     const conus_pose_options options = request_pose_options(request);
     conus_status status = conus_pose_stream_open(&request->stream, path, &options);
     if (!status && !conus_pose_stream_has_times(request->stream)) {
-        print_error_line("%s: no time_s in it, which every step needs", pose_settings_file_name(path));
-        return EXIT_DATA;
+        return print_data_error("%s: no time_s in it, which every step needs", pose_settings_file_name(path));
     }
     return status ? pose_settings_print_error(status, path, "poses", request->arguments) : EXIT_DONE;
 }

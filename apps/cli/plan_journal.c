@@ -90,8 +90,7 @@ static int load(struct journal *out, const char *list)
     *out = (struct journal){0};
     int code = path ? input_file_read(&out->text, &size, path, INPUT_FILE, UINT64_C(1) << 34) : print_no_memory();
     if (!code && !take_apart(out, size)) {
-        print_error_line("%s: is no journal of a plan, or not whole", path);
-        code = EXIT_DATA;
+        code = print_data_error("%s: is no journal of a plan, or not whole", path);
     }
     free(path);
     return code;
@@ -196,7 +195,7 @@ static int identify(struct plan_journal *out, const struct request *request, con
     bool failed = fclose(asked);
     conus_status status = conus_report_create(&report, request->answerers[0].selector, &options);
     status = status ? status : conus_report_sidecar(&sidecar, &size, report);
-    code = code ? code : failed ? print_no_memory() : status ? print_status(status) : EXIT_DONE;
+    code = code ? code : failed ? print_no_memory() : print_status(status);
     code = code ? code : batch_fingerprint(out->fingerprint, sidecar, &request->atlases, (const char *[]){text, NULL});
     conus_report_destroy(report);
     free(text);
@@ -279,8 +278,7 @@ static int join(struct plan_journal *own, conus_plan *plan, uint64_t rows)
         code = take_over(&end, plan, journal, own, list);
         shard_range(&first, &wanted, (struct shard){index, count}, rows);
         if (!code && (end != first + wanted || journal->rows != rows)) {
-            print_error_line("%s: this shard is not finished; --resume continues it", list);
-            code = EXIT_DATA;
+            code = print_data_error("%s: this shard is not finished; --resume continues it", list);
         }
     }
     own->shard = (struct shard){0, 1};

@@ -82,12 +82,10 @@ static bool read_mosaic(struct cut_word *out, const char *number)
     uint64_t count = MOSAIC;
     out->plane = AXIAL;
     if (*number && !(number[0] == ':' && count_parse(number + 1, UINT32_MAX, &count))) {
-        print_error_line("--cuts: \"mosaic%s\"; wanted is mosaic or mosaic:N", number);
-        return false;
+        return refuse("--cuts: \"mosaic%s\"; wanted is mosaic or mosaic:N", number);
     }
     if (count < 1 || count > CUT_LIMIT) {
-        print_error_line("--cuts: mosaic%s; allowed is 1 to %d", number, CUT_LIMIT);
-        return false;
+        return refuse("--cuts: mosaic%s; allowed is 1 to %d", number, CUT_LIMIT);
     }
     out->mosaic = (size_t)count;
     return true;
@@ -109,8 +107,7 @@ static bool read_word(struct cut_word *out, const char *word, const struct cut_w
             out->plane = p;
             out->has_place = word[length] == ':';
             if (out->has_place && !number_parse(word + length + 1, &out->place)) {
-                print_error_line("--cuts: \"%s\"; wanted is %s or %s:NUMBER", word, names[p], names[p]);
-                return false;
+                return refuse("--cuts: \"%s\"; wanted is %s or %s:NUMBER", word, names[p], names[p]);
             }
             return true;
         }
@@ -120,14 +117,11 @@ static bool read_word(struct cut_word *out, const char *word, const struct cut_w
             out->plane = before->plane;
             return out->has_place = true;
         }
-        print_error_line("--cuts: \"%s\" does not follow a plane with a place, such as axial:0", word);
-        return false;
+        return refuse("--cuts: \"%s\" does not follow a plane with a place, such as axial:0", word);
     }
-    print_error_line(
-        "--cuts: \"%s\"; allowed are axial, coronal and sagittal, each with or without :NUMBER, mosaic[:N] "
-        "and 3d",
-        word);
-    return false;
+    return refuse("--cuts: \"%s\"; allowed are axial, coronal and sagittal, each with or without :NUMBER, mosaic[:N] "
+                  "and 3d",
+                  word);
 }
 
 /* Fills [CUT_LIMIT + 1] words. How many there are; 0 with a message for what is none. */
@@ -203,18 +197,15 @@ bool render_cuts_check(const struct cut_settings *settings, const struct argumen
         return false;
     }
     if (tally.words == tally.space) {
-        print_error_line("--cuts: 3d alone is the picture without --cuts");
-        return false;
+        return refuse("--cuts: 3d alone is the picture without --cuts");
     }
     for (size_t i = 0; i < sizeof of_space / sizeof of_space[0] && !tally.space; i++) {
         if (option_given(arguments, of_space[i])) {
-            print_error_line("--%s has no effect on cuts: --cuts 3d,... adds the view in space", of_space[i]);
-            return false;
+            return refuse("--%s has no effect on cuts: --cuts 3d,... adds the view in space", of_space[i]);
         }
     }
     if (option_given(arguments, "at") && !tally.through) {
-        print_error_line("--at has no effect: every cut of --cuts has a place");
-        return false;
+        return refuse("--at has no effect: every cut of --cuts has a place");
     }
     return true;
 }

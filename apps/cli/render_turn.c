@@ -47,8 +47,7 @@ bool turn_check(const struct turn_settings *settings, const char *output, const 
 {
     bool has_word = strstr(output, TURN_FRAME);
     if (option_given(arguments, "turn") && settings->degrees == 0) {
-        print_error_line("--turn: 0 turns nothing, other angles are allowed");
-        return false;
+        return refuse("--turn: 0 turns nothing, other angles are allowed");
     }
     if (settings->frames && !has_word) {
         print_error_line("--output: " TURN_FRAME " is missing, as in turn-" TURN_FRAME ".png");

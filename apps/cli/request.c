@@ -199,7 +199,7 @@ int request_start_without_rays(struct request *request, const conus_report_optio
         status = conus_selector_create(&request->answerers[i].selector, request->atlases.items[i].atlas, &selector);
         status = status ? status : request_report(request, i, options);
     }
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 void request_count_pose(struct request *request, size_t line, const conus_pose *pose, double angle)
@@ -264,7 +264,7 @@ int request_refuse_row(struct request *request, const conus_pose_row *row, const
     for (size_t i = 0; i < request->atlases.count && !status; i++) {
         status = conus_report_add_error(request->answerers[i].report, row->id, row->line, why);
     }
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 void request_say_notes(const struct request *request)

@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static FILE *refuse(const char *path, mode_t mode, const char *needed)
+static FILE *refuse_kind(const char *path, mode_t mode, const char *needed)
 {
     print_error_line("%s: cannot read: is a %s, a %s is needed", path,
                      S_ISDIR(mode)    ? "folder"
@@ -38,7 +38,7 @@ FILE *input_file_open(const char *path)
     }
     FILE *file = NULL;
     if (fstat(descriptor, &info) == 0 && !S_ISREG(info.st_mode)) {
-        refuse(path, info.st_mode, "regular file");
+        refuse_kind(path, info.st_mode, "regular file");
     } else if (!(file = fdopen(descriptor, "r"))) {
         fail_to("open", path);
     }
@@ -56,7 +56,7 @@ static FILE *open_file_or_pipe(const char *path)
         return fail_to("open", path);
     }
     if (!S_ISREG(info.st_mode) && !S_ISFIFO(info.st_mode)) {
-        return refuse(path, info.st_mode, "file or pipe");
+        return refuse_kind(path, info.st_mode, "file or pipe");
     }
     FILE *file = fopen(path, "re");
     return file ? file : fail_to("open", path);
@@ -71,8 +71,7 @@ static bool read_stream(char **text, size_t *size, FILE *file, const char *path,
             size_t more = capacity ? 2 * capacity : 1 << 16;
             char *grown = more > capacity ? realloc(*text, more) : NULL;
             if (!grown) {
-                print_error_line("not enough memory");
-                return false;
+                return refuse("not enough memory");
             }
             *text = grown;
             capacity = more;

@@ -69,8 +69,7 @@ void print_error_line(const char *format, ...)
 
 int print_no_memory(void)
 {
-    print_error_line("not enough memory");
-    return EXIT_DATA;
+    return print_data_error("not enough memory");
 }
 
 int print_usage_error(const char *format, ...)
@@ -84,8 +83,7 @@ int print_usage_error(const char *format, ...)
 
 int print_system_error(const char *path, const char *action)
 {
-    print_error_line("%s: cannot %s: %s", path, action, strerror(errno));
-    return EXIT_DATA;
+    return print_data_error("%s: cannot %s: %s", path, action, strerror(errno));
 }
 
 int exit_code_of(conus_status status)
@@ -104,7 +102,9 @@ int exit_code_of(conus_status status)
 
 int print_status(conus_status status)
 {
-    print_error_line("%s", conus_message());
+    if (status) {
+        print_error_line("%s", conus_message());
+    }
     return exit_code_of(status);
 }
 

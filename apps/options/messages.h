@@ -33,10 +33,17 @@ void make_plain_line(char *text);
 /** print_error_line(), and EXIT_USAGE. */
 int print_usage_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/** The same, and EXIT_DATA. */
+#define print_data_error(...) (print_error_line(__VA_ARGS__), EXIT_DATA)
+
+/** The same, and false. */
+#define refuse(...) (print_error_line(__VA_ARGS__), false)
+
 /** Prints that there is not enough memory. Gives EXIT_DATA. */
 int print_no_memory(void);
 
-/** print_error_line() with the library's message about @p status, and the exit code that goes with it. */
+/** print_error_line() with the library's message about @p status, unless that is CONUS_OK, and the exit code that goes
+ * with it. */
 int print_status(conus_status status);
 
 /** Prints that @p action ("read") failed on the file @p path, with the reason in errno. Gives EXIT_DATA. */

@@ -74,8 +74,7 @@ static bool outside(const struct option *option, double number)
 
 static bool refuse_value(const struct option *option, const char *text, const char *wanted)
 {
-    print_error_line("--%s: \"%s\" is not %s", option->name, text, wanted);
-    return false;
+    return refuse("--%s: \"%s\" is not %s", option->name, text, wanted);
 }
 
 static bool refuse_range(const struct option *option, const char *text)
@@ -83,8 +82,7 @@ static bool refuse_range(const struct option *option, const char *text)
     const char *form = option->open         ? "--%s: %s is out of range, allowed is more than %.10g and less than %.10g"
                        : option->open_below ? "--%s: %s is out of range, allowed is more than %.10g to %.10g"
                                             : "--%s: %s is out of range, allowed is %.10g to %.10g";
-    print_error_line(form, option->name, text, option->low, option->high);
-    return false;
+    return refuse(form, option->name, text, option->low, option->high);
 }
 
 static bool read_count(const struct option *option, uint32_t *field, const char *text)
@@ -198,16 +196,14 @@ static bool read_choice(const struct option *option, size_t *field, const char *
     }
     const char *near = closest_name(text, choice_of, option);
     if (near) {
-        print_error_line("--%s: \"%s\" is none of its choices; did you mean %s?", option->name, text, near);
-        return false;
+        return refuse("--%s: \"%s\" is none of its choices; did you mean %s?", option->name, text, near);
     }
     char list[NUMBERS_SIZE] = "";
     for (size_t i = 0; (choice = option_choice(option, i)); i++) {
         size_t used = strlen(list);
         snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", choice);
     }
-    print_error_line("--%s: \"%s\" is none of its choices: %s", option->name, text, list);
-    return false;
+    return refuse("--%s: \"%s\" is none of its choices: %s", option->name, text, list);
 }
 
 static bool read_text(const struct option *option, const char **field, const char *text)
@@ -220,8 +216,7 @@ static bool read_item(const struct option *option, struct option_list *field, co
 {
     const char **items = realloc(field->items, (field->count + 1) * sizeof *items);
     if (!items) {
-        print_error_line("--%s: not enough memory", option->name);
-        return false;
+        return refuse("--%s: not enough memory", option->name);
     }
     field->items = items;
     return read_text(option, &items[field->count++], text);

@@ -351,8 +351,7 @@ static bool exclude(const struct arguments *arguments, const char *a, const char
 {
     if (option_find(arguments->command, a) && option_given(arguments, a) && option_find(arguments->command, b) &&
         option_given(arguments, b)) {
-        print_error_line("--%s and --%s exclude each other", a, b);
-        return false;
+        return refuse("--%s and --%s exclude each other", a, b);
     }
     return true;
 }

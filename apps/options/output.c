@@ -31,8 +31,7 @@ static int print_stdout_error(int error)
 int output_write(const char *path, const char *text, size_t size)
 {
     if (!output_is_stdout(path)) {
-        conus_status status = conus_write_file(path, text, size);
-        return status ? print_status(status) : EXIT_DONE;
+        return print_status(conus_write_file(path, text, size));
     }
     if (fwrite(text, 1, size, stdout) != size || fflush(stdout)) {
         int error = errno;
@@ -109,11 +108,10 @@ int output_check_file(const char *path)
     if (lstat(path, &info) || S_ISREG(info.st_mode)) {
         return EXIT_DONE;
     }
-    print_error_line("%s: cannot write: is a %s, which a file would replace", path,
-                     S_ISDIR(info.st_mode)   ? "folder"
-                     : S_ISLNK(info.st_mode) ? "link"
-                                             : "device or pipe");
-    return EXIT_DATA;
+    return print_data_error("%s: cannot write: is a %s, which a file would replace", path,
+                            S_ISDIR(info.st_mode)   ? "folder"
+                            : S_ISLNK(info.st_mode) ? "link"
+                                                    : "device or pipe");
 }
 
 const char *path_name(const char *path)

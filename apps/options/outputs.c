@@ -51,8 +51,7 @@ bool outputs_differ(const struct outputs *outputs)
         const struct output *output = &outputs->items[i];
         for (size_t j = 0; j < i; j++) {
             if (paths_equal(output->path, outputs->items[j].path)) {
-                print_error_line("%s and %s are the same file %s", outputs->items[j].what, output->what, output->path);
-                return false;
+                return refuse("%s and %s are the same file %s", outputs->items[j].what, output->what, output->path);
             }
         }
     }

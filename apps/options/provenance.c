@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
-/* Completes sidecars with what was read and written, and seals them. */
+/* Completes sidecars with what was read and written, seals them, and writes reports with them. */
 #include "options/provenance.h"
 
 #include "options/input_file.h"
@@ -282,7 +282,20 @@ static char *join(const char *object, const char *rest, size_t size, bool are_ro
     return joined;
 }
 
-int provenance_complete(char **out, const char *text, size_t size, const struct provenance *provenance)
+json_t *provenance_load(const char *path, uint64_t limit)
+{
+    char *text = NULL;
+    size_t size = 0;
+    json_error_t error;
+    messages_hold(true);
+    int code = input_file_read(&text, &size, path, INPUT_FILE, limit);
+    messages_hold(false);
+    json_t *root = code ? NULL : provenance_parse(text, size, &error);
+    free(text);
+    return root;
+}
+
+int provenance_write(const char *path, const char *text, size_t size, const struct provenance *provenance)
 {
     const char *rows = provenance_json_rows(text, size);
     json_error_t error;
@@ -290,10 +303,63 @@ int provenance_complete(char **out, const char *text, size_t size, const struct 
     bool whole = root && add_files(root, provenance) && provenance_seal(root);
     char *dumped = whole ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(DIGITS)) : NULL;
     json_decref(root);
-    *out = dumped ? join(dumped, rows ? rows : "\n", rows ? size - (size_t)(rows - text) : 1, rows != NULL) : NULL;
+    char *out = dumped ? join(dumped, rows ? rows : "\n", rows ? size - (size_t)(rows - text) : 1, rows != NULL) : NULL;
+    int code = out ? output_write(path, out, strlen(out)) : print_no_memory();
     free(dumped);
-    if (!*out) {
+    free(out);
+    return code;
+}
+
+static void add_answer(struct provenance *provenance, const char *path, const char *text, size_t size)
+{
+    provenance_add_output(provenance, provenance->option ? provenance->option : "output",
+                          output_is_stdout(path) ? NULL : path, text, size);
+}
+
+int answer_write_sidecar(conus_report *report, const char *path, const char *sidecar,
+                         const struct provenance *provenance, const char *text, size_t size)
+{
+    struct provenance own = *provenance;
+    const char *head = NULL;
+    size_t length = 0;
+    if (!sidecar) {
+        return EXIT_DONE;
+    }
+    add_answer(&own, path, text, size);
+    conus_status status = conus_report_sidecar(&head, &length, report);
+    return status ? print_status(status) : provenance_write(sidecar, head, length, &own);
+}
+
+/* The checksum is of its rows. */
+int answer_write_json(const char *path, const struct provenance *provenance, const char *text, size_t size)
+{
+    struct provenance own = *provenance;
+    const char *rows = provenance_json_rows(text, size);
+    add_answer(&own, path, rows, size - (size_t)(rows - text));
+    return provenance_write(path, text, size, &own);
+}
+
+int answer_write(conus_report *report, const char *path, const char *sidecar, const struct provenance *provenance)
+{
+    const char *text = NULL;
+    size_t size = 0;
+    conus_status status = conus_report_text(&text, &size, report);
+    if (status) {
+        return print_status(status);
+    }
+    if (provenance_json_rows(text, size)) {
+        return answer_write_json(path, provenance, text, size);
+    }
+    if (!sidecar) {
+        return output_write_table(path, text, size);
+    }
+    char *kept = malloc(size + 1); /* the sidecar takes its place in the report */
+    if (!kept) {
         return print_no_memory();
     }
-    return EXIT_DONE;
+    memcpy(kept, text, size);
+    int code = answer_write_sidecar(report, path, sidecar, provenance, kept, size);
+    code = code ? code : output_write_table(path, kept, size);
+    free(kept);
+    return code;
 }

@@ -6,6 +6,7 @@
 #define CONUS_OPTIONS_PROVENANCE_H
 
 #include "conus/pose_file.h"
+#include "conus/report.h"
 #include "options/options.h"
 
 #include <jansson.h>
@@ -55,10 +56,19 @@ void provenance_add_output(struct provenance *provenance, const char *option, co
 /** Adds the files that options of the command line name, but the answer, its sidecar and those that are not given. */
 void provenance_add_outputs(struct provenance *provenance, const struct arguments *arguments);
 
-/** Makes *out of @p text, a JSON object of @p size bytes: with "Inputs", "Outputs", the "bytes" of every file that has
- * a SHA-256, and the "Checksum". Of a report in JSON the rows stay as they are. The caller frees *out. Returns the exit
- * code and prints an error unless it is 0. */
-int provenance_complete(char **out, const char *text, size_t size, const struct provenance *provenance);
+/** Writes @p text, a JSON object of @p size bytes, to @p path: with "Inputs", "Outputs", the "bytes" of every file that
+ * has a SHA-256, and the "Checksum". Of a report in JSON the rows stay as they are. Returns the exit code and prints an
+ * error unless it is 0, as do all functions below that return an int. */
+int provenance_write(const char *path, const char *text, size_t size, const struct provenance *provenance);
+
+/** Writes the report's sidecar to @p sidecar, unless that is NULL, and then its text to @p path. @p provenance has what
+ * was read besides the atlas, and the other outputs, which are there already. */
+int answer_write(conus_report *report, const char *path, const char *sidecar, const struct provenance *provenance);
+/** Writes a report in JSON, which is its own sidecar, whose rows come last. */
+int answer_write_json(const char *path, const struct provenance *provenance, const char *text, size_t size);
+/** Writes only the sidecar of an answer whose text, @p size bytes, is known; NULL = it went to standard output. */
+int answer_write_sidecar(conus_report *report, const char *path, const char *sidecar,
+                         const struct provenance *provenance, const char *text, size_t size);
 
 /** Adds a file to "Inputs", which it makes if there is none; a NULL path only makes it. False without memory. */
 bool provenance_put_input(json_t *root, const char *path);
@@ -75,8 +85,7 @@ bool provenance_checksum(char out[SHA256_TEXT], const json_t *root);
 /** Whether the checksum is of this key, to which only conus adds. */
 bool provenance_is_sealed(const char *key);
 
-/** SHA-256 of bytes and of a file, in hexadecimal. The latter returns the exit code and prints an error unless it is 0.
- */
+/** SHA-256 of bytes and of a file, in hexadecimal. */
 void provenance_hash(char out[SHA256_TEXT], const char *text, size_t size);
 int provenance_hash_file(char out[SHA256_TEXT], const char *path);
 /** The end of a SHA-256 that was begun with sha256_init(). */
@@ -85,6 +94,8 @@ void provenance_hash_finish(char out[SHA256_TEXT], struct sha256_ctx *context);
 /** The object that @p text is, of a report in JSON without its rows; NULL where it is none, with *error, which stays as
  * it was without memory. The caller ends it with json_decref(). */
 json_t *provenance_parse(const char *text, size_t size, json_error_t *error);
+/** The same of a file of at most @p limit bytes; NULL, without a message, where it is none. */
+json_t *provenance_load(const char *path, uint64_t limit);
 
 /** Where the rows of a report in JSON begin, which come last; NULL if it has none. */
 const char *provenance_json_rows(const char *text, size_t size);

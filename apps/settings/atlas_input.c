@@ -32,8 +32,7 @@ static bool add_bands(struct pathway_option *pathway, const conus_band *bands, s
 {
     conus_band *all = realloc(pathway->bands, (pathway->band_count + count) * sizeof *all);
     if (!all) {
-        print_error_line("--pathway: not enough memory");
-        return false;
+        return refuse("--pathway: not enough memory");
     }
     memcpy(all + pathway->band_count, bands, count * sizeof *bands);
     pathway->bands = all;
@@ -55,15 +54,13 @@ static bool read_band(struct pathway_option *pathway, char *value)
     char *high = strchr(value, ':');
     char *name = high ? strchr(high + 1, ':') : NULL;
     if (!name || !name[1]) {
-        print_error_line("--pathway: band=%s is not LOW:HIGH:NAME", value);
-        return false;
+        return refuse("--pathway: band=%s is not LOW:HIGH:NAME", value);
     }
     *high++ = '\0';
     *name++ = '\0';
     band.name = name;
     if (!read_end(&band.low, value, -INFINITY) || !read_end(&band.high, high, INFINITY)) {
-        print_error_line("--pathway: band=%s:%s:%s: LOW and HIGH are numbers, or nothing", value, high, name);
-        return false;
+        return refuse("--pathway: band=%s:%s:%s: LOW and HIGH are numbers, or nothing", value, high, name);
     }
     return add_bands(pathway, &band, 1);
 }
@@ -74,28 +71,26 @@ static bool read_key(struct pathway_option *pathway, char *key)
     char *value = strchr(key, '=') + 1;
     if (strncmp(key, "threshold=", 10) == 0 && pathway->threshold == 0) {
         if (!number_parse(value, &pathway->threshold) || pathway->threshold <= 0) {
-            print_error_line("--pathway: threshold=%s is not a number above 0", value);
-            return false;
+            return refuse("--pathway: threshold=%s is not a number above 0", value);
         }
         return true;
     }
     if (strncmp(key, "name=", 5) == 0 && !pathway->name) {
         pathway->name = value;
-        return *value || (print_error_line("--pathway: name= is empty"), false);
+        return *value || refuse("--pathway: name= is empty");
     }
     if (strncmp(key, "volume=", 7) == 0 && !pathway->volume) {
         uint64_t index;
         pathway->volume = key;
         return count_parse(value, UINT32_MAX, &index) ||
-               (print_error_line("--pathway: volume=%s is not a whole number from 0", value), false);
+               refuse("--pathway: volume=%s is not a whole number from 0", value);
     }
     if (strncmp(key, "band=", 5) == 0) {
         return read_band(pathway, value);
     }
-    print_error_line("--pathway: \"%s\" is none of threshold=T, name=S and volume=K, each at most once, and "
-                     "band=LOW:HIGH:NAME",
-                     key);
-    return false;
+    return refuse("--pathway: \"%s\" is none of threshold=T, name=S and volume=K, each at most once, and "
+                  "band=LOW:HIGH:NAME",
+                  key);
 }
 
 /* Takes `text` apart; prints an error and returns false where that is no pathway. End `out` in either case. Cuts
@@ -106,8 +101,7 @@ static bool pathway_option_parse(struct pathway_option *out, const char *text)
     size_t size = strlen(text) + 1;
     *out = (struct pathway_option){.text = calloc(2, size), .given = text};
     if (!out->text) {
-        print_error_line("--pathway: not enough memory");
-        return false;
+        return refuse("--pathway: not enough memory");
     }
     char *keys = memcpy(out->text, text, size);
     for (char *comma; (comma = strrchr(keys, ',')) && strchr(comma, '=');) {
@@ -117,8 +111,7 @@ static bool pathway_option_parse(struct pathway_option *out, const char *text)
         }
     }
     if (!*keys) {
-        print_error_line("--pathway: \"%s\" names no file", text);
-        return false;
+        return refuse("--pathway: \"%s\" names no file", text);
     }
     if (key_left_in_file("pathway", keys, names)) {
         return false;
@@ -132,8 +125,7 @@ static bool pathway_option_parse(struct pathway_option *out, const char *text)
     }
     const char *other = out->threshold > 0 ? "threshold" : out->name ? "name" : NULL;
     if (out->band_count && other) {
-        print_error_line("--pathway: band= and %s= exclude each other: a band has its own", other);
-        return false;
+        return refuse("--pathway: band= and %s= exclude each other: a band has its own", other);
     }
     return true;
 }
@@ -151,20 +143,18 @@ static bool streamlines_read_key(struct streamlines_option *out, char *key)
 {
     if (strncmp(key, "radius=", 7) == 0 && out->radius == 0) {
         if (!number_parse(key + 7, &out->radius) || out->radius <= 0) {
-            print_error_line("--streamlines: radius=%s is not a number above 0", key + 7);
-            return false;
+            return refuse("--streamlines: radius=%s is not a number above 0", key + 7);
         }
         return true;
     }
     if (strncmp(key, "name=", 5) == 0 && !out->name) {
         out->name = key + 5;
-        return *out->name || (print_error_line("--streamlines: name= is empty"), false);
+        return *out->name || refuse("--streamlines: name= is empty");
     }
     if (strcmp(key, "moves") == 0 && !out->moves) {
         return out->moves = true;
     }
-    print_error_line("--streamlines: \"%s\" is none of radius=R, name=S and moves, each at most once", key);
-    return false;
+    return refuse("--streamlines: \"%s\" is none of radius=R, name=S and moves, each at most once", key);
 }
 
 /* Takes `text` apart; prints an error and returns false where that is no tractogram with its keys. End `out` in
@@ -174,8 +164,7 @@ static bool streamlines_option_parse(struct streamlines_option *out, const char 
     static const char *const keys[] = {",radius=", ",name=", NULL};
     *out = (struct streamlines_option){.path = strdup(text)};
     if (!out->path) {
-        print_error_line("--streamlines: not enough memory");
-        return false;
+        return refuse("--streamlines: not enough memory");
     }
     for (char *comma; (comma = strrchr(out->path, ',')) && (strchr(comma, '=') || strcmp(comma, ",moves") == 0);) {
         *comma = '\0';
@@ -252,7 +241,7 @@ static int transform_apply(conus_atlas *atlas, const char *given, uint64_t max_m
     int code = empty ? print_usage_error("--atlas-transform: \"%s\" names no file, or no image", given) : EXIT_DONE;
     if (!code) {
         conus_status status = conus_atlas_transform(atlas, option.path, &option.options);
-        code = status ? print_status(status) : EXIT_DONE;
+        code = print_status(status);
     }
     free(text);
     return code;
@@ -326,7 +315,7 @@ static int add_pathways(conus_atlas *atlas, const struct pathway_option *pathway
                                                .band_count = pathway->band_count,
                                                .cache = !settings->no_cache};
         conus_status status = conus_atlas_add_pathway(atlas, pathway->path, &options);
-        code = status ? print_status(status) : EXIT_DONE;
+        code = print_status(status);
     }
     return code;
 }
@@ -351,7 +340,7 @@ static int add_streamlines(conus_atlas *atlas, const struct streamlines_option *
                                   : *shared ? CONUS_OK
                                             : conus_tractogram_load(shared, options[i].path, &own);
             status = status || !shared ? status : conus_atlas_add_tractogram(atlas, *shared, &own);
-            code = status ? print_status(status) : EXIT_DONE;
+            code = print_status(status);
         }
     }
     return code;
@@ -423,7 +412,7 @@ static int show_objects(conus_atlas *atlas, const struct atlas_settings *setting
     conus_status status = failed ? CONUS_ERROR_MEMORY : conus_atlas_show(atlas, only, hide);
     free(only);
     free(hide);
-    return failed ? print_no_memory() : status ? print_status(status) : EXIT_DONE;
+    return failed ? print_no_memory() : print_status(status);
 }
 
 bool atlas_input_is_image(const char *why)
@@ -464,7 +453,7 @@ static int choose_hemispheres(conus_atlas *atlas, const char *path, const struct
         print_error_line("%s: %s", path, conus_message());
         return exit_code_of(status);
     }
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 static int load_named(conus_atlas **out, const struct atlas_name *name, const struct additions *additions,
@@ -526,7 +515,7 @@ int atlas_input_load_context(conus_atlas *atlas, const char *path, double blocks
     const conus_context_options options = {
         .block_threshold = blocks, .max_memory = settings->max_memory, .cache = !settings->no_cache};
     conus_status status = path ? conus_atlas_set_context(atlas, path, &options) : CONUS_OK;
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 /* One volume, and an opacity only with surfaces. */
@@ -574,12 +563,9 @@ static bool read_map_key(conus_context_map_options *out, char *key)
         *high = '\0';
         bool is_fine = number_parse(key + 6, &out->range[0]) && number_parse(high + 1, &out->range[1]) &&
                        out->range[0] < out->range[1];
-        return is_fine ||
-               (print_error_line("--map: range=%s:%s are not two numbers, the second larger", key + 6, high + 1),
-                false);
+        return is_fine || refuse("--map: range=%s:%s are not two numbers, the second larger", key + 6, high + 1);
     }
-    print_error_line("--map: \"%s\" is none of array=NAME and range=A:B, each at most once", key);
-    return false;
+    return refuse("--map: \"%s\" is none of array=NAME and range=A:B, each at most once", key);
 }
 
 /* Cuts keys off the end as long as there are some, since a file's name may have commas as well. */
@@ -609,7 +595,7 @@ int context_choice_load(conus_atlas *atlas, const struct context_choice *choice,
                                                .max_memory = settings->max_memory,
                                                .cache = !settings->no_cache};
         conus_status status = conus_atlas_set_context(atlas, path, &options);
-        code = status ? print_status(status) : EXIT_DONE;
+        code = print_status(status);
     }
     return code ? code : load_map(atlas, choice, settings);
 }

@@ -88,8 +88,7 @@ static int name_atlas(struct atlases *atlases, size_t index)
     struct atlas_name found;
     int code = atlas_name_find(&found, atlases->items[index].given);
     if (!code && !set_name(atlases, index, found.atlas ? strdup(found.atlas->name) : name_of_path(found.path))) {
-        print_error_line("not enough memory");
-        code = EXIT_DATA;
+        code = print_no_memory();
     }
     atlas_name_finish(&found);
     return code;

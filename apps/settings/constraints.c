@@ -152,9 +152,8 @@ static bool read_shank(conus_constraint *out, const char *option, const char *te
     uint64_t number = 0;
     bool is_word = strcmp(text, "any") == 0 || strcmp(text, "all") == 0;
     if (out->shank || (!is_word && !(count_parse(text, INT32_MAX, &number) && number))) {
-        print_error_line("--%s: shank=%s %s", option, text,
-                         out->shank ? "is one shank too many" : "is neither any nor all nor a whole number above 0");
-        return false;
+        return refuse("--%s: shank=%s %s", option, text,
+                      out->shank ? "is one shank too many" : "is neither any nor all nor a whole number above 0");
     }
     out->shank = number ? (int32_t)number : strcmp(text, "any") == 0 ? CONUS_SHANK_ANY : CONUS_SHANK_ALL;
     return true;
@@ -226,12 +225,11 @@ static bool read_structure(conus_constraint *out, char *text)
     last = last ? last + 1 + strspn(last + 1, " ") : "";
     bool begins_with_number = strspn(text, "0123456789") == strcspn(text, ",");
     if (out->kind != CONUS_CONSTRAINT_FIRST && !begins_with_number && number_parse(last, &number)) {
-        print_error_line("--%s: \"%s\" ends in a number: %s=%s is in mm, and an area's label behind a name stands in "
-                         "double quotes",
-                         option, text, out->kind == CONUS_CONSTRAINT_AVOID ? "margin" : "length", last);
-        return false;
+        return refuse("--%s: \"%s\" ends in a number: %s=%s is in mm, and an area's label behind a name stands in "
+                      "double quotes",
+                      option, text, out->kind == CONUS_CONSTRAINT_AVOID ? "margin" : "length", last);
     }
-    return *text || (print_error_line("--%s: there is no name of a structure", option), false);
+    return *text || refuse("--%s: there is no name of a structure", option);
 }
 
 static bool read_length(conus_constraint *out, char *text)
@@ -267,12 +265,10 @@ static bool read_apart(conus_constraint *out, char *text)
     }
     char *comma = strrchr(text, ',');
     if (!comma || comma == text || !number_parse(comma + 1, &out->limit)) {
-        print_error_line("--apart: \"%s\" is not FILE,MM", text);
-        return false;
+        return refuse("--apart: \"%s\" is not FILE,MM", text);
     }
     *comma = '\0';
-    return (out->limit >= 0 && out->limit <= 100) ||
-           (print_error_line("--apart: %g mm, allowed are 0 to 100", out->limit), false);
+    return (out->limit >= 0 && out->limit <= 100) || refuse("--apart: %g mm, allowed are 0 to 100", out->limit);
 }
 
 static bool read_entry_angle(conus_constraint *out, char *text)
@@ -424,8 +420,7 @@ static int load_needles(double **out, conus_constraint *constraint, const char *
             why = "no far end: neither a column far nor --depth";
         }
         if (why) {
-            print_error_line("--apart: %s:%zu: %s", path, row->line, why);
-            code = EXIT_DATA;
+            code = print_data_error("--apart: %s:%zu: %s", path, row->line, why);
         }
         const double *m = row->pose.world_from_device;
         for (int k = 0; k < 6 && !code; k++) {
@@ -433,8 +428,7 @@ static int load_needles(double **out, conus_constraint *constraint, const char *
         }
     }
     if (!code && !count) {
-        print_error_line("--apart: %s: no poses in it", path);
-        code = EXIT_DATA;
+        code = print_data_error("--apart: %s: no poses in it", path);
     }
     conus_pose_list_destroy(poses);
     *out = (double *)ends;

@@ -103,9 +103,8 @@ int pose_settings_check_electrodes(conus_format format, const char *electrodes, 
     if (format != CONUS_FORMAT_BIDS || electrodes) {
         return EXIT_DONE;
     }
-    print_error_line("%s: --format bids adds to a table of electrodes, with the columns name, x, y and z",
-                     pose_settings_file_name(path));
-    return EXIT_DATA;
+    return print_data_error("%s: --format bids adds to a table of electrodes, with the columns name, x, y and z",
+                            pose_settings_file_name(path));
 }
 
 const char *pose_settings_row_error(const conus_pose_row *row)
@@ -122,10 +121,9 @@ void pose_settings_say_none(const char *path, const struct common_settings *comm
 
 static int print_match_error(const char *path, const struct named_atlas *atlas, bool has_any_space)
 {
-    print_error_line("%s: %s%s%s; --atlas-transform FILE brings the atlas to them%s", pose_settings_file_name(path),
-                     atlas->name ? atlas->name : "", atlas->name ? ": " : "", conus_message(),
-                     has_any_space ? ", --any-space takes them as they are" : "");
-    return EXIT_DATA;
+    return print_data_error("%s: %s%s%s; --atlas-transform FILE brings the atlas to them%s",
+                            pose_settings_file_name(path), atlas->name ? atlas->name : "", atlas->name ? ": " : "",
+                            conus_message(), has_any_space ? ", --any-space takes them as they are" : "");
 }
 
 /* Notes of a list or stream. */

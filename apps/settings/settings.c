@@ -393,12 +393,10 @@ bool settings_check_aim(const struct arguments *arguments, bool aim_needed)
 {
     bool has_origin = option_given(arguments, "origin");
     if (has_origin && !option_given(arguments, "toward") && !option_given(arguments, "direction")) {
-        print_error_line("--origin needs --toward X,Y,Z or --direction X,Y,Z with it");
-        return false;
+        return refuse("--origin needs --toward X,Y,Z or --direction X,Y,Z with it");
     }
     if (!has_origin && aim_needed && !option_given(arguments, "pose")) {
-        print_error_line("no cone given: --origin X,Y,Z with --toward X,Y,Z or --direction X,Y,Z, or --pose FILE");
-        return false;
+        return refuse("no cone given: --origin X,Y,Z with --toward X,Y,Z or --direction X,Y,Z, or --pose FILE");
     }
     return true;
 }
@@ -421,7 +419,7 @@ int settings_pose_toward(conus_pose *out, const double origin[3], const double t
         conus_frame_direction_to_world(above, frame, up);
     }
     conus_status status = conus_pose_toward(out, from, to, up ? above : NULL);
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 int settings_pose(conus_pose *out, const struct aim_settings *settings, const conus_frame *frame,
@@ -441,7 +439,7 @@ int settings_pose(conus_pose *out, const struct aim_settings *settings, const co
     conus_frame_direction_to_world(along, frame, settings->direction);
     conus_frame_direction_to_world(above, frame, settings->up);
     conus_status status = conus_pose_along(out, from, along, given_up ? above : NULL);
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 const char *settings_level_file(const struct engine_settings *settings)
@@ -467,13 +465,11 @@ bool settings_check_shape(const struct aim_settings *settings, const struct engi
         return true;
     }
     if (engine->radius > 0 && settings->angle != 0) {
-        print_error_line("--radius makes a cylinder, whose --angle is 0");
-        return false;
+        return refuse("--radius makes a cylinder, whose --angle is 0");
     }
     if (engine->radius == 0 && !(settings->angle > 0 && settings->angle < 180)) {
-        print_error_line("--angle: %.10g is out of range, allowed is more than 0 and less than 180%s", settings->angle,
-                         settings->angle == 0 ? "; 0 goes with --radius" : "");
-        return false;
+        return refuse("--angle: %.10g is out of range, allowed is more than 0 and less than 180%s", settings->angle,
+                      settings->angle == 0 ? "; 0 goes with --radius" : "");
     }
     return true;
 }
@@ -482,16 +478,13 @@ bool settings_check_score(const struct engine_settings *settings, bool has_histo
 {
     conus_score_info score;
     if (conus_score_parse(&score, settings->score)) {
-        print_error_line("--%s", conus_message());
-        return false;
+        return refuse("--%s", conus_message());
     }
     if (score.needs_history && !has_history) {
-        print_error_line("--score: %s needs a history, which single poses have not; conus track has one", score.name);
-        return false;
+        return refuse("--score: %s needs a history, which single poses have not; conus track has one", score.name);
     }
     if (score.needs_layers && settings->layers != CONUS_LAYERS_ALL) {
-        print_error_line("--score: %s needs --layers all", score.name);
-        return false;
+        return refuse("--score: %s needs --layers all", score.name);
     }
     return true;
 }
@@ -632,9 +625,7 @@ static bool read_ends(conus_jitter_options *out, const char *text)
         }
     }
     return (is_fine && (given & 3) == 3) ||
-           (print_error_line("--jitter: \"%s\" is not entry=MM,target=MM[,depth=MM] with numbers from 0 to 1000000",
-                             text),
-            false);
+           refuse("--jitter: \"%s\" is not entry=MM,target=MM[,depth=MM] with numbers from 0 to 1000000", text);
 }
 
 bool settings_jitter(conus_jitter_options *out, const char *text, uint32_t samples, bool has_needles)

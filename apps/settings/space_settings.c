@@ -33,8 +33,7 @@ bool space_settings_check(const struct arguments *arguments, const struct space_
         return true;
     }
     if (b[0] == 0 && b[1] == 0 && b[2] == 0) {
-        print_error_line("--bregma: 0,0,0 is the corner of the CCF's grid, AP,DV,ML in micrometres are needed");
-        return false;
+        return refuse("--bregma: 0,0,0 is the corner of the CCF's grid, AP,DV,ML in micrometres are needed");
     }
     return true;
 }
@@ -78,15 +77,13 @@ int space_settings_frame(conus_frame *out, const struct atlases *atlases, const 
             is_one_place = is_one_place && difference <= (k < 12 ? 1e-6 : 1e-3);
         }
         if (!status && !is_one_place) {
-            print_error_line(
+            return print_data_error(
                 "--space %s: the CCF lies elsewhere in atlas %s than in %s: a position would be two places", name,
                 at->name, atlases->items[0].name);
-            return EXIT_DATA;
         }
     }
     if (status) {
-        print_error_line("--space %s: %s", name, conus_message());
-        return EXIT_DATA;
+        return print_data_error("--space %s: %s", name, conus_message());
     }
     if (!quiet && space_settings_needs_atlas(settings)) {
         /* BrainGlobe's "asr" calls the side on which ML starts right, the Allen Institute left. */
@@ -111,8 +108,7 @@ int space_settings_frame(conus_frame *out, const struct atlases *atlases, const 
 int space_settings_point(double out[3], const double in[3], const conus_frame *frame, const char *option)
 {
     if (conus_frame_to_world(out, frame, in)) {
-        print_error_line("--%s: %s", option, conus_message());
-        return EXIT_DATA;
+        return print_data_error("--%s: %s", option, conus_message());
     }
     return EXIT_DONE;
 }

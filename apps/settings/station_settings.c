@@ -177,8 +177,7 @@ bool station_settings_check(const struct station_settings *settings, const struc
     bool given = option_given(arguments, "listen") || option_given(arguments, "connect");
     for (const struct option *option = station_options_table; !given && option->name; option++) {
         if (option_given(arguments, option->name)) {
-            print_error_line("--%s needs --listen or --connect with it", option->name);
-            return false;
+            return refuse("--%s needs --listen or --connect with it", option->name);
         }
     }
     return check_address(&end);
@@ -192,26 +191,22 @@ bool station_settings_check_second(const struct station_settings *settings, cons
     bool first = option_given(arguments, "listen") || option_given(arguments, "connect");
     for (size_t i = 0; settings->second_tool && !is_alone && i < 3; i++) {
         if (others[i] && strcmp(settings->second_tool, others[i]) == 0) {
-            print_error_line("--second-tool: %s is the --%s", settings->second_tool, names[i]);
-            return false;
+            return refuse("--second-tool: %s is the --%s", settings->second_tool, names[i]);
         }
     }
     if (is_alone) {
         /* The second tool's own tracker uses all options of the first one but the name. */
         if (settings->tool && !first) {
-            print_error_line("--tool needs --listen or --connect with it");
-            return false;
+            return refuse("--tool needs --listen or --connect with it");
         }
         const struct end ends[] = {first_end(settings), second_end(settings)};
         return check_address(&ends[0]) && check_address(&ends[1]);
     }
     if (settings->second_tool && !first) {
-        print_error_line("--second-tool needs --listen, --connect, --second-listen or --second-connect with it");
-        return false;
+        return refuse("--second-tool needs --listen, --connect, --second-listen or --second-connect with it");
     }
     if (settings->second_world_from_tracker) {
-        print_error_line("--second-world-from-tracker needs --second-listen or --second-connect with it");
-        return false;
+        return refuse("--second-world-from-tracker needs --second-listen or --second-connect with it");
     }
     return station_settings_check(settings, arguments);
 }
@@ -221,13 +216,11 @@ bool station_settings_check_screen(const struct station_settings *settings, cons
     const char *others[] = {settings->tool, settings->reference};
     for (size_t i = 0; settings->head && i < 2; i++) {
         if (others[i] && strcmp(settings->head, others[i]) == 0) {
-            print_error_line("--head: %s is the --%s", settings->head, i ? "reference" : "tool");
-            return false;
+            return refuse("--head: %s is the --%s", settings->head, i ? "reference" : "tool");
         }
     }
     if (settings->head && !option_given(arguments, "listen") && !option_given(arguments, "connect")) {
-        print_error_line("--head needs --listen or --connect with it");
-        return false;
+        return refuse("--head needs --listen or --connect with it");
     }
     return true;
 }
@@ -243,8 +236,7 @@ static int read_matrix(double out[16], const char *path)
     const conus_pose_row *row = conus_pose_list_row(list, 0);
     int code = EXIT_DONE;
     if (row->error) {
-        print_error_line("%s: %s", path, row->error);
-        code = EXIT_DATA;
+        code = print_data_error("%s: %s", path, row->error);
     }
     memcpy(out, row->pose.world_from_device, sizeof row->pose.world_from_device);
     conus_pose_list_destroy(list);
@@ -263,8 +255,7 @@ static int start_at(struct station **out, const struct end *end, const char *wor
     options->host = end->connect ? address : NULL;
     int code = world_from_tracker ? read_matrix(options->world_from_tracker, world_from_tracker) : EXIT_DONE;
     if (!code && !station_start(out, options, why, sizeof why)) {
-        print_error_line("%s", why);
-        code = EXIT_DATA;
+        code = print_data_error("%s", why);
     }
     options->listen = options->host = NULL; /* they were copied */
     return code;

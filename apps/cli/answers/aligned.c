@@ -2,6 +2,9 @@
 /* Measures the columns, then pads the cells. */
 #include "cli/answers/aligned.h"
 
+#include "options/messages.h"
+
+#include <stdlib.h>
 #include <string.h>
 
 /* Characters on the screen: UTF-8 without continuation bytes. */
@@ -21,7 +24,7 @@ static const char *next_cell(const char *cell)
     return *cell ? cell + 1 : cell;
 }
 
-void aligned_put(FILE *out, const char *tsv, size_t columns, const bool right[])
+static void put_columns(FILE *out, const char *tsv, size_t columns, const bool right[])
 {
     int widths[ALIGNED_COLUMNS] = {0};
     bool shown[ALIGNED_COLUMNS] = {false}; /* some row has a value */
@@ -45,4 +48,30 @@ void aligned_put(FILE *out, const char *tsv, size_t columns, const bool right[])
         }
         fputs(c + 1 == columns ? "\n" : "", out);
     }
+}
+
+bool aligned_put(FILE *out, void put(FILE *out, const void *what), const void *what, size_t columns, const bool right[])
+{
+    char *tsv = NULL;
+    size_t size = 0;
+    FILE *cells = open_memstream(&tsv, &size);
+    if (cells) {
+        put(cells, what);
+    }
+    bool whole = cells && fclose(cells) == 0;
+    if (whole) {
+        put_columns(out, tsv, columns, right);
+    }
+    free(tsv);
+    return whole;
+}
+
+void aligned_put_cell(FILE *out, const char *text)
+{
+    char *plain = text ? strdup(text) : NULL;
+    if (plain) {
+        make_plain_line(plain);
+    }
+    fputs(plain && *plain ? plain : "n/a", out);
+    free(plain);
 }

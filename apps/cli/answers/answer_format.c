@@ -70,11 +70,9 @@ bool answer_format(conus_format *out, const struct arguments *arguments, const s
         return true;
     }
     return output_format(out, settings->output) ||
-           (print_error_line(
-                "%s: --output ends in none of .tsv, .csv, .json, .ndjson, .jsonl and, for a table for people, .txt; "
-                "--format says what else is written",
-                settings->output),
-            false);
+           refuse("%s: --output ends in none of .tsv, .csv, .json, .ndjson, .jsonl and, for a table for people, .txt; "
+                  "--format says what else is written",
+                  settings->output);
 }
 
 int answer_sidecar(char **out, conus_format format, const struct answer_settings *settings)

@@ -3,7 +3,6 @@
 #include "cli/answers/ends.h"
 
 #include "cli/answers/answer_format.h"
-#include "options/answer_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"
@@ -69,7 +68,7 @@ int rows_file_refuse(struct rows_file *file, const char *id, size_t line, const 
     for (size_t i = 0; i < file->count && !status; i++) {
         status = conus_report_add_error(file->reports[i], id, line, why);
     }
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 int rows_file_write(const struct rows_file *file, const struct provenance *provenance)
@@ -115,8 +114,7 @@ const struct option connectivity_options[] = {
 bool ends_check(const struct ends_settings *settings, const struct arguments *arguments)
 {
     if (option_given(arguments, "endpoint-radius") && !(settings->radius >= 0 && settings->radius <= 100)) {
-        print_error_line("--endpoint-radius: %g mm, allowed are 0 to 100", settings->radius);
-        return false;
+        return refuse("--endpoint-radius: %g mm, allowed are 0 to 100", settings->radius);
     }
     return true;
 }
@@ -137,8 +135,7 @@ bool ends_check_atlases(const struct atlases *atlases)
             }
         }
     }
-    print_error_line("there are no streamlines, --streamlines FILE adds some");
-    return false;
+    return refuse("there are no streamlines, --streamlines FILE adds some");
 }
 
 int matrix_file_init(struct matrix_file *out, const char *path)
@@ -170,7 +167,7 @@ int matrix_file_take(struct matrix_file *file, const conus_selector *selector, c
     file->connectivity = connectivity;
     conus_status status = conus_report_create(&file->report, selector, &own);
     status = status ? status : conus_report_add_connections(file->report, id, connectivity);
-    return status ? print_status(status) : EXIT_DONE;
+    return print_status(status);
 }
 
 int matrix_file_write(const struct matrix_file *file, const struct provenance *provenance)

@@ -110,17 +110,17 @@ static json_t *matrix(const double m[16])
     return rows;
 }
 
-json_t *info_place_json(const conus_atlas *atlas)
+/* JSON's null where there is nothing to say. */
+static json_t *placement(const conus_atlas *atlas)
 {
     conus_placement place;
     if (!find_place(&place, atlas)) {
         return json_null();
     }
-    bool known = isfinite(place.head_threshold);
+    double in_head = isfinite(place.head_threshold) ? place.in_head : NAN;
     json_t *context = !place.has_context ? json_null()
                                          : json_pack("{s:f,s:o,s:o}", "in_grid", place.in_grid, "in_head",
-                                                     known ? json_real(place.in_head) : json_null(), "head_threshold",
-                                                     known ? json_real(place.head_threshold) : json_null());
+                                                     number(in_head), "head_threshold", number(place.head_threshold));
     return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "atlas_from_world",
                      place.is_warped ? json_null() : matrix(place.atlas_from_world), "growth", number(place.growth),
                      "mirrors", place.is_warped ? json_null() : json_boolean(place.mirrors), "centre",
@@ -202,22 +202,18 @@ static json_t *bundles(const conus_atlas *atlas, const conus_tractogram_info *in
     return names;
 }
 
-static json_t *corner(const double point[3], bool known)
-{
-    return known ? json_pack("[f,f,f]", point[0], point[1], point[2]) : json_null();
-}
-
 static json_t *tractogram(const conus_atlas *atlas, size_t index, const conus_tractogram_info *info)
 {
-    bool known = info->points > 0;
+    static const double none[3] = {NAN, NAN, NAN};
     return json_pack("{s:o,s:o,s:s,s:b,s:I,s:I,s:f,s:f,s:o,s:o,s:o,s:o}", "path", info_json_bytes(info->path), "sha256",
                      *info->sha256 ? json_string(info->sha256) : json_null(), "format", info->format, "half",
                      info->half, "streamlines", (json_int_t)info->streamlines, "points", (json_int_t)info->points,
-                     "length_mm", info->length_mm, "radius_mm", info->radius, "low", corner(info->low, known), "high",
-                     corner(info->high, known), "scalars", scalars(atlas, index), "bundles", bundles(atlas, info));
+                     "length_mm", info->length_mm, "radius_mm", info->radius, "low",
+                     point(info->points ? info->low : none), "high", point(info->points ? info->high : none), "scalars",
+                     scalars(atlas, index), "bundles", bundles(atlas, info));
 }
 
-json_t *info_tracts_json(const conus_atlas *atlas)
+static json_t *tractograms(const conus_atlas *atlas)
 {
     json_t *list = json_array();
     bool whole = list;
@@ -379,9 +375,9 @@ char *info_json(const conus_atlas *atlas, const conus_installed *installed)
     json_t *root = json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "conus", conus_version(), "installed",
                              installed ? info_json_installed(installed) : json_null(), "labels",
                              info_json_bytes(conus_atlas_label_source(atlas)), "volumes", volumes, "tractograms",
-                             info_tracts_json(atlas), "context_surfaces", around(atlas), "world_from_ccf",
-                             is_ccf ? matrix(frame.world_from_space) : json_null(), "moved", info_place_json(atlas),
-                             "notes", notes, "objects", objects);
+                             tractograms(atlas), "context_surfaces", around(atlas), "world_from_ccf",
+                             is_ccf ? matrix(frame.world_from_space) : json_null(), "moved", placement(atlas), "notes",
+                             notes, "objects", objects);
     char *text = whole && root ? json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(DIGITS)) : NULL;
     json_decref(root);
     char *line = NULL;

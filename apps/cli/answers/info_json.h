@@ -30,13 +30,7 @@ void info_put_reach(FILE *out, const double low[3], const double high[3]);
 /** A paragraph for people, with an empty line before it; nothing of an atlas that is not moved or has no areas. */
 void info_place_put(FILE *out, const conus_atlas *atlas);
 
-/** The same as a JSON object; JSON's null where there is nothing to say. NULL without memory. */
-json_t *info_place_json(const conus_atlas *atlas);
-
 /** A paragraph for people about each, with an empty line before it. */
 void info_tracts_put(FILE *out, const conus_atlas *atlas);
-
-/** The same as a JSON array; NULL without memory. */
-json_t *info_tracts_json(const conus_atlas *atlas);
 
 #endif

@@ -76,8 +76,7 @@ bool results_find(const struct results *results, const struct results *other, si
 
 static int no_memory(const char *path)
 {
-    print_error_line("%s: not enough memory", path);
-    return EXIT_DATA;
+    return print_data_error("%s: not enough memory", path);
 }
 
 static size_t count_of(const char *text, size_t size, char wanted)
@@ -144,8 +143,7 @@ static int cut_line(struct results *results, const char *path, char *line, size_
     line[length - 1] = '\0';
     for (char *next; line; line = next) {
         if (!end_cell(&next, line, results->separator)) {
-            print_error_line("%s:%zu: a quotation mark inside a field, or one that is not closed", path, number);
-            return EXIT_DATA;
+            return print_data_error("%s:%zu: a quotation mark inside a field, or one that is not closed", path, number);
         }
         if (fields < results->columns) {
             cells[fields] = line;
@@ -153,8 +151,7 @@ static int cut_line(struct results *results, const char *path, char *line, size_
         fields++;
     }
     if (fields != results->columns) {
-        print_error_line("%s:%zu: %zu fields, the header has %zu", path, number, fields, results->columns);
-        return EXIT_DATA;
+        return print_data_error("%s:%zu: %zu fields, the header has %zu", path, number, fields, results->columns);
     }
     return EXIT_DONE;
 }
@@ -167,8 +164,7 @@ static int cut_lines(struct results *results, const char *path, size_t size)
     results->columns = count_of(results->bytes, header, results->separator) + 1;
     results->rows = lines - 1;
     if (results->columns > COLUMN_LIMIT) {
-        print_error_line("%s: %zu columns, allowed are %d", path, results->columns, COLUMN_LIMIT);
-        return EXIT_DATA;
+        return print_data_error("%s: %zu columns, allowed are %d", path, results->columns, COLUMN_LIMIT);
     }
     if (results->columns > SIZE_MAX / sizeof *results->cells / lines) {
         return no_memory(path);
@@ -192,8 +188,7 @@ static int check_columns(struct results *results, const char *path)
     for (size_t c = 0; c < results->columns; c++) {
         size_t first = 0;
         if (results_column(results, results->cells[c], &first) && first != c) {
-            print_error_line("%s: column \"%s\" is there twice", path, results->cells[c]);
-            return EXIT_DATA;
+            return print_data_error("%s: column \"%s\" is there twice", path, results->cells[c]);
         }
     }
     for (size_t i = 0; i < RESULTS_KEYS; i++) {
@@ -203,8 +198,7 @@ static int check_columns(struct results *results, const char *path)
         if (results_column(results, key_names[i], &column)) {
             results->keys[i] = &results->cells[column];
         } else if (i < NEEDED_KEYS && !other) {
-            print_error_line("%s: no column \"%s\": not a TSV or CSV result of conus", path, key_names[i]);
-            return EXIT_DATA;
+            return print_data_error("%s: no column \"%s\": not a TSV or CSV result of conus", path, key_names[i]);
         }
     }
     return EXIT_DONE;
@@ -223,8 +217,7 @@ static int sort_rows(struct results *results, const char *path)
     for (size_t i = 1; i < results->rows; i++) {
         size_t row = results->order[i];
         if (compare_rows(results, row, results, results->order[i - 1]) == 0) {
-            print_error_line("%s:%zu: the same query, kind and index as another line", path, row + 2);
-            return EXIT_DATA;
+            return print_data_error("%s:%zu: the same query, kind and index as another line", path, row + 2);
         }
     }
     return EXIT_DONE;
@@ -245,8 +238,7 @@ int results_parse(struct results *out, const char *path, const char *bytes, size
                           : NULL;
     int code = EXIT_DONE;
     if (bad) {
-        print_error_line("%s: %s", path, bad);
-        code = EXIT_DATA;
+        code = print_data_error("%s: %s", path, bad);
     }
     code = code ? code : cut_lines(&results, path, size);
     code = code ? code : check_columns(&results, path);

@@ -146,20 +146,13 @@ static int write_mask(const struct selection_files *files, conus_report *report,
     struct provenance own = *provenance;
     const char *text = NULL;
     size_t size = 0;
-    char *whole = NULL;
     conus_status status = conus_grid_write(files->mask, files->settings->mask);
+    status = status ? status : conus_report_grid_sidecar(&text, &size, report, files->mask);
     if (status) {
         return print_status(status);
     }
     provenance_add_output(&own, "mask", files->settings->mask, NULL, 0);
-    status = conus_report_grid_sidecar(&text, &size, report, files->mask);
-    if (status) {
-        return print_status(status);
-    }
-    int code = provenance_complete(&whole, text, size, &own);
-    code = code ? code : output_write(files->mask_sidecar, whole, strlen(whole));
-    free(whole);
-    return code;
+    return provenance_write(files->mask_sidecar, text, size, &own);
 }
 
 int selection_files_write(const struct selection_files *files, conus_report *report,

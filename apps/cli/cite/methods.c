@@ -3,6 +3,7 @@
 #include "cli/cite/citation.h"
 
 #include "conus/selection.h"
+#include "options/output.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -688,8 +689,7 @@ static void put_bands(FILE *out, const json_t *bands)
 
 static const char *name_of(const char *path)
 {
-    const char *slash = path ? strrchr(path, '/') : NULL;
-    return slash ? slash + 1 : path ? path : "a volume";
+    return path ? path_name(path) : "a volume";
 }
 
 /* The meaning of a volume that has no labels. */

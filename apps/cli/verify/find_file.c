@@ -126,19 +126,13 @@ static bool try_path(struct found_file *out, const struct recorded_file *file, c
     return same || (is && state == FILE_SAME && !known);
 }
 
-static const char *name_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* Tries files of its name first: among many of one size, it is most likely one of those. */
 static void search(struct found_file *out, const struct recorded_file *file, const struct places *places)
 {
     for (int named = 1; named >= 0; named--) {
         for (size_t i = 0; i < places->candidate_count; i++) {
             const struct place *place = &places->candidates[i];
-            bool is_named = strcmp(name_of(place->path), name_of(file->path)) == 0;
+            bool is_named = strcmp(path_name(place->path), path_name(file->path)) == 0;
             if (is_named == named && (file->bytes < 0 || file->bytes == place->bytes) &&
                 has_sum(file, place->path, place->bytes)) {
                 try_path(out, file, strdup(place->path), FILE_MOVED);
@@ -158,7 +152,7 @@ bool file_find(struct found_file *out, const struct recorded_file *file, const s
     }
     for (size_t i = 0; i < 2 && !found; i++) {
         const char *other = places->beside[i];
-        if (other && asprintf(&path, "%.*s%s", (int)(name_of(other) - other), other, name_of(file->path)) >= 0) {
+        if (other && asprintf(&path, "%.*s%s", (int)(path_name(other) - other), other, path_name(file->path)) >= 0) {
             found = try_path(out, file, path, FILE_MOVED);
         }
     }

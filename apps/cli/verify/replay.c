@@ -73,12 +73,10 @@ static bool link_file(const struct stage *stage, const char *path, const char *t
     const char *below = absolute ? stage->folder : stage->cwd;
     char *link = NULL;
     if (absolute && levels_up(path)) {
-        print_error_line("%s: has \"..\" in it, and moved", path);
-        return false;
+        return refuse("%s: has \"..\" in it, and moved", path);
     }
     if (asprintf(&link, "%s%s%s", below, absolute ? root : "/", path) < 0) {
-        print_error_line("not enough memory");
-        return false;
+        return refuse("not enough memory");
     }
     size_t from = strlen(stage->folder) + 1;
     bool made = is_in_link(link, from) || (make_folders(link, from) && (symlink(target, link) == 0 || errno == EEXIST));
@@ -98,14 +96,12 @@ static bool make_cwd(struct stage *out, const struct record *record)
         levels = up > levels ? up : levels;
     }
     if (levels > LEVELS) {
-        print_error_line("a path has more than %d \"..\"", LEVELS);
-        return false;
+        return refuse("a path has more than %d \"..\"", LEVELS);
     }
     size_t length = strlen(out->folder);
     out->cwd = calloc(1, length + sizeof "/files" + 2 * levels + 1);
     if (!out->cwd) {
-        print_error_line("not enough memory");
-        return false;
+        return refuse("not enough memory");
     }
     char *end = stpcpy(stpcpy(out->cwd, out->folder), "/files");
     for (size_t i = 0; i < levels; i++) {
@@ -122,8 +118,7 @@ static bool make_folder(struct stage *out)
     const char *temporary = getenv("TMPDIR");
     if (asprintf(&out->folder, "%s/conus-verify-XXXXXX", temporary && *temporary == '/' ? temporary : "/tmp") < 0) {
         out->folder = NULL;
-        print_error_line("not enough memory");
-        return false;
+        return refuse("not enough memory");
     }
     if (!mkdtemp(out->folder)) {
         print_system_error(out->folder, "make");
@@ -370,8 +365,7 @@ static char *atlas_word(const struct writing *out, const char *given, size_t ind
 /* A file of the same name in a folder of its own, with its key (NULL = none). */
 static void put_output(struct writing *out, const struct option *option, const char *given, const char *key)
 {
-    const char *slash = given ? strrchr(given, '/') : NULL;
-    const char *name = !given || output_is_stdout(given) ? "rows" : slash ? slash + 1 : given;
+    const char *name = output_is_stdout(given) ? "rows" : path_name(given);
     conus_format format;
     char *path = stage_output(out->stage, option->name, name);
     char *keyed = NULL;
@@ -489,8 +483,7 @@ static int answer_in_child(const struct replay *replay, const struct stage *stag
     writing = (struct writing){.replay = replay, .stage = stage, .whole = true};
     put_words(&writing);
     if (!writing.whole) {
-        print_error_line("its command line does not fit into memory, or is not whole");
-        return EXIT_DATA;
+        return print_data_error("its command line does not fit into memory, or is not whole");
     }
     const struct command *command = replay->command;
     struct arguments arguments;
@@ -565,11 +558,6 @@ bool replay_run(struct replay *replay)
     answered = answered && (!stage.is_moved || replay->root || fail_replay(replay, "it does not fit into memory"));
     stage_finish(&stage);
     return answered;
-}
-
-char *replay_output(const struct replay *replay, const char *option)
-{
-    return stage_find_output(replay->folder, option);
 }
 
 void replay_finish(struct replay *replay)

@@ -35,10 +35,6 @@ bool replay_check(struct replay *out, const struct command *const *commands);
 /** Answers. False, with replay->why, where there is no answer. */
 bool replay_run(struct replay *replay);
 
-/** Path of the output that option @p option asked for; NULL if there is none, or without memory. The caller frees it.
- */
-char *replay_output(const struct replay *replay, const char *option);
-
 void replay_finish(struct replay *replay);
 
 struct stage {
@@ -59,7 +55,8 @@ char *stage_word(const struct stage *stage, const char *given);
 
 /** A new path for the output of @p option, with the name @p name. NULL where it cannot be made; the caller frees it. */
 char *stage_output(const struct stage *stage, const char *option, const char *name);
-/** The file that was written there, other than one in ".json" beside another. NULL if there is none; likewise. */
+/** The file that was written there, other than one in ".json" beside another. NULL if there is none, or no @p folder;
+ * likewise. */
 char *stage_find_output(const char *folder, const char *option);
 
 /** Removes it and frees @p folder, which may be NULL. */

@@ -66,12 +66,6 @@ void verdict_finish(struct verdict *verdict)
     record_finish(&verdict->record);
 }
 
-static const char *name_of(const char *path)
-{
-    const char *slash = path ? strrchr(path, '/') : NULL;
-    return slash ? slash + 1 : path;
-}
-
 /* "a.json" of "a.tsv", "a.nii.gz", "a.png" and "a". */
 static char *path_without_ending(const char *result)
 {
@@ -165,7 +159,7 @@ static void find_output(struct checking *checking)
     const struct recorded_file *equal = NULL;
     for (size_t i = 0; i < record->output_count; i++) {
         const struct recorded_file *output = &record->outputs[i];
-        bool is_named = !output->path || strcmp(name_of(output->path), name_of(verdict->result)) == 0;
+        bool is_named = !output->path || strcmp(path_name(output->path), path_name(verdict->result)) == 0;
         bool is_equal = is_recorded(output, rows, size);
         named = is_named && (!named || is_equal) ? output : named;
         equal = is_equal && !equal ? output : equal;
@@ -323,15 +317,10 @@ static bool is_other_version(const struct record *record)
 static json_t *load_again(const struct checking *checking, const struct replay *replay)
 {
     const struct record *record = &checking->verdict->record;
-    char *path =
-        replay_output(replay, record->output_count ? record->outputs[record->output_count - 1].option : "output");
+    char *path = stage_find_output(replay->folder,
+                                   record->output_count ? record->outputs[record->output_count - 1].option : "output");
     char *sidecar = path ? sidecar_find(path) : NULL;
-    char *text = NULL;
-    size_t size = 0;
-    json_error_t error;
-    bool read = sidecar && !input_file_read(&text, &size, sidecar, INPUT_FILE, checking->settings->max_memory);
-    json_t *again = read ? provenance_parse(text, size, &error) : NULL;
-    free(text);
+    json_t *again = sidecar ? provenance_load(sidecar, checking->settings->max_memory) : NULL;
     free(sidecar);
     free(path);
     return again;
@@ -380,8 +369,8 @@ static void say_versions(struct checking *checking)
 
 static bool endings_equal(const char *a, const char *b)
 {
-    const char *one = strrchr(name_of(a), '.');
-    const char *other = strrchr(name_of(b), '.');
+    const char *one = strrchr(path_name(a), '.');
+    const char *other = strrchr(path_name(b), '.');
     return strcmp(one ? one : "", other ? other : "") == 0;
 }
 
@@ -389,7 +378,7 @@ static int compare_again(struct checking *checking, struct replay *replay)
 {
     struct verdict *verdict = checking->verdict;
     const char *option = checking->output ? checking->output->option : "output";
-    char *path = replay_output(replay, option);
+    char *path = stage_find_output(replay->folder, option);
     char *text = NULL;
     size_t size = 0;
     int code = EXIT_DONE;
@@ -451,7 +440,7 @@ static int check_result(struct checking *checking, const struct command *const *
     struct verdict *verdict = checking->verdict;
     struct record *record = &verdict->record;
     struct replay replay = {
-        .record = record, .result = name_of(verdict->result), .engine = checking->settings->engine_name};
+        .record = record, .result = path_name(verdict->result), .engine = checking->settings->engine_name};
     if (!read_sidecar(checking)) {
         return EXIT_DONE;
     }
@@ -466,8 +455,7 @@ static int check_result(struct checking *checking, const struct command *const *
     if (!replay_check(&replay, commands)) {
         say(&verdict->why, "%s", replay.why);
     } else if (!add_poses(&replay, record)) {
-        print_error_line("not enough memory");
-        code = EXIT_DATA;
+        code = print_no_memory();
     } else {
         code = answer_again(checking, &replay);
     }

@@ -3,7 +3,6 @@
 #include "viewer/model/columns.h"
 
 #include "conus/streamlines.h"
-#include "options/answer_file.h"
 #include "options/messages.h"
 #include "options/output.h"
 #include "options/provenance.h"
