@@ -119,7 +119,7 @@ const char *atlases_prefix(char out[ATLAS_PREFIX_SIZE], const struct named_atlas
     return out;
 }
 
-int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_settings *settings)
+static int load_at(struct atlases *atlases, size_t index, const struct atlas_settings *settings)
 {
     struct named_atlas *item = &atlases->items[index];
     struct atlas_settings own = *settings;
@@ -138,11 +138,11 @@ int atlases_load_all(struct atlases *atlases, const struct atlas_settings *setti
 {
     int code = EXIT_DONE;
     for (size_t i = 0; i < atlases->count && !code; i++) {
-        struct named_atlas *item = &atlases->items[i];
-        bool is_missing = !item->atlas;
-        code = is_missing ? atlases_load_at(atlases, i, settings) : EXIT_DONE;
-        if (is_missing && context && !code) {
-            code = atlas_input_load_context(item->atlas, context->path, context->blocks, settings);
+        if (!atlases->items[i].atlas) {
+            code = load_at(atlases, i, settings);
+            code = code || !context
+                       ? code
+                       : atlas_input_load_context(atlases->items[i].atlas, context->path, context->blocks, settings);
         }
     }
     return code;

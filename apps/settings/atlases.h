@@ -34,10 +34,8 @@ int atlases_load(struct atlases *out, const char *path, const struct atlas_setti
                  const struct context_settings *context);
 /** Only finds out what they are called; then each is to be loaded, or put there. Gives the exit code likewise. */
 int atlases_name(struct atlases *out, const char *path, const struct atlas_settings *settings);
-/** Loads one of them. --labels, --pathway, --only and --hide are only of the first, and --streamlines, unless
- * they are shared. Gives the exit code likewise. */
-int atlases_load_at(struct atlases *atlases, size_t index, const struct atlas_settings *settings);
-/** Loads those that are not there yet, each with its @p context (NULL = none). Gives the exit code likewise. */
+/** Loads those that are not there yet, each with its @p context (NULL = none). --labels, --pathway, --only and --hide
+ * are only of the first, and --streamlines, unless they are shared. Gives the exit code likewise. */
 int atlases_load_all(struct atlases *atlases, const struct atlas_settings *settings,
                      const struct context_settings *context);
 void atlases_finish(struct atlases *atlases);

@@ -52,15 +52,6 @@ bool citation_is_known(const struct citation *citation);
 /** Whether the method has a part in the answer: it has none where no rays were traced. */
 bool citation_has_rays(const struct citation *citation);
 
-/** A value of "Settings" in the sidecar; NULL if there is none. */
-const json_t *citation_setting(const struct citation *citation, const char *name);
-
-/** Whether the result is of this command. */
-bool citation_is_of(const struct citation *citation, const char *name);
-
-/** Writes the sentences of an atlas, each after a space. */
-void citation_atlas(FILE *out, const struct citation *citation, size_t index);
-
 /** Writes the paragraph; one line. */
 void citation_methods(FILE *out, const struct citation *citation);
 /** Writes the references, a line each. */

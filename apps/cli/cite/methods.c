@@ -11,14 +11,14 @@
 
 enum { LISTED = 10 };
 
-const json_t *citation_setting(const struct citation *citation, const char *name)
+static const json_t *setting(const struct citation *citation, const char *name)
 {
     return json_object_get(json_object_get(citation->sidecar, "Settings"), name);
 }
 
 static const char *setting_text(const struct citation *citation, const char *name)
 {
-    const char *text = json_string_value(citation_setting(citation, name));
+    const char *text = json_string_value(setting(citation, name));
     return text ? text : "";
 }
 
@@ -35,7 +35,7 @@ static bool question_is(const struct citation *citation, const char *key, const 
     return text && strcmp(text, name) == 0;
 }
 
-bool citation_is_of(const struct citation *citation, const char *name)
+static bool is_of(const struct citation *citation, const char *name)
 {
     return question_is(citation, "command", name);
 }
@@ -157,7 +157,7 @@ static void put_poses(FILE *out, const struct citation *citation)
     long long errors =
         batch ? json_integer_value(json_object_get(batch, "errors")) : (long long)count_with(citation, "error");
     const char *noun = is_ball(citation) ? "point" : "pose";
-    if (citation_is_of(citation, "track")) {
+    if (is_of(citation, "track")) {
         fputs("each step of a moving device", out);
     } else if (poses == 1) {
         fprintf(out, "one %s%s", noun, is_ball(citation) ? "" : " of the device");
@@ -198,7 +198,7 @@ static size_t find_angles(double angles[LISTED + 1], double *least, double *most
 static bool may_have_own_angles(const struct citation *citation)
 {
     const json_t *batch = json_object_get(citation->sidecar, "Batch");
-    const json_t *own = batch ? json_object_get(batch, "own_angles") : citation_setting(citation, "own_angles");
+    const json_t *own = batch ? json_object_get(batch, "own_angles") : setting(citation, "own_angles");
     return own ? !json_is_false(own) : batch || json_is_true(json_object_get(citation->question, "reads_poses"));
 }
 
@@ -216,7 +216,7 @@ static void put_angles(FILE *out, const struct citation *citation)
     double least;
     double most;
     size_t count = find_angles(angles, &least, &most, citation);
-    bool is_track = citation_is_of(citation, "track");
+    bool is_track = is_of(citation, "track");
     if (is_track || json_object_get(citation->sidecar, "Batch")) {
         fprintf(out, "%.9g°", common_angle(citation));
         if (may_have_own_angles(citation)) {
@@ -248,7 +248,7 @@ static double largest_ball(const struct citation *citation)
 /* "a cone ... angle of 20°,", or what stands in its place. */
 static void put_shape(FILE *out, const struct citation *citation)
 {
-    double radius = json_number_value(citation_setting(citation, "radius_mm"));
+    double radius = json_number_value(setting(citation, "radius_mm"));
     bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
     if (is_ball(citation)) {
         fprintf(out, "a ball with a radius of %.9g mm", largest_ball(citation));
@@ -270,7 +270,7 @@ static void put_shape(FILE *out, const struct citation *citation)
 
 static const char *shape_of(const struct citation *citation)
 {
-    bool is_tube = json_number_value(citation_setting(citation, "radius_mm")) > 0;
+    bool is_tube = json_number_value(setting(citation, "radius_mm")) > 0;
     bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
     if (question_is(citation, "region", "axis")) {
         return "The axis";
@@ -281,10 +281,9 @@ static const char *shape_of(const struct citation *citation)
 static void put_range(FILE *out, const struct citation *citation)
 {
     const json_t *batch = json_object_get(citation->sidecar, "Batch");
-    const json_t *range = citation_setting(citation, "range_mm");
+    const json_t *range = setting(citation, "range_mm");
     const char *given = option_value(citation, "range");
-    bool has_own =
-        json_is_true(batch ? json_object_get(batch, "own_ranges") : citation_setting(citation, "own_ranges"));
+    bool has_own = json_is_true(batch ? json_object_get(batch, "own_ranges") : setting(citation, "own_ranges"));
     const char *own =
         has_own || count_with(citation, "range_mm") ? ", or the pose's own where the file gives them" : "";
     if (range || given || *own) {
@@ -302,8 +301,8 @@ static void put_range(FILE *out, const struct citation *citation)
 
 static void put_sampling(FILE *out, const struct citation *citation)
 {
-    const json_t *slices = citation_setting(citation, "slices");
-    double fraction = json_number_value(citation_setting(citation, "slice_fraction"));
+    const json_t *slices = setting(citation, "slices");
+    double fraction = json_number_value(setting(citation, "slice_fraction"));
     bool all = strcmp(setting_text(citation, "layers"), "all") == 0;
     if (strcmp(setting_text(citation, "sampling"), "slices") != 0) {
         fprintf(out, " Each ray was followed exactly, %s: no voxel and no triangle on its way was left out.",
@@ -322,7 +321,7 @@ static void put_sampling(FILE *out, const struct citation *citation)
 
 static void put_grid(FILE *out, const struct citation *citation)
 {
-    long long n = json_integer_value(citation_setting(citation, "resolution"));
+    long long n = json_integer_value(setting(citation, "resolution"));
     long long pixels = 0;
     size_t index;
     const json_t *query;
@@ -331,13 +330,13 @@ static void put_grid(FILE *out, const struct citation *citation)
         long long own = json_integer_value(json_object_get(query, "cone_pixels"));
         pixels = own > pixels ? own : pixels;
     }
-    bool is_tube = json_number_value(citation_setting(citation, "radius_mm")) > 0;
+    bool is_tube = json_number_value(setting(citation, "radius_mm")) > 0;
     bool is_square = strcmp(setting_text(citation, "aperture"), "square") == 0;
     double angles[LISTED + 1];
     double least;
     double most;
     find_angles(angles, &least, &most, citation);
-    bool is_listed = queries(citation) && !citation_is_of(citation, "track");
+    bool is_listed = queries(citation) && !is_of(citation, "track");
     bool may_be_wide =
         !is_tube && (is_listed ? most > 120 : common_angle(citation) > 120 || may_have_own_angles(citation));
     fprintf(out, " %s was filled with ", shape_of(citation));
@@ -351,7 +350,7 @@ static void put_grid(FILE *out, const struct citation *citation)
 
 static void put_rays(FILE *out, const struct citation *citation)
 {
-    bool is_tube = json_number_value(citation_setting(citation, "radius_mm")) > 0;
+    bool is_tube = json_number_value(setting(citation, "radius_mm")) > 0;
     put_grid(out, citation);
     put_sampling(out, citation);
     fprintf(out, " An object's share is the part of the %s whose rays hit this object before any other.",
@@ -366,7 +365,7 @@ static void put_rays(FILE *out, const struct citation *citation)
 static void put_score(FILE *out, const struct citation *citation)
 {
     const char *score = setting_text(citation, "score");
-    const json_t *track = citation_setting(citation, "track");
+    const json_t *track = setting(citation, "track");
     if (strcmp(score, "share") == 0) {
         fputs(" Objects were ranked by their share.", out);
     } else {
@@ -481,8 +480,8 @@ static void put_axis(FILE *out, const struct citation *citation)
 
 static void put_clearance(FILE *out, const struct citation *citation)
 {
-    double radius = json_number_value(citation_setting(citation, "radius_mm"));
-    const json_t *within = citation_setting(citation, "within_mm");
+    double radius = json_number_value(setting(citation, "radius_mm"));
+    const json_t *within = setting(citation, "within_mm");
     fprintf(out, "The distance of the device's axis, a straight line from the device's position on, from each %s",
             objects_of(citation, ONE, true));
     if (radius > 0) {
@@ -524,7 +523,7 @@ static void put_connections(FILE *out, const struct citation *citation)
 {
     const json_t *query = json_array_get(queries(citation), 0);
     double radius = json_number_value(json_object_get(query, "endpoint_radius_mm"));
-    double tube = json_number_value(citation_setting(citation, "radius_mm"));
+    double tube = json_number_value(setting(citation, "radius_mm"));
     fputs("The areas at both ends were determined of all streamlines", out);
     if (!question_is(citation, "region", "all")) {
         if (is_ball(citation)) {
@@ -572,7 +571,7 @@ static void put_plan(FILE *out, const struct citation *citation)
 {
     const json_t *plan = json_object_get(citation->sidecar, "Plan");
     const json_t *funnel = json_object_get(plan, "funnel");
-    double radius = json_number_value(citation_setting(citation, "radius_mm"));
+    double radius = json_number_value(setting(citation, "radius_mm"));
     const char *rank = option_value(citation, "rank");
     size_t index;
     const json_t *constraint;
@@ -639,32 +638,6 @@ bool citation_is_known(const struct citation *citation)
 bool citation_has_rays(const struct citation *citation)
 {
     return citation_is_known(citation) && sentences[find_sentences(citation)].has_rays;
-}
-
-void citation_methods(FILE *out, const struct citation *citation)
-{
-    static const char *const no_device[] = {"volume", "all", "ball"};
-    bool has_device = true;
-    if (!citation->sidecar) {
-        const struct cited_atlas *atlas = &citation->atlases[0];
-        fprintf(out, "Areas are those of the atlas %s (file %s", atlas->name, atlas->file);
-        if (atlas->sha256) {
-            fprintf(out, ", SHA-256 %.8s…", atlas->sha256);
-        }
-        fprintf(out, "), as read by conus, version %s.", citation->version);
-        return;
-    }
-    sentences[find_sentences(citation)].put(out, citation);
-    put_space(out, citation);
-    for (size_t i = 0; i < citation->atlas_count; i++) {
-        citation_atlas(out, citation, i);
-    }
-    for (size_t i = 0; i < sizeof no_device / sizeof no_device[0]; i++) {
-        has_device = has_device && !question_is(citation, "region", no_device[i]);
-    }
-    if (has_device) {
-        fprintf(out, " %s is a geometric model: no field, heat or sound was computed.", shape_of(citation));
-    }
 }
 
 static void put_bands(FILE *out, const json_t *bands)
@@ -789,8 +762,8 @@ static void put_treatment(FILE *out, const struct citation *citation, const json
     const char *hemispheres = json_string_value(json_object_get(atlas, "hemispheres"));
     const char *hidden = json_string_value(json_object_get(atlas, "hidden"));
     const char *level = json_string_value(json_object_get(atlas, "level"));
-    level = level ? level : json_string_value(citation_setting(citation, "level"));
-    put_volumes(out, json_object_get(atlas, "volumes"), citation_is_of(citation, "overlap"));
+    level = level ? level : json_string_value(setting(citation, "level"));
+    put_volumes(out, json_object_get(atlas, "volumes"), is_of(citation, "overlap"));
     put_tractograms(out, json_object_get(atlas, "tractograms"), citation_has_rays(citation));
     if (level) {
         fprintf(out, " Areas were joined along the area tree to the level \"%s\".", level);
@@ -808,7 +781,8 @@ static void put_treatment(FILE *out, const struct citation *citation, const json
     put_way(out, atlas);
 }
 
-void citation_atlas(FILE *out, const struct citation *citation, size_t index)
+/* The sentences of an atlas, each after a space. */
+static void put_atlas(FILE *out, const struct citation *citation, size_t index)
 {
     const struct cited_atlas *atlas = &citation->atlases[index];
     const json_t *several = json_object_get(citation->sidecar, "Atlases");
@@ -829,4 +803,30 @@ void citation_atlas(FILE *out, const struct citation *citation, size_t index)
     }
     fputs(atlas->references.count ? "; see the references)." : ").", out);
     put_treatment(out, citation, own);
+}
+
+void citation_methods(FILE *out, const struct citation *citation)
+{
+    static const char *const no_device[] = {"volume", "all", "ball"};
+    bool has_device = true;
+    if (!citation->sidecar) {
+        const struct cited_atlas *atlas = &citation->atlases[0];
+        fprintf(out, "Areas are those of the atlas %s (file %s", atlas->name, atlas->file);
+        if (atlas->sha256) {
+            fprintf(out, ", SHA-256 %.8s…", atlas->sha256);
+        }
+        fprintf(out, "), as read by conus, version %s.", citation->version);
+        return;
+    }
+    sentences[find_sentences(citation)].put(out, citation);
+    put_space(out, citation);
+    for (size_t i = 0; i < citation->atlas_count; i++) {
+        put_atlas(out, citation, i);
+    }
+    for (size_t i = 0; i < sizeof no_device / sizeof no_device[0]; i++) {
+        has_device = has_device && !question_is(citation, "region", no_device[i]);
+    }
+    if (has_device) {
+        fprintf(out, " %s is a geometric model: no field, heat or sound was computed.", shape_of(citation));
+    }
 }

@@ -233,7 +233,6 @@ static const char *read_batch(struct record *out)
         shard[0] < 0 || shard[1] <= shard[0] || bytes < 0 || strlen(crc) != 8 || strspn(crc, "0123456789abcdef") != 8) {
         return refuse("Batch: no shard, bytes and crc32 as conus batch writes them");
     }
-    out->is_batch = true;
     out->shard[0] = shard[0];
     out->shard[1] = shard[1];
     const char *option = json_object_get(out->root, "entry_x")        ? "segments" /* only they have these columns */

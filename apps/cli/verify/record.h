@@ -41,7 +41,6 @@ struct record {
     bool has_inputs;  /**< It lists all inputs: those of older versions do not. */
     bool is_sealed;   /**< It has a checksum, */
     bool is_intact;   /**< which fits. */
-    bool is_batch;    /**< conus batch wrote it. */
     int64_t shard[2]; /**< I of N of a batch. */
 };
 
