@@ -10,12 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIELD(member) offsetof(struct candidate_settings, member)
+#define FIELD(member) OPTION_AT(struct candidate_settings, member)
 
 const struct option candidate_options[] = {
     {.name = "from",
-     .type = OPTION_TEXT,
-     .offset = FIELD(from),
+     FIELD(from),
      .value = "FILE,...",
      .help = "or candidates from entries: vertices of a surface, voxels at the border of a mask, or points; keys: "
              "spacing=MM (of those nearer to each other the first), within=WHAT, without=WHAT (labels of vertices, a "
@@ -26,8 +25,7 @@ const struct option candidate_options[] = {
      .needs = "toward",
      .role = OPTION_READS},
     {.name = "toward",
-     .type = OPTION_TEXT,
-     .offset = FIELD(toward),
+     FIELD(toward),
      .value = "WHAT,...",
      .help = "to targets: centroid, deepest (the voxel farthest from the border) or voxels of the first --reach; a "
              "FILE of points; or normal, against that of the surface; keys: of=NAME,... (another structure), "
@@ -37,25 +35,21 @@ const struct option candidate_options[] = {
      .needs = "from",
      .role = OPTION_READS},
     {.name = "tilt",
-     .type = OPTION_TEXT,
-     .offset = FIELD(tilt),
+     FIELD(tilt),
      .value = "MAX,STEP",
      .help = "and rings of directions around each, up to MAX degrees, STEP degrees apart",
      .needs = "from",
      .role = OPTION_ASKS},
     {.name = "roll",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(roll),
+     FIELD(roll),
      .value = "STEP",
      .help = "and each turned about its axis, in steps of STEP degrees, 0.01 to 180",
-     .low = 0.01,
-     .high = 180,
+     OPTION_FROM_TO(0.01, 180),
      .words = "turn, shanks, rotation",
      .needs = "from",
      .role = OPTION_ASKS},
     {.name = "depth",
-     .type = OPTION_TEXT,
-     .offset = FIELD(depth),
+     FIELD(depth),
      .value = "MM|target[+MM]",
      .help = "far end, the tip, of poses that have none in a column far, mm from the device's position; or the "
              "target, and MM behind it",

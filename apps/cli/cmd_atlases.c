@@ -24,8 +24,7 @@ static const char *const formats[] = {"table", "tsv", "json", "names", NULL};
 
 static const struct option own_options[] = {
     {.name = "format",
-     .type = OPTION_CHOICE,
-     .offset = offsetof(struct list_settings, format),
+     OPTION_AT(struct list_settings, format),
      .value = "FORMAT",
      .help = "a table for people, tab-separated values, everything as JSON, or only what may stand for ATLAS, one a "
              "line:",
@@ -33,15 +32,13 @@ static const struct option own_options[] = {
      .words = "export",
      .common = true},
     {.name = "places",
-     .type = OPTION_FLAG,
-     .offset = offsetof(struct list_settings, places),
+     OPTION_AT(struct list_settings, places),
      .help = "list the places in which conus looks, instead of the atlases (table, tsv)",
      .words = "folders",
      .common = true},
     {.name = "quiet",
      .letter = 'q',
-     .type = OPTION_FLAG,
-     .offset = offsetof(struct list_settings, common.quiet),
+     OPTION_AT(struct list_settings, common.quiet),
      .help = "print only errors on stderr, no notes"},
     {0},
 };

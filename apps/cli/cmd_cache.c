@@ -20,8 +20,7 @@ static const char *const formats[] = {"table", "tsv", NULL};
 
 static const struct option own_options[] = {
     {.name = "format",
-     .type = OPTION_CHOICE,
-     .offset = offsetof(struct cache_settings, format),
+     OPTION_AT(struct cache_settings, format),
      .value = "FORMAT",
      .help = "of list: a table for people, or tab-separated values:",
      .choices = formats,

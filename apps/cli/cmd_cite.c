@@ -26,45 +26,41 @@ struct cite_settings {
 
 static const char *const formats[] = {"text", "bibtex", NULL};
 
-#define FIELD(member) offsetof(struct cite_settings, member)
+#define FIELD(member) OPTION_AT(struct cite_settings, member)
 enum { TEXT, BIBTEX, WIDTH = 100 };
 
 static const struct option own_options[] = {
     {.name = "format",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(format),
+     FIELD(format),
      .value = "FORMAT",
      .help = "a paragraph with its references, or the references as BibTeX:",
      .choices = formats,
      .words = "BibTeX, references",
      .common = true},
     {.name = "sidecar",
-     .type = OPTION_TEXT,
-     .offset = FIELD(sidecar),
+     FIELD(sidecar),
      .value = "FILE.json",
      .help = "the sidecar of RESULT, if it is not beside it",
      .common = true},
     {.name = "search",
-     .type = OPTION_LIST,
-     .offset = FIELD(folders),
+     FIELD(folders),
      .value = "FOLDER",
      .help = "look here for the atlas's files, if they are no longer where they were; may be repeated",
      .common = true},
     {.name = "max-memory",
      .type = OPTION_BYTES,
-     .offset = FIELD(max_memory),
+     .offset = offsetof(struct cite_settings, max_memory),
      .value = "SIZE",
      .help = "largest file of ATLAS to read, like 512M or 2G (default 8G)"},
     {.name = "unverified",
-     .type = OPTION_FLAG,
-     .offset = FIELD(unverified),
+     FIELD(unverified),
      .help = "say what the sidecar says without answering RESULT again, even if it was changed"},
     {0},
 };
 
 static const struct option_group groups[] = {
     {"Options", own_options, 0},
-    {"", plain_options, FIELD(common)},
+    {"", plain_options, offsetof(struct cite_settings, common)},
     {0},
 };
 

@@ -22,12 +22,10 @@ struct diff_settings {
 
 static const struct option own_options[] = {
     {.name = "tolerance",
-     .type = OPTION_NUMBER,
-     .offset = offsetof(struct diff_settings, tolerance),
+     OPTION_AT(struct diff_settings, tolerance),
      .value = "T",
      .help = "numbers that differ by T or less are the same (default 0); names and labels must be equal",
-     .low = 0,
-     .high = 1e30,
+     OPTION_FROM_TO(0, 1e30),
      .common = true},
     {.name = "max-memory",
      .type = OPTION_BYTES,

@@ -96,8 +96,7 @@ static const char *const formats[] = {"table", "tsv", "json", "tree", NULL};
 
 static const struct option own_options[] = {
     {.name = "format",
-     .type = OPTION_CHOICE,
-     .offset = offsetof(struct info_settings, format),
+     OPTION_AT(struct info_settings, format),
      .value = "FORMAT",
      .help = "everything as a table for people, only the areas as tab-separated values, everything as JSON, or the "
              "area tree with its depths:",

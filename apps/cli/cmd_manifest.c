@@ -18,8 +18,7 @@ struct manifest_settings {
 
 static const struct option own_options[] = {
     {.name = "name",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct manifest_settings, name),
+     OPTION_AT(struct manifest_settings, name),
      .value = "NAME",
      .help = "write DIR/NAME.atlas.json (default: the folder's name)",
      .words = "save",
@@ -31,8 +30,7 @@ static const struct option own_options[] = {
      .help = "largest file or volume to read, like 512M or 2G (default 8G)"},
     {.name = "quiet",
      .letter = 'q',
-     .type = OPTION_FLAG,
-     .offset = offsetof(struct manifest_settings, common.quiet),
+     OPTION_AT(struct manifest_settings, common.quiet),
      .help = "do not print each file's role on stderr"},
     {0},
 };

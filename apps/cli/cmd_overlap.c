@@ -12,12 +12,11 @@ struct overlap_settings {
     double threshold;
 };
 
-#define FIELD(member) offsetof(struct overlap_settings, member)
+#define FIELD(member) OPTION_AT(struct overlap_settings, member)
 
 static const struct option region_options[] = {
     {.name = "threshold",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(threshold),
+     FIELD(threshold),
      .value = "T",
      .help = "voxels, or tetrahedra, with values of at least T belong to the region; of a negative T, those with "
              "values of at most T "

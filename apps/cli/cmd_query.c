@@ -34,8 +34,7 @@ static const char *const voxel_kinds[] = {"pathways", "all", NULL};
 
 static const struct option point_options[] = {
     {.name = "point",
-     .type = OPTION_VECTOR,
-     .offset = offsetof(struct query_settings, point),
+     OPTION_AT(struct query_settings, point),
      .value = "X,Y,Z",
      .help = "instead of a cone, what is at this point, mm, and within --radius MM of it, or as far as the nearest "
              "neighbour",
@@ -45,8 +44,7 @@ static const struct option point_options[] = {
 
 static const struct option probe_options[] = {
     {.name = "probe",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, probe),
+     OPTION_AT(struct query_settings, probe),
      .value = "FILE.json",
      .help = "instead of a cone, what is at each contact of a probe that ProbeInterface describes, and within --radius "
              "MM (default 0.000001) of it: the tip is where the pose is, or at the far end of --range, and the shank "
@@ -55,34 +53,27 @@ static const struct option probe_options[] = {
      .role = OPTION_READS,
      .excludes = "point,angle,segments,clearance,image,deep,mask,streamlines-out,connectivity"},
     {.name = "probe-tip",
-     .type = OPTION_NUMBER,
-     .offset = offsetof(struct query_settings, tip),
+     OPTION_AT(struct query_settings, tip),
      .value = "MM",
      .help = "distance from the tip to the lowest contact, in place of the contour in the probe's file",
-     .low = 0,
-     .high = 1000,
-     .open_below = true,
+     OPTION_ABOVE_TO(0, 1000),
      .needs = "probe"},
     {.name = "probe-roll",
-     .type = OPTION_NUMBER,
-     .offset = offsetof(struct query_settings, roll),
+     OPTION_AT(struct query_settings, roll),
      .value = "DEGREES",
      .help = "turn the probe about its shank, the device's +y towards its +x, as conus plan --roll does; at 0 the "
              "probe's x axis is the device's +x",
-     .low = -360,
-     .high = 360,
+     OPTION_FROM_TO(-360, 360),
      .needs = "probe"},
     {.name = "probes",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, probes),
+     OPTION_AT(struct query_settings, probes),
      .value = "FILE.tsv",
      .help = "with --format bep032: write the table of the probes, with the smallest area that contains all contacts",
      .role = OPTION_WRITES,
      .needs = "probe",
      .endings = ".tsv"},
     {.name = "coordsystem",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, coordsystem),
+     OPTION_AT(struct query_settings, coordsystem),
      .value = "FILE.json",
      .help = "with --format bep032: positions are those in --space, in place of those on the probe, and FILE.json "
              "describes the space",
@@ -94,15 +85,13 @@ static const struct option probe_options[] = {
 
 static const struct option voxels_options[] = {
     {.name = "voxels",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct query_settings, voxels),
+     OPTION_AT(struct query_settings, voxels),
      .value = "FILE.tsv",
      .help = "write the voxels hit first, or with --layers all or --point those in the cone or ball and the points of "
              "streamlines there, with indices, positions and values",
      .role = OPTION_WRITES},
     {.name = "voxels-of",
-     .type = OPTION_CHOICE,
-     .offset = offsetof(struct query_settings, voxels_of),
+     OPTION_AT(struct query_settings, voxels_of),
      .value = "KIND",
      .help = "whose voxels:",
      .choices = voxel_kinds,

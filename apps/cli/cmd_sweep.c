@@ -17,12 +17,11 @@ struct sweep_settings {
     uint32_t samples;
 };
 
-#define FIELD(member) offsetof(struct sweep_settings, member)
+#define FIELD(member) OPTION_AT(struct sweep_settings, member)
 
 static const struct option sweep_options[] = {
     {.name = "angles",
-     .type = OPTION_TEXT,
-     .offset = FIELD(angles),
+     FIELD(angles),
      .value = "A,B,...|LOW:HIGH:STEP",
      .help = "report the shares at each of these full opening angles, degrees",
      .words = "widths",
@@ -30,8 +29,7 @@ static const struct option sweep_options[] = {
      .role = OPTION_ASKS,
      .excludes = "jitter,angle"},
     {.name = "jitter",
-     .type = OPTION_TEXT,
-     .offset = FIELD(jitter),
+     FIELD(jitter),
      .value = "DEGREES,MM",
      .help = "or report the probabilities under normal errors of the pose: standard deviations of the axis's tilt "
              "about two axes, and of the position along three; or --jitter columns: those of columns error_deg and "
@@ -40,12 +38,10 @@ static const struct option sweep_options[] = {
      .common = true,
      .role = OPTION_ASKS},
     {.name = "samples",
-     .type = OPTION_COUNT,
-     .offset = FIELD(samples),
+     FIELD(samples),
      .value = "N",
      .help = "with --jitter: number of random poses, a power of two from 16 to 1048576 (default 1024)",
-     .low = 16,
-     .high = 1048576,
+     OPTION_FROM_TO(16, 1048576),
      .needs = "jitter"},
     {0},
 };

@@ -18,37 +18,33 @@ struct verify_settings {
 static const char *const formats[] = {"table", "json", NULL};
 static const char *const engines[] = {"rays", "gl", NULL};
 
-#define FIELD(member) offsetof(struct verify_settings, member)
+#define FIELD(member) OPTION_AT(struct verify_settings, member)
 
 static const struct option own_options[] = {
     {.name = "sidecar",
-     .type = OPTION_TEXT,
-     .offset = FIELD(verdict.sidecar),
+     FIELD(verdict.sidecar),
      .value = "FILE.json",
      .help = "the sidecar of RESULT, if it is not beside it",
      .common = true},
     {.name = "search",
-     .type = OPTION_LIST,
-     .offset = FIELD(verdict.folders),
+     FIELD(verdict.folders),
      .value = "FOLDER",
      .help = "look here, and in the folders below, for files that are no longer where they were, by size and SHA-256; "
              "may be repeated",
      .common = true},
     {.name = "engine",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(verdict.engine),
+     FIELD(verdict.engine),
      .value = "NAME",
      .help = "answer with this engine in place of the one that was asked for:",
      .choices = engines},
     {.name = "format",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(format),
+     FIELD(format),
      .value = "FORMAT",
      .help = "what is written: lines for people (the default), or everything for programs:",
      .choices = formats},
     {.name = "max-memory",
      .type = OPTION_BYTES,
-     .offset = FIELD(verdict.max_memory),
+     .offset = offsetof(struct verify_settings, verdict.max_memory),
      .value = "SIZE",
      .help = "largest RESULT to read, like 512M or 2G (default 4G)"},
     {0},
@@ -56,7 +52,7 @@ static const struct option own_options[] = {
 
 static const struct option_group groups[] = {
     {"Options", own_options, 0},
-    {"", plain_options, FIELD(common)},
+    {"", plain_options, offsetof(struct verify_settings, common)},
     {0},
 };
 

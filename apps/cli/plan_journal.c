@@ -13,29 +13,26 @@
 #include <string.h>
 #include <unistd.h>
 
-#define FIELD(member) offsetof(struct journal_settings, member)
+#define FIELD(member) OPTION_AT(struct journal_settings, member)
 
 static const char mark[] = "conus-plan 1 ";
 static const double PAUSE = 1000; /* ms between two times of writing, of which writing takes a twentieth at most */
 
 const struct option journal_options[] = {
     {.name = "shard",
-     .type = OPTION_TEXT,
-     .offset = FIELD(shard),
+     FIELD(shard),
      .value = "I/N",
      .help = "try part I (from 0) of N equal parts of the poses; --merge joins them",
      .words = "split, cluster, array",
      .role = OPTION_KEPT},
     {.name = "resume",
-     .type = OPTION_FLAG,
-     .offset = FIELD(resume),
+     FIELD(resume),
      .help = "resume an interrupted run with the same settings; begin if there was none",
      .words = "continue",
      .role = OPTION_OF_RUN,
      .excludes = "force"},
     {.name = "merge",
-     .type = OPTION_LIST,
-     .offset = FIELD(merge),
+     FIELD(merge),
      .value = "FILE",
      .help = "take over what the shard that wrote the list FILE has found; of each shard, in place of trying the poses",
      .words = "join",

@@ -22,34 +22,29 @@ static const double INTO = 0.001; /* mm */
 static const char *const names[PLANES] = {"axial", "coronal", "sagittal"};
 static const double axes[PLANES][2][3] = {{{1, 0, 0}, {0, 1, 0}}, {{1, 0, 0}, {0, 0, 1}}, {{0, 1, 0}, {0, 0, 1}}};
 
-#define FIELD(member) offsetof(struct cut_settings, member)
+#define FIELD(member) OPTION_AT(struct cut_settings, member)
 
 const struct option cut_options[] = {
     {.name = "cuts",
-     .type = OPTION_TEXT,
-     .offset = FIELD(cuts),
+     FIELD(cuts),
      .value = "PLANES",
      .help = "flat cuts on one sheet, such as axial,coronal,sagittal through the best hit's contact, or axial:-10,0,10 "
              "at these places, or mosaic:N, N axial cuts (default 12); 3d among them adds the view in space",
      .words = "slices, mosaic, montage, sections",
      .role = OPTION_ASKS},
     {.name = "at",
-     .type = OPTION_VECTOR,
-     .offset = FIELD(at),
+     FIELD(at),
      .value = "X,Y,Z",
      .help = "the point through which cuts go, mm (default: the best hit's contact, or the atlas's middle)",
      .needs = "cuts"},
     {.name = "fill",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(fill),
+     FIELD(fill),
      .value = "A",
      .help = "opacity of areas in cuts, 0 (outlines only) to 1 (default 0.6)",
-     .low = 0,
-     .high = 1,
+     OPTION_FROM_TO(0, 1),
      .needs = "cuts"},
     {.name = "radiological",
-     .type = OPTION_FLAG,
-     .offset = FIELD(radiological),
+     FIELD(radiological),
      .help = "show the head's left on the right of axial and coronal cuts",
      .words = "flip, convention",
      .needs = "cuts"},

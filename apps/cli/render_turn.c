@@ -19,26 +19,22 @@ static const double FULL_TURN = 360;
 static const double ABOVE = 15;
 static const double ROOM = 1.1;
 
-#define FIELD(member) offsetof(struct turn_settings, member)
+#define FIELD(member) OPTION_AT(struct turn_settings, member)
 
 const struct option turn_options[] = {
     {.name = "frames",
-     .type = OPTION_COUNT,
-     .offset = FIELD(frames),
+     FIELD(frames),
      .value = "N",
      .help = "a turntable: so many pictures, the camera going around the atlas; {frame} in --output stands for the "
              "number of each",
-     .low = 1,
-     .high = 9999,
+     OPTION_FROM_TO(1, 9999),
      .words = "turntable, animation, movie, rotate, spin",
      .excludes = "view,frustum"},
     {.name = "turn",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(degrees),
+     FIELD(degrees),
      .value = "DEGREES",
      .help = "how far it goes in all frames, positive from the front over the left to the back (default 360)",
-     .low = -3600,
-     .high = 3600,
+     OPTION_FROM_TO(-3600, 3600),
      .needs = "frames"},
     {0},
 };

@@ -11,8 +11,7 @@
 
 const struct option request_level_options[] = {
     {.name = "level",
-     .type = OPTION_TEXT,
-     .offset = REQUEST_FIELD(engine.level),
+     OPTION_AT(struct request_settings, engine.level),
      .value = "LEVEL",
      .help = "report areas at this depth of the area tree (1 = its roots), or as these areas: names, @FILE",
      .words = "hierarchy, ontology",

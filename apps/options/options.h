@@ -46,6 +46,28 @@ enum option_role {
     OPTION_ENDS,           /**< Ends the program: --help, --version. */
 };
 
+/** The type of the option whose values a field takes: that of the field. An OPTION_BYTES says its own. */
+#define OPTION_TYPE(field)                                                                                             \
+    _Generic(&(field),                                                                                                 \
+             bool *: OPTION_FLAG,                                                                                      \
+             double *: OPTION_NUMBER,                                                                                  \
+             uint32_t *: OPTION_COUNT,                                                                                 \
+             double(*)[3]: OPTION_VECTOR,                                                                              \
+             double(*)[2]: OPTION_RANGE,                                                                               \
+             double(*)[4]: OPTION_EDGES,                                                                               \
+             uint32_t(*)[2]: OPTION_SIZE,                                                                              \
+             size_t *: OPTION_CHOICE,                                                                                  \
+             const char **: OPTION_TEXT,                                                                               \
+             struct option_list *: OPTION_LIST)
+/** The two members of a row that say which field it fills, and so what kind of value it has. */
+#define OPTION_AT(settings, member)                                                                                    \
+    .type = OPTION_TYPE(((settings *)NULL)->member), .offset = offsetof(settings, member)
+
+/** The range of a row's numbers, with both ends, with none, or with the upper one. */
+#define OPTION_FROM_TO(least, most) .low = (least), .high = (most)
+#define OPTION_BETWEEN(below, above) .low = (below), .high = (above), .open = true
+#define OPTION_ABOVE_TO(below, most) .low = (below), .high = (most), .open_below = true
+
 /** Limits and marks of an option. */
 enum option_flags {
     OPTION_OF_CONE = 1 << 0,      /**< Means nothing beside --point. */

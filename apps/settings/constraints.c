@@ -10,13 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIELD(member) offsetof(struct constraint_settings, member)
+#define FIELD(member) OPTION_AT(struct constraint_settings, member)
 
 /* In the order of conus_constraint_kind, */
 const struct option constraint_options[] = {
     {.name = "reach",
-     .type = OPTION_LIST,
-     .offset = FIELD(reach),
+     FIELD(reach),
      .value = "NAME,...[,KEY=VALUE]...",
      .help = "the axis is in these areas, pathways or bundles, which are one structure; keys: length=MM (in all at "
              "least; default any at all), part=A:B (counting only what is A to B mm before the tip); or in place "
@@ -27,8 +26,7 @@ const struct option constraint_options[] = {
      .common = true,
      .role = OPTION_ASKS},
     {.name = "avoid",
-     .type = OPTION_LIST,
-     .offset = FIELD(avoid),
+     FIELD(avoid),
      .value = "NAME,...[,KEY=VALUE]",
      .help = "the needle stays farther than margin=MM from these, 0 to 100 (default 0: it does not touch them); may be "
              "repeated; share=P, pierced=P in place of the margin: at most so much of the cone or cylinder",
@@ -36,31 +34,26 @@ const struct option constraint_options[] = {
      .common = true,
      .role = OPTION_ASKS},
     {.name = "length",
-     .type = OPTION_RANGE,
-     .offset = FIELD(length),
+     FIELD(length),
      .value = "MIN,MAX",
      .help = "the needle is so long, mm",
      .role = OPTION_PLAIN,
-     .low = 0,
-     .high = 1e9},
+     OPTION_FROM_TO(0, 1e9)},
     {.name = "lean",
-     .type = OPTION_LIST,
-     .offset = FIELD(lean),
+     FIELD(lean),
      .value = "X,Y,Z,MAX",
      .help = "the axis and this direction enclose at most MAX degrees, as an arc or a manipulator allows; may be "
              "repeated",
      .words = "tilt, angle",
      .role = OPTION_ASKS},
     {.name = "apart",
-     .type = OPTION_LIST,
-     .offset = FIELD(apart),
+     FIELD(apart),
      .value = "FILE,MM",
      .help = "the axis stays farther than MM from those of the poses in FILE, 0 to 100; may be repeated",
      .words = "conflict, electrodes",
      .role = OPTION_READS},
     {.name = "first",
-     .type = OPTION_LIST,
-     .offset = FIELD(first),
+     FIELD(first),
      .value = "NAME,...",
      .help = "the first object that the axis passes is one of these: a gyrus; may be repeated",
      .words = "entry",
@@ -71,12 +64,10 @@ const struct option constraint_options[] = {
 /* and behind these. */
 const struct option entry_options[] = {
     {.name = "entry-angle",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(entry_angle),
+     FIELD(entry_angle),
      .value = "MAX",
      .help = "the axis and the inward normal of the surface at its entry enclose at most MAX degrees",
-     .low = 0,
-     .high = 180,
+     OPTION_FROM_TO(0, 180),
      .words = "perpendicular, drill",
      .needs = "from",
      .role = OPTION_PLAIN},
@@ -85,8 +76,7 @@ const struct option entry_options[] = {
 
 const struct option shank_options[] = {
     {.name = "shanks",
-     .type = OPTION_TEXT,
-     .offset = FIELD(shanks),
+     FIELD(shanks),
      .value = "X,Y;X,Y;...",
      .help = "the device has several parallel needles: where they are beside its axis, along its x and y, mm; "
              "constraints are about any of them (--reach) or all, or what their key shank=any|all|N says",

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIELD(type, member) offsetof(struct type, member)
+#define FIELD(type, member) OPTION_AT(struct type, member)
 
 static const char *const apertures[] = {"circle", "square", NULL};
 static const char *const engines[] = {"auto", "rays", "gl", NULL};
@@ -23,13 +23,11 @@ static const char *const layers[] = {"visible", "all", NULL};
 #define HELP_AND_VERSION                                                                                               \
     {.name = "help",                                                                                                   \
      .letter = 'h',                                                                                                    \
-     .type = OPTION_FLAG,                                                                                              \
-     .offset = FIELD(common_settings, help),                                                                           \
+     OPTION_AT(struct common_settings, help),                                                                          \
      .help = "this text; -h is the short one",                                                                         \
      .role = OPTION_ENDS},                                                                                             \
     {                                                                                                                  \
-        .name = "version", .type = OPTION_FLAG, .offset = FIELD(common_settings, version), .help = "the version",      \
-        .role = OPTION_ENDS                                                                                            \
+        .name = "version", OPTION_AT(struct common_settings, version), .help = "the version", .role = OPTION_ENDS      \
     }
 
 const struct option plain_options[] = {
@@ -40,14 +38,12 @@ const struct option plain_options[] = {
 const struct option quiet_options[] = {
     {.name = "quiet",
      .letter = 'q',
-     .type = OPTION_FLAG,
-     .offset = FIELD(common_settings, quiet),
+     FIELD(common_settings, quiet),
      .help = "print only errors on stderr, no notes",
      .role = OPTION_OF_RUN},
     {.name = "verbose",
      .letter = 'v',
-     .type = OPTION_FLAG,
-     .offset = FIELD(common_settings, verbose),
+     FIELD(common_settings, verbose),
      .help = "print the engine's and the GL driver's messages, too, on stderr",
      .role = OPTION_OF_RUN},
     HELP_AND_VERSION,
@@ -56,29 +52,23 @@ const struct option quiet_options[] = {
 
 const struct option atlas_options[] = {
     {.name = "labels",
-     .type = OPTION_TEXT,
-     .offset = FIELD(atlas_settings, labels),
+     FIELD(atlas_settings, labels),
      .value = "FILE[,label=COLUMN,name=COLUMN]",
      .help = "label table; replaces the one found beside or inside the atlas; columns of a header row that are not "
              "called as usual are given by their names",
      .words = "lookup table, LUT, names",
      .role = OPTION_READS},
     {.name = "labels-anyway",
-     .type = OPTION_FLAG,
-     .offset = FIELD(atlas_settings, labels_anyway),
+     FIELD(atlas_settings, labels_anyway),
      .help = "treat every value as a label, even if the volume looks like an image"},
     {.name = "probability",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(atlas_settings, probability),
+     FIELD(atlas_settings, probability),
      .value = "T",
      .help = "of an atlas of probabilities: a voxel belongs to an area with a probability of at least T (default 0.25, "
              "or as the manifest says)",
-     .low = 0,
-     .high = 1,
-     .open_below = true},
+     OPTION_ABOVE_TO(0, 1)},
     {.name = "pathway",
-     .type = OPTION_LIST,
-     .offset = FIELD(atlas_settings, pathways),
+     FIELD(atlas_settings, pathways),
      .value = "FILE[,KEY=VALUE]...",
      .help =
          "add a scalar map as a pathway; keys: threshold=T (voxels with values of at least T belong to it; default a "
@@ -87,8 +77,7 @@ const struct option atlas_options[] = {
      .words = "tract, probability map",
      .role = OPTION_READS},
     {.name = "streamlines",
-     .type = OPTION_LIST,
-     .offset = FIELD(atlas_settings, streamlines),
+     FIELD(atlas_settings, streamlines),
      .value = "FILE[,KEY=VALUE]...",
      .help =
          "add a tractogram as a bundle, or as one for each of its groups; keys: radius=R (a ray hits what is nearer "
@@ -97,16 +86,14 @@ const struct option atlas_options[] = {
      .words = "fibre, fiber, tractography, tractogram",
      .role = OPTION_READS},
     {.name = "hemispheres",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(atlas_settings, hemispheres),
+     FIELD(atlas_settings, hemispheres),
      .value = "HOW",
      .help =
          "cut areas of both sides in two at x = 0 (split), or report left and right areas of one name as one (merged):",
      .choices = settings_hemispheres,
      .words = "left, right, side"},
     {.name = "atlas-transform",
-     .type = OPTION_LIST,
-     .offset = FIELD(atlas_settings, transforms),
+     FIELD(atlas_settings, transforms),
      .value = "FILE[,KEY]...",
      .help = "bring the atlas to the poses: an affine (ITK, FreeSurfer, MNI, FSL, 4 x 4), a B-spline (ITK), a "
              "deformation field (ITK, SPM, FSL) or a composite of these (ITK, ANTs, X5) from their space to the "
@@ -117,15 +104,14 @@ const struct option atlas_options[] = {
      .role = OPTION_READS},
     {.name = "max-memory",
      .type = OPTION_BYTES,
-     .offset = FIELD(atlas_settings, max_memory),
+     .offset = offsetof(struct atlas_settings, max_memory),
      .value = "SIZE",
      .help =
          "largest file or volume to accept, like 512M or 2G (default 8G; 1G for files of poses that are read whole)",
      .words = "RAM",
      .role = OPTION_KEPT},
     {.name = "no-cache",
-     .type = OPTION_FLAG,
-     .offset = FIELD(atlas_settings, no_cache),
+     FIELD(atlas_settings, no_cache),
      .help = "read the atlas's files anew, and keep nothing for the next time (conus cache)",
      .role = OPTION_OF_RUN},
     {0},
@@ -133,8 +119,7 @@ const struct option atlas_options[] = {
 
 const struct option shown_options[] = {
     {.name = "only",
-     .type = OPTION_LIST,
-     .offset = FIELD(atlas_settings, only),
+     FIELD(atlas_settings, only),
      .value = "NAME,...",
      .help = "keep only these areas, pathways and bundles, by name, abbreviation or label, with all below them in the "
              "area tree; all others are as if never loaded; put a name with a comma in double quotes; @FILE is a file "
@@ -142,8 +127,7 @@ const struct option shown_options[] = {
      .words = "region, ROI, filter, include",
      .role = OPTION_READS},
     {.name = "hide",
-     .type = OPTION_LIST,
-     .offset = FIELD(atlas_settings, hide),
+     FIELD(atlas_settings, hide),
      .value = "NAME,...",
      .help = "remove these areas, pathways and bundles, named as for --only: not hit, not drawn, not occluding; may be "
              "repeated",
@@ -154,8 +138,7 @@ const struct option shown_options[] = {
 
 const struct option more_atlas_options[] = {
     {.name = "atlas",
-     .type = OPTION_LIST,
-     .offset = FIELD(atlas_settings, more),
+     FIELD(atlas_settings, more),
      .value = "ATLAS",
      .help = "another atlas in the same space, a file or a name, that gets the same question; --labels, --pathway, "
              "--streamlines (but for conus connect), --only, --hide and --level are of the first atlas only; may be "
@@ -166,49 +149,40 @@ const struct option more_atlas_options[] = {
 
 const struct option context_options[] = {
     {.name = "context",
-     .type = OPTION_TEXT,
-     .offset = FIELD(context_settings, path),
+     FIELD(context_settings, path),
      .value = "FILE",
      .help = "scalar map that blocks rays, such as a skull",
      .role = OPTION_READS,
      .flags = OPTION_OF_RAYS,
      .needs = "context-blocks"},
     {.name = "context-blocks",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(context_settings, blocks),
+     FIELD(context_settings, blocks),
      .value = "T",
      .help = "context voxels with values of at least T block rays",
-     .low = 0,
-     .high = FLT_MAX,
-     .open = true,
+     OPTION_BETWEEN(0, FLT_MAX),
      .needs = "context"},
     {0},
 };
 
 const struct option context_choice_options[] = {
     {.name = "context",
-     .type = OPTION_LIST,
-     .offset = FIELD(context_choice, files),
+     FIELD(context_choice, files),
      .value = "FILE",
      .help = "scalar map, such as a T1, or surface, such as a scalp, to draw around the areas, in the place of a "
              "manifest's volume; may be repeated for more surfaces",
      .role = OPTION_READS},
     {.name = "context-opacity",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(context_choice, opacity),
+     FIELD(context_choice, opacity),
      .value = "O",
      .help = "opacity of the context's surfaces, above 0 to 1 (default 0.25)",
-     .low = 0,
-     .high = 1,
-     .open_below = true,
+     OPTION_ABOVE_TO(0, 1),
      .needs = "context"},
     {0},
 };
 
 const struct option map_options[] = {
     {.name = "map",
-     .type = OPTION_TEXT,
-     .offset = FIELD(context_choice, map),
+     FIELD(context_choice, map),
      .value = "FILE,array=NAME[,range=A:B]",
      .help =
          "colour the surface of --context by an array of a GIFTI file (.func.gii, .shape.gii), from A, dark blue, to "
@@ -220,8 +194,7 @@ const struct option map_options[] = {
 
 const struct option aim_options[] = {
     {.name = "origin",
-     .type = OPTION_VECTOR,
-     .offset = FIELD(aim_settings, origin),
+     FIELD(aim_settings, origin),
      .value = "X,Y,Z",
      .help = "position of the device: the cone's apex, mm",
      .words = "position, apex, tip",
@@ -229,8 +202,7 @@ const struct option aim_options[] = {
      .flags = OPTION_OF_CONE,
      .excludes = "pose,poses"},
     {.name = "toward",
-     .type = OPTION_VECTOR,
-     .offset = FIELD(aim_settings, toward),
+     FIELD(aim_settings, toward),
      .value = "X,Y,Z",
      .help = "point at which the device points, mm",
      .words = "target",
@@ -239,22 +211,19 @@ const struct option aim_options[] = {
      .needs = "origin",
      .excludes = "direction"},
     {.name = "direction",
-     .type = OPTION_VECTOR,
-     .offset = FIELD(aim_settings, direction),
+     FIELD(aim_settings, direction),
      .value = "X,Y,Z",
      .help = "or direction of the axis, of any length but 0",
      .flags = OPTION_OF_CONE,
      .needs = "origin"},
     {.name = "up",
-     .type = OPTION_VECTOR,
-     .offset = FIELD(aim_settings, up),
+     FIELD(aim_settings, up),
      .value = "X,Y,Z",
      .help = "up direction of the device (default superior; anterior if it points up or down)",
      .flags = OPTION_OF_CONE,
      .needs = "origin"},
     {.name = "pose",
-     .type = OPTION_TEXT,
-     .offset = FIELD(aim_settings, pose),
+     FIELD(aim_settings, pose),
      .value = "FILE",
      .help =
          "poses from a file instead, - for standard input: a table with a header, a 4x4 matrix, or what Brainsight, "
@@ -269,8 +238,7 @@ const struct option aim_options[] = {
 
 const struct option angle_options[] = {
     {.name = "angle",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(aim_settings, angle),
+     FIELD(aim_settings, angle),
      .value = "DEGREES",
      .help = "full opening angle of the cone, more than 0 and less than 180 (default 10)",
      .words = "width, opening",
@@ -281,17 +249,14 @@ const struct option angle_options[] = {
 
 const struct option pixel_options[] = {
     {.name = "resolution",
-     .type = OPTION_COUNT,
-     .offset = FIELD(engine_settings, resolution),
+     FIELD(engine_settings, resolution),
      .value = "N",
      .help = "trace N x N rays, one per pixel, N from 1 to 1024 (default 16)",
-     .low = 1,
-     .high = 1024,
+     OPTION_FROM_TO(1, 1024),
      .words = "rays",
      .flags = OPTION_OF_RAYS},
     {.name = "aperture",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(engine_settings, aperture),
+     FIELD(engine_settings, aperture),
      .value = "SHAPE",
      .help = "pixels that count: those in the circle, or all:",
      .choices = apertures,
@@ -301,33 +266,27 @@ const struct option pixel_options[] = {
 
 const struct option engine_options[] = {
     {.name = "engine",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(engine_settings, engine),
+     FIELD(engine_settings, engine),
      .value = "NAME",
      .help = "rays on the CPU or an OpenGL pass, with the same hits; auto is rays in this program:",
      .choices = engines,
      .flags = OPTION_OF_RAYS},
     {.name = "sampling",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(engine_settings, sampling),
+     FIELD(engine_settings, sampling),
      .value = "KIND",
      .help = "visit every voxel along a ray, or only planes across the view, which can miss thin objects:",
      .choices = samplings,
      .flags = OPTION_OF_RAYS},
     {.name = "slice-fraction",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(engine_settings, slice_fraction),
+     FIELD(engine_settings, slice_fraction),
      .value = "F",
      .help = "with --sampling slices: part of the picture's slices that the selection takes, more than 0 to 1 "
              "(default 0.2, the paper's fifth)",
-     .low = 0,
-     .high = 1,
-     .open_below = true,
+     OPTION_ABOVE_TO(0, 1),
      .flags = OPTION_OF_RAYS,
      .needs = "sampling=slices"},
     {.name = "level",
-     .type = OPTION_TEXT,
-     .offset = FIELD(engine_settings, level),
+     FIELD(engine_settings, level),
      .value = "N|AREA,...",
      .help =
          "report areas rolled up the area tree: to depth N (roots have 1), or to the nearest of these areas, by name, "
@@ -335,8 +294,7 @@ const struct option engine_options[] = {
      .words = "hierarchy, ontology",
      .role = OPTION_READS},
     {.name = "score",
-     .type = OPTION_TEXT,
-     .offset = FIELD(engine_settings, score),
+     FIELD(engine_settings, score),
      .value = "FORMULA",
      .help = "score that ranks the objects: a name below (default share), or a formula like 0.5*share+0.5*centre",
      .words = "sort, rank",
@@ -347,43 +305,35 @@ const struct option engine_options[] = {
 
 const struct option shape_options[] = {
     {.name = "layers",
-     .type = OPTION_CHOICE,
-     .offset = FIELD(engine_settings, layers),
+     FIELD(engine_settings, layers),
      .value = "WHICH",
      .help = "first hits only, or all hits in the cone with path lengths, volumes and values:",
      .choices = layers,
      .words = "behind, occluded, depth",
      .flags = OPTION_OF_RAYS},
     {.name = "range",
-     .type = OPTION_RANGE,
-     .offset = FIELD(engine_settings, range),
+     FIELD(engine_settings, range),
      .value = "NEAR,FAR",
      .help =
          "count only between these two depths along the axis, mm from the apex: a focal spot, the length of a probe",
-     .low = 0,
-     .high = 1e9,
+     OPTION_FROM_TO(0, 1e9),
      .flags = OPTION_OF_CONE},
     {.name = "radius",
-     .type = OPTION_NUMBER,
-     .offset = FIELD(engine_settings, radius),
+     FIELD(engine_settings, radius),
      .value = "MM",
      .help = "radius of a cylinder that replaces the cone, mm, more than 0: a needle, a probe",
-     .low = 0,
-     .high = 1e9,
-     .open = true,
+     OPTION_BETWEEN(0, 1e9),
      .words = "cylinder, needle, sphere, ball"},
     {0},
 };
 
 const struct option slices_options[] = {
     {.name = "slices",
-     .type = OPTION_COUNT,
-     .offset = FIELD(engine_settings, slices),
+     FIELD(engine_settings, slices),
      .value = "N",
      .help = "with --sampling slices: slices of the picture, of which the selection takes --slice-fraction "
              "(default sqrt(2) times the longest edge of the volume)",
-     .low = 1,
-     .high = 65536,
+     OPTION_FROM_TO(1, 65536),
      .flags = OPTION_OF_RAYS,
      .needs = "sampling=slices"},
     {0},
@@ -526,8 +476,7 @@ const struct rows_kind settings_axis_rows[AXIS_FILES] = {{"segments", CONUS_ROWS
 
 const struct option axis_options[] = {
     {.name = "segments",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct axis_settings, files[0]),
+     OPTION_AT(struct axis_settings, files[0]),
      .value = "FILE",
      .help = "write what the axis passes, in order of depth: a row for each stretch inside an area, pathway or "
              "bundle, or between them",
@@ -535,8 +484,7 @@ const struct option axis_options[] = {
      .role = OPTION_WRITES_ROWS,
      .flags = OPTION_OF_CONE},
     {.name = "clearance",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct axis_settings, files[1]),
+     OPTION_AT(struct axis_settings, files[1]),
      .value = "FILE[,within=MM]",
      .help = "write how far the device stays from each area, pathway and bundle, the nearest first, and where; as a "
              "needle of --radius (a cone has none) from the near to the far end of --range; up to MM away, 0 to 1000 "
@@ -546,16 +494,14 @@ const struct option axis_options[] = {
      .flags = OPTION_OF_CONE,
      .key = "within"},
     {.name = "order",
-     .type = OPTION_CHOICE,
-     .offset = offsetof(struct axis_settings, order),
+     OPTION_AT(struct axis_settings, order),
      .value = "ORDER",
      .help = "order of the rows of an answer: the best first, or the nearest (with --layers all by entry, else by "
              "distance):",
      .choices = orders,
      .words = "sort"},
     {.name = "contacts",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct axis_settings, contacts),
+     OPTION_AT(struct axis_settings, contacts),
      .value = "COUNT,COLUMNS,PITCH,TIP",
      .help = "for --format open-ephys of shanks: COUNT contacts, COLUMNS in a row, PITCH mm from row to row, the first "
              "TIP mm from the tip",

@@ -8,8 +8,7 @@
 
 const struct option space_options[] = {
     {.name = "space",
-     .type = OPTION_CHOICE,
-     .offset = offsetof(struct space_settings, name),
+     OPTION_AT(struct space_settings, name),
      .value = "NAME",
      .help =
          "what the three numbers of all positions, given and reported, are: mm to the right, anterior, superior (ras) "
@@ -17,8 +16,7 @@ const struct option space_options[] = {
          "AP, ML, DV from bregma, to anterior, right, dorsal (bregma):",
      .choice_at = conus_space_name},
     {.name = "bregma",
-     .type = OPTION_VECTOR,
-     .offset = offsetof(struct space_settings, bregma),
+     OPTION_AT(struct space_settings, bregma),
      .value = "AP,DV,ML",
      .help = "with --space bregma: where bregma lies in the Allen CCF, micrometres (default 5400,332,5739, the "
              "International Brain Laboratory's)",

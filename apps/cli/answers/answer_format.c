@@ -12,8 +12,7 @@ static const char *const formats[] = {"table", "tsv", "csv", "json", "ndjson", N
 
 const struct option format_options[] = {
     {.name = "format",
-     .type = OPTION_CHOICE,
-     .offset = offsetof(struct answer_settings, format),
+     OPTION_AT(struct answer_settings, format),
      .value = "FORMAT",
      .help = "format of the answer; default by the ending of -o, else a table:",
      .choices = formats,
@@ -27,8 +26,7 @@ static const char *const query_formats[] = {"table", "tsv",      "csv",        "
 
 const struct option query_format_options[] = {
     {.name = "format",
-     .type = OPTION_CHOICE,
-     .offset = offsetof(struct answer_settings, format),
+     OPTION_AT(struct answer_settings, format),
      .value = "FORMAT",
      .help = "format of the answer; default by the ending of -o, else a table; the last five are for other "
              "programs (docs/formats.md):",
@@ -41,8 +39,7 @@ const struct option query_format_options[] = {
 const struct option answer_output_options[] = {
     {.name = "output",
      .letter = 'o',
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct answer_settings, output),
+     OPTION_AT(struct answer_settings, output),
      .value = "FILE",
      .help = "write the answer to FILE; a .json beside it describes its columns, settings and sources",
      .words = "save, export, Excel",
@@ -50,14 +47,12 @@ const struct option answer_output_options[] = {
      .role = OPTION_WRITES_ANSWER,
      .format = "table"},
     {.name = "sidecar",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct answer_settings, sidecar),
+     OPTION_AT(struct answer_settings, sidecar),
      .value = "FILE.json",
      .help = "write that .json to FILE.json, also of an answer on standard output",
      .role = OPTION_WRITES_SIDECAR},
     {.name = "force",
-     .type = OPTION_FLAG,
-     .offset = offsetof(struct answer_settings, force),
+     OPTION_AT(struct answer_settings, force),
      .help = "replace files that are there already",
      .role = OPTION_OF_RUN},
     {0},

@@ -85,8 +85,7 @@ int rows_file_write(const struct rows_file *file, const struct provenance *prove
 
 const struct option endpoints_options[] = {
     {.name = "endpoints",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct ends_settings, endpoints),
+     OPTION_AT(struct ends_settings, endpoints),
      .value = "FILE",
      .help = "write which areas the streamlines in the cone or ball connect: a row for each bundle and pair of areas",
      .role = OPTION_WRITES_ROWS},
@@ -95,16 +94,14 @@ const struct option endpoints_options[] = {
 
 const struct option connectivity_options[] = {
     {.name = "connectivity",
-     .type = OPTION_TEXT,
-     .offset = offsetof(struct ends_settings, connectivity),
+     OPTION_AT(struct ends_settings, connectivity),
      .value = "FILE",
      .help = "write the table, area by area, of how many streamlines connect them: .tsv, .csv, or .json",
      .words = "connectome, matrix",
      .role = OPTION_WRITES_ROWS,
      .flags = OPTION_OF_ONE_ATLAS | OPTION_OF_ONE_POSE},
     {.name = "endpoint-radius",
-     .type = OPTION_NUMBER,
-     .offset = offsetof(struct ends_settings, radius),
+     OPTION_AT(struct ends_settings, radius),
      .value = "MM",
      .help = "an end of a streamline that is in no area has the nearest one within this radius, up to 100; 0 = none "
              "(default 2)"},
