@@ -293,6 +293,19 @@ static void files_are_found_by_length_and_checksum(void **state)
     free(found.path);
 }
 
+/* A store of Zarr, recorded with a slash behind its name: the folder of the result, which has none such, is not it. */
+static void a_folder_is_not_found_by_the_slash_behind_it(void **state)
+{
+    (void)state;
+    char sum[SHA256_TEXT];
+    struct found_file found;
+    test_folder("slash");
+    provenance_hash(sum, "abc", 3);
+    const struct recorded_file store = {.path = "none/store.zarr/", .sha256 = sum, .bytes = -1, .crc32 = -1};
+    assert_true(file_find(&found, &store, &(struct places){.beside = {test_in("rows.tsv")}}));
+    assert_int_equal(found.state, FILE_MISSING);
+}
+
 /* Every path of a sidecar becomes a link below the staging folder. */
 static void a_staging_folder_has_every_path(void **state)
 {
@@ -517,6 +530,7 @@ TEST_GROUP(verify)
         cmocka_unit_test(a_seal_covers_the_keys_of_conus),
         cmocka_unit_test(the_folder_of_a_run_follows_from_a_path),
         cmocka_unit_test(files_are_found_by_length_and_checksum),
+        cmocka_unit_test(a_folder_is_not_found_by_the_slash_behind_it),
         cmocka_unit_test(a_staging_folder_has_every_path),
         cmocka_unit_test(the_cell_that_differs_is_named),
         cmocka_unit_test(more_differences_than_are_listed_are_counted),
