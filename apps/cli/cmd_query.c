@@ -577,20 +577,14 @@ static int place_probe(struct query_run *run)
     return status ? print_status(status) : code;
 }
 
-static int load_probe(struct query_run *run)
-{
-    const struct query_settings *settings = run->settings;
-    const conus_probe_options options = {.tip = settings->tip, .max_memory = settings->request.atlas.max_memory};
-    conus_status status = settings->probe ? conus_probe_load(&run->probe, settings->probe, &options) : CONUS_OK;
-    return print_status(status);
-}
-
 static int load_poses(void *user)
 {
     struct query_run *run = user;
     struct request *request = &run->request;
     const char *poses = request->settings->aim.pose;
-    int code = load_probe(run);
+    const char *probe = run->settings->probe;
+    const conus_probe_options options = {.tip = run->settings->tip, .max_memory = request->settings->atlas.max_memory};
+    int code = print_status(probe ? conus_probe_load(&run->probe, probe, &options) : CONUS_OK);
     code = code ? code : request_load_poses(request);
     if (!code && poses) {
         code = check_poses(run);

@@ -254,15 +254,10 @@ static int answer_all(struct sweep *sweep)
     return status ? print_status(status) : code;
 }
 
-static int load_poses(void *user)
-{
-    return request_load_poses(user);
-}
-
 static int answer_sweep(struct sweep *sweep)
 {
     struct request *request = &sweep->request;
-    int code = request_load(request, load_poses, request);
+    int code = request_load(request, NULL, NULL);
     code = code ? code : request_match(request);
     code = code ? code : request_check_outputs(request, NULL);
     if (code) {

@@ -125,16 +125,14 @@ int request_load_atlases(struct request *request)
 
 int request_load(struct request *request, int (*load_poses)(void *user), void *user)
 {
-    const struct space_settings *space = &request->settings->aim.space;
-    if (space_settings_needs_atlas(space)) {
-        int code = request_load_atlases(request);
-        code = code ? code
-                    : space_settings_frame(&request->frame, &request->atlases, space, request->settings->common.quiet);
-        return code ? code : load_poses(user);
-    }
-    int code = space_settings_frame(&request->frame, &request->atlases, space, request->settings->common.quiet);
-    code = code ? code : load_poses(user);
-    return code ? code : request_load_atlases(request);
+    const struct request_settings *settings = request->settings;
+    bool late = space_settings_needs_atlas(&settings->aim.space);
+    int code = late ? request_load_atlases(request) : EXIT_DONE;
+    code = code
+               ? code
+               : space_settings_frame(&request->frame, &request->atlases, &settings->aim.space, settings->common.quiet);
+    code = code ? code : load_poses ? load_poses(user) : request_load_poses(request);
+    return code || late ? code : request_load_atlases(request);
 }
 
 int request_match(struct request *request)

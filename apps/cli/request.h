@@ -104,8 +104,8 @@ void request_list_inputs(struct provenance *out, const struct request *request);
 conus_pose_options request_pose_options(const struct request *request);
 /** Loads --pose, where it was given. */
 int request_load_poses(struct request *request);
-/** Loads the atlas with its pathways, those of --atlas, and the context of each; and the poses by @p load_poses, before
- * that where they do not need an atlas. */
+/** Loads the atlas with its pathways, those of --atlas, and the context of each; and the poses by @p load_poses, NULL =
+ * request_load_poses(), before that where they do not need an atlas. */
 int request_load(struct request *request, int (*load_poses)(void *user), void *user);
 /** Loads the atlas and those of --atlas, each with the context. request_load() does. */
 int request_load_atlases(struct request *request);

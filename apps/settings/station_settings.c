@@ -223,41 +223,41 @@ static int read_matrix(double out[16], const char *path)
     return code;
 }
 
-static int start_at(struct station **out, const struct end *end, const char *world_from_tracker,
-                    struct station_options *options)
+/* Starts the station of an end, if there is one. `options` has its tool, and what else is of this one alone. */
+static int start_at(struct station **out, const struct end *end, const struct station_settings *settings,
+                    const char *world_from_tracker, struct station_options options)
 {
     char address[ADDRESS_SIZE];
     char why[256];
-    bool fine = split_address(address, &options->port, end->listen ? end->listen : end->connect, end->listen);
+    if (!end->listen && !end->connect) {
+        return EXIT_DONE;
+    }
+    bool fine = split_address(address, &options.port, end->listen ? end->listen : end->connect, end->listen);
     assert(fine && "check_address()");
     (void)fine;
-    options->listen = end->listen && address[0] ? address : NULL;
-    options->host = end->connect ? address : NULL;
-    int code = world_from_tracker ? read_matrix(options->world_from_tracker, world_from_tracker) : EXIT_DONE;
-    if (!code && !station_start(out, options, why, sizeof why)) {
-        code = print_data_error("%s", why);
+    options.listen = end->listen && address[0] ? address : NULL;
+    options.host = end->connect ? address : NULL;
+    options.reference = settings->reference;
+    options.enlarged = settings->enlarged;
+    options.lps = settings->lps;
+    options.axis = (conus_axis)settings->axis;
+    int code = settings->screen_pose && options.head ? read_matrix(options.tracker_from_screen, settings->screen_pose)
+                                                     : EXIT_DONE;
+    if (!code && world_from_tracker) {
+        code = read_matrix(options.world_from_tracker, world_from_tracker);
     }
-    options->listen = options->host = NULL; /* they were copied */
-    return code;
+    return code || station_start(out, &options, why, sizeof why) ? code : print_data_error("%s", why);
 }
 
 int station_settings_start(struct station **out, const struct station_settings *settings)
 {
     const struct end end = first_end(settings);
     bool is_alone = settings->second_listen || settings->second_connect;
-    struct station_options options = {.tool = settings->tool,
-                                      .second = is_alone ? NULL : settings->second_tool,
-                                      .reference = settings->reference,
-                                      .enlarged = settings->enlarged,
-                                      .head = settings->head,
-                                      .eye = {settings->eye[0], settings->eye[1], settings->eye[2]},
-                                      .lps = settings->lps,
-                                      .axis = (conus_axis)settings->axis};
-    if (!end.listen && !end.connect) {
-        return EXIT_DONE;
-    }
-    int code = settings->screen_pose ? read_matrix(options.tracker_from_screen, settings->screen_pose) : EXIT_DONE;
-    return code ? code : start_at(out, &end, settings->world_from_tracker, &options);
+    return start_at(out, &end, settings, settings->world_from_tracker,
+                    (struct station_options){.tool = settings->tool,
+                                             .second = is_alone ? NULL : settings->second_tool,
+                                             .head = settings->head,
+                                             .eye = {settings->eye[0], settings->eye[1], settings->eye[2]}});
 }
 
 int station_settings_connect(struct station **out, const struct station_settings *settings, const char *address)
@@ -273,15 +273,8 @@ int station_settings_start_second(struct station **out, const struct station_set
 {
     const struct end end = second_end(settings);
     const char *matrix = settings->second_world_from_tracker;
-    struct station_options options = {.tool = settings->second_tool,
-                                      .reference = settings->reference,
-                                      .enlarged = settings->enlarged,
-                                      .lps = settings->lps,
-                                      .axis = (conus_axis)settings->axis};
-    if (!end.listen && !end.connect) {
-        return EXIT_DONE;
-    }
-    return start_at(out, &end, matrix ? matrix : settings->world_from_tracker, &options);
+    return start_at(out, &end, settings, matrix ? matrix : settings->world_from_tracker,
+                    (struct station_options){.tool = settings->second_tool});
 }
 
 void station_settings_text(char *out, size_t size, struct station *station, const struct station_update *update)

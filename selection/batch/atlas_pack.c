@@ -40,6 +40,14 @@ static conus_status fail_damaged(void)
     return fail(CONUS_ERROR_DATA, "the memory holds no atlas that this version of conus has packed");
 }
 
+/* What is taken from a block may be anything: what does not fit is no atlas. */
+static void pack_check(struct pack_walk *walk, bool fits)
+{
+    if (!walk->status && walk->mode == PACK_ATTACH && !fits) {
+        walk->status = fail_damaged();
+    }
+}
+
 /* To a multiple of a cache line. */
 static size_t round_up(size_t size)
 {
@@ -272,10 +280,7 @@ static void pass_map(struct pack_walk *walk, struct volume *volume)
     pack_array(walk, &map->runs, map->page_count, VALUE_RUNS * sizeof *map->runs);
     pack_array(walk, &map->codes, map->run_count, width);
     pack_array(walk, &map->table, map->table_count, sizeof *map->table);
-    bool fits = (!map->count || value_map_is_sound(map, volume->voxel_count)) && steps_are_sound(volume);
-    if (!walk->status && walk->mode == PACK_ATTACH && !fits) {
-        walk->status = fail_damaged();
-    }
+    pack_check(walk, (!map->count || value_map_is_sound(map, volume->voxel_count)) && steps_are_sound(volume));
 }
 
 static void pass_volume(struct pack_walk *walk, void *item, const void *owner)
@@ -288,9 +293,7 @@ static void pass_volume(struct pack_walk *walk, void *item, const void *owner)
     }
     struct volume plain = bare_volume(&source);
     pack_bytes(walk, &plain, sizeof plain);
-    if (!walk->status && walk->mode == PACK_ATTACH && !volume_fits(&plain, walk)) {
-        walk->status = fail_damaged();
-    }
+    pack_check(walk, volume_fits(&plain, walk));
     if (walk->status) {
         return;
     }
@@ -421,9 +424,7 @@ static void pass_tractogram(struct pack_walk *walk, void *item, const void *owne
     float *copy = NULL;
     plain.file_offset = attaches || walk->is_lean ? plain.file_offset : 0;
     pack_bytes(walk, &plain, sizeof plain);
-    if (!walk->status && attaches && (!tractogram_fits(&plain, walk) || (plain.file_offset && !walk->is_verified))) {
-        walk->status = fail_damaged();
-    }
+    pack_check(walk, tractogram_fits(&plain, walk) && (!plain.file_offset || walk->is_verified));
     if (walk->status) {
         return;
     }
@@ -502,9 +503,7 @@ static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
     plain.field.coefficients = NULL;
     plain.field.is_borrowed = true;
     pack_bytes(walk, &plain, sizeof plain);
-    if (!walk->status && walk->mode == PACK_ATTACH && !field_fits(&plain.field, walk)) {
-        walk->status = fail_damaged();
-    }
+    pack_check(walk, field_fits(&plain.field, walk));
     if (walk->status) {
         return;
     }
@@ -520,10 +519,7 @@ static void pass_warp(struct pack_walk *walk, void *item, const void *owner)
     pack_array(walk, &warp->field.rest, nodes, 3 * sizeof *warp->field.rest);
     pack_array(walk, &warp->field.coefficients, nodes, 3 * sizeof *warp->field.coefficients);
     bool is_spline = warp->field.coefficients;
-    bool sound = is_spline ? dim[0] > 3 && dim[1] > 3 && dim[2] > 3 : warp->field.vectors != NULL;
-    if (!walk->status && walk->mode == PACK_ATTACH && !sound) {
-        walk->status = fail_damaged();
-    }
+    pack_check(walk, is_spline ? dim[0] > 3 && dim[1] > 3 && dim[2] > 3 : warp->field.vectors != NULL);
 }
 
 static void pass_objects(struct pack_walk *walk, conus_atlas *atlas, const conus_atlas *counts)
@@ -539,7 +535,7 @@ static void pass_objects(struct pack_walk *walk, conus_atlas *atlas, const conus
         }
     }
     for (size_t i = 0; i < atlas->object_count && walk->mode == PACK_ATTACH && !walk->status; i++) {
-        walk->status = bundle_is_sound(atlas, i) ? CONUS_OK : fail_damaged();
+        pack_check(walk, bundle_is_sound(atlas, i));
     }
 }
 
