@@ -9,6 +9,11 @@ int compare_u32(const void *a, const void *b)
     return compare_unsigned(*(const uint32_t *)a, *(const uint32_t *)b);
 }
 
+int compare_u64(const void *a, const void *b)
+{
+    return compare_unsigned(*(const uint64_t *)a, *(const uint64_t *)b);
+}
+
 size_t u32_sort_unique(uint32_t *numbers, size_t count)
 {
     size_t kept = 0;

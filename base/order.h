@@ -17,8 +17,9 @@ static inline int compare_double(double a, double b)
     return (a > b) - (a < b);
 }
 
-/** For qsort() and bsearch() of uint32_t. */
+/** For qsort() and bsearch() of uint32_t or uint64_t. */
 int compare_u32(const void *a, const void *b);
+int compare_u64(const void *a, const void *b);
 
 /** Sorts @p numbers and keeps each once. Returns how many are left. */
 size_t u32_sort_unique(uint32_t *numbers, size_t count);

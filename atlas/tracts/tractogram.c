@@ -6,10 +6,12 @@
 #include "base/files/file.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/text_number.h"
 
 #include <assert.h>
 #include <math.h>
+#include <stdlib.h>
 #include <sys/mman.h>
 
 void tract_tree_finish(struct tract_tree *tree)
@@ -215,6 +217,12 @@ static conus_status check_group(const struct tract_group *group, size_t streamli
         }
     }
     return CONUS_OK;
+}
+
+bool tract_group_has(const struct tract_group *group, uint32_t streamline)
+{
+    return !group ||
+           (group->count && bsearch(&streamline, group->members, group->count, sizeof *group->members, compare_u32));
 }
 
 conus_status tractogram_check(const struct tractogram *tractogram, struct notes *notes)

@@ -110,6 +110,9 @@ static inline uint32_t tract_group_member(const struct tract_group *group, size_
     return group ? group->members[i] : (uint32_t)i;
 }
 
+/** Whether @p streamline is in the group; all are where that is NULL. */
+bool tract_group_has(const struct tract_group *group, uint32_t streamline);
+
 /** Refuses tractograms that no engine may get: a coordinate that is not within TRACT_COORDINATE_LIMIT of 0 (infinity
  * and NaN too), a `first` that does not ascend from 0 to point_count, a member of a group out of range or order, too
  * many streamlines, a radius that is not above 0 and at most TRACT_RADIUS_LIMIT. Notes count streamlines of no point

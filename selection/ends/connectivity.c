@@ -5,6 +5,7 @@
 #include "atlas/bundles.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "base/order.h"
 #include "base/threads.h"
 #include "selection/ends/area_at.h"
 #include "selection/measure/tract_census.h"
@@ -177,17 +178,15 @@ static void sort_by(struct connecting *connecting, size_t offset)
     }
 }
 
-#define ORDER(x, y) (((x) > (y)) - ((x) < (y)))
-
 /* The most streamlines first; areas less 1, as in struct ended. */
 static int by_count(const void *a, const void *b)
 {
     const conus_connection *x = a;
     const conus_connection *y = b;
-    int order = ORDER(x->bundle, y->bundle);
-    order = order ? order : ORDER(y->streamlines, x->streamlines);
-    order = order ? order : ORDER(x->area_a - 1, y->area_a - 1);
-    return order ? order : ORDER(x->area_b - 1, y->area_b - 1);
+    int order = compare_unsigned(x->bundle, y->bundle);
+    order = order ? order : compare_unsigned(y->streamlines, x->streamlines);
+    order = order ? order : compare_unsigned(x->area_a - 1, y->area_a - 1);
+    return order ? order : compare_unsigned(x->area_b - 1, y->area_b - 1);
 }
 
 /* Whether two sorted streamlines connect the same areas. */

@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "base/order.h"
 #include "poses/pose_stream.h"
 #include "poses/rows/pose_row.h"
 #include "selection/batch/ring.h"
@@ -458,8 +459,7 @@ static int better_first(const void *a, const void *b)
     const struct entry *x = *(struct entry *const *)a;
     const struct entry *y = *(struct entry *const *)b;
     int order = plan_keys_compare(y->keys, x->keys, x->key_count);
-    return order ? order
-                 : (x->planned.candidate > y->planned.candidate) - (x->planned.candidate < y->planned.candidate);
+    return order ? order : compare_unsigned(x->planned.candidate, y->planned.candidate);
 }
 
 /* Leaves the best poses of the list, best first. */
@@ -736,13 +736,6 @@ conus_status conus_plan_add_state(uint64_t *end, conus_plan *plan, const char *t
     return status || kept ? status : CONUS_ERROR_MEMORY;
 }
 
-static int by_number(const void *a, const void *b)
-{
-    const uint64_t *x = a;
-    const uint64_t *y = b;
-    return (*x > *y) - (*x < *y);
-}
-
 /* Appends the numbers of all candidates that matter for what follows, and of those that are known and were not tried
  * yet; `out` has room for them. */
 static void list_kept(struct plan_numbers *out, const conus_plan *plan)
@@ -771,7 +764,7 @@ static void list_kept(struct plan_numbers *out, const conus_plan *plan)
     for (size_t i = 0; i < plan->kept.count; i++) {
         all[count++] = plan->kept.items[i] > plan->done ? plan->kept.items[i] : 0;
     }
-    qsort(all, count, sizeof *all, by_number);
+    qsort(all, count, sizeof *all, compare_u64);
     for (size_t i = 0; i < count; i++) {
         if (all[i] > (out->count ? all[out->count - 1] : 0)) {
             all[out->count++] = all[i];

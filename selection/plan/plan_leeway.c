@@ -10,6 +10,7 @@
 #include "atlas/tracts/capsule.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "selection/measure/census.h"
 #include "selection/measure/near.h"
 #include "selection/plan/plan_map.h"
@@ -74,7 +75,7 @@ static int by_entry(const void *a, const void *b)
 {
     const struct plan_span *x = a;
     const struct plan_span *y = b;
-    return (x->entry > y->entry) - (x->entry < y->entry);
+    return compare_double(x->entry, y->entry);
 }
 
 /* Sorts spans from `first` on, and joins those that overlap. */
@@ -274,19 +275,11 @@ static enum tract_answer is_box_near(void *user, const double low[3], const doub
     return needle_box(&depth, &frame, low, high) > search->radius * WIDER ? TRACT_OUTSIDE : TRACT_PERHAPS;
 }
 
-static int compare_members(const void *a, const void *b)
-{
-    uint32_t x = *(const uint32_t *)a;
-    uint32_t y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
 static void add_segments(void *user, const struct tract_run *run, bool inside)
 {
     struct body_search *search = user;
-    const struct tract_group *group = search->part->group;
     (void)inside;
-    if (group && !bsearch(&run->streamline, group->members, group->count, sizeof *group->members, compare_members)) {
+    if (!tract_group_has(search->part->group, run->streamline)) {
         return;
     }
     uint32_t last = run->segments ? run->segments - 1 : 0; /* a run of one point is a segment of no length */

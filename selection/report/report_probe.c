@@ -5,6 +5,7 @@
  * where they are and which channels they have. */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "selection/report/report_writers.h"
 
 #include <stdlib.h>
@@ -147,11 +148,10 @@ static int by_height(const void *a, const void *b)
 {
     const struct site *x = a;
     const struct site *y = b;
-    int order = (x->contact->index > y->contact->index) - (x->contact->index < y->contact->index);
+    int order = compare_unsigned(x->contact->index, y->contact->index);
     order = order ? order : strcmp(x->contact->shank, y->contact->shank);
-    order = order ? order
-                  : (x->contact->offset[2] > y->contact->offset[2]) - (x->contact->offset[2] < y->contact->offset[2]);
-    return order ? order : (x->query > y->query) - (x->query < y->query);
+    order = order ? order : compare_double(x->contact->offset[2], y->contact->offset[2]);
+    return order ? order : compare_unsigned(x->query, y->query);
 }
 
 /* By probe and channel. */
@@ -159,7 +159,7 @@ static int by_channel(const void *a, const void *b)
 {
     const struct site *x = a;
     const struct site *y = b;
-    int order = (x->contact->index > y->contact->index) - (x->contact->index < y->contact->index);
+    int order = compare_unsigned(x->contact->index, y->contact->index);
     return order ? order : (x->channel > y->channel) - (x->channel < y->channel);
 }
 

@@ -3,6 +3,7 @@
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "selection/report/report_writers.h"
 
 #include <stdlib.h>
@@ -18,20 +19,17 @@ static int by_voxel(const void *a, const void *b)
 {
     const struct listed_voxel *x = a;
     const struct listed_voxel *y = b;
-    if (x->object != y->object) {
-        return x->object > y->object ? 1 : -1;
-    }
-    if (x->voxel != y->voxel) {
-        return x->voxel > y->voxel ? 1 : -1;
-    }
-    return (x->distance > y->distance) - (x->distance < y->distance);
+    int order = compare_unsigned(x->object, y->object);
+    order = order ? order : compare_unsigned(x->voxel, y->voxel);
+    return order ? order : compare_double(x->distance, y->distance);
 }
 
 static int by_distance(const void *a, const void *b)
 {
     const struct listed_voxel *x = a;
     const struct listed_voxel *y = b;
-    return x->distance != y->distance ? (x->distance > y->distance ? 1 : -1) : by_voxel(a, b);
+    int order = compare_double(x->distance, y->distance);
+    return order ? order : by_voxel(a, b);
 }
 
 static bool is_listed(const conus_report *report, uint32_t number)
@@ -196,25 +194,6 @@ static void add_run(void *user, const struct tract_run *run, const struct tract_
     }
 }
 
-static int by_number(const void *a, const void *b)
-{
-    uint64_t x = *(const uint64_t *)a;
-    uint64_t y = *(const uint64_t *)b;
-    return (x > y) - (x < y);
-}
-
-static bool is_member(const struct tract_group *group, uint32_t streamline)
-{
-    size_t low = 0;
-    size_t high = group->count;
-    while (low < high) { /* members ascend */
-        size_t middle = low + (high - low) / 2;
-        low = group->members[middle] < streamline ? middle + 1 : low;
-        high = group->members[middle] < streamline ? high : middle;
-    }
-    return low < group->count && group->members[low] == streamline;
-}
-
 static void write_bundle(conus_report *report, const struct near_points *near, uint32_t number)
 {
     const struct tract_group *group = atlas_bundle_group(report->atlas, number);
@@ -223,7 +202,7 @@ static void write_bundle(conus_report *report, const struct near_points *near, u
     for (size_t i = 0; i < near->count; i++) {
         if (i == 0 || near->points[i] >= near->tractogram->first[streamline + 1]) {
             streamline = tractogram_streamline_of(near->tractogram, near->points[i]);
-            is_in = !group || is_member(group, streamline);
+            is_in = tract_group_has(group, streamline);
         }
         if (is_in) {
             const conus_object *object = conus_atlas_object(report->atlas, number);
@@ -254,7 +233,7 @@ static conus_status add_points(conus_report *report, const conus_selection *sele
             near.count = 0;
             tract_census_walk(tractogram, near.region, add_run, &near);
             if (near.count) { /* else there may be no array */
-                qsort(near.points, near.count, sizeof *near.points, by_number);
+                qsort(near.points, near.count, sizeof *near.points, compare_u64);
             }
         }
         status = near.failed ? CONUS_ERROR_MEMORY : CONUS_OK;

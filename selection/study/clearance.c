@@ -2,6 +2,7 @@
 /* Measures how far the axis of a device stays from each object (Eq. 21). */
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "base/text.h"
 #include "selection/selector.h"
 #include "selection/study/study.h"
@@ -34,13 +35,9 @@ static int compare(const void *a, const void *b)
 {
     const conus_clearance *x = a;
     const conus_clearance *y = b;
-    if (x->clearance != y->clearance) {
-        return x->clearance < y->clearance ? -1 : 1;
-    }
-    if (x->depth != y->depth) {
-        return x->depth < y->depth ? -1 : 1;
-    }
-    return (x->object > y->object) - (x->object < y->object);
+    int order = compare_double(x->clearance, y->clearance);
+    order = order ? order : compare_double(x->depth, y->depth);
+    return order ? order : compare_unsigned(x->object, y->object);
 }
 
 static conus_status build(struct conus_clearances *clearances, conus_selector *selector, const conus_pose *pose,
@@ -95,15 +92,13 @@ conus_status conus_clearances_create(conus_clearances **out, conus_selector *sel
     }
     conus_clearances *clearances = memory_zeroed(1, sizeof *clearances);
     status = clearances ? build(clearances, selector, &rigid, within) : CONUS_ERROR_MEMORY;
-    if (!status) {
-        clearances->cone = (struct cone){.pose = rigid, .angle = 1, .resolution = 1};
-        memcpy(clearances->cone.range, selector->range, sizeof clearances->cone.range);
-        clearances->within = within;
-    }
     if (status) {
         conus_clearances_destroy(clearances);
         return status;
     }
+    clearances->cone = (struct cone){.pose = rigid, .angle = 1, .resolution = 1};
+    memcpy(clearances->cone.range, selector->range, sizeof clearances->cone.range);
+    clearances->within = within;
     *out = clearances;
     return CONUS_OK;
 }

@@ -6,6 +6,7 @@
 #include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "base/options.h"
+#include "base/order.h"
 
 #include <stdlib.h>
 
@@ -246,16 +247,10 @@ static int compare(const void *a, const void *b)
 {
     const conus_chance *x = a;
     const conus_chance *y = b;
-    if ((x->object == 0) != (y->object == 0)) {
-        return x->object == 0 ? 1 : -1;
-    }
-    if (x->hit != y->hit) {
-        return x->hit > y->hit ? -1 : 1;
-    }
-    if (x->share != y->share) {
-        return x->share > y->share ? -1 : 1;
-    }
-    return (x->object > y->object) - (x->object < y->object);
+    int order = !x->object - !y->object;
+    order = order ? order : compare_double(y->hit, x->hit);
+    order = order ? order : compare_double(y->share, x->share);
+    return order ? order : compare_unsigned(x->object, y->object);
 }
 
 static conus_status fill_rows(conus_jitter *jitter, const struct count *counts, const conus_selector *selector)

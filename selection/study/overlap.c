@@ -8,6 +8,7 @@
 #include "atlas/surface/mesh_voxels.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "selection/selector.h"
 #include "selection/study/shares.h"
 
@@ -343,13 +344,9 @@ static int compare_rows(const void *a, const void *b)
 {
     const conus_coverage *x = a;
     const conus_coverage *y = b;
-    if (!x->object != !y->object) {
-        return x->object ? -1 : 1;
-    }
-    if (x->volume != y->volume) {
-        return x->volume > y->volume ? -1 : 1;
-    }
-    return (x->object > y->object) - (x->object < y->object);
+    int order = !x->object - !y->object;
+    order = order ? order : compare_double(y->volume, x->volume);
+    return order ? order : compare_unsigned(x->object, y->object);
 }
 
 static conus_status build(struct conus_overlap *overlap, const conus_selector *selector, const conus_roi *roi)

@@ -4,6 +4,7 @@
 
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "selection/selector.h"
 
 #include <math.h>
@@ -76,13 +77,9 @@ static int compare(const void *a, const void *b)
 {
     const conus_segment *x = a;
     const conus_segment *y = b;
-    if (x->entry != y->entry) {
-        return x->entry < y->entry ? -1 : 1;
-    }
-    if (x->exit != y->exit) {
-        return x->exit < y->exit ? -1 : 1;
-    }
-    return (x->object > y->object) - (x->object < y->object);
+    int order = compare_double(x->entry, y->entry);
+    order = order ? order : compare_double(x->exit, y->exit);
+    return order ? order : compare_unsigned(x->object, y->object);
 }
 
 /* Adds what is in no object, up to the far end of the range; without one up to the last exit, or to infinity where

@@ -5,6 +5,7 @@
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/order.h"
 #include "selection/measure/census.h"
 #include "selection/selector.h"
 
@@ -273,13 +274,9 @@ static int compare(const void *a, const void *b)
 {
     const conus_admission *x = a;
     const conus_admission *y = b;
-    if (x->angle != y->angle) {
-        return x->angle < y->angle ? -1 : 1;
-    }
-    if (x->distance != y->distance) {
-        return x->distance < y->distance ? -1 : 1;
-    }
-    return (x->object > y->object) - (x->object < y->object);
+    int order = compare_double(x->angle, y->angle);
+    order = order ? order : compare_double(x->distance, y->distance);
+    return order ? order : compare_unsigned(x->object, y->object);
 }
 
 static conus_admission describe(const struct admission *admission, const conus_atlas *atlas, const struct cone *cone,
