@@ -40,7 +40,7 @@ static conus_status fail_damaged(void)
     return fail(CONUS_ERROR_DATA, "the memory holds no atlas that this version of conus has packed");
 }
 
-/* What is taken from a block may be anything: what does not fit is no atlas. */
+/* A block may hold anything: what does not fit is no atlas. */
 static void pack_check(struct pack_walk *walk, bool fits)
 {
     if (!walk->status && walk->mode == PACK_ATTACH && !fits) {
