@@ -178,7 +178,7 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
     }
     conus_status status = pose_note_space(&list->notes, options, reading.lps);
     status = status ? status : read_table(&reading, text);
-    if (!status && reading.at[PROBE_NAME] != NO_COLUMN && !list->coordsystem) {
+    if (!status && pose_columns_has(&reading.columns, PROBE_NAME) && !list->coordsystem) {
         status =
             fail(CONUS_ERROR_DATA, "column probe_name: a table of BEP032 without a *_coordsystem.json, whose x, y, z "
                                    "are micrometres on the probe; --probe answers at the contacts of a probe");
