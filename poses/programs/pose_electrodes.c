@@ -181,7 +181,7 @@ conus_status pose_electrodes_parse(conus_pose_list *list, struct text text, cons
     if (!status && pose_columns_has(&reading.columns, PROBE_NAME) && !list->coordsystem) {
         status =
             fail(CONUS_ERROR_DATA, "column probe_name: a table of BEP032 without a *_coordsystem.json, whose x, y, z "
-                                   "are micrometres on the probe; --probe answers at the contacts of a probe");
+                                   "are micrometres on the probe; a probe is answered from its ProbeInterface file");
     }
     status = status || !options->along_shafts ? status : find_neighbours(&reading);
     for (size_t i = 0; !status && i < reading.count; i++) {
