@@ -86,8 +86,8 @@ static struct in_volume look_at_volume(const conus_atlas *atlas, size_t index, c
     return found;
 }
 
-/* Whether hiding changes voxels: in a parcellation, and where several pathways share a volume. */
-static bool hides_voxels(const struct volume *volume, const struct in_volume *found)
+/* Whether hiding writes into a volume: voxels of a parcellation, or steps that several pathways share. */
+static bool hiding_writes(const struct volume *volume, const struct in_volume *found)
 {
     return found->changes && (volume->info.role == CONUS_ROLE_PARCELLATION || found->count > 1);
 }
@@ -100,13 +100,13 @@ static conus_status set_hidden(conus_atlas *atlas, const bool *hidden)
     for (size_t v = 0; v < atlas->volume_count && !status; v++) {
         struct in_volume found = look_at_volume(atlas, v, hidden);
         status =
-            hides_voxels(&atlas->volumes[v], &found) ? plan_voxels(&runs[v], &atlas->volumes[v], hidden) : CONUS_OK;
+            hiding_writes(&atlas->volumes[v], &found) ? plan_voxels(&runs[v], &atlas->volumes[v], hidden) : CONUS_OK;
     }
     if (!status) {
         for (size_t v = 0; v < atlas->volume_count; v++) {
             struct volume *volume = &atlas->volumes[v];
             struct in_volume found = look_at_volume(atlas, v, hidden);
-            if (hides_voxels(volume, &found)) {
+            if (hiding_writes(volume, &found)) {
                 show_voxels(volume);
                 memory_free(volume->hidden_runs);
                 volume->hidden_runs = runs[v].items;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* An atlas in one block of memory answers as the original. */
 #include "atlas/atlas.h"
+#include "base/geometry/math3.h"
 #include "base/memory.h"
 #include "mesh_scene.h"
 #include "packed_block.h"
@@ -10,6 +11,9 @@
 #include "test.h"
 #include "value_maps.h"
 
+#include "conus/arrays.h"
+
+#include <math.h>
 #include <string.h>
 #include <sys/mman.h>
 
@@ -243,6 +247,30 @@ static void changes_are_made_to_copies(void **state)
     }
 }
 
+/* Which of a pathway's bands are hidden is written into its volume, which is a copy by then: the block is read-only. */
+static void a_band_is_hidden_in_a_copy(void **state)
+{
+    (void)state;
+    static const float row[] = {1, 2, 3, 4};
+    static const conus_band bands[] = {{1, 3, "Low"}, {3, INFINITY, "High"}};
+    static const bool hidden[] = {false, true, false};
+    conus_voxels voxels = {.data = row, .type = CONUS_SCALAR_FLOAT32, .dim = {4, 1, 1}};
+    mat4_identity(voxels.world_from_voxel);
+    conus_atlas *atlas = NULL;
+    conus_atlas *attached = NULL;
+    assert_ok(conus_atlas_create(&atlas, NULL, NULL, 0, NULL));
+    assert_ok(conus_atlas_add_values(atlas, &voxels, &(conus_pathway_options){.bands = bands, .band_count = 2}));
+    struct block block = pack(atlas);
+    assert_ok(conus_atlas_attach(&attached, block.memory, block.size));
+    assert_ok(conus_atlas_set_hidden(attached, hidden));
+    for (size_t v = 0; v < 4; v++) {
+        assert_int_equal(volume_object(&attached->volumes[0], v), v < 2 ? 0 : 2);
+    }
+    conus_atlas_destroy(attached);
+    conus_atlas_destroy(atlas);
+    block_drop(block);
+}
+
 /* The packed atlas knows its box; moving it, or hiding a part, makes another box. */
 static void the_box_is_that_of_the_voxels(void **state)
 {
@@ -446,6 +474,7 @@ TEST_GROUP(atlas_pack)
         cmocka_unit_test(an_attached_atlas_answers_as_the_packed_one),
         cmocka_unit_test(packing_it_again_gives_the_same),
         cmocka_unit_test(changes_are_made_to_copies),
+        cmocka_unit_test(a_band_is_hidden_in_a_copy),
         cmocka_unit_test(the_box_is_that_of_the_voxels),
         cmocka_unit_test(an_attached_atlas_can_grow),
         cmocka_unit_test(surfaces_around_the_areas_are_left_out),
