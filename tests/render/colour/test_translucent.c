@@ -165,6 +165,47 @@ static void walls_are_composed_front_to_back(void **state)
     }
 }
 
+/* A cone across the view, whose walls are seen 5 mm before and behind y = 20, and glass before, between and behind
+ * them. Both walls face the eye alike, so the picture of the cone alone tells the colour and opacity a of one: A = 1 -
+ * (1 - a)^2, C = c + (1 - a) c. */
+static void walls_of_a_cone_and_glass_are_composed_front_to_back(void **state)
+{
+    (void)state;
+    static const float depths[3] = {10, 20, 30};
+    conus_pose pose;
+    assert_ok(conus_pose_toward(&pose, (double[]){-60, 20, 3}, (double[]){0, 20, 3}, NULL));
+    for (int glass = 0; glass < 3; glass++) {
+        struct colour_view view = {.world_from_cone = pose.world_from_device, .cone_slope = 0.1, .cone_length = 120};
+        struct camera camera = from_the_front();
+        conus_atlas *atlas = mesh_scene_atlas();
+        add_wall(atlas, depths[glass], green);
+        conus_renderer *renderer = renderer_of(atlas, NULL);
+        view.opacity = (const float[]){1, 0};
+        float *alone = picture_draw(renderer, &camera, &view, false);
+        view.opacity = (const float[]){1, 0.5F};
+        float *both = picture_draw(renderer, &camera, &view, false);
+        const float *pixel = alone + (ptrdiff_t)4 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
+        double a = 1 - sqrt(1 - (double)pixel[3]);
+        double wanted[4] = {0};
+        assert_in_range(100 * a, 5, 80);
+        for (int part = 0; part < 3; part++) {
+            for (int c = 0; c < 4; c++) {
+                double wall = c == 3 ? a : (double)pixel[c] / (2 - a);
+                double green_glass = c == 3 ? 0.5 : 0.5 * lit(c == 1);
+                wanted[c] += (1 - wanted[3]) * (part == glass ? green_glass : wall);
+            }
+        }
+        pixel = both + (ptrdiff_t)4 * (HEIGHT / 2 * WIDTH + WIDTH / 2);
+        for (int c = 0; c < 4; c++) {
+            assert_near(pixel[c], wanted[c], 2e-3);
+        }
+        memory_free(alone);
+        memory_free(both);
+        conus_renderer_destroy(renderer);
+        conus_atlas_destroy(atlas);
+    }
+}
+
 /* Adds a square across the view like add_wall(), but around the areas. */
 static void add_around(conus_atlas *atlas, float y, double opacity)
 {
@@ -516,6 +557,7 @@ TEST_GROUP(translucent)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(walls_are_composed_front_to_back),
+        cmocka_unit_test(walls_of_a_cone_and_glass_are_composed_front_to_back),
         cmocka_unit_test(surfaces_around_are_composed_with_all_else),
         cmocka_unit_test(a_surface_around_lies_over_opaque_areas),
         cmocka_unit_test(many_walls_are_the_nearest_eight),
