@@ -30,15 +30,15 @@ static bool is_pair(const conus_atlas *atlas, uint32_t a, uint32_t b)
 static void areas_in_a_ring_differ(void **state)
 {
     (void)state;
-    static const size_t dim[3] = {RING * 2, 2, 1};
-    uint32_t labels[RING * 2 * 2] = {0};
+    static const size_t dim[3] = {RING * 2, 3, 1};
+    uint32_t labels[RING * 2 * 3] = {0};
     struct area_row rows[RING + 1] = {{0}};
     conus_atlas *atlas = NULL;
     for (uint32_t n = 0; n < RING; n++) {
         rows[n] = (struct area_row){n + 1, "Area", 0, NULL, 0};
         labels[2 * n] = n + 1;
     }
-    labels[RING * 2] = RING; /* beside the first one */
+    labels[RING * 4] = RING; /* two voxels beside the first one */
     assert_ok(area_rows_atlas(&atlas, dim, labels, rows));
     conus_atlas_use_safe_colours(atlas);
     for (uint32_t n = 1; n <= RING; n++) {

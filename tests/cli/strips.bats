@@ -38,6 +38,7 @@ for name in "level", "tilted":
         assert abs(float(box.get("y")) - top - scale * (entry - first)) < 0.02, (row, box.attrib)
         assert abs(float(box.get("height")) - scale * (exit - entry)) < 0.02, (row, box.attrib)
     assert abs(longest - scale * (80 - first)) < 2, (longest, scale)
+    assert 0 < top and top + scale * (80 - first) < 400, (top, scale)  # all is in the picture
 words = [text.text for text in svg.iter(space + "text")]
 for row in areas:
     words.remove(row["name"])

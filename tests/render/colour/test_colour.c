@@ -288,8 +288,13 @@ static void areas_not_hit_are_pale(void **state)
     const float *weak = pixel(pale, WIDTH / 2, HEIGHT / 2);
     assert_true(strong[0] > 4 * strong[1]);
     assert_true(weak[0] < 2 * weak[1]);
+    /* The colour that is given for areas that are not hit is not made paler. */
+    static const uint8_t red[3] = {255, 0, 0};
+    float *given = picture_draw(renderer, &camera, &(struct colour_view){.emphasis = none, .pale_rgb = red}, false);
+    assert_true(picture_difference(full, given) < 1e-6);
     memory_free(full);
     memory_free(pale);
+    memory_free(given);
     conus_renderer_destroy(renderer);
     conus_atlas_destroy(atlas);
 }
