@@ -305,14 +305,14 @@ static void find_hovered(struct window *window)
     }
 }
 
-/* A click that turned nothing sets the crosshair to what is under it; it holds the mouse's cone, or lets it go. */
+/* A click that turned nothing sets the crosshair to what is under it; it holds the mouse's cone, or lets it go. A press
+ * on a panel is none: the pane is not asked then. */
 static void use_click(struct window *window, const struct ui_mouse *mouse)
 {
     struct viewer *viewer = window->viewer;
     const struct hover *hover = &window->frame.hover;
     bool is_click = mouse->released[0] && window->frame.click_left > 0;
-    bool is_pressed = mouse->pressed[0] && ui_surface_held(); /* a press that began on a panel is no click here */
-    float left = is_pressed ? click : window->frame.click_left - fabsf(mouse->moved_x) - fabsf(mouse->moved_y);
+    float left = mouse->pressed[0] ? click : window->frame.click_left - fabsf(mouse->moved_x) - fabsf(mouse->moved_y);
     window->frame.click_left = mouse->released[0] ? 0 : fmaxf(left, 0);
     if (!is_click) {
         return;
