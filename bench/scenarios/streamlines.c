@@ -193,15 +193,15 @@ static json_t *facts(const struct tractogram *tractogram, const struct growth *g
                      growth->bytes / points);
 }
 
-static conus_status measure(struct bench *bench, const struct tractogram *tractogram, const struct rays *rays,
-                            const char *kind, const struct growth *growth)
+/* Measures cones of an angle; @p out_ms becomes the median of the fastest kernel, NAN where the answers differ. */
+static conus_status measure(double *out_ms, struct bench *bench, const struct tractogram *tractogram,
+                            const struct rays *rays, const char *kind, const struct growth *growth, double degrees)
 {
     const struct tract_object object = {.tractogram = tractogram, .number = 1};
     static const char *const names[TRACT_SEARCH_KERNELS] = {"avx2", "plain"};
     struct way ways[TRACT_SEARCH_KERNELS] = {0};
     struct bench_variant variants[TRACT_SEARCH_KERNELS];
     char name[TRACT_SEARCH_KERNELS][64];
-    char key[64];
     size_t count = 0, poses = bench->options.poses;
     conus_status status = CONUS_OK;
     for (size_t k = 0; k < TRACT_SEARCH_KERNELS && !status; k++) {
@@ -220,40 +220,65 @@ static conus_status measure(struct bench *bench, const struct tractogram *tracto
         }
         count++;
     }
-    status = status ? status : bench_measure(bench, "streamlines", variants, count, poses, bench->options.angle);
-    snprintf(key, sizeof key, "%s_cone_ms_%zu", kind, tractogram->streamline_count);
-    status = status ? status : bench_value(bench, key, variants[0].median_ms, variants[count - 1].equal);
+    status = status ? status : bench_measure(bench, "streamlines", variants, count, poses, degrees);
+    *out_ms = !status && variants[count - 1].equal ? variants[0].median_ms : (double)NAN;
     for (size_t k = 0; k < count; k++) {
         tract_rays_destroy(ways[k].search);
     }
     return status;
 }
 
-static conus_status measure_size(struct bench *bench, enum kind kind, size_t count, const struct rays *rays)
+/* The angles of which streamlines are asked: that of the options, and a wide one. */
+enum { GIVEN, WIDE, ANGLES };
+static const double wide_deg = 20;
+
+static double angle_of(const struct bench *bench, int angle)
+{
+    return angle == WIDE ? wide_deg : bench->options.angle;
+}
+
+/* Fills in @p out_ms[ANGLES]. */
+static conus_status measure_size(double *out_ms, struct bench *bench, enum kind kind, size_t count,
+                                 const struct rays *rays)
 {
     static const char *const names[] = {[WALKS] = "streamlines", [HELICES] = "helices"};
+    char key[64];
     struct tractogram tractogram;
     conus_status status = make_streamlines(&tractogram, kind, count);
     struct growth growth = {bench_cpu(), bench_resident()};
     status = status ? status : tractogram_grow_tree(&tractogram);
     growth = (struct growth){bench_cpu() - growth.seconds, bench_resident() - growth.bytes};
-    status = status ? status : measure(bench, &tractogram, rays, names[kind], &growth);
+    for (int a = 0; a < ANGLES && !status; a++) {
+        status = measure(&out_ms[a], bench, &tractogram, rays + (size_t)a * bench->options.poses, names[kind], &growth,
+                         angle_of(bench, a));
+    }
+    snprintf(key, sizeof key, "%s_cone_ms_%zu", names[kind], count);
+    status = status ? status : bench_value(bench, key, out_ms[GIVEN], !isnan(out_ms[GIVEN]));
     tractogram_finish(&tractogram);
     return status;
 }
 
 conus_status bench_streamlines(struct bench *bench)
 {
-    struct rays *rays = memory_zeroed(bench->options.poses, sizeof *rays);
+    size_t poses = bench->options.poses;
+    struct rays *rays = memory_zeroed(ANGLES * poses, sizeof *rays);
+    double ms[KINDS][SIZES][ANGLES];
     conus_status status = rays ? CONUS_OK : CONUS_ERROR_MEMORY;
     bench->one_thread = true;
     for (enum kind kind = WALKS; kind < KINDS && !status; kind++) {
         size_t count = SMALLEST;
-        status = aim_rays(rays, bench->options.poses, kind, bench->options.angle);
+        for (int a = 0; a < ANGLES && !status; a++) {
+            status = aim_rays(rays + (size_t)a * poses, poses, kind, angle_of(bench, a));
+        }
         for (int size = 0; size < SIZES && !status; size++, count *= 10) {
-            status = measure_size(bench, kind, bench->options.check ? (size_t)100 << size : count, rays);
+            status =
+                measure_size(ms[kind][size], bench, kind, bench->options.check ? (size_t)100 << size : count, rays);
         }
     }
     memory_free(rays);
-    return status;
+    if (status) {
+        return status;
+    }
+    double ratio = ms[WALKS][SIZES - 1][WIDE] / ms[WALKS][SIZES - 3][WIDE];
+    return bench_value(bench, "tracts_million_over_10k", ratio, !isnan(ratio));
 }
