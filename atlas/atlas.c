@@ -381,17 +381,31 @@ const char *atlas_kind_word(conus_kind kind)
     return known ? words[kind] : "unassigned";
 }
 
-const char *conus_atlas_kind_word(const conus_atlas *atlas, size_t number)
+/* Whether one of the objects [first, end) has this name, and the side, unless that is 0. */
+static bool is_among(const conus_atlas *atlas, const char *name, char side, size_t first, size_t end)
 {
-    const conus_object *object = conus_atlas_object(atlas, number);
-    bool is_area = object && object->kind == CONUS_KIND_AREA;
-    size_t end = !object ? 0 : is_area ? atlas->object_count : atlas->area_count;
-    for (size_t i = is_area ? atlas->area_count : 0; i < end; i++) {
-        if (strcmp(atlas->objects[i].name, object->name) == 0) {
-            return atlas_kind_word(object->kind);
-        }
+    bool found = false;
+    for (size_t i = first; i < end && !found; i++) {
+        found = (!side || atlas->objects[i].hemisphere == side) && strcmp(atlas->objects[i].name, name) == 0;
     }
-    return "";
+    return found;
+}
+
+const char *conus_atlas_prefix(const conus_atlas *atlas, size_t number)
+{
+    static const char *const words[2][3] = {{"", "left", "right"}, {"area", "left area", "right area"}};
+    const conus_object *object = conus_atlas_object(atlas, number);
+    if (!object) {
+        return "";
+    }
+    if (object->kind != CONUS_KIND_AREA) {
+        return is_among(atlas, object->name, 0, 0, atlas->area_count) ? atlas_kind_word(object->kind) : "";
+    }
+    bool by_kind = is_among(atlas, object->name, 0, atlas->area_count, atlas->object_count);
+    char other = object->hemisphere == 'L' ? 'R' : 'L';
+    bool has_side = object->hemisphere == 'L' || object->hemisphere == 'R';
+    bool by_side = has_side && is_among(atlas, object->name, other, 0, atlas->area_count);
+    return words[by_kind][!by_side ? 0 : other == 'R' ? 1 : 2];
 }
 
 size_t conus_atlas_volume_count(const conus_atlas *atlas)

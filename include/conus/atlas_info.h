@@ -81,15 +81,17 @@ CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_
 CONUS_API uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number);
 
 /**
- * Gives the word that tells object @p number from one of its name: no two pathways and bundles share a name, but an
- * area and one of them may. Tables, legends and lists say it where it is needed: "bundle Arc".
+ * Gives what tells object @p number from one of its name: no two pathways and bundles share a name, but an area and one
+ * of them may, and so may a left and a right area whose table says which is which. Tables, legends and lists say it
+ * where it is needed: "bundle Arc", "left insula".
  * @param atlas The atlas.
  * @param number Number of the object.
- * @return "area", "pathway" or "bundle"; "" where no name is shared, and for another number. Static.
+ * @return "area", "pathway" or "bundle", "left" or "right", "left area" or "right area"; "" where no name is shared,
+ * and for another number. Static.
  * @threads Any, while none changes the atlas.
  * @since 0.1
  */
-CONUS_API const char *conus_atlas_kind_word(const conus_atlas *atlas, size_t number);
+CONUS_API const char *conus_atlas_prefix(const conus_atlas *atlas, size_t number);
 
 /**
  * Finds the pathway or bundle called @p name, or else the one area with that name, abbreviation or label.

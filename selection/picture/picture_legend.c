@@ -141,12 +141,12 @@ static bool is_hidden(const struct picture *picture, uint32_t number)
     return hidden;
 }
 
-/* With its kind where another kind has that name, behind its number in the picture, and saying so where it is hidden;
- * without memory, too, the name alone. */
+/* With its kind or side where another object has that name, behind its number in the picture, and saying so where it is
+ * hidden; without memory, too, the name alone. */
 static const char *name_of(struct picture_legend *legend, const struct picture *picture, uint32_t number, bool hidden)
 {
     const char *name = picture->atlas->objects[number - 1].name;
-    const char *word = conus_atlas_kind_word(picture->atlas, number);
+    const char *word = conus_atlas_prefix(picture->atlas, number);
     struct buffer *whole = &legend->names[legend->name_count];
     size_t tag = picture_tag(picture, number);
     if (!word[0] && !tag && !hidden) {

@@ -7,7 +7,7 @@
 
 #define TABLE_NOTHING "(nothing hit)"
 
-enum { TABLE_LABEL_SIZE = 16 };
+enum { TABLE_LABEL_SIZE = 24 };
 
 /** The name of an object for people; TABLE_NOTHING for 0. */
 const char *table_name(const conus_report *report, uint32_t object);

@@ -252,6 +252,26 @@ static void names_that_are_taken_are_spelled_out(void **state)
     conus_atlas_destroy(atlas);
 }
 
+/* An area is told from one of its name by its side where the table gives both, and by its kind from a pathway. */
+static void what_stands_before_a_name_tells_areas_apart(void **state)
+{
+    (void)state;
+    static const struct area_row rows[] = {{1, "Insula", 0, NULL, 'L'}, {2, "Insula", 0, NULL, 'R'},
+                                           {3, "Cuneus", 0, NULL, 'R'}, {4, "Lingual", 0, NULL, 'L'},
+                                           {5, "Arc", 0, NULL, 'R'},    {6, "Arc", 0, NULL, 'L'},
+                                           {7, "Pons", 0, NULL, 'B'},   {8, "Pons", 0, NULL, 'L'},
+                                           {9, "Lingual", 0, NULL, 0},  {0}};
+    static const char *const wanted[] = {"",          "left", "right", "", "",        "right area",
+                                         "left area", "",     "",      "", "pathway", ""};
+    conus_atlas *atlas = NULL;
+    assert_ok(area_rows_atlas(&atlas, dim, labels, rows));
+    assert_ok(area_rows_add_pathway(atlas, "Arc"));
+    for (size_t number = 0; number < sizeof wanted / sizeof wanted[0]; number++) {
+        assert_string_equal(conus_atlas_prefix(atlas, number), wanted[number]);
+    }
+    conus_atlas_destroy(atlas);
+}
+
 static const uint32_t row_labels[16] = {4, 4, 4, 4, 4, 6, 6, 6, 6, 6, 6, 5, 7, 0, 0, 8};
 
 static void areas_of_both_sides_are_cut(void **state)
@@ -563,6 +583,7 @@ TEST_GROUP(hemispheres)
         cmocka_unit_test(pairs_are_reported_as_one),
         cmocka_unit_test(merging_composes_with_a_level),
         cmocka_unit_test(names_that_are_taken_are_spelled_out),
+        cmocka_unit_test(what_stands_before_a_name_tells_areas_apart),
         cmocka_unit_test(areas_of_both_sides_are_cut),
         cmocka_unit_test(a_level_keeps_the_sides_apart),
         cmocka_unit_test(the_middle_is_right),

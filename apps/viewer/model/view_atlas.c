@@ -21,12 +21,12 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
     }
     view.watch = file_watch_create(view.atlas);
     view.sides = malloc(view.object_count + 1);
-    view.kinds = calloc(view.object_count + 1, sizeof(const char *));
-    for (size_t number = 0; view.kinds && number <= view.object_count; number++) {
-        view.kinds[number] = conus_atlas_kind_word(view.atlas, number);
+    view.prefixes = calloc(view.object_count + 1, sizeof(const char *));
+    for (size_t number = 0; view.prefixes && number <= view.object_count; number++) {
+        view.prefixes[number] = conus_atlas_prefix(view.atlas, number);
     }
     bool has_look = appearance_init(&view.appearance, view.object_count);
-    if (!view.shown.hidden || !has_look || !view.path || !view.name || !view.watch || !view.kinds || !view.sides ||
+    if (!view.shown.hidden || !has_look || !view.path || !view.name || !view.watch || !view.prefixes || !view.sides ||
         conus_atlas_sides(view.sides, view.atlas)) {
         view_atlas_finish(&view);
         return false;
@@ -49,7 +49,7 @@ void view_atlas_finish(struct view_atlas *view)
     appearance_finish(&view->appearance);
     file_watch_destroy(view->watch);
     free(view->sides);
-    free((void *)view->kinds);
+    free((void *)view->prefixes);
     free(view->made_level);
     free(view->name);
     free(view->path);
@@ -117,10 +117,10 @@ const char *view_atlas_title(char out[VIEW_ATLAS_TITLE], const struct view_atlas
 const char *view_atlas_title_of(char out[VIEW_ATLAS_TITLE], const struct view_atlas *view, size_t number,
                                 const char *name)
 {
-    if (!view->kinds[number][0]) {
+    if (!view->prefixes[number][0]) {
         return name;
     }
-    snprintf(out, VIEW_ATLAS_TITLE, "%s %s", view->kinds[number], name); /* so that where it is cut, they differ */
+    snprintf(out, VIEW_ATLAS_TITLE, "%s %s", view->prefixes[number], name); /* so that where it is cut, they differ */
     return out;
 }
 
