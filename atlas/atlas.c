@@ -9,6 +9,7 @@
 #include "base/text.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 
@@ -381,31 +382,53 @@ const char *atlas_kind_word(conus_kind kind)
     return known ? words[kind] : "unassigned";
 }
 
-/* Whether one of the objects [first, end) has this name, and the side, unless that is 0. */
-static bool is_among(const conus_atlas *atlas, const char *name, char side, size_t first, size_t end)
+/* By name. */
+static int compare_names(const void *a, const void *b)
 {
-    bool found = false;
-    for (size_t i = first; i < end && !found; i++) {
-        found = (!side || atlas->objects[i].hemisphere == side) && strcmp(atlas->objects[i].name, name) == 0;
-    }
-    return found;
+    const conus_object *const *one = a;
+    const conus_object *const *other = b;
+    return strcmp((*one)->name, (*other)->name);
 }
 
-const char *conus_atlas_prefix(const conus_atlas *atlas, size_t number)
+/* What tells objects of one name apart. */
+static void set_prefixes(const char **out, const conus_atlas *atlas, const conus_object *const *named, size_t count)
 {
     static const char *const words[2][3] = {{"", "left", "right"}, {"area", "left area", "right area"}};
-    const conus_object *object = conus_atlas_object(atlas, number);
-    if (!object) {
-        return "";
+    size_t areas = 0, sides[2] = {0};
+    for (size_t i = 0; i < count; i++) {
+        bool is_area = named[i]->kind == CONUS_KIND_AREA;
+        areas += is_area;
+        sides[0] += is_area && named[i]->hemisphere == 'L';
+        sides[1] += is_area && named[i]->hemisphere == 'R';
     }
-    if (object->kind != CONUS_KIND_AREA) {
-        return is_among(atlas, object->name, 0, 0, atlas->area_count) ? atlas_kind_word(object->kind) : "";
+    for (size_t i = 0; i < count; i++) {
+        const char side = named[i]->hemisphere;
+        int word = sides[0] && sides[1] ? (side == 'L') + 2 * (side == 'R') : 0;
+        out[named[i] - atlas->objects + 1] = named[i]->kind == CONUS_KIND_AREA ? words[areas < count][word]
+                                             : areas                           ? atlas_kind_word(named[i]->kind)
+                                                                               : "";
     }
-    bool by_kind = is_among(atlas, object->name, 0, atlas->area_count, atlas->object_count);
-    char other = object->hemisphere == 'L' ? 'R' : 'L';
-    bool has_side = object->hemisphere == 'L' || object->hemisphere == 'R';
-    bool by_side = has_side && is_among(atlas, object->name, other, 0, atlas->area_count);
-    return words[by_kind][!by_side ? 0 : other == 'R' ? 1 : 2];
+}
+
+conus_status conus_atlas_prefixes(const char **prefixes, const conus_atlas *atlas)
+{
+    const conus_object **named = memory_raw(atlas->object_count + 1, sizeof *named);
+    if (!named) {
+        return CONUS_ERROR_MEMORY;
+    }
+    for (size_t i = 0; i < atlas->object_count; i++) {
+        named[i] = &atlas->objects[i];
+    }
+    qsort((void *)named, atlas->object_count, sizeof *named, compare_names);
+    for (size_t first = 0, end; first < atlas->object_count; first = end) {
+        for (end = first + 1; end < atlas->object_count && strcmp(named[first]->name, named[end]->name) == 0;) {
+            end++;
+        }
+        set_prefixes(prefixes, atlas, named + first, end - first);
+    }
+    prefixes[0] = "";
+    memory_free((void *)named);
+    return CONUS_OK;
 }
 
 size_t conus_atlas_volume_count(const conus_atlas *atlas)

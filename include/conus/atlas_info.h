@@ -81,17 +81,17 @@ CONUS_API const conus_object *conus_atlas_object(const conus_atlas *atlas, size_
 CONUS_API uint32_t conus_atlas_depth(const conus_atlas *atlas, size_t number);
 
 /**
- * Gives what tells object @p number from one of its name: no two pathways and bundles share a name, but an area and one
+ * Gives what tells each object from others of its name: no two pathways and bundles share a name, but an area and one
  * of them may, and so may a left and a right area whose table says which is which. Tables, legends and lists say it
  * where it is needed: "bundle Arc", "left insula".
+ * @param[out] prefixes [number of objects + 1], by number: "area", "pathway", "bundle", "left", "right", "left area" or
+ *             "right area", and "" where no name is shared, and for 0. The texts are static. Untouched on failure.
  * @param atlas The atlas.
- * @param number Number of the object.
- * @return "area", "pathway" or "bundle", "left" or "right", "left area" or "right area"; "" where no name is shared,
- * and for another number. Static.
+ * @return #CONUS_OK, or #CONUS_ERROR_MEMORY.
  * @threads Any, while none changes the atlas.
  * @since 0.1
  */
-CONUS_API const char *conus_atlas_prefix(const conus_atlas *atlas, size_t number);
+CONUS_API conus_status conus_atlas_prefixes(const char **prefixes, const conus_atlas *atlas);
 
 /**
  * Finds the pathway or bundle called @p name, or else the one area with that name, abbreviation or label.

@@ -43,7 +43,8 @@ struct picture_legend {
     struct legend legend;
     struct legend_row *rows;
     struct cells *cells;
-    struct buffer *names; /* [name_count] of what shares its name */
+    const char **prefixes; /* of conus_atlas_prefixes() */
+    struct buffer *names;  /* [name_count] of what shares its name */
     size_t name_count;
     char subtitle[TEXT_SIZE], words[TEXT_SIZE], more[TEXT_SIZE], colours[KEYS * COLOUR_ROWS][TEXT_SIZE];
     uint8_t bars[2][MARKS - 1][LEGEND_BAR][3]; /* of the ramp of numbers, and of haze */
@@ -146,7 +147,7 @@ static bool is_hidden(const struct picture *picture, uint32_t number)
 static const char *name_of(struct picture_legend *legend, const struct picture *picture, uint32_t number, bool hidden)
 {
     const char *name = picture->atlas->objects[number - 1].name;
-    const char *word = conus_atlas_prefix(picture->atlas, number);
+    const char *word = legend->prefixes[number];
     struct buffer *whole = &legend->names[legend->name_count];
     size_t tag = picture_tag(picture, number);
     if (!word[0] && !tag && !hidden) {
@@ -581,6 +582,7 @@ static void legend_destroy(struct picture_legend *legend)
             buffer_finish(&legend->names[i]);
         }
         memory_free(legend->names);
+        memory_free((void *)legend->prefixes);
         memory_free(legend->rows);
         memory_free(legend->cells);
         memory_free(legend);
@@ -602,8 +604,10 @@ conus_status picture_legend_init(struct picture *picture)
         legend->rows = memory_zeroed(most + KEYS * COLOUR_ROWS, sizeof *legend->rows);
         legend->cells = memory_zeroed(results + 1, sizeof *legend->cells);
         legend->names = memory_zeroed(most, sizeof *legend->names);
+        legend->prefixes = memory_zeroed(picture->atlas->object_count + 1, sizeof *legend->prefixes);
     }
-    if (!legend || !legend->rows || !legend->cells || !legend->names) {
+    if (!legend || !legend->rows || !legend->cells || !legend->names || !legend->prefixes ||
+        conus_atlas_prefixes(legend->prefixes, picture->atlas)) {
         legend_destroy(legend);
         return CONUS_ERROR_MEMORY;
     }

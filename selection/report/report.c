@@ -75,6 +75,12 @@ static conus_status report_frame(conus_frame *out, const conus_report_options *o
     return conus_space_name((size_t)out->space) ? CONUS_OK : fail(CONUS_ERROR_ARGUMENT, "frame: its space is none");
 }
 
+static conus_status find_prefixes(conus_report *report)
+{
+    report->prefixes = memory_zeroed(report->atlas->object_count + 1, sizeof *report->prefixes);
+    return report->prefixes ? conus_atlas_prefixes(report->prefixes, report->atlas) : CONUS_ERROR_MEMORY;
+}
+
 conus_status conus_report_create(conus_report **out, const conus_selector *selector,
                                  const conus_report_options *options)
 {
@@ -101,6 +107,7 @@ conus_status conus_report_create(conus_report **out, const conus_selector *selec
     report->name = options->atlas ? text_to_utf8(text_from(options->atlas)) : NULL;
     status = options->atlas && !report->name ? CONUS_ERROR_MEMORY : keep_level(report, selector);
     status = status || !report->options.electrodes ? status : report_read_electrodes(report);
+    status = status || options->format != CONUS_FORMAT_TABLE ? status : find_prefixes(report);
     bool is_draft = options->format == CONUS_FORMAT_BEP032;
     status = status || !is_draft ? status : report_bep032_create(&report->bep032, report->atlas);
     if (status) {
@@ -168,6 +175,7 @@ void conus_report_destroy(conus_report *report)
         return;
     }
     report_clear(report);
+    memory_free((void *)report->prefixes);
     memory_free(report->name);
     memory_free(report->level);
     memory_free(report->level_areas);

@@ -107,9 +107,10 @@ struct report_query {
 
 struct conus_report {
     const conus_atlas *atlas;
-    char *name;         /**< The value of the column `atlas`; NULL = there is none. */
-    conus_report *next; /**< Joined: its rows come behind these, query by query. NULL = none. */
-    bool is_joined;     /**< It is the next of another one. */
+    const char **prefixes; /**< Of conus_atlas_prefixes(), for CONUS_FORMAT_TABLE; else NULL. */
+    char *name;            /**< The value of the column `atlas`; NULL = there is none. */
+    conus_report *next;    /**< Joined: its rows come behind these, query by query. NULL = none. */
+    bool is_joined;        /**< It is the next of another one. */
     conus_selector_options selector;
     char score[FORMULA_LENGTH_LIMIT + 1]; /**< Name or formula of the ranking. */
     char *level;                          /**< NULL = none. */

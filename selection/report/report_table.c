@@ -32,7 +32,7 @@ const char *table_label(char out[TABLE_LABEL_SIZE], const conus_report *report, 
     const conus_object *labelled = conus_atlas_object(report->atlas, object);
     out[0] = '\0';
     if (labelled) {
-        const char *word = conus_atlas_prefix(report->atlas, object);
+        const char *word = report->prefixes[object];
         snprintf(out, TABLE_LABEL_SIZE, "%s%s%u", word, word[0] ? " " : "", labelled->label);
     }
     return out;

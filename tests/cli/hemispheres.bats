@@ -38,6 +38,19 @@ answers_are() {
     done | diff - wanted
 }
 
+@test "a left and a right area of one name are told apart in tables and legends" {
+    bands
+    printf 'index\tname\themisphere\n1\tTop\tL\n2\tTop\tR\n3\tThree\tL\n4\tFour\tR\n' >sides.tsv
+    local cone=(bands.nii --labels sides.tsv --origin=0,0,60 --toward=0,0,0 --angle 20)
+    answers query "${cone[@]}" -q
+    grep -Eq '^ +[12]  Top +left 1 ' <<<"$output"
+    grep -Eq '^ +[12]  Top +right 2 ' <<<"$output"
+    gl render "${cone[@]}" --legend right --size 400x300 -o two.svg -q
+    grep -q '>left Top</text>' two.svg
+    grep -q '>right Top</text>' two.svg
+    not grep -q '>Top</text>' two.svg
+}
+
 @test "lists are what conus query answers with the same hemispheres, forth and back" {
     need_window
     bands

@@ -22,12 +22,9 @@ bool view_atlas_init(struct view_atlas *out, const struct view_source *source)
     view.watch = file_watch_create(view.atlas);
     view.sides = malloc(view.object_count + 1);
     view.prefixes = calloc(view.object_count + 1, sizeof(const char *));
-    for (size_t number = 0; view.prefixes && number <= view.object_count; number++) {
-        view.prefixes[number] = conus_atlas_prefix(view.atlas, number);
-    }
     bool has_look = appearance_init(&view.appearance, view.object_count);
     if (!view.shown.hidden || !has_look || !view.path || !view.name || !view.watch || !view.prefixes || !view.sides ||
-        conus_atlas_sides(view.sides, view.atlas)) {
+        conus_atlas_sides(view.sides, view.atlas) || conus_atlas_prefixes(view.prefixes, view.atlas)) {
         view_atlas_finish(&view);
         return false;
     }

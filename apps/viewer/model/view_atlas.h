@@ -23,7 +23,7 @@ struct view_atlas {
     char *name; /**< In the column `atlas`; "" where it is the only one. */
     size_t object_count;
     char *sides;           /**< [object_count + 1] Of conus_atlas_sides(). */
-    const char **prefixes; /**< [object_count + 1] Of conus_atlas_prefix(). */
+    const char **prefixes; /**< [object_count + 1] Of conus_atlas_prefixes(). */
     double found_grey[2];  /**< Grey values of the context that the cuts show as black and white, unless the look says
                             others: what air and bright tissue have; both 0 without one. */
     struct appearance appearance;
