@@ -412,14 +412,14 @@ static void set_prefixes(const char **out, const conus_atlas *atlas, const conus
 
 conus_status conus_atlas_prefixes(const char **prefixes, const conus_atlas *atlas)
 {
-    const conus_object **named = memory_raw(atlas->object_count + 1, sizeof *named);
+    const conus_object **named = memory_raw(atlas->object_count + 1, sizeof(void *));
     if (!named) {
         return CONUS_ERROR_MEMORY;
     }
     for (size_t i = 0; i < atlas->object_count; i++) {
         named[i] = &atlas->objects[i];
     }
-    qsort((void *)named, atlas->object_count, sizeof *named, compare_names);
+    qsort((void *)named, atlas->object_count, sizeof(void *), compare_names);
     for (size_t first = 0, end; first < atlas->object_count; first = end) {
         for (end = first + 1; end < atlas->object_count && strcmp(named[first]->name, named[end]->name) == 0;) {
             end++;
