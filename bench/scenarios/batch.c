@@ -11,7 +11,6 @@
 #include "selection/selection.h"
 #include "selection/selector.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -90,7 +89,7 @@ static conus_status trace_all_poses(struct contender *contender)
     conus_selector *selector = contender->way->selector;
     struct cone cone = {.angle = contender->scene->angle, .resolution = selector->options.resolution};
     struct evidence evidence;
-    cone.slope = tan(cone.angle / 2);
+    cone.slope = cone_slope(&cone);
     conus_status status = evidence_init(&evidence, cone.resolution);
     status = status ? status : aperture_prepare(&selector->aperture, &cone);
     cone.tracing.wanted = selector->aperture.in_cone;

@@ -261,6 +261,7 @@ void cones_round_grid(struct cone *out, size_t count, const conus_volume_info *i
         const double outward[3] = {sqrt(1 - z * z) * cos(turn), sqrt(1 - z * z) * sin(turn), z};
         vec3_add_scaled(from, middle, bench_random(&seed, 200, 300), outward);
         out[i] = (struct cone){.angle = radians_from_degrees(angle_deg), .resolution = RESOLUTION};
+        out[i].slope = cone_slope(&out[i]); /* which a selector finds once for all its poses */
         conus_status status = conus_pose_toward(&out[i].pose, from, target, NULL);
         assert(!status);
         (void)status;
