@@ -457,11 +457,11 @@ static void mricron_s_templates_are_what_they_are(void **state)
                                          "inia19-NeuroMaps"};
     static const char *const images[] = {"ch2", "ch2bet", "ch2better"};
     char name[64];
-    for (size_t i = 0; i < sizeof labels / sizeof labels[0]; i++) {
+    for (size_t i = 0; i < test_trials(sizeof labels / sizeof labels[0]); i++) {
         snprintf(name, sizeof name, "%s.nii.gz", labels[i]);
         check_real(test_mricron(name), false, 4);
     }
-    for (size_t i = 0; i < sizeof images / sizeof images[0]; i++) {
+    for (size_t i = 0; i < test_trials(sizeof images / sizeof images[0]); i++) {
         snprintf(name, sizeof name, "%s.nii.gz", images[i]);
         check_real(test_mricron(name), true, 4);
     }
@@ -490,12 +490,12 @@ static void shared_volumes_are_what_they_are(void **state)
                                          "prob/juelich-fibre-pathways-u16/Callosal_body.nii.gz",
                                          "prob/juelich-fibre-pathways-u16/Uncinate_fascicle_R.nii.gz"};
     test_shared("labelvol");
-    for (size_t i = 0; i < sizeof labels / sizeof labels[0]; i++) {
+    for (size_t i = 0; i < test_trials(sizeof labels / sizeof labels[0]); i++) {
         char path[1024];
         snprintf(path, sizeof path, "%s/%s", test_shared(""), labels[i]);
         check_real(path, false, 4);
     }
-    for (size_t i = 0; i < sizeof images / sizeof images[0]; i++) {
+    for (size_t i = 0; i < test_trials(sizeof images / sizeof images[0]); i++) {
         char path[1024];
         snprintf(path, sizeof path, "%s/%s", test_shared(""), images[i]);
         check_real(path, true, 1);

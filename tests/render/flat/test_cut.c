@@ -365,14 +365,13 @@ static void change(conus_cut_view *view, conus_selection *const selections[2], u
 
 static void check_cutter(conus_atlas *atlas, uint64_t *state)
 {
-    enum { CHANGES = 60 };
     const conus_selector_options options = {.layers = CONUS_LAYERS_ALL};
     conus_selection *selections[] = {select_in(atlas, &options, 20), select_in(atlas, NULL, 60)};
     conus_cut_view view = {.width = SIDE, .height = SIDE, .fill = 0.4, .window = {-5, 90}};
     conus_cutter *cutter = NULL;
     assert_ok(conus_cutter_create(&cutter, atlas));
     assert_null(conus_cutter_rgba(cutter));
-    for (int i = 0; i < CHANGES; i++) {
+    for (size_t i = 0; i < test_trials(60); i++) {
         draw_as_alone(cutter, atlas, &view);
         change(&view, selections, state);
     }

@@ -101,7 +101,7 @@ static void random_names(void **state)
 {
     (void)state;
     uint64_t seed = 21;
-    for (size_t count = 1; count < 40000; count = count * 3 / 2 + 1) {
+    for (size_t count = 1; count < 40000; count = 2 * count + 1) {
         check_random(&seed, count, 1);
         check_random(&seed, count, 100);
         check_random(&seed, count, 100000);

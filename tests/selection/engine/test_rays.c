@@ -90,14 +90,14 @@ static void every_ray_equals_the_plain_traversal(void **state)
     (void)state;
     uint64_t random = 1;
     struct poses poses = {.count = 12};
-    for (int scene = 0; scene < 300; scene++) {
+    for (int scene = 0; scene < (int)test_trials(300); scene++) {
         conus_atlas *atlas = scene_atlas(&random, scene % 10 ? 24 : 70, scene % 3);
         poses.random = (uint64_t)scene;
         poses.warm = scene == 2;
         for_kernels(atlas, trace_from_random_poses, &poses);
         conus_atlas_destroy(atlas);
     }
-    assert_true(poses.hits > 200000);
+    assert_true(poses.hits > test_trials(200000));
 }
 
 /* Eq. 5 without a traversal: the occupied cell that the ray enters first, by the slab method over all cells. */
@@ -297,14 +297,14 @@ static void shallow_rays_equal_the_plain_traversal(void **state)
     (void)state;
     uint64_t random = 9;
     struct poses poses = {.count = 20};
-    for (int scene = 0; scene < 40; scene++) {
+    for (int scene = 0; scene < (int)test_trials(40); scene++) {
         conus_atlas *atlas = scene_atlas(&random, 100, 0);
         sprinkle(&atlas->volumes[0], &random);
         poses.random = (uint64_t)scene;
         for_kernels(atlas, trace_shallowly, &poses);
         conus_atlas_destroy(atlas);
     }
-    assert_true(poses.hits > 100000);
+    assert_true(poses.hits > test_trials(100000));
 }
 
 /* Eq. 7 literally: tries each plane of the volume's depth range in front of the device, in turn. */

@@ -458,7 +458,7 @@ static void a_bundle_is_in_the_cone_with_a_line_of_it(void **state)
     const double tube = 2;
     const conus_polylines lines = {
         .points = points, .type = CONUS_SCALAR_FLOAT32, .point_count = 2, .first = first, .streamline_count = 1};
-    const conus_selector_options options = {.resolution = 32, .radius = radius, .layers = CONUS_LAYERS_ALL};
+    const conus_selector_options options = {.resolution = 16, .radius = radius, .layers = CONUS_LAYERS_ALL};
     conus_atlas *atlas = mesh_scene_atlas();
     assert_ok(conus_atlas_add_polylines(atlas, &lines, &(conus_streamlines_options){.radius = tube}));
     conus_selector *selector = NULL;
@@ -471,7 +471,7 @@ static void a_bundle_is_in_the_cone_with_a_line_of_it(void **state)
     conus_selector_destroy(selector);
     const conus_chance *row = chance_of(jitter, 1);
     double in = below((radius - 3) / shift) - below((-radius - 3) / shift);
-    double reach = radius * 31 / 32 + tube;
+    double reach = radius * 15 / 16 + tube;
     double seen = below((reach - 3) / shift) - below((-reach - 3) / shift);
     assert_near(row->in_cone, in, 2e-3);
     assert_near(row->seen, seen, 5e-3);

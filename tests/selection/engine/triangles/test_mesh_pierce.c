@@ -329,7 +329,7 @@ static void intervals_are_where_the_surface_winds(void **state)
     (void)state;
     uint64_t random = 78;
     size_t interval_count = 0;
-    for (int i = 0; i < 150; i++) {
+    for (size_t i = 0; i < test_trials(150); i++) {
         conus_atlas *atlas = mesh_scene_atlas();
         struct mesh mesh = cubes(&random);
         mesh_scene_add(atlas, &mesh);
@@ -395,10 +395,10 @@ static void compare_open(const conus_selection *selection, uint32_t pixel, uint3
         (wanted > 0) != (first != NULL) || (first && fabs(first->entry - crossings[0].t) > 1e-9 * crossings[0].t);
 }
 
-static void compare_poses(uint64_t *random, const conus_atlas *atlas, int poses, struct compared *tally)
+static void compare_poses(uint64_t *random, const conus_atlas *atlas, size_t poses, struct compared *tally)
 {
     conus_selector *selector = selector_of_all(atlas);
-    for (int k = 0; k < poses; k++) {
+    for (size_t k = 0; k < poses; k++) {
         double origin[3], target[3];
         random_point(random, origin, k % 2 ? 60 : 250);
         random_point(random, target, 40);
@@ -429,10 +429,10 @@ static void the_brain_phantom_s_areas(void **state)
         assert_ok(phantom_brain_mesh(&mesh, i));
         mesh_scene_add(atlas, &mesh);
     }
-    compare_poses(&random, atlas, 6, &tally);
+    compare_poses(&random, atlas, test_trials(6), &tally);
     print_message("brain: %zu rays x areas, %zu intervals, %zu from an apex inside, %zu at edges\n", tally.rays,
                   tally.intervals, tally.inside, tally.at_edges);
-    assert_true(tally.intervals > 300 && tally.at_edges <= 1);
+    assert_true(tally.intervals > test_trials(300) && tally.at_edges <= 1);
     conus_atlas_destroy(atlas);
 }
 
@@ -447,12 +447,12 @@ static void julich_brain_s_areas(void **state)
     for (uint32_t object = 1; object <= atlas->object_count; object++) {
         closed += atlas_object_mesh(atlas, object)->shape.closed;
     }
-    compare_poses(&random, atlas, 6, &tally);
+    compare_poses(&random, atlas, test_trials(6), &tally);
     print_message(
         "Julich-Brain: %zu of %zu areas closed; %zu rays x areas, %zu intervals, %zu from an apex inside, %zu at "
         "edges\n",
         closed, atlas->object_count, tally.rays, tally.intervals, tally.inside, tally.at_edges);
-    assert_true(tally.intervals > 300 && tally.at_edges <= tally.intervals / 500);
+    assert_true(tally.intervals > test_trials(300) && tally.at_edges <= tally.intervals / 500);
     conus_atlas_destroy(atlas);
 }
 
@@ -461,7 +461,7 @@ static void julich_brain_s_areas(void **state)
 static void compare_allen(uint64_t *random, conus_selector *selector, const struct mesh *mesh, uint32_t object,
                           struct compared *tally)
 {
-    for (int k = 0; k < 2; k++) {
+    for (size_t k = 0; k < test_trials(2); k++) {
         size_t vertex = mesh->triangles[3 * (size_t)test_random(random, 0, (double)mesh->triangle_count)];
         double origin[3], target[3];
         for (int a = 0; a < 3; a++) {
@@ -498,7 +498,7 @@ static void allen_areas(void **state)
     print_message("Allen: %zu areas; %zu rays x areas, %zu intervals, %zu from an apex inside, %zu at edges\n", meshes,
                   tally.rays, tally.intervals, tally.inside, tally.at_edges);
     assert_int_equal(meshes, 55);
-    assert_true(tally.intervals > 300 && tally.inside > 1000);
+    assert_true(tally.intervals > test_trials(300) && tally.inside > test_trials(1000));
     conus_atlas_destroy(atlas);
 }
 
