@@ -2,7 +2,6 @@
 /* Starts threads for the pieces of some work, and waits for them. */
 #include "base/threads.h"
 
-#include <pthread.h>
 #include <sched.h>
 #include <signal.h>
 
@@ -20,40 +19,43 @@ size_t threads_for(uint64_t count, uint64_t least)
     return wanted ? (size_t)wanted : 1;
 }
 
-struct piece {
-    threads_work *work;
-    void *user;
-    size_t number;
-    pthread_t thread;
-    int failed; /* to start */
-};
-
 static void *run(void *user)
 {
-    const struct piece *piece = user;
+    const struct thread_piece *piece = user;
     piece->work(piece->user, piece->number);
     return NULL;
 }
 
 /* Signals are for the program's own threads. */
-void threads_run(threads_work *work, void *user, size_t count)
+void threads_start(struct thread_piece *out, threads_work *work, void *user, size_t piece)
 {
-    struct piece pieces[THREADS_MOST];
     sigset_t all;
     sigset_t before;
     sigfillset(&all);
+    *out = (struct thread_piece){.work = work, .user = user, .number = piece};
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    for (size_t i = 0; i + 1 < count; i++) {
-        pieces[i] = (struct piece){.work = work, .user = user, .number = i};
-        pieces[i].failed = pthread_create(&pieces[i].thread, NULL, run, &pieces[i]);
-    }
+    out->has_thread = pthread_create(&out->thread, NULL, run, out) == 0;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+void threads_wait(struct thread_piece *piece)
+{
+    if (piece->has_thread) {
+        pthread_join(piece->thread, NULL);
+    } else if (piece->work) {
+        piece->work(piece->user, piece->number);
+    }
+    *piece = (struct thread_piece){0};
+}
+
+void threads_run(threads_work *work, void *user, size_t count)
+{
+    struct thread_piece pieces[THREADS_MOST];
+    for (size_t i = 0; i + 1 < count; i++) {
+        threads_start(&pieces[i], work, user, i);
+    }
     work(user, count - 1);
     for (size_t i = 0; i + 1 < count; i++) {
-        if (pieces[i].failed) {
-            work(user, i);
-        } else {
-            pthread_join(pieces[i].thread, NULL);
-        }
+        threads_wait(&pieces[i]);
     }
 }

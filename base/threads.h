@@ -3,6 +3,8 @@
 #ifndef CONUS_BASE_THREADS_H
 #define CONUS_BASE_THREADS_H
 
+#include <pthread.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -18,6 +20,20 @@ typedef void threads_work(void *user, size_t piece);
 /** Does @p count pieces at once, up to THREADS_MOST, the last one on this thread, and waits for all. Where no thread
  * can be started, its piece is done here. */
 void threads_run(threads_work *work, void *user, size_t count);
+
+/** A piece under way. A zeroed one is none. */
+struct thread_piece {
+    threads_work *work;
+    void *user;
+    size_t number;
+    pthread_t thread;
+    bool has_thread;
+};
+
+/** Begins a piece on another thread. It is done by the time that threads_wait() returns: there, if none can be started.
+ * Whoever starts one has to wait for it. */
+void threads_start(struct thread_piece *out, threads_work *work, void *user, size_t piece);
+void threads_wait(struct thread_piece *piece);
 
 /** Where piece @p piece of @p pieces begins among @p count items; at a multiple of @p step, or at the end. */
 static inline size_t threads_begin(size_t piece, size_t pieces, size_t count, size_t step)

@@ -2,14 +2,13 @@
 /* Makes the tree of a tractogram: cuts its streamlines into runs, halves them at the median of their middles until a
  * leaf has few, and puts boxes around them. Until then runs are stored where their leaves will be, so that no more
  * memory is in use than in the end. */
-#include "atlas/tracts/tract_node.h"
+#include "atlas/tracts/tract_leaf.h"
 #include "atlas/tracts/tractogram.h"
-#include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/simd/processor.h"
 #include "base/threads.h"
 
-/* Far above the rounding of a run's thickness, which must not be too small. */
-#define BEND_SLACK 1e-6
+#include <assert.h>
 
 /* A run without a place in a leaf yet, of the size that it has there. */
 struct item {
@@ -45,48 +44,6 @@ static size_t count_runs(const struct tractogram *tractogram, size_t from, size_
     return count;
 }
 
-struct box {
-    float low[3], high[3];
-};
-
-static struct box no_box(void)
-{
-    return (struct box){{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-}
-
-static inline void extend(struct box *box, const float low[3], const float high[3])
-{
-    for (int a = 0; a < 3; a++) {
-        box->low[a] = low[a] < box->low[a] ? low[a] : box->low[a];
-        box->high[a] = high[a] > box->high[a] ? high[a] : box->high[a];
-    }
-}
-
-/* A box, and its extent along its diagonals. */
-struct hull {
-    struct box box;
-    double low[TRACT_DIAGONALS], high[TRACT_DIAGONALS];
-};
-
-static struct hull no_hull(void)
-{
-    struct hull hull = {.box = no_box()};
-    for (int d = 0; d < TRACT_DIAGONALS; d++) {
-        hull.low[d] = INFINITY;
-        hull.high[d] = -INFINITY;
-    }
-    return hull;
-}
-
-static inline void extend_hull(struct hull *hull, const struct hull *by)
-{
-    extend(&hull->box, by->box.low, by->box.high);
-    for (int d = 0; d < TRACT_DIAGONALS; d++) {
-        hull->low[d] = by->low[d] < hull->low[d] ? by->low[d] : hull->low[d];
-        hull->high[d] = by->high[d] > hull->high[d] ? by->high[d] : hull->high[d];
-    }
-}
-
 /* Exact: floats hold halves. */
 static inline void read_point(float out[3], const struct tractogram *tractogram, uint64_t index)
 {
@@ -108,90 +65,93 @@ static inline struct box box_of_points(const struct tractogram *tractogram, uint
     return box;
 }
 
-static inline struct hull hull_of_points(const struct tractogram *tractogram, uint64_t from, uint64_t count)
-{
-    struct hull hull = no_hull();
-    for (uint64_t i = from; i < from + count; i++) {
-        struct hull at;
-        read_point(at.box.low, tractogram, i);
-        memcpy(at.box.high, at.box.low, sizeof at.box.high);
-        for (int d = 0; d < TRACT_DIAGONALS; d++) {
-            at.low[d] = 0;
-            for (int a = 0; a < 3; a++) {
-                at.low[d] += tract_diagonal(d, a) * (double)at.box.low[a];
-            }
-            at.high[d] = at.low[d];
-        }
-        extend_hull(&hull, &at);
-    }
-    return hull;
-}
-
-/* Whether a streamline turns by more than 45 degrees at a point that has one before it and one behind it. */
-static bool is_sharp(const struct tractogram *tractogram, uint64_t point)
-{
-    float at[3][3];
-    float squares[2] = {0};
-    float dot = 0;
-    for (uint64_t i = 0; i < 3; i++) {
-        read_point(at[i], tractogram, point + i - 1);
-    }
-    for (int a = 0; a < 3; a++) {
-        float before = at[1][a] - at[0][a];
-        float behind = at[2][a] - at[1][a];
-        squares[0] += before * before;
-        squares[1] += behind * behind;
-        dot += before * behind;
-    }
-    return dot < 0 || 2 * dot * dot < squares[0] * squares[1];
-}
-
-/* Where to cut near a point that has two before it and one behind it: at a sharp turn next to it, if there is one. So
- * runs are slim. */
-static uint64_t place_of_cut(const struct tractogram *tractogram, uint64_t point, uint64_t end)
-{
-    if (is_sharp(tractogram, point)) {
-        return point;
-    }
-    if (is_sharp(tractogram, point - 1)) {
-        return point - 1;
-    }
-    return point + 2 < end && is_sharp(tractogram, point + 1) ? point + 1 : point;
-}
-
-/* Cuts streamlines from their first points on. */
-static void cut(struct item *out, const struct tractogram *tractogram, size_t first, size_t last)
-{
-    uint64_t longest = run_length(tractogram);
-    for (size_t s = first; s < last; s++) {
-        uint64_t from = tractogram->first[s];
-        uint64_t end = tractogram->first[s + 1];
-        size_t runs = runs_of(end - from, longest);
-        for (size_t k = 1; k <= runs; k++) {
-            uint64_t to = k < runs ? place_of_cut(tractogram, tractogram->first[s] + k * longest, end) : end - 1;
-            *out++ = (struct item){.segments = (uint16_t)(to - from), .point = (uint32_t)from};
-            from = to;
-        }
-    }
-}
-
 static double middle(const struct box *box, int axis)
 {
     return 0.5 * ((double)box->low[axis] + (double)box->high[axis]);
 }
 
-/* Gives items their middles in a cube that has the box round these. */
-static void frame(struct item *items, size_t count, const struct tractogram *tractogram, const struct box *around)
+/* A cube that has a box, and how many steps of a middle a mm has there. */
+struct cube {
+    const float *low;
+    double scale;
+};
+
+static struct cube cube_of(const struct box *around)
 {
     double size = 0;
     for (int a = 0; a < 3; a++) {
         size = fmax(size, (double)around->high[a] - (double)around->low[a]);
     }
-    double scale = size > 0 ? UINT16_MAX / size : 0;
-    for (size_t i = 0; i < count; i++) {
-        struct box box = box_of_points(tractogram, items[i].point, items[i].segments + 1U);
+    return (struct cube){around->low, size > 0 ? UINT16_MAX / size : 0};
+}
+
+/* Gives an item its middle in a cube. */
+static inline void frame(struct item *item, const struct tractogram *tractogram, const struct cube *cube)
+{
+    struct box box = box_of_points(tractogram, item->point, item->segments + 1U);
+    for (int a = 0; a < 3; a++) {
+        item->middle[a] = (uint16_t)((middle(&box, a) - (double)cube->low[a]) * cube->scale);
+    }
+}
+
+enum { BLOCK = 128 }; /* points of a streamline that are looked at together */
+
+/* Whether a streamline turns by more than 45 degrees at each of the `count` points from `from` on, at most BLOCK, that
+ * have one before them and one behind. */
+static void find_sharp(uint32_t *out, const struct tractogram *tractogram, uint64_t from, size_t count)
+{
+    float at[3][BLOCK + 2];
+    assert(count <= BLOCK);
+    for (size_t i = 0; i < count + 2; i++) {
+        float point[3];
+        read_point(point, tractogram, from + i - 1);
         for (int a = 0; a < 3; a++) {
-            items[i].middle[a] = (uint16_t)((middle(&box, a) - (double)around->low[a]) * scale);
+            at[a][i] = point[a];
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        float squares[2] = {0};
+        float dot = 0;
+        for (int a = 0; a < 3; a++) {
+            float before = at[a][i + 1] - at[a][i];
+            float behind = at[a][i + 2] - at[a][i + 1];
+            squares[0] += before * before;
+            squares[1] += behind * behind;
+            dot += before * behind;
+        }
+        out[i] = (dot < 0) | (2 * dot * dot < squares[0] * squares[1]);
+    }
+}
+
+/* Cuts streamlines from their first points on, and gives the runs their middles. Where a run of full length ends, a
+ * point before or behind is taken instead if the streamline turns sharply there and not here. So runs are slim. */
+static void cut(struct item *out, const struct tractogram *tractogram, size_t first, size_t last,
+                const struct cube *cube)
+{
+    uint32_t sharp[BLOCK];
+    uint64_t longest = run_length(tractogram);
+    for (size_t s = first; s < last; s++) {
+        uint64_t from = tractogram->first[s];
+        uint64_t end = tractogram->first[s + 1];
+        uint64_t known[2] = {0}; /* points of which `sharp` tells */
+        size_t runs = runs_of(end - from, longest);
+        for (size_t k = 1; k <= runs; k++) {
+            uint64_t to = k < runs ? tractogram->first[s] + k * longest : end - 1;
+            if (k < runs) {
+                uint64_t next = to + 2 < end ? to + 1 : to;
+                if (next >= known[1]) {
+                    known[0] = to - 1;
+                    known[1] = end - 1 - known[0] < BLOCK ? end - 1 : known[0] + BLOCK;
+                    find_sharp(sharp, tractogram, known[0], (size_t)(known[1] - known[0]));
+                }
+                const uint32_t *here = &sharp[to - known[0]];
+                if (!here[0]) {
+                    to = here[-1] ? to - 1 : here[next - to] ? next : to;
+                }
+            }
+            *out = (struct item){.segments = (uint16_t)(to - from), .point = (uint32_t)from};
+            frame(out++, tractogram, cube);
+            from = to;
         }
     }
 }
@@ -288,7 +248,10 @@ static void arrange(void *user, size_t piece)
     int axis = longest_axis(&size, items, count);
     if (size < COARSE) { /* of all middles; these are in a small part */
         struct box around = box_of_middles(items, count, tractogram);
-        frame(items, count, tractogram, &around);
+        struct cube cube = cube_of(&around);
+        for (size_t i = 0; i < count; i++) {
+            frame(&items[i], tractogram, &cube);
+        }
         axis = longest_axis(&size, items, count);
     }
     if (size > 0) {
@@ -308,84 +271,29 @@ static void arrange(void *user, size_t piece)
     }
 }
 
-/* The largest distance of the `count` points from a segment. */
-static double largest_distance(double points[][3], uint32_t count, const double a[3], const double b[3])
+/* Lanes without a run have the first one. */
+static void load_runs(struct tract_runs *runs, const struct item *items, size_t count,
+                      const struct tractogram *tractogram)
 {
-    double side[3];
-    double way[3];
-    double most = 0;
-    vec3_sub(side, b, a);
-    double squared = vec3_dot(side, side);
-    double inverse = squared > 0 ? 1 / squared : 0;
-    for (uint32_t k = 0; k < count; k++) {
-        vec3_sub(way, points[k], a);
-        double along = vec3_dot(way, side) * inverse;
-        vec3_add_scaled(way, way, -(along < 0 ? 0 : along > 1 ? 1 : along), side);
-        double square = vec3_dot(way, way);
-        most = square > most ? square : most;
+    assert(count > 0);
+    runs->longest = 1;
+    for (size_t lane = 0; lane < count; lane++) {
+        runs->longest = items[lane].segments > runs->longest ? items[lane].segments : runs->longest;
     }
-    return sqrt(most);
-}
-
-/* Half the vector from the chord of a run to its farthest point, if no other point is on the other side: a segment
- * moved so far is half as far from all of them. */
-static void find_shift(double out[3], double points[][3], uint32_t segments)
-{
-    double away[TRACT_RUN][3];
-    double side[3];
-    double most = 0;
-    uint32_t farthest = 0;
-    vec3_sub(side, points[segments], points[0]);
-    double squared = vec3_dot(side, side);
-    double inverse = squared > 0 ? 1 / squared : 0;
-    for (uint32_t k = 1; k < segments && squared > 0; k++) {
-        vec3_sub(away[k], points[k], points[0]);
-        vec3_add_scaled(away[k], away[k], -vec3_dot(away[k], side) * inverse, side);
-        double square = vec3_dot(away[k], away[k]);
-        farthest = square > most ? k : farthest;
-        most = square > most ? square : most;
-    }
-    vec3_scale(out, side, 0);
-    if (farthest) {
-        vec3_scale(out, away[farthest], 0.5);
-    }
-    for (uint32_t k = 1; k < segments && farthest; k++) {
-        if (vec3_dot(away[k], away[farthest]) < 0) {
-            vec3_scale(out, side, 0);
+    for (size_t lane = 0; lane < TRACT_LEAF; lane++) {
+        const struct item *item = &items[lane < count ? lane : 0];
+        float point[3];
+        for (uint32_t k = 0; k < runs->longest; k++) {
+            read_point(point, tractogram, item->point + (uint64_t)(k < item->segments ? k : 0));
+            for (int a = 0; a < 3; a++) {
+                runs->points[k][a][lane] = point[a];
+            }
         }
-    }
-}
-
-static uint8_t byte_of(double coordinate, double low, double step)
-{
-    double at = step > 0 ? (coordinate - low) / step + 0.5 : 0;
-    return (uint8_t)(at > 0 ? at < UINT8_MAX ? at : UINT8_MAX : 0);
-}
-
-/* Sets a run's ends. Returns the run's distance from the segment between them, and that of the ends themselves beyond
- * rounding. */
-static double set_ends(struct tract_leaf *leaf, size_t lane, const struct tractogram *tractogram)
-{
-    double points[TRACT_RUN + 1][3];
-    double ends[2][3];
-    double shift[3];
-    double off[3];
-    double largest = 0;
-    uint32_t segments = tract_leaf_segments(leaf, lane);
-    for (uint32_t k = 0; k <= segments; k++) {
-        tractogram_point(points[k], tractogram, leaf->point[lane] + (uint64_t)k);
-    }
-    find_shift(shift, points, segments);
-    for (uint32_t e = 0; e < 2; e++) {
-        const double *point = points[e * segments];
+        read_point(point, tractogram, item->point + (uint64_t)item->segments);
         for (int a = 0; a < 3; a++) {
-            leaf->ends[e][a][lane] = byte_of(point[a] + shift[a], (double)leaf->low[a], (double)leaf->step[a]);
-            ends[e][a] = (double)leaf->low[a] + leaf->ends[e][a][lane] * (double)leaf->step[a];
+            runs->last[a][lane] = point[a];
         }
-        vec3_sub(off, point, ends[e]);
-        largest = fmax(largest, vec3_length(off) - tract_leaf_rounding(leaf));
     }
-    return fmax(largest, largest_distance(points, segments + 1, ends[0], ends[1])) * (1 + BEND_SLACK);
 }
 
 static void set_bends(struct tract_leaf *leaf, const double bends[TRACT_LEAF])
@@ -395,35 +303,43 @@ static void set_bends(struct tract_leaf *leaf, const double bends[TRACT_LEAF])
     for (size_t lane = 0; lane < leaf->count; lane++) {
         largest = fmax(largest, bends[lane]);
     }
-    leaf->thickness = (float)(largest / LARGEST * (1 + BEND_SLACK));
+    leaf->thickness = (float)(largest / LARGEST * (1 + TRACT_BEND_SLACK));
     for (size_t lane = 0; lane < leaf->count && leaf->thickness > 0; lane++) {
         double multiple = ceil(bends[lane] / (double)leaf->thickness);
         leaf->bend[lane] |= (uint8_t)((unsigned)multiple << TRACT_SEGMENTS_BITS);
     }
 }
 
+static tract_leaf_kernel *fastest_kernel(void)
+{
+#if defined(__x86_64__)
+    if (processor_has_avx2()) {
+        return tract_leaf_set_avx2;
+    }
+#endif
+    return tract_leaf_set_plain;
+}
+
 /* Makes a leaf of `count` items and returns its hull. */
 static struct hull set_leaf(struct tract_leaf *out, const struct item *items, size_t count,
-                            const struct tractogram *tractogram)
+                            const struct tractogram *tractogram, tract_leaf_kernel *kernel)
 {
-    struct hull around = no_hull();
-    double bends[TRACT_LEAF] = {0};
+    struct tract_runs runs;
+    struct hull hull;
     *out = (struct tract_leaf){.count = (uint32_t)count};
+    load_runs(&runs, items, count, tractogram);
+    kernel(out, &hull, &runs);
     for (size_t lane = 0; lane < count; lane++) {
-        struct hull hull = hull_of_points(tractogram, items[lane].point, items[lane].segments + 1U);
-        extend_hull(&around, &hull);
         out->point[lane] = items[lane].point;
         out->bend[lane] = (uint8_t)items[lane].segments;
     }
-    for (int a = 0; a < 3; a++) {
-        out->low[a] = around.box.low[a];
-        out->step[a] = (float)(((double)around.box.high[a] - (double)around.box.low[a]) / UINT8_MAX);
+    for (size_t lane = count; lane < TRACT_LEAF; lane++) {
+        for (int a = 0; a < 3; a++) {
+            out->ends[0][a][lane] = out->ends[1][a][lane] = 0;
+        }
     }
-    for (size_t lane = 0; lane < count; lane++) {
-        bends[lane] = set_ends(out, lane, tractogram);
-    }
-    set_bends(out, bends);
-    return around;
+    set_bends(out, runs.bends);
+    return hull;
 }
 
 /* Prefetches the points of a run. */
@@ -495,6 +411,7 @@ static struct hull hull_of_lanes(const struct tract_node *node, size_t count)
 static void fill_leaves(struct tract_tree *tree, const struct item *items, const struct tractogram *tractogram,
                         size_t first, size_t end)
 {
+    tract_leaf_kernel *kernel = fastest_kernel();
     for (size_t from = first; from < end; from += TRACT_LEAF) {
         size_t left = end - from;
         size_t count = left < TRACT_LEAF ? left : TRACT_LEAF;
@@ -505,7 +422,7 @@ static void fill_leaves(struct tract_tree *tree, const struct item *items, const
         struct item taken[TRACT_LEAF];
         memcpy(taken, items + from, count * sizeof *taken);
         size_t number = from / TRACT_LEAF;
-        struct hull hull = set_leaf(&tree->leaves[number], taken, count, tractogram);
+        struct hull hull = set_leaf(&tree->leaves[number], taken, count, tractogram, kernel);
         set_hull(&tree->nodes[number / TRACT_WIDTH], number % TRACT_WIDTH, &hull);
     }
 }
@@ -541,16 +458,9 @@ static void cut_piece(void *user, size_t piece)
 {
     const struct growing *growing = user;
     size_t count = growing->tractogram->streamline_count;
+    struct cube cube = cube_of(&growing->around);
     cut(growing->items + growing->runs[piece], growing->tractogram, threads_begin(piece, growing->pieces, count, 1),
-        threads_begin(piece + 1, growing->pieces, count, 1));
-}
-
-static void frame_piece(void *user, size_t piece)
-{
-    const struct growing *growing = user;
-    size_t first = threads_begin(piece, growing->pieces, growing->tree->run_count, 1);
-    size_t end = threads_begin(piece + 1, growing->pieces, growing->tree->run_count, 1);
-    frame(growing->items + first, end - first, growing->tractogram, &growing->around);
+        threads_begin(piece + 1, growing->pieces, count, 1), &cube);
 }
 
 static void fill_piece(void *user, size_t piece)
@@ -594,7 +504,6 @@ static void grow(struct growing *growing, const struct tract_levels *levels)
     }
     threads_run(cut_piece, growing, growing->pieces);
     growing->pieces = threads_for(tree->run_count, WORTH_THREAD);
-    threads_run(frame_piece, growing, growing->pieces);
     struct range all = {growing->items, tree->run_count, tractogram, growing->pieces};
     arrange(&all, 0);
     threads_run(fill_piece, growing, growing->pieces);

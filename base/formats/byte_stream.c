@@ -5,6 +5,7 @@
 #include "base/files/file_trace.h"
 #include "base/formats/gzip.h"
 #include "base/memory.h"
+#include "base/threads.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -24,15 +25,19 @@ struct byte_source {
     uint64_t stored_left; /* bytes that were not read yet */
     struct sha256_ctx sum;
     uint8_t *window; /* unpacked bytes; stream->data is in it */
+    uint8_t *other;  /* another one, of what is not packed: its bytes are summed up while the next ones are read */
     size_t capacity;
+    struct thread_piece summing; /* of the `fresh_size` bytes at `fresh` */
+    const uint8_t *fresh;
+    size_t fresh_size;
     z_stream z;
     bool inflates;   /* z is to be ended */
     bool ended;      /* after the last member of gzip */
     uint8_t *stored; /* [STORED_BLOCK] of gzip: what zlib is fed with */
 };
 
-/* Reads as many stored bytes as there are, at most `most`. */
-static conus_status read_stored(struct byte_source *source, uint8_t *out, size_t most)
+/* Reads as many stored bytes as there are, at most `most`, which are yet to be summed up. */
+static conus_status read_unsummed(struct byte_source *source, uint8_t *out, size_t most)
 {
     size_t size = smaller_of(most, source->stored_left);
     for (size_t got = 0; got < size;) {
@@ -49,8 +54,45 @@ static conus_status read_stored(struct byte_source *source, uint8_t *out, size_t
         got += n > 0 ? (size_t)n : 0;
     }
     source->stored_left -= size;
-    sha256_update(&source->sum, size, out);
     return CONUS_OK;
+}
+
+static conus_status read_stored(struct byte_source *source, uint8_t *out, size_t most)
+{
+    size_t size = smaller_of(most, source->stored_left);
+    conus_status status = read_unsummed(source, out, most);
+    sha256_update(&source->sum, status ? 0 : size, out);
+    return status;
+}
+
+static void sum_fresh(void *user, size_t piece)
+{
+    struct byte_source *source = user;
+    (void)piece;
+    sha256_update(&source->sum, source->fresh_size, source->fresh);
+}
+
+/* Reads into the other window, which becomes the window, behind what is kept. Its sum is made while the caller looks at
+ * the bytes, and while the next ones are read. */
+static conus_status read_ahead(struct byte_source *source, const struct byte_stream *stream, size_t size)
+{
+    enum { WORTH_THREAD = 1 << 17 };
+    uint8_t *window = source->other;
+    source->other = source->window;
+    source->window = window;
+    memcpy(window, stream->data, stream->size);
+    conus_status status = read_unsummed(source, window + stream->size, size);
+    threads_wait(&source->summing);
+    if (!status) {
+        source->fresh = window + stream->size;
+        source->fresh_size = size;
+        if (threads_for(size, WORTH_THREAD) > 1) {
+            threads_start(&source->summing, sum_fresh, source, 0);
+        } else {
+            sum_fresh(source, 0);
+        }
+    }
+    return status;
 }
 
 /* Fills the packed bytes up, those that zlib has not seen first. */
@@ -127,13 +169,16 @@ conus_status byte_stream_need(struct byte_stream *stream, size_t count)
     if (stream->size >= count) {
         return CONUS_OK;
     }
-    memmove(source->window, stream->data, stream->size);
-    stream->data = source->window;
     size_t room = source->capacity - stream->size;
     size_t got = smaller_of(room, source->stored_left);
-    uint8_t *end = source->window + stream->size;
-    conus_status status = stream->is_packed ? inflate_some(source, end, room, stream->position + stream->size, &got)
-                                            : read_stored(source, end, got);
+    conus_status status;
+    if (stream->is_packed) {
+        memmove(source->window, stream->data, stream->size);
+        status = inflate_some(source, source->window + stream->size, room, stream->position + stream->size, &got);
+    } else {
+        status = read_ahead(source, stream, got);
+    }
+    stream->data = source->window;
     stream->size += status ? 0 : got;
     return status;
 }
@@ -159,6 +204,7 @@ conus_status byte_stream_sum(char out[65], struct byte_stream *stream)
         (!file_state_of(&now, source->descriptor) || !file_state_equal(&now, &source->before))) {
         return fail(CONUS_ERROR_IO, FILE_CHANGED);
     }
+    threads_wait(&source->summing);
     file_sha256_end(out, &source->sum);
     return CONUS_OK;
 }
@@ -167,6 +213,7 @@ void byte_stream_finish(struct byte_stream *stream)
 {
     struct byte_source *source = stream->source;
     if (source) {
+        threads_wait(&source->summing);
         if (source->inflates) {
             inflateEnd(&source->z);
         }
@@ -174,6 +221,7 @@ void byte_stream_finish(struct byte_stream *stream)
             close(source->descriptor);
         }
         memory_free(source->window);
+        memory_free(source->other);
         memory_free(source->stored);
         memory_free(source);
     }
@@ -197,9 +245,10 @@ static conus_status stream_start(struct byte_stream *stream)
     }
     stream->data = source->window;
     if (!stream->is_packed) {
+        source->other = memory_raw(source->capacity, 1);
         memcpy(source->window, magic, size);
         stream->size = size;
-        return CONUS_OK;
+        return source->other ? CONUS_OK : CONUS_ERROR_MEMORY;
     }
     source->stored = memory_raw(STORED_BLOCK, 1);
     if (!source->stored) {

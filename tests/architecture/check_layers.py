@@ -65,7 +65,7 @@ LIBRARY = {
     "base/formats": "base base/files base/child",
     "atlas/surface": "base base/geometry",
     "atlas/deformation": "base base/geometry",
-    "atlas/tracts": "base base/files base/geometry",
+    "atlas/tracts": "base base/files base/geometry base/simd",
     "atlas/labels": "base",
     "atlas": "base base/files base/geometry atlas/surface atlas/deformation atlas/tracts atlas/labels",
     "atlas/areas": "base base/files base/geometry atlas/labels atlas",

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Trees of streamlines: they have every segment once, and a walk finds the same runs as a loop over all. */
-#include "atlas/tracts/tract_node.h"
+#include "atlas/tracts/tract_leaf.h"
 #include "atlas/tracts/tractogram.h"
 #include "base/geometry/math3.h"
 #include "base/memory.h"
+#include "base/simd/processor.h"
 #include "test.h"
 
 #include <math.h>
@@ -342,8 +343,8 @@ static void check_walks(uint64_t *random, const struct tractogram *tractogram)
 static void a_walk_finds_what_a_loop_finds(void **state)
 {
     (void)state;
-    static const unsigned counts[][2] = {{0, 1},   {1, 0},   {1, 1},   {3, 2},     {8, 17},   {9, 17},
-                                         {64, 30}, {65, 30}, {511, 3}, {520, 100}, {3000, 30}};
+    static const unsigned counts[][2] = {{0, 1},   {1, 0},   {1, 1},   {3, 2},     {8, 17},    {9, 17},
+                                         {64, 30}, {65, 30}, {511, 3}, {520, 100}, {3000, 30}, {60, 900}};
     uint64_t random = 1;
     for (size_t i = 0; i < sizeof counts / sizeof counts[0]; i++) {
         struct tractogram tractogram = random_walks(&random, counts[i][0], counts[i][1]);
@@ -547,6 +548,38 @@ static void threads_make_the_same_tree(void **state)
     memory_free(at);
 }
 
+#if defined(__x86_64__)
+static void fill_at_random(float *out, size_t count, uint64_t *random)
+{
+    for (size_t i = 0; i < count; i++) {
+        out[i] = (float)floor(test_random(random, -9, 9)) / 3; /* so that points and distances are equal at times */
+    }
+}
+
+static void kernels_give_the_same_bits(void **state)
+{
+    enum { TRIALS = 500 };
+    (void)state;
+    uint64_t random = 6;
+    if (!processor_has_avx2()) {
+        skip();
+    }
+    for (uint32_t i = 0; i < TRIALS; i++) {
+        struct tract_leaf leaves[2] = {0};
+        struct hull hulls[2];
+        struct tract_runs runs[2] = {{.longest = 1 + i % TRACT_RUN}};
+        fill_at_random(runs[0].points[0][0], sizeof runs[0].points / sizeof(float), &random);
+        fill_at_random(runs[0].last[0], sizeof runs[0].last / sizeof(float), &random);
+        runs[1] = runs[0];
+        tract_leaf_set_plain(&leaves[0], &hulls[0], &runs[0]);
+        tract_leaf_set_avx2(&leaves[1], &hulls[1], &runs[1]);
+        assert_memory_equal(&leaves[0], &leaves[1], sizeof leaves[0]);
+        assert_memory_equal(&hulls[0], &hulls[1], sizeof hulls[0]);
+        assert_memory_equal(runs[0].bends, runs[1].bends, sizeof runs[0].bends);
+    }
+}
+#endif
+
 static void too_many_points_are_refused(void **state)
 {
     (void)state;
@@ -574,11 +607,18 @@ static void every_allocation_may_fail(void **state)
 TEST_GROUP(tract_tree)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_walk_finds_what_a_loop_finds),   cmocka_unit_test(equal_points_make_a_tree),
-        cmocka_unit_test(a_tree_follows_from_the_points),   cmocka_unit_test(a_tree_is_small),
-        cmocka_unit_test(a_point_far_away_spoils_no_order), cmocka_unit_test(threads_make_the_same_tree),
-        cmocka_unit_test(too_many_points_are_refused),      cmocka_unit_test(runs_are_slim),
+        cmocka_unit_test(a_walk_finds_what_a_loop_finds),
+        cmocka_unit_test(equal_points_make_a_tree),
+        cmocka_unit_test(a_tree_follows_from_the_points),
+        cmocka_unit_test(a_tree_is_small),
+        cmocka_unit_test(a_point_far_away_spoils_no_order),
+        cmocka_unit_test(threads_make_the_same_tree),
+        cmocka_unit_test(too_many_points_are_refused),
+        cmocka_unit_test(runs_are_slim),
         cmocka_unit_test(every_allocation_may_fail),
+#if defined(__x86_64__)
+        cmocka_unit_test(kernels_give_the_same_bits),
+#endif
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
