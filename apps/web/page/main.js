@@ -5,7 +5,7 @@ import { CUTS, Cut, View } from "./panes.js";
 import { candidates, chosen as chosenFiles, dropped, inside, read, unpacked } from "./files.js";
 
 /** @typedef {import("./state.js").Question} Question */
-const source = /** @type {HTMLElement} */ (document.documentElement.cloneNode(true)); // before anything changes
+const source = /** @type {HTMLElement} */ (document.documentElement.cloneNode(true)); // before anything changes, and without conus and the files, which stand below this code
 const FORMATS = { tsv: 1, csv: 2, json: 3 }; // of enum conus_format
 const REST = 150; // ms without a change, and pictures are drawn in full
 const BUSY = 12; // ms of a picture of 60 in a second, the rest is the browser's
@@ -45,8 +45,7 @@ const isInside = location.protocol === "about:"; // of another page, which has t
 
 // The worker: one message at a time
 
-/** @type {Worker} */
-let worker;
+const worker = new Worker(URL.createObjectURL(new Blob([$("#worker").textContent], { type: "text/javascript" })));
 let last = 0;
 const waiting = new Map();
 
@@ -58,22 +57,14 @@ function ask(call, data = {}, give = []) {
   });
 }
 
-/** Starts conus and gives the files inside the page. They are unpacked, and conus is compiled, while the worker starts. */
-async function startWorker() {
-  worker = new Worker(URL.createObjectURL(new Blob([$("#worker").textContent], { type: "text/javascript" })));
-  const compiled = WebAssembly.compileStreaming(new Response(unpacked($("#wasm")), { headers: { "Content-Type": "application/wasm" } }));
-  const files = inside();
-  worker.onmessage = ({ data }) => {
-    const { done, failed } = waiting.get(data.id);
-    waiting.delete(data.id);
-    if (data.objects) edition++;
-    if (data.error === undefined) done(data);
-    else failed(new Error(data.error));
-  };
-  worker.onerror = (event) => say(`the page cannot run: ${event.message}`);
-  await ask("start", { module: await compiled });
-  return files;
-}
+worker.onmessage = ({ data }) => {
+  const { done, failed } = waiting.get(data.id);
+  waiting.delete(data.id);
+  if (data.objects) edition++;
+  if (data.error === undefined) done(data);
+  else failed(new Error(data.error));
+};
+worker.onerror = (event) => say(`the page cannot run: ${event.message}`);
 
 // Words
 
@@ -202,12 +193,13 @@ function wanted(pane, isMoving) {
   return { pane, request, key: JSON.stringify([request, edition, chosen, pane instanceof Cut && { ...question, cut: 0 }]) };
 }
 
+/** The worker draws while this thread draws what lies over its pictures. */
 function draw() {
   isDue = false;
-  fillFields();
-  for (const pane of panes) pane.annotate(question, end, objects);
   if (busy) again = true;
   else if (atlas) answer();
+  fillFields();
+  if (atlas) for (const pane of panes) pane.annotate(question, end, objects);
 }
 
 async function answer() {
@@ -449,13 +441,15 @@ new ResizeObserver(() => { layOut(); redraw(true); }).observe($("#panes"));
 
 /** One of the files that are offered. @param {string} name */
 async function open(name) {
+  const isFirst = !atlas;
   ({ atlas, objects } = await ask("open", { name }));
   if ($("#safe").checked) ({ objects } = await ask("colours", { safe: true }));
   files = offered;
   atlasFile = name;
   chosen = 0;
   for (const pane of panes) pane.frame(atlas.low, atlas.high);
-  if (document.body.classList.replace("empty", "full") && toFragment(question, "") === toFragment(START, "")) aimAt(atlas.low, atlas.high);
+  document.body.classList.replace("empty", "full");
+  if (isFirst && toFragment(question, "") === toFragment(START, "")) aimAt(atlas.low, atlas.high);
   layOut();
   describeAtlas();
   $("#choose-t1").disabled = false;
@@ -538,9 +532,6 @@ function download(name, blob) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
 
-/** @param {string} text */
-const escape = (text) => text.replaceAll("&", "&amp;").replaceAll('"', "&quot;").replaceAll("<", "&lt;");
-
 /** @param {ArrayBuffer} bytes */
 function toBase64(bytes) {
   const all = new Uint8Array(bytes);
@@ -549,16 +540,22 @@ function toBase64(bytes) {
   return btoa(text);
 }
 
-/** This page with the open atlas and the question inside. */
+/** This page with the open atlas and the question inside, as `conus page` writes it. */
 function wholePage() {
+  const page = /** @type {HTMLElement} */ (source.cloneNode(true));
+  const add = (/** @type {string} */ type, /** @type {string} */ text, /** @type {object} */ names) => {
+    const block = Object.assign(document.createElement("script"), { type, textContent: text });
+    for (const [name, value] of Object.entries(names)) block.setAttribute(name, value);
+    page.lastElementChild?.append(block, "\n");
+  };
+  page.lastElementChild?.append($("#wasm").cloneNode(true), "\n", document.createComment(" atlas "), "\n");
   const first = files.filter(([name]) => name === atlasFile);
-  const blocks = [...first, ...files.filter(([name]) => name !== atlasFile)].map(([name, bytes, isImage]) =>
-    `<script type="application/octet-stream" data-file="${escape(name)}"${isImage ? " data-context" : ""}>${toBase64(bytes)}</` + "script>");
+  for (const [name, bytes, isImage] of [...first, ...files.filter(([name]) => name !== atlasFile)]) {
+    add("application/octet-stream", toBase64(bytes), { "data-file": name, ...isImage && { "data-context": "" } });
+  }
   const asked = JSON.stringify({ fragment: toFragment(question, identity()), version: atlas.version, rows: rowsText });
-  const page = `<!doctype html>\n${source.outerHTML}`;
-  const mark = page.indexOf("<!-- atlas -->"); // behind it: the blocks that were inside, then this code
-  const code = page.indexOf("<script>", mark);
-  return `${page.slice(0, mark)}<!-- atlas -->\n${blocks.join("\n")}\n<script type="application/json" id="question">${asked.replaceAll("<", "\\u003c")}</` + `script>\n${page.slice(code)}`;
+  add("application/json", asked.replaceAll("<", "\\u003c"), { id: "question" });
+  return `<!doctype html>\n${page.outerHTML}`;
 }
 
 /** The four pictures side by side with what is drawn over them. */
@@ -608,7 +605,15 @@ addEventListener("hashchange", () => attempt(async () => {
   redraw();
 }));
 
-attempt(async () => {
+/** Opens what is inside the page. Conus is compiled while its worker starts and the files are unpacked. */
+async function start() {
+  const compiled = WebAssembly.compileStreaming(new Response(unpacked($("#wasm")), { headers: { "Content-Type": "application/wasm" } }));
+  const unpacking = inside();
+  const names = [...document.querySelectorAll("script[data-file]")].map((block) => /** @type {HTMLElement} */ (block).dataset.file);
+  if (names.length) {
+    $("#atlas").textContent = `Opening ${names[0]} …`;
+    document.body.classList.replace("empty", "full");
+  }
   showTab(0);
   view.over.setAttribute("aria-label", "3-D view of the atlas and the cone. Ctrl and arrows turn it.");
   $('[data-save="link"]').hidden = isInside;
@@ -623,14 +628,23 @@ attempt(async () => {
   } catch (error) {
     refused = /** @type {Error} */ (error).message; // and nothing is guessed
   }
-  offered = /** @type {any} */ (await startWorker());
-  if (offered.length) {
-    await ask("put", { files: offered });
-    await open(offered[0][0]).finally(() => redraw());
-    const image = /** @type {any} */ (files).find((/** @type {any} */ file) => file[2]);
-    if (image) ({ atlas, objects } = await ask("context", { name: image[0] }));
-    describeAtlas();
-    draw(); // not in the next frame
+  offered = /** @type {any} */ (await unpacking);
+  const steps = [ask("start", { module: await compiled })];
+  if (names.length) {
+    const image = offered.find((file) => file[2]);
+    steps.push(ask("put", { files: offered }), open(offered[0][0]));
+    if (image) steps.push(ask("context", { name: image[0] }).then((opened) => { ({ atlas, objects } = opened); }));
+    else ask("draw", { question, cuts: [], view: null, chosen: 0, given: [] }).catch(() => {}); // the worker goes on while this thread reads what it opened
   }
+  await Promise.all(steps).finally(() => {
+    if (!atlas) return;
+    draw(); // not in the next frame
+    describeAtlas();
+  });
   say(refused);
-}).finally(() => { document.body.dataset.ready = "yes"; });
+}
+
+addEventListener("DOMContentLoaded", () => attempt(start).finally(() => {
+  if (!atlas) document.body.classList.replace("full", "empty");
+  document.body.dataset.ready = "yes";
+}));

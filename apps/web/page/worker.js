@@ -77,7 +77,8 @@ const CALLS = {
   text: ({ format }) => ({ text: format === "sidecar" ? conus.sidecar() : conus.rows(format) }),
 };
 
-self.onmessage = async ({ data }) => {
+let last = Promise.resolve();
+const answer = async ({ data }) => {
   try {
     const out = await CALLS[data.call](data);
     const give = [...(out.cuts ?? []), ...(out.view ? [out.view] : [])].flatMap((picture) => Object.values(picture));
@@ -88,3 +89,4 @@ self.onmessage = async ({ data }) => {
     self.postMessage({ id: data.id, error: words });
   }
 };
+self.onmessage = (event) => { last = last.then(() => answer(event)); }; // one after the other

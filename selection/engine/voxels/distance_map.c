@@ -28,7 +28,9 @@ struct scratch {
     struct bits *nothing; /* [bricks[0]]: an empty row, outside the grid */
     uint8_t *distance;    /* to the nearest occupied brick, with a border of one brick all around, so that every ... */
     ptrdiff_t stride[3];  /* ... brick has its neighbours */
-    uint8_t *beside;      /* [1 + voxels along i + 1] */
+    size_t (*growing)[3]; /* [growing_count] the bricks that a step of the growth may change */
+    size_t growing_count;
+    uint8_t *beside; /* [1 + voxels along i + 1] */
 };
 
 /* Parts of a layer, of one bit a voxel each; the codes' planes come first. */
@@ -56,9 +58,10 @@ static conus_status scratch_init(struct scratch *scratch, const struct distance_
         }
     }
     scratch->nothing = memory_zeroed(scratch->bricks[0], sizeof *scratch->nothing);
+    scratch->growing = memory_raw(count, sizeof *scratch->growing);
     scratch->distance = memory_raw(count, sizeof *scratch->distance);
     scratch->beside = memory_zeroed(map->dim[0] + 2, sizeof *scratch->beside);
-    if (!scratch->nothing || !scratch->distance || !scratch->beside) {
+    if (!scratch->nothing || !scratch->growing || !scratch->distance || !scratch->beside) {
         return CONUS_ERROR_MEMORY;
     }
     memset(scratch->distance, FAR_BRICKS, count);
@@ -206,97 +209,124 @@ static void for_rows(struct scratch *scratch, row_step *step)
     }
 }
 
-/* Whether no code of the brick counts: all of it is reached, or it is so far that its codes follow from that. */
-static bool has_no_codes(const struct bits *grown, int distance)
+static bool is_full(const struct bits *bits)
 {
     uint64_t all = UINT64_MAX;
     for (int w = 0; w < BRICK_WORDS; w++) {
-        all &= grown->word[w];
+        all &= bits->word[w];
     }
-    return all == UINT64_MAX || far_of(distance) > FINE_LEVELS;
+    return all == UINT64_MAX;
+}
+
+/* Lists the bricks that the growth of a level may change: others are full, in both of the growth's parts, or too far
+ * away. Those that it reaches for the first time have been out of reach in all levels before. */
+static void list_growing(struct scratch *scratch, int level)
+{
+    size_t count = scratch->bricks[0] * scratch->bricks[1] * scratch->bricks[2];
+    scratch->growing_count = 0;
+    for (size_t n = 0; n < count; n++) {
+        const size_t at[3] = {n % scratch->bricks[0], n / scratch->bricks[0] % scratch->bricks[1],
+                              n / scratch->bricks[0] / scratch->bricks[1]};
+        int first = far_of(distance_of(scratch, at[1], at[2])[at[0]]);
+        if (first > level) {
+            continue;
+        }
+        struct bits *planes = row_of(scratch, 0, at[1], at[2]) + at[0] * PLANES;
+        for (int p = 0; p < PLANES && first == level; p++) {
+            memset(&planes[p], (level - 1) >> p & 1 ? UINT8_MAX : 0, sizeof planes[p]);
+        }
+        const struct bits *grown = row_of(scratch, scratch->grown, at[1], at[2]) + at[0];
+        if (is_full(grown)) {
+            row_of(scratch, scratch->other, at[1], at[2])[at[0]] = *grown;
+        } else {
+            memcpy(scratch->growing[scratch->growing_count++], at, sizeof at);
+        }
+    }
+}
+
+/* Calls step for every brick that grows. */
+typedef void brick_step(struct scratch *scratch, size_t i, size_t j, size_t k);
+
+static void for_growing(struct scratch *scratch, brick_step *step)
+{
+    for (size_t n = 0; n < scratch->growing_count; n++) {
+        step(scratch, scratch->growing[n][0], scratch->growing[n][1], scratch->growing[n][2]);
+    }
 }
 
 /* Adds 1 to the code of every voxel that the growth has not reached. */
-static void count_row(struct scratch *scratch, size_t j, size_t k)
+static void count_brick(struct scratch *scratch, size_t i, size_t j, size_t k)
 {
-    const struct bits *grown = row_of(scratch, scratch->grown, j, k);
-    const uint8_t *distance = distance_of(scratch, j, k);
-    struct bits *planes = row_of(scratch, 0, j, k);
-    for (size_t b = 0; b < scratch->bricks[0]; b++) {
-        for (int w = has_no_codes(&grown[b], distance[b]) ? BRICK_WORDS : 0; w < BRICK_WORDS; w++) {
-            uint64_t carry = ~grown[b].word[w];
-            for (int p = 0; p < PLANES; p++) {
-                uint64_t *plane = &planes[b * PLANES + (size_t)p].word[w];
-                uint64_t sum = *plane ^ carry;
-                carry &= *plane;
-                *plane = sum;
-            }
+    const struct bits *grown = row_of(scratch, scratch->grown, j, k) + i;
+    struct bits *planes = row_of(scratch, 0, j, k) + i * PLANES;
+    for (int w = 0; w < BRICK_WORDS; w++) {
+        uint64_t carry = ~grown->word[w];
+        for (int p = 0; p < PLANES; p++) {
+            uint64_t *plane = &planes[p].word[w];
+            uint64_t sum = *plane ^ carry;
+            carry &= *plane;
+            *plane = sum;
         }
     }
 }
 
 #define EVERY_ROW(byte) (UINT64_C(0x0101010101010101) * (byte))
 
-static void grow_row_along_i(struct scratch *scratch, size_t j, size_t k)
+static void grow_along_i(struct scratch *scratch, size_t i, size_t j, size_t k)
 {
-    const struct bits *from = row_of(scratch, scratch->grown, j, k);
-    struct bits *to = row_of(scratch, scratch->other, j, k);
-    for (size_t b = 0; b < scratch->bricks[0]; b++) {
-        const struct bits *before = b ? &from[b - 1] : scratch->nothing;
-        const struct bits *behind = b + 1 < scratch->bricks[0] ? &from[b + 1] : scratch->nothing;
-        for (int w = 0; w < BRICK_WORDS; w++) {
-            uint64_t x = from[b].word[w];
-            uint64_t up = (x << 1 & EVERY_ROW(0xfe)) | (before->word[w] >> 7 & EVERY_ROW(0x01));
-            uint64_t down = (x >> 1 & EVERY_ROW(0x7f)) | (behind->word[w] << 7 & EVERY_ROW(0x80));
-            to[b].word[w] = x | up | down;
-        }
+    const struct bits *from = row_of(scratch, scratch->grown, j, k) + i;
+    const struct bits *before = i ? from - 1 : scratch->nothing;
+    const struct bits *behind = i + 1 < scratch->bricks[0] ? from + 1 : scratch->nothing;
+    struct bits *to = row_of(scratch, scratch->other, j, k) + i;
+    for (int w = 0; w < BRICK_WORDS; w++) {
+        uint64_t x = from->word[w];
+        uint64_t up = (x << 1 & EVERY_ROW(0xfe)) | (before->word[w] >> 7 & EVERY_ROW(0x01));
+        uint64_t down = (x >> 1 & EVERY_ROW(0x7f)) | (behind->word[w] << 7 & EVERY_ROW(0x80));
+        to->word[w] = x | up | down;
     }
 }
 
-static void grow_row_along_j(struct scratch *scratch, size_t j, size_t k)
+static void grow_along_j(struct scratch *scratch, size_t i, size_t j, size_t k)
 {
-    const struct bits *from = row_of(scratch, scratch->other, j, k);
-    const struct bits *before = row_or_nothing(scratch, scratch->other, j - 1, k);
-    const struct bits *behind = row_or_nothing(scratch, scratch->other, j + 1, k);
-    struct bits *to = row_of(scratch, scratch->grown, j, k);
-    for (size_t b = 0; b < scratch->bricks[0]; b++) {
-        for (int w = 0; w < BRICK_WORDS; w++) {
-            uint64_t x = from[b].word[w];
-            uint64_t up = x << 8 | before[b].word[w] >> 56;
-            uint64_t down = x >> 8 | behind[b].word[w] << 56;
-            to[b].word[w] = x | up | down;
-        }
+    const struct bits *from = row_of(scratch, scratch->other, j, k) + i;
+    const struct bits *before = row_or_nothing(scratch, scratch->other, j - 1, k) + i;
+    const struct bits *behind = row_or_nothing(scratch, scratch->other, j + 1, k) + i;
+    struct bits *to = row_of(scratch, scratch->grown, j, k) + i;
+    for (int w = 0; w < BRICK_WORDS; w++) {
+        uint64_t x = from->word[w];
+        uint64_t up = x << 8 | before->word[w] >> 56;
+        uint64_t down = x >> 8 | behind->word[w] << 56;
+        to->word[w] = x | up | down;
     }
 }
 
-static void grow_row_along_k(struct scratch *scratch, size_t j, size_t k)
+static void grow_along_k(struct scratch *scratch, size_t i, size_t j, size_t k)
 {
-    const struct bits *from = row_of(scratch, scratch->grown, j, k);
-    const struct bits *below = row_or_nothing(scratch, scratch->grown, j, k - 1);
-    const struct bits *above = row_or_nothing(scratch, scratch->grown, j, k + 1);
-    struct bits *to = row_of(scratch, scratch->other, j, k);
-    for (size_t b = 0; b < scratch->bricks[0]; b++) {
-        uint64_t before = below[b].word[BRICK_WORDS - 1];
-        for (int w = 0; w < BRICK_WORDS; w++) {
-            uint64_t after = w + 1 < BRICK_WORDS ? from[b].word[w + 1] : above[b].word[0];
-            to[b].word[w] = before | from[b].word[w] | after;
-            before = from[b].word[w];
-        }
+    const struct bits *from = row_of(scratch, scratch->grown, j, k) + i;
+    const struct bits *below = row_or_nothing(scratch, scratch->grown, j, k - 1) + i;
+    const struct bits *above = row_or_nothing(scratch, scratch->grown, j, k + 1) + i;
+    struct bits *to = row_of(scratch, scratch->other, j, k) + i;
+    uint64_t before = below->word[BRICK_WORDS - 1];
+    for (int w = 0; w < BRICK_WORDS; w++) {
+        uint64_t after = w + 1 < BRICK_WORDS ? from->word[w + 1] : above->word[0];
+        to->word[w] = before | from->word[w] | after;
+        before = from->word[w];
     }
 }
 
 static void count_fine_distances(struct scratch *scratch)
 {
-    for_rows(scratch, count_row);
     for (int level = 1; level < FINE_LEVELS; level++) {
-        for_rows(scratch, grow_row_along_i);
-        for_rows(scratch, grow_row_along_j);
-        for_rows(scratch, grow_row_along_k);
+        list_growing(scratch, level);
+        for_growing(scratch, count_brick);
+        for_growing(scratch, grow_along_i);
+        for_growing(scratch, grow_along_j);
+        for_growing(scratch, grow_along_k);
         size_t grown = scratch->other;
         scratch->other = scratch->grown;
         scratch->grown = grown;
-        for_rows(scratch, count_row);
     }
+    for_growing(scratch, count_brick);
 }
 
 static void mark_distance_row(struct scratch *scratch, size_t j, size_t k)
@@ -473,6 +503,7 @@ static conus_status fill_dense(struct distance_map *map, const struct volume *vo
     }
     memory_free(planes);
     memory_free(scratch.nothing);
+    memory_free(scratch.growing);
     memory_free(scratch.distance);
     memory_free(scratch.beside);
     return status;
