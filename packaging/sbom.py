@@ -39,11 +39,11 @@ def main(version, folder):
     own = package("conus", version, licenseConcluded="BSD-3-Clause", licenseDeclared="BSD-3-Clause",
                   copyrightText="2026 The conus authors", homepage=home)
     others = [package(name, found) for name, found in build_depends()]
-    files = [{"SPDXID": f"SPDXRef-File-{number}", "fileName": f"./{file.name}",
+    files = [{"SPDXID": f"SPDXRef-File-{number}", "fileName": f"./{file.relative_to(folder)}",
               "checksums": [{"algorithm": "SHA256", "checksumValue": hashlib.sha256(file.read_bytes()).hexdigest()},
                             {"algorithm": "SHA1", "checksumValue": hashlib.sha1(file.read_bytes()).hexdigest()}],
               "licenseConcluded": "NOASSERTION", "copyrightText": "NOASSERTION"}
-             for number, file in enumerate(sorted(folder.iterdir())) if not file.name.endswith(".part")]
+             for number, file in enumerate(sorted(folder.rglob("*"))) if file.is_file() and not file.name.endswith(".part")]
     content = hashlib.sha256(json.dumps([files, others]).encode()).hexdigest()
     json.dump({
         "spdxVersion": "SPDX-2.3", "dataLicense": "CC0-1.0", "SPDXID": "SPDXRef-DOCUMENT", "name": f"conus-{version}",
