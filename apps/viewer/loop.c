@@ -186,6 +186,7 @@ static void draw_window(struct window *window)
     ui_navigate_lists(window->frame.navigated);
     ui_begin();
     navigate(window);
+    ui_disable(window->files.asked.count > 0); /* the question is before all else */
     draw_panels(window);
     if (window->forms.show_help) {
         keys_draw_help(window);
@@ -196,6 +197,7 @@ static void draw_window(struct window *window)
     if (window->forms.added.open && window->viewer && !window->start.on && !window->dialog.on) {
         panel_added(window);
     }
+    ui_disable_end();
     if (window->files.asked.count) {
         panel_ask(window);
     }
