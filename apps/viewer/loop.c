@@ -191,7 +191,7 @@ static void draw_window(struct window *window)
     if (window->forms.show_help) {
         keys_draw_help(window);
     }
-    if (window->forms.figure.open && window->viewer && !window->start.on) {
+    if (window->forms.figure.open && window->viewer && !window->start.on && !window->dialog.on) {
         panel_figure(window);
     }
     if (window->forms.added.open && window->viewer && !window->start.on && !window->dialog.on) {
