@@ -88,18 +88,24 @@ int outputs_check_sidecar(const char *path)
                : print_usage_error("%s: there is a file that is no sidecar, which a sidecar does not replace", path);
 }
 
+int output_check_folder(const char *path, int mode)
+{
+    const char *slash = strrchr(path, '/');
+    char *folder = slash ? strndup(path, (size_t)(slash + 1 - path)) : strdup(".");
+    if (!folder) {
+        return print_no_memory();
+    }
+    int code = access(folder, mode) ? print_system_error(path, "write") : EXIT_DONE;
+    free(folder);
+    return code;
+}
+
 int outputs_check(const struct outputs *outputs, bool force)
 {
     for (size_t i = 0; i < outputs->count; i++) {
         const struct output *output = &outputs->items[i];
         /* Without this check, the message would name a temporary file or the sidecar, which is written first. */
-        const char *slash = strrchr(output->path, '/');
-        char *folder = slash ? strndup(output->path, (size_t)(slash + 1 - output->path)) : strdup(".");
-        if (!folder) {
-            return print_no_memory();
-        }
-        int code = access(folder, F_OK) ? print_system_error(output->path, "write") : EXIT_DONE;
-        free(folder);
+        int code = output_check_folder(output->path, F_OK);
         if (!code && is_there(output->path) && !force) {
             code =
                 print_usage_error("%s: there is a file already (%s); --force replaces it", output->path, output->what);

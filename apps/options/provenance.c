@@ -5,11 +5,13 @@
 #include "options/input_file.h"
 #include "options/messages.h"
 #include "options/output.h"
+#include "options/outputs.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum { CHUNK = 1 << 13, DIGITS = 9 };
 
@@ -358,7 +360,9 @@ int answer_write(conus_report *report, const char *path, const char *sidecar, co
         return print_no_memory();
     }
     memcpy(kept, text, size);
-    int code = answer_write_sidecar(report, path, sidecar, provenance, kept, size);
+    /* The sidecar is written first, but it is the answer that was asked for, and that a message names. */
+    int code = access(path, F_OK) ? output_check_folder(path, W_OK) : EXIT_DONE;
+    code = code ? code : answer_write_sidecar(report, path, sidecar, provenance, kept, size);
     code = code ? code : output_write_table(path, kept, size);
     free(kept);
     return code;

@@ -186,16 +186,18 @@ static void draw_window(struct window *window)
     ui_navigate_lists(window->frame.navigated);
     ui_begin();
     navigate(window);
+    ui_disable(window->files.asked.count > 0); /* the question is before all else */
     draw_panels(window);
     if (window->forms.show_help) {
         keys_draw_help(window);
     }
-    if (window->forms.figure.open && window->viewer && !window->start.on) {
+    if (window->forms.figure.open && window->viewer && !window->start.on && !window->dialog.on) {
         panel_figure(window);
     }
     if (window->forms.added.open && window->viewer && !window->start.on && !window->dialog.on) {
         panel_added(window);
     }
+    ui_disable_end();
     if (window->files.asked.count) {
         panel_ask(window);
     }

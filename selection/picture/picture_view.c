@@ -147,12 +147,12 @@ static void cone_axis(double out[3], const struct cone *cone)
     vec3_scale(out, cone->pose.world_from_device + 8, -1);
 }
 
-/* To just behind the farthest contact, or through everything where nothing was hit. */
+/* To just behind the farthest contact, which may be the apex, or through everything where nothing was hit. */
 static double cone_length(const struct picture *picture, const conus_selection *selection)
 {
     const double *apex = selection->cone.pose.world_from_device + 12;
     double axis[3], offset[3];
-    double length = 0;
+    double length = -INFINITY;
     if (cone_has_range(&selection->cone)) {
         return selection->cone.range[1];
     }
@@ -164,7 +164,7 @@ static double cone_length(const struct picture *picture, const conus_selection *
             length = fmax(length, vec3_dot(offset, axis));
         }
     }
-    if (length > 0) {
+    if (length > -INFINITY) {
         return length + 0.05 * picture->radius;
     }
     vec3_sub(offset, picture->centre, apex);

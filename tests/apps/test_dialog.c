@@ -108,6 +108,24 @@ static void the_arrow_keys_go_into_a_folder_and_take_a_file(void **state)
     dialog_finish(&dialog);
 }
 
+static void a_proposed_name_is_selected_and_no_folder(void **state)
+{
+    struct dialog dialog = {.on = false};
+    char folder[PATH_MAX];
+    (void)state;
+    make_folder(folder);
+    show(&dialog, DIALOG_SAVE, folder, "aal-session.json");
+    assert_true(dialog.is_set);
+    assert_string_equal(dialog.text + dialog.selected, "aal-session.json");
+    assert_int_equal(dialog.selected, strlen(folder) + 1);
+    assert_string_equal(dialog.prefilled + strlen(folder), "/");
+    dialog_complain(&dialog, "no");
+    assert_int_equal(dialog.selected, 0); /* all of it */
+    dialog_set(&dialog, folder);
+    assert_true(dialog.selected > strlen(dialog.text)); /* nothing */
+    dialog_finish(&dialog);
+}
+
 static void what_is_typed_is_a_path_or_a_part_of_one_name(void **state)
 {
     struct dialog dialog = {.on = false};
@@ -169,6 +187,7 @@ TEST_GROUP(dialog)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_folder_lists_what_can_be_opened),
         cmocka_unit_test(the_arrow_keys_go_into_a_folder_and_take_a_file),
+        cmocka_unit_test(a_proposed_name_is_selected_and_no_folder),
         cmocka_unit_test(what_is_typed_is_a_path_or_a_part_of_one_name),
         cmocka_unit_test(nothing_is_written_over_without_a_question),
     };

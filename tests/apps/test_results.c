@@ -246,6 +246,8 @@ static void columns_are_chosen(void **state)
     (void)state;
     load(&viewer, "nested", NULL, NULL);
     assert_true(has(&viewer, RESULT_X) && has(&viewer, RESULT_DISTANCE) && !has(&viewer, RESULT_SCORE));
+    assert_string_equal(result_heading(&viewer, RESULT_DISTANCE), "nearest mm");
+    assert_string_equal(result_heading(&viewer, RESULT_ENTRY), "enters mm");
     viewer.cone.options.score = "centre";
     assert_true(has(&viewer, RESULT_SCORE));
     result_show(&viewer, RESULT_X, false);

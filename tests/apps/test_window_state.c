@@ -262,6 +262,16 @@ static void the_last_opened_comes_first(void **state)
     assert_int_equal(recent.count, 1);
 }
 
+static void atlases_of_animals_say_so(void **state)
+{
+    (void)state;
+    assert_string_equal(installed_animal("inia19-NeuroMaps"), ", macaque");
+    assert_string_equal(installed_animal("D99_atlas_v2.0"), ", macaque");
+    assert_string_equal(installed_animal("CCFv3_annotation"), ", mouse");
+    assert_string_equal(installed_animal("aal"), "");
+    assert_string_equal(installed_animal("ini"), "");
+}
+
 static void the_start_page_shows_no_escapes(void **state)
 {
     struct start start = {.typed = "~/a~/b"};
@@ -499,6 +509,7 @@ TEST_GROUP(window_state)
         cmocka_unit_test(texts_are_as_large_as_the_screen_is_dense),
         cmocka_unit_test(only_a_whole_list_is_read),
         cmocka_unit_test(the_last_opened_comes_first),
+        cmocka_unit_test(atlases_of_animals_say_so),
         cmocka_unit_test(the_start_page_shows_no_escapes),
         cmocka_unit_test(typed_words_find_an_installed_atlas),
         cmocka_unit_test(an_atlas_in_two_places_is_offered_once),

@@ -299,3 +299,57 @@ END
     done
     leave
 }
+
+@test "a typed name takes the place of the proposed one, and stays on the page where it cannot be written" {
+    conus phantom slabs -o .
+    live slabs.nii.gz
+    tell 'aim 60 3 2 0 0 0'
+    xdotool key --window "$window" ctrl+s
+    pass
+    xdotool type --window "$window" mine
+    pass
+    enter
+    wait_until "$child" test -e mine.json
+    [ ! -e slabs-session.json ]
+    xdotool key --window "$window" ctrl+shift+s
+    pass
+    xdotool type --window "$window" "$PWD/none/yours"
+    pass
+    enter
+    pass
+    mkdir none
+    enter # the page is there still, with the name
+    wait_until "$child" test -e none/yours.json
+    leave
+}
+
+@test "the table that cannot be written is named, not its sidecar" {
+    need_window
+    conus phantom slabs -o .
+    printf '%s\n' 'aim 60 3 2 0 0 0' 'export none/hits.tsv' >script
+    run -3 --separate-stderr timeout $HANG "$CONUS" view slabs.nii.gz --script script --quiet --size 400x256
+    [[ $stderr == *'none/hits.tsv: '* ]]
+}
+
+@test "at 1500x940 all buttons over 3-D are there" {
+    conus phantom slabs -o .
+    live slabs.nii.gz --size 1500x940
+    look '.measure.on | not'
+    click_at 290 35 # Measure, in the second row
+    look '.measure.on'
+    leave
+}
+
+@test "while it is asked whether to add or replace, nothing else is touched" {
+    conus phantom slabs -o .
+    conus phantom sphere -o .
+    live slabs.nii.gz --size 1280x800
+    tell 'drop sphere.nii.gz'
+    click_at 913 532 # Second tool
+    look '.second.on | not'
+    xdotool key --window "$window" Escape
+    pass
+    click_at 913 532
+    look '.second.on'
+    leave
+}

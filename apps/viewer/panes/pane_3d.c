@@ -156,8 +156,10 @@ static void reserve_places(struct window *window)
     struct ui_box inset = find_inset(window);
     float line = ui_line();
     float reach = 6 * line;
+    float buttons[2];
     window->frame.labels.count = 0;
-    labels_reserve(&window->frame.labels, (struct ui_box){box->x, box->y, 0.7F * box->width, 2 * line}); /* buttons */
+    panel_views_size(buttons, window);
+    labels_reserve(&window->frame.labels, (struct ui_box){box->x, box->y, buttons[0], buttons[1]});
     if (viewer_selection(window->viewer)) {
         inset.width = fmaxf(inset.width, ui_text_width(device_caption));
         inset.x = box->x + box->width - inset.width - 10;
@@ -283,7 +285,7 @@ static void draw_notices(const struct window *window)
     }
     inputs_notice(&notice, &window->inputs, window->viewer, SECOND_TOOL);
     if (viewer->tools[SECOND_TOOL].on && notice.text) {
-        snprintf(second, sizeof second, "tool 2: %s", notice.text);
+        snprintf(second, sizeof second, "tool 2: %s%s", notice.is_old ? "OLD ANSWER: " : "", notice.text);
         ui_draw_text(at, notice.is_trouble ? theme_shaded[THEME_ORANGE] : light, second);
     }
 }

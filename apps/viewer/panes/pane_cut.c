@@ -13,6 +13,8 @@
 #include <string.h>
 
 static const ui_colour light = {235, 235, 240, 255};
+static const float margin = 7;    /* pixels, of letters */
+static const float brain = 0.92F; /* of a pane's shorter edge, that a brain fills */
 static const double pixels = 300; /* that the mouse moves for a step of 1 of appearance_move_grey() */
 
 /* Lets the mouse on a cut change the context's grey values; true while it does. */
@@ -55,7 +57,12 @@ static double dot(const double a[3], const double b[3])
 struct cut {
     struct cut_pane *pane;
     struct pane_plane plane;
-    float title_width, title_height;
+    char title[96];
+    const char *sides;  /* "" where there is no room for them: letters say so, too */
+    float sides_at[2];  /* from the pane's corner */
+    float title_height; /* with room below it */
+    bool has_upper;     /* there is room for the upper letter */
+    float upper;        /* where it is, from the pane's upper edge */
     struct labels labels;
 };
 
@@ -135,15 +142,16 @@ static void draw_letters(struct cut *cut)
         const double *towards;
         float x, y; /* parts of the space between the margins */
     } places[] = {{left, 0, 0.5F}, {cut->plane.view.right, 1, 0.5F}, {cut->plane.view.up, 0.5F, 0}, {down, 0.5F, 1}};
-    const float margin = 7;
-    bool covered = 8 + cut->title_width > 0.5F * box->width - 2 * margin;
     for (int i = 0; i < 4; i++) {
+        bool is_upper = places[i].towards == cut->plane.view.up;
         const char text[2] = {letter_towards(places[i].towards), '\0'};
         const float space[2] = {box->width - ui_text_width(text) - 2 * margin, box->height - ui_line() - 2 * margin};
-        float top = places[i].towards == cut->plane.view.up && covered ? cut->title_height : margin;
+        float top = is_upper ? cut->upper : margin;
         const float at[2] = {box->x + margin + places[i].x * space[0], box->y + top + places[i].y * space[1]};
-        ui_draw_text(at, light, text);
-        labels_reserve(&cut->labels, (struct ui_box){at[0], at[1], ui_text_width(text), ui_line()});
+        if (!is_upper || cut->has_upper) {
+            ui_draw_text(at, light, text);
+            labels_reserve(&cut->labels, (struct ui_box){at[0], at[1], ui_text_width(text), ui_line()});
+        }
     }
 }
 
@@ -184,24 +192,57 @@ static void put_depth(char *out, size_t size, const struct viewer *viewer, enum 
     snprintf(out + used, size - used, " %s", conus_space_unit(space));
 }
 
-static void draw_title(const struct window *window, struct cut *cut, enum plane plane)
+/* Finds the longest title that fits, and whether the sides stand beside it, below it or not at all. */
+static void make_title(struct cut *cut, const struct viewer *viewer, enum plane plane)
 {
-    const struct viewer *viewer = window->viewer;
-    const char *sides = plane == SAGITTAL ? "" : viewer->display.radiological ? "radiological" : "neurological";
-    const float at[2] = {cut->plane.box.x + 8, cut->plane.box.y + 6};
-    char text[96];
-    size_t used = (size_t)snprintf(text, sizeof text, "%s  ", figure_panes[plane]);
-    put_depth(text + used, sizeof text - used, viewer, plane);
-    float first = ui_text_width(text);
-    float second = ui_text_width(sides);
-    bool fits = first + 12 + second < cut->plane.box.width - 16; /* else the sides stand below */
-    const float beside[2] = {fits ? at[0] + first + 12 : at[0], fits ? at[1] : at[1] + 1.2F * ui_line()};
-    cut->title_width = fits ? first + 12 + second : fmaxf(first, second);
-    cut->title_height = (fits ? 1.6F : 2.8F) * ui_line();
-    labels_reserve(&cut->labels, (struct ui_box){at[0], at[1], cut->title_width, cut->title_height - 0.6F * ui_line()});
-    ui_draw_text(at, light, text);
-    if (*sides) {
-        ui_draw_text(beside, light, sides);
+    const struct ui_box *box = &cut->plane.box;
+    float room = box->width - 12;
+    char depth[64];
+    char whole[96];
+    put_depth(depth, sizeof depth, viewer, plane);
+    snprintf(whole, sizeof whole, "%s  %s", figure_panes[plane], depth);
+    if (ui_text_width(depth) > room) { /* the unit goes next */
+        *strrchr(depth, ' ') = '\0';
+    }
+    ui_shorten(cut->title, sizeof cut->title, ui_text_width(whole) > room ? depth : whole, room);
+    cut->sides = plane == SAGITTAL ? "" : viewer->display.radiological ? "radiological" : "neurological";
+    float first = ui_text_width(cut->title);
+    float second = ui_text_width(cut->sides);
+    bool beside = first + 12 + second < room;
+    bool below = !beside && *cut->sides && second <= room && box->height > 12 * ui_line();
+    cut->sides = beside || below ? cut->sides : "";
+    cut->sides_at[0] = below ? 8 : 8 + first + 12;
+    cut->sides_at[1] = below ? 6 + 1.2F * ui_line() : 6;
+    cut->title_height = (below ? 2.8F : 1.6F) * ui_line();
+    float wide = below ? fmaxf(first, second) : *cut->sides ? first + 12 + second : first;
+    labels_reserve(&cut->labels, (struct ui_box){box->x + 8, box->y + 6, wide, cut->title_height - 0.6F * ui_line()});
+    cut->has_upper = true;
+    cut->upper = 8 + wide > 0.5F * box->width - 2 * margin ? cut->title_height : margin;
+}
+
+/* Where title and letters would lie on the brain it is drawn smaller, and lower; the upper letter gives way first. */
+static void make_room(struct cut *cut)
+{
+    const struct ui_box *box = &cut->plane.box;
+    float high = brain * fminf(box->width, box->height);
+    float room = box->height - margin - ui_line();
+    float top = cut->upper + ui_line();
+    cut->has_upper = cut->upper == margin || room - top > 0.85F * high;
+    top = cut->has_upper ? top : cut->title_height;
+    float part = fminf(fmaxf((room - top) / high, 0.6F), 1);
+    double down = fmax((double)(top + part * high / 2 - box->height / 2), 0);
+    cut->plane.view.mm_per_pixel /= (double)part;
+    for (int a = 0; a < 3; a++) {
+        cut->plane.view.centre[a] += down * cut->plane.view.mm_per_pixel * cut->plane.view.up[a];
+    }
+}
+
+static void draw_title(const struct cut *cut)
+{
+    const struct ui_box *box = &cut->plane.box;
+    ui_draw_text((float[]){box->x + 8, box->y + 6}, light, cut->title);
+    if (*cut->sides) {
+        ui_draw_text((float[]){box->x + cut->sides_at[0], box->y + cut->sides_at[1]}, light, cut->sides);
     }
 }
 
@@ -274,6 +315,8 @@ void pane_cut(struct window *window, enum plane plane)
     struct cut cut = {.pane = pane, .plane.box = window->screen.panes[plane]};
     const struct ui_box *box = &cut.plane.box;
     cut_view(&cut.plane.view, window->viewer, plane, (double[]){(double)box->width, (double)box->height});
+    make_title(&cut, window->viewer, plane);
+    make_room(&cut);
     cut.plane.view.grey_cone = inputs_is_old(&window->inputs, window->viewer, FIRST_TOOL);
     draw_picture(window, &cut);
     ui_panel(figure_panes[plane], *box, UI_PLAIN);
@@ -287,7 +330,7 @@ void pane_cut(struct window *window, enum plane plane)
     ui_clip(*box);
     pane_second_cut(window, &cut.plane);
     draw_crosshair(window, &cut);
-    draw_title(window, &cut, plane);
+    draw_title(&cut);
     draw_letters(&cut);
     draw_measured(window, &cut);
     show_grey(window, box);

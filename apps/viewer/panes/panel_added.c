@@ -71,7 +71,7 @@ static void draw_line(struct window *window, const json_t *words)
     ui_tip("what the file is to be");
     ui_take_keys(&form->takes_keys);
     ui_width(ui_room());
-    bool entered = ui_type_path("##file", form->text, sizeof form->text, "", "", false, &form->is_set);
+    bool entered = ui_type_path("##file", form->text, sizeof form->text, "", "", SIZE_MAX, &form->is_set);
     ui_text_wrapped(THEME_HINT, keys[form->kind]);
     bool used = ui_button(form->changed ? "Use instead" : "Add",
                           "the atlas is opened again, and all that you set stays; Enter, too") ||

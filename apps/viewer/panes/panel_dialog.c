@@ -19,7 +19,7 @@ static void draw_line(struct window *window)
     ui_heading(saves ? saved[window->files.saves] : "Open an atlas or a session, or add streamlines or a context");
     ui_width(ui_room());
     ui_take_keys(&dialog->takes_keys);
-    bool entered = ui_type_path("##path", dialog->text, sizeof dialog->text, "", dialog->prefilled, dialog->selects,
+    bool entered = ui_type_path("##path", dialog->text, sizeof dialog->text, "", dialog->prefilled, dialog->selected,
                                 &dialog->is_set);
     int moved = ui_wants_keys() ? ui_arrow() : 0; /* else keys.c hears them */
     if (moved) {

@@ -135,8 +135,15 @@ static void draw_list(struct window *window, const struct view_atlas *view, cons
         widths[i] = width_of(window, shown[i]);
         wide += widths[i];
     }
-    bool gives_way = !viewer->list.columns && wide > ui_room(); /* places of contacts, where nobody asked for them */
-    while (gives_way && columns && shown[columns - 1] >= RESULT_X && shown[columns - 1] <= RESULT_Z) {
+    /* Where nobody chose the columns: places of contacts give way, names are cut, and then all goes but the share. */
+    bool usual = !viewer->list.columns;
+    while (usual && wide > ui_room() && columns && shown[columns - 1] >= RESULT_X && shown[columns - 1] <= RESULT_Z) {
+        columns--;
+    }
+    if (usual && !ui_list_fits(widths, columns)) {
+        widths[0] = width_of(window, RESULT_NAME) * 2 / 3;
+    }
+    while (usual && columns > 2 && !ui_list_fits(widths, columns)) {
         columns--;
     }
     if (ui_list("results", widths, columns, lines * ui_line())) {

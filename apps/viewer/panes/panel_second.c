@@ -55,7 +55,8 @@ void panel_second(struct window *window)
         ui_same_line();
         ui_chip("colour of its cone", ((ui_colour){SECOND_RGB, 255}));
         if (notice.text) {
-            ui_text_coloured(notice.is_trouble ? THEME_ORANGE : THEME_PLAIN, "%s", notice.text);
+            ui_text_coloured(notice.is_trouble ? THEME_ORANGE : THEME_PLAIN, "%s%s",
+                             notice.is_old ? "OLD ANSWER: " : "", notice.text);
         }
         ui_dim(notice.is_old ? theme_pale : 1);
         panel_lists(window, SECOND_TOOL, 8);

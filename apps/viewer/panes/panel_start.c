@@ -24,7 +24,7 @@ static void draw_field(struct window *window)
     ui_width(ui_room() - buttons);
     ui_take_keys(&start->takes_keys);
     bool asked = ui_type_path("##path", start->typed, sizeof start->typed,
-                              "search installed atlases, or ~/atlases/aal.nii.gz", "", false, &start->is_set);
+                              "search installed atlases, or ~/atlases/aal.nii.gz", "", SIZE_MAX, &start->is_set);
     int moved = ui_wants_keys() ? ui_arrow() : 0; /* else keys.c hears them */
     if (moved) {
         start_move(start, moved);
@@ -127,7 +127,7 @@ static void draw_installed(struct window *window, size_t index, bool picked)
     }
     ui_text("%s", atlas->name);
     ui_same_line();
-    ui_text_coloured(THEME_HINT, "%s, %s%s", atlas->source, atlas->kind, spacing);
+    ui_text_coloured(THEME_HINT, "%s, %s%s%s", atlas->source, atlas->kind, spacing, installed_animal(atlas->name));
     if (chosen && installed_words(words, window->start.catalogue, atlas)) {
         window_request_file(window, words);
     }

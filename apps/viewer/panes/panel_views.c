@@ -4,33 +4,65 @@
 
 static const float inset = 8; /* pixels at scale 1, from the pane's corner */
 
-void panel_views(struct window *window)
+static const struct {
+    const char *label, *key, *tip;
+} buttons[] = {{"Brain alone", "f", "the brain has the whole window, and gives it back (F)"},
+               {"Left", "ctrl+1", "looks at the left side (Ctrl+1)"},
+               {"Right", "ctrl+2", "looks at the right side (Ctrl+2)"},
+               {"Front", "ctrl+3", "looks at the front (Ctrl+3)"},
+               {"Back", "ctrl+4", "looks at the back (Ctrl+4)"},
+               {"Top", "ctrl+5", "looks from above (Ctrl+5)"},
+               {"Bottom", "ctrl+6", "looks from below (Ctrl+6)"},
+               {"Measure", "ctrl+m", "two clicks give a distance, in 3-D or in a cut (Ctrl+M)"}};
+
+enum { BUTTONS = sizeof buttons / sizeof buttons[0] };
+
+/* Which buttons begin a row, and the widest row. */
+static size_t find_rows(bool begins[BUTTONS], float *widest, float room)
 {
-    static const struct {
-        const char *label, *key, *tip;
-    } buttons[] = {{"Brain alone", "f", "the brain has the whole window, and gives it back (F)"},
-                   {"Left", "ctrl+1", "looks at the left side (Ctrl+1)"},
-                   {"Right", "ctrl+2", "looks at the right side (Ctrl+2)"},
-                   {"Front", "ctrl+3", "looks at the front (Ctrl+3)"},
-                   {"Back", "ctrl+4", "looks at the back (Ctrl+4)"},
-                   {"Top", "ctrl+5", "looks from above (Ctrl+5)"},
-                   {"Bottom", "ctrl+6", "looks from below (Ctrl+6)"},
-                   {"Measure", "ctrl+m", "two clicks give a distance, in 3-D or in a cut (Ctrl+M)"}};
-    enum { BUTTONS = sizeof buttons / sizeof buttons[0] };
+    size_t rows = 0;
+    float wide = 0;
+    *widest = 0;
+    for (size_t i = 0; i < BUTTONS; i++) {
+        float width = ui_button_width(buttons[i].label);
+        begins[i] = !i || wide + width > room;
+        wide = begins[i] ? width : wide + width;
+        *widest = fmaxf(*widest, wide);
+        rows += begins[i];
+    }
+    return rows;
+}
+
+static size_t place_rows(bool begins[BUTTONS], struct ui_box *out, const struct window *window)
+{
     const struct ui_box *box = &window->screen.panes[PANE_3D];
     float margin = inset * window->screen.scale;
-    float room = 0.7F * box->width - 2 * margin; /* beside what the device sees */
-    float wide = 0;
-    size_t count = 0;
-    while (count < BUTTONS && wide + ui_button_width(buttons[count].label) <= room) {
-        wide += ui_button_width(buttons[count++].label);
+    size_t rows = find_rows(begins, &out->width, 0.7F * box->width - 2 * margin); /* beside what the device sees */
+    out->x = box->x + margin;
+    out->y = box->y + margin;
+    out->height = (1.2F + 1.5F * (float)(rows - 1)) * ui_line();
+    return rows;
+}
+
+void panel_views_size(float out[2], const struct window *window)
+{
+    bool begins[BUTTONS];
+    struct ui_box box;
+    place_rows(begins, &box, window);
+    out[0] = box.width + inset * window->screen.scale;
+    out[1] = box.height + 2 * inset * window->screen.scale;
+}
+
+void panel_views(struct window *window)
+{
+    bool begins[BUTTONS];
+    struct ui_box box;
+    if (!screen_shows_pane(&window->screen, PANE_3D) || place_rows(begins, &box, window) > BUTTONS / 2) {
+        return; /* of a pane that is too narrow they would be a list */
     }
-    if (!count || !screen_shows_pane(&window->screen, PANE_3D)) {
-        return;
-    }
-    ui_panel("views", (struct ui_box){box->x + margin, box->y + margin, wide, 1.2F * ui_line()}, UI_PLAIN);
-    for (size_t i = 0; i < count; i++) {
-        if (i) {
+    ui_panel("views", box, UI_PLAIN);
+    for (size_t i = 0; i < BUTTONS; i++) {
+        if (!begins[i]) {
             ui_same_line();
         }
         if (ui_small_button(buttons[i].label, buttons[i].tip)) {

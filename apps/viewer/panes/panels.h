@@ -15,10 +15,12 @@ void panel_rail(struct window *window, size_t side);
 /** Lists of the hits of a tool, one for each atlas, in the order in which they were given, so many lines high together.
  */
 void panel_lists(struct window *window, enum tool_number tool, float lines);
-void panel_second(struct window *window);     /**< The second tool. */
-void panel_question(struct window *window);   /**< The four settings that everybody needs, */
-void panel_expert(struct window *window);     /**< and all others. */
-void panel_views(struct window *window);      /**< Buttons over the 3-D pane. */
+void panel_second(struct window *window);   /**< The second tool. */
+void panel_question(struct window *window); /**< The four settings that everybody needs, */
+void panel_expert(struct window *window);   /**< and all others. */
+void panel_views(struct window *window);    /**< Buttons over the 3-D pane. */
+/** Their width and height, pixels, from the pane's upper left corner. */
+void panel_views_size(float out[2], const struct window *window);
 void panel_card(struct window *window);       /**< Facts about the chosen area, and actions on it. */
 void panel_study_kind(struct viewer *viewer); /**< The choice of a study. */
 /** Sweep or jitter of the cone; pale where @p is_old says that the cone is one from before. */

@@ -53,7 +53,12 @@ void save_file_as(struct window *window)
                 : what == SAVE_RESULTS ? export_results(window->viewer, path, why)
                 : what == SAVE_STUDY   ? write_study(window->viewer, path)
                                        : session_save(window, path, why);
-    viewer_say(window->viewer, "%s%s", fine ? "saved: " : "", fine ? path : why[0] ? why : conus_message());
+    const char *said = fine ? path : why[0] ? why : conus_message();
+    if (!fine && what != SAVE_SAME_SESSION) { /* the page where it was typed */
+        dialog_complain(&window->dialog, said);
+    } else {
+        viewer_say(window->viewer, "%s%s", fine ? "saved: " : "", said);
+    }
     if (!fine) {
         free(path);
         return;

@@ -235,11 +235,11 @@ static struct notice notice_of_tracker(bool has_pose, bool has_station, enum sta
     static const char *const none[] = {"no tracker is connected yet", "no pose of the tool yet",
                                        "the tracker does not see the tool", "no pose of the tool for half a second",
                                        "tracking"};
-    static const char *const old[] = {"OLD ANSWER: the tracker is gone", "OLD ANSWER: no pose of the tool",
-                                      "OLD ANSWER: the tool is lost", "OLD ANSWER: the tool is silent", NULL};
+    static const char *const old[] = {"the tracker is gone", "no pose of the tool", "the tool is lost",
+                                      "the tool is silent", NULL};
     if (!has_station) {
-        return (struct notice){
-            has_pose ? "OLD ANSWER: there is no tracker" : "no tracker: connect one below Point with", true, has_pose};
+        return (struct notice){has_pose ? "there is no tracker" : "no tracker: connect one below Point with", true,
+                               has_pose};
     }
     if (state == STATION_SEEN && has_pose) {
         return (struct notice){0};
@@ -288,8 +288,8 @@ static void find_trouble(struct notice *out, const struct source_update *heard, 
     if (heard->state == SOURCE_FROZEN) {
         *out = (struct notice){"the same for 5 s: is it frozen?", true, false};
     } else if (heard->state == SOURCE_BROKEN) {
-        *out = (struct notice){is_steered ? "its values are no numbers" : "OLD ANSWER: the values are no numbers", true,
-                               !is_steered};
+        *out =
+            (struct notice){is_steered ? "its values are no numbers" : "the values are no numbers", true, !is_steered};
     } else if (heard->text) {
         *out = (struct notice){heard->text, heard->state <= SOURCE_ABSENT, false};
     } else if (is_steered && !tool->has_pose) {

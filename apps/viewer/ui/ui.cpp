@@ -11,6 +11,8 @@
 #include <imgui.h>
 #include <imgui_internal.h>
 
+#include <algorithm>
+#include <climits>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
@@ -182,6 +184,16 @@ void ui_dim(float opacity)
 void ui_dim_end(void)
 {
     ImGui::PopStyleVar();
+}
+
+void ui_disable(bool is)
+{
+    ImGui::BeginDisabled(is);
+}
+
+void ui_disable_end(void)
+{
+    ImGui::EndDisabled();
 }
 
 void ui_tint(enum theme_text colour)
@@ -401,7 +413,7 @@ bool ui_type(const char *label, char *text, size_t size, const char *hint)
 struct path_line {
     const char *text;
     const char *folder;
-    bool selects;
+    size_t selected;
     bool *is_set;
 };
 
@@ -423,10 +435,8 @@ static int take_text(ImGuiInputTextCallbackData *data)
         data->DeleteChars(0, data->BufTextLen);
         data->InsertChars(0, line->text);
         data->CursorPos = data->BufTextLen;
-        data->ClearSelection();
-        if (line->selects) {
-            data->SelectAll();
-        }
+        data->SelectionEnd = data->BufTextLen;
+        data->SelectionStart = std::min(static_cast<int>(std::min<size_t>(line->selected, INT_MAX)), data->BufTextLen);
         *line->is_set = false;
     } else {
         mind_folder(data, line->folder);
@@ -434,13 +444,13 @@ static int take_text(ImGuiInputTextCallbackData *data)
     return 0;
 }
 
-bool ui_type_path(const char *label, char *text, size_t size, const char *hint, const char *folder, bool selects,
+bool ui_type_path(const char *label, char *text, size_t size, const char *hint, const char *folder, size_t selected,
                   bool *is_set)
 {
     char wanted[4096]; // the line may write to text before it asks
     std::strncpy(wanted, text, sizeof wanted - 1);
     wanted[sizeof wanted - 1] = 0;
-    path_line line = {wanted, folder, selects, is_set};
+    path_line line = {wanted, folder, selected, is_set};
     audit_within(hint, ImGui::CalcItemWidth() - 2 * ImGui::GetStyle().FramePadding.x);
     ImGui::InputTextWithHint(label, hint, text, size, ImGuiInputTextFlags_CallbackAlways, take_text, &line);
     return is_entered();

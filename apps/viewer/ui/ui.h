@@ -61,6 +61,8 @@ void ui_column(const char *id, float width, float height);
 void ui_scroll_here(void);
 void ui_dim(float opacity); /**< Makes the widgets up to ui_dim_end() pale. */
 void ui_dim_end(void);
+void ui_disable(bool is); /**< Makes panels up to ui_disable_end() pale, and deaf to the mouse, or not. */
+void ui_disable_end(void);
 void ui_tint(enum theme_text colour); /**< Colours the texts up to ui_tint_end(). */
 void ui_tint_end(void);
 void ui_gap(float height); /**< Nothing, so high. */
@@ -97,9 +99,9 @@ bool ui_numbers(const char *label, double value[3], const char *format);
 void ui_take_keys(bool *wants);
 /** A line that is typed; true when Enter was pressed in it. */
 bool ui_type(const char *label, char *text, size_t size, const char *hint);
-/** Likewise of a path; where *is_set is true it takes over what @p text is, all of it selected or with
- * the mark at its end. A whole path that is pasted behind @p folder (ends in '/'; "" = none) takes its place. */
-bool ui_type_path(const char *label, char *text, size_t size, const char *hint, const char *folder, bool selects,
+/** Likewise of a path; where *is_set is true it takes over what @p text is, selected from byte @p selected on. A whole
+ * path that is pasted behind @p folder (ends in '/'; "" = none) takes its place. */
+bool ui_type_path(const char *label, char *text, size_t size, const char *hint, const char *folder, size_t selected,
                   bool *is_set);
 bool ui_escaped(void);                          /**< Escape was pressed. */
 void ui_chip(const char *id, ui_colour colour); /**< A small square. */

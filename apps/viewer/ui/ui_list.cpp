@@ -37,9 +37,14 @@ static float width_of(const float *widths, size_t count)
 
 extern "C" {
 
+bool ui_list_fits(const float *widths, size_t count)
+{
+    return width_of(widths, count) <= ImGui::GetContentRegionAvail().x;
+}
+
 bool ui_list(const char *id, const float *widths, size_t count, float height)
 {
-    bool fits = width_of(widths, count) <= ImGui::GetContentRegionAvail().x;
+    bool fits = ui_list_fits(widths, count);
     ImGuiTableFlags flags = ImGuiTableFlags_ScrollY | ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit |
                             ImGuiTableFlags_BordersInnerV | ImGuiTableFlags_NoSavedSettings |
                             (fits ? 0 : ImGuiTableFlags_ScrollX);

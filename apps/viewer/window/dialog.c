@@ -131,7 +131,7 @@ void dialog_set(struct dialog *dialog, const char *text)
 {
     snprintf(dialog->text, sizeof dialog->text, "%s", text);
     dialog->is_set = dialog->takes_keys = true;
-    dialog->selects = false;
+    dialog->selected = SIZE_MAX;
     dialog->prefilled[0] = '\0';
     dialog_look(dialog);
 }
@@ -222,7 +222,8 @@ void dialog_complain(struct dialog *dialog, const char *why)
 {
     snprintf(dialog->why, sizeof dialog->why, "%s", why);
     make_plain_line(dialog->why);
-    dialog->on = dialog->takes_keys = dialog->is_set = dialog->selects = true;
+    dialog->on = dialog->takes_keys = dialog->is_set = true;
+    dialog->selected = 0;
 }
 
 static void complain(struct dialog *dialog, const char *text, const char *path)
@@ -337,8 +338,11 @@ void dialog_show(struct dialog *dialog, enum dialog_purpose purpose, const char 
     dialog->why[0] = '\0';
     dialog->sure = false;
     folder_finish(&dialog->folder); /* to be read anew */
-    if (path) {
+    if (path) {                     /* a name is proposed: what is typed takes its place */
         dialog_set(dialog, path);
+        dialog->selected = (size_t)(leaf(path) - path);
+        memcpy(dialog->prefilled, path, dialog->selected);
+        dialog->prefilled[dialog->selected] = '\0';
     } else {
         go_to(dialog, dialog->place_count ? dialog->places[0] : "/");
     }

@@ -45,7 +45,7 @@ struct dialog {
     enum dialog_purpose purpose;
     char text[PATH_MAX]; /**< The typed text: up to its last '/' the folder that is listed, then a part of a name. */
     bool is_set;         /**< The text is not what the line has: it is to take it over, */
-    bool selects;        /**< and to select it, so that what is typed next takes its place. */
+    size_t selected;     /**< and to select it from this byte on, so that what is typed next takes its place. */
     char prefilled[PATH_MAX];   /**< The folder that was put there, with its '/'; "" = the user was there. */
     const char *ending;         /**< Ending of the file to be written; NULL = ".json", a session. */
     bool takes_keys;            /**< From the next frame on what is typed goes into the line. */

@@ -46,6 +46,18 @@ static bool installed_is_same_file(const char *a, const char *b)
                                  stat(b, &infos[1]) == 0 && infos[0].st_size == infos[1].st_size);
 }
 
+const char *installed_animal(const char *name)
+{
+    static const char *const animals[][2] = {
+        {"inia19", ", macaque"}, {"d99", ", macaque"}, {"nmt", ", macaque"}, {"ccfv3", ", mouse"}};
+    for (size_t i = 0; i < sizeof animals / sizeof animals[0]; i++) {
+        if (strncasecmp(name, animals[i][0], strlen(animals[i][0])) == 0) {
+            return animals[i][1];
+        }
+    }
+    return "";
+}
+
 bool installed_is_twin(const conus_catalogue *catalogue, size_t index)
 {
     const conus_installed *atlas = conus_catalogue_atlas(catalogue, index);

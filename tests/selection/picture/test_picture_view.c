@@ -131,6 +131,31 @@ static void options_show_in_the_picture(void **state)
     finish(&fixture);
 }
 
+/* Its first hit is where it begins, so it ends there: nothing of it is seen beside the area. */
+static void a_cone_that_begins_in_an_area_is_not_drawn_through_it(void **state)
+{
+    (void)state;
+    conus_volume_info grid = picture_grid((size_t[]){50, 50, 50}, (double[]){1, 1, 1}, identity);
+    struct fixture fixture = make_fixture(picture_atlas(&grid, ball, NULL, NULL), (double[]){0, 0, 10});
+    conus_pose camera;
+    assert_ok(conus_pose_toward(&camera, (double[]){-150, 0, 0}, (double[]){0, 0, 0}, NULL));
+    conus_image *plain = render(&fixture, (conus_view){.no_legend = true, .camera = &camera});
+    conus_image *cone =
+        render(&fixture, (conus_view){.no_legend = true, .camera = &camera, .selection = fixture.selection});
+    const float *without = conus_image_floats(plain, "B");
+    const float *with = conus_image_floats(cone, "B");
+    size_t beside = 0;
+    for (size_t p = 0; p < (size_t)160 * 120; p++) {
+        bool is_background = without[p] == without[p - p % 160];
+        assert_true(!is_background || with[p] == without[p]);
+        beside += is_background;
+    }
+    assert_true(beside > 160 * 20 && beside < 160 * 110);
+    conus_image_destroy(plain);
+    conus_image_destroy(cone);
+    finish(&fixture);
+}
+
 /* A faraway device, one inside an area, one that misses everything, and an atlas without areas. */
 static void odd_scenes_are_pictures(void **state)
 {
@@ -270,10 +295,15 @@ static void rolled_up_areas_look_like_one(void **state)
 TEST_GROUP(picture_view)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rolled_up_areas_look_like_one),    cmocka_unit_test(pictures_have_their_size_and_are_opaque),
-        cmocka_unit_test(options_show_in_the_picture),      cmocka_unit_test(odd_scenes_are_pictures),
-        cmocka_unit_test(options_out_of_range_are_refused), cmocka_unit_test(allocations_may_fail),
-        cmocka_unit_test(a_phantom_looks_as_it_did),        cmocka_unit_test(a_change_of_brightness_is_seen),
+        cmocka_unit_test(rolled_up_areas_look_like_one),
+        cmocka_unit_test(pictures_have_their_size_and_are_opaque),
+        cmocka_unit_test(a_cone_that_begins_in_an_area_is_not_drawn_through_it),
+        cmocka_unit_test(options_show_in_the_picture),
+        cmocka_unit_test(odd_scenes_are_pictures),
+        cmocka_unit_test(options_out_of_range_are_refused),
+        cmocka_unit_test(allocations_may_fail),
+        cmocka_unit_test(a_phantom_looks_as_it_did),
+        cmocka_unit_test(a_change_of_brightness_is_seen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
