@@ -31,8 +31,8 @@ void atlas_cache_finish(struct atlas_cache *cache);
 conus_atlas *atlas_cache_find(struct atlas_cache *cache);
 
 /** Begins and ends the part of the load that reads files. */
-void atlas_cache_watch(struct atlas_cache *cache);
-void atlas_cache_watched(struct atlas_cache *cache);
+void atlas_cache_begin_reading(struct atlas_cache *cache);
+void atlas_cache_end_reading(struct atlas_cache *cache);
 
 /** Keeps the atlas that was loaded between the two, and maps it in the place of the loaded one. */
 void atlas_cache_keep(struct atlas_cache *cache, conus_atlas **atlas);
