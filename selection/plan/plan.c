@@ -182,9 +182,9 @@ static conus_status init_options(conus_plan *plan, const conus_jitter_options *a
                               ? fail(CONUS_ERROR_ARGUMENT, "far: %g mm, allowed is 0 or more", far)
                           : plan->asked.options.angle != 0 ? pose_check_angle(plan->asked.options.angle)
                                                            : CONUS_OK;
-    status =
-        status ? status
-               : batch_fill_in(&plan->asked.options.threads, &block, &plan->asked.options.angle, plan->asked.selector);
+    status = status ? status
+                    : batch_check_options(&plan->asked.options.threads, &block, &plan->asked.options.angle,
+                                          plan->asked.selector);
     plan->asked.options.rank = plan->asked.options.score = plan->asked.options.pareto = NULL;
     plan->asked.options.jitter = NULL;
     return status ? status : plan_jitter_init(&plan->asked.jitter, asked);
