@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The gl engine: the GPU finds hits and crossings, which become evidence and layers here. */
-#include "selection/engine/engine_gl.h"
+#include "selection/engine/engine.h"
 
 #include "atlas/bundles.h"
 #include "base/geometry/math3.h"

@@ -17,10 +17,10 @@
 
 enum { BLOCK = APERTURE_BLOCK };
 
-/* Uniform maps are made when so many rays have listed their intervals without: AAL's takes about as long as these. */
+/* After so many rays that listed their intervals, uniform maps are made: AAL's takes about as long as these rays. */
 enum { RAYS_WITHOUT_UNIFORM = 1 << 13 };
 
-/* Labelled ones are when so many have been traced: AAL's takes about as long as half of these. */
+/* After so many traced rays, labelled maps are made: AAL's takes about as long as half of these rays. */
 enum { RAYS_WITHOUT_LABELS = 1 << 19 };
 
 struct target {
@@ -194,8 +194,8 @@ static void find_near(double from[TRAVERSE_BUNDLE], const struct cone *cone, con
     }
 }
 
-/* A ray that is in a voxel at the near end hits that which is found there, if it is of the same object. Else it keeps a
- * distance before that end. */
+/* A ray that is inside an object at the near end of the range hits the voxel that holds its point there, if that voxel
+ * is of the same object. Else its hit counts as one before the range, and its intervals tell what is first. */
 static void settle_near(struct traverse_bundle *bundle, size_t ray, const struct volume *volume)
 {
     double point[3] = {bundle->origin[0], bundle->origin[1], bundle->origin[2]};

@@ -309,8 +309,8 @@ conus_result statistics_empty_result(uint32_t number)
     return result;
 }
 
-/* Where the object, or what is reported as it, is hit first: of the voxel that the engine found there, not of the one
- * that holds the contact, which lies between two. */
+/* The value where the object is hit first. It is that of the voxel that the engine found: the contact lies between two
+ * voxels, so its position does not say which. */
 static double value_at_contact(const struct tallied *object, const struct gathering *gathering)
 {
     const struct evidence *evidence = gathering->evidence;

@@ -544,11 +544,6 @@ static void fit(struct picture_legend *legend, const struct picture *picture, co
     }
 }
 
-static void place_inside(struct picture_legend *legend, const struct picture *picture)
-{
-    fit(legend, picture, (const double[]){INSIDE * picture->options.width, picture->options.height});
-}
-
 /* Takes place for it from the drawing on the right, or adds some below. */
 static void place_outside(struct picture_legend *legend, struct picture *picture)
 {
@@ -617,7 +612,7 @@ conus_status picture_legend_init(struct picture *picture)
         return status;
     }
     if (picture->options.legend == CONUS_LEGEND_INSIDE) {
-        place_inside(legend, picture);
+        fit(legend, picture, (const double[]){INSIDE * picture->options.width, picture->options.height});
     } else {
         place_outside(legend, picture);
     }

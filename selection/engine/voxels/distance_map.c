@@ -185,15 +185,6 @@ static void find_box(struct distance_map *map, const struct scratch *scratch)
 /* Marks what is looked for in one row of voxels along i, which starts at linear index `voxel`. */
 typedef void row_mark(struct scratch *scratch, const struct volume *volume, size_t j, size_t k, size_t voxel);
 
-static void mark_rows(struct scratch *scratch, const struct volume *volume, row_mark *mark)
-{
-    for (size_t k = 0; k < volume->info.dim[2]; k++) {
-        for (size_t j = 0; j < volume->info.dim[1]; j++) {
-            mark(scratch, volume, j, k, volume->info.dim[0] * (j + volume->info.dim[1] * k));
-        }
-    }
-}
-
 /* Calls step for every row of bricks along i. */
 typedef void row_step(struct scratch *scratch, size_t j, size_t k);
 
@@ -332,20 +323,16 @@ static void relax_row(struct scratch *scratch, size_t j, size_t k)
     }
 }
 
-static void relax_row_backwards(struct scratch *scratch, size_t j, size_t k)
-{
-    for (size_t b = scratch->bricks[0]; b-- > 0;) {
-        relax_brick(scratch, distance_of(scratch, j, k) + b, -1);
-    }
-}
-
+/* In bricks: one sweep forwards, one backwards. */
 static void count_brick_distances(struct scratch *scratch)
 {
     for_rows(scratch, mark_distance_row);
     for_rows(scratch, relax_row);
     for (size_t k = scratch->bricks[2]; k-- > 0;) {
         for (size_t j = scratch->bricks[1]; j-- > 0;) {
-            relax_row_backwards(scratch, j, k);
+            for (size_t b = scratch->bricks[0]; b-- > 0;) {
+                relax_brick(scratch, distance_of(scratch, j, k) + b, -1);
+            }
         }
     }
 }
@@ -465,7 +452,11 @@ static conus_status fill_dense(struct distance_map *map, const struct volume *vo
     struct bits *planes = status ? NULL : memory_raw(scratch.bricks[0] * scratch.bricks[1], PLANES * sizeof *planes);
     status = planes ? CONUS_OK : CONUS_ERROR_MEMORY;
     if (!status) {
-        mark_rows(&scratch, volume, mark);
+        for (size_t k = 0; k < volume->info.dim[2]; k++) {
+            for (size_t j = 0; j < volume->info.dim[1]; j++) {
+                mark(&scratch, volume, j, k, volume->info.dim[0] * (j + volume->info.dim[1] * k));
+            }
+        }
         find_box(map, &scratch);
         count_brick_distances(&scratch);
         count_fine_distances(&scratch);
