@@ -34,13 +34,10 @@ void loop_wake(void)
     }
 }
 
-/* Tracker and other devices. */
+/* Lets trackers and other devices move the tools. */
 static void hear_devices(struct window *window)
 {
     uint64_t before = window->inputs.update.number;
-    if (window->inputs.station) {
-        inputs_hear(window->inputs.station, window->viewer, &window->inputs.update);
-    }
     bool aimed = inputs_step(&window->inputs, window->viewer, 1e-3 * clock_ms());
     if (aimed && window->viewer->tools[FIRST_TOOL].pointer == POINT_BY_TRACKER &&
         window->inputs.update.number != before) {

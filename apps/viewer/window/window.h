@@ -146,11 +146,11 @@ struct pictures {
     struct eye eye;                      /**< The eye of the 3-D pane in this frame. */
     struct painting asked;               /**< The last request to the painter. */
     double painted_ms;
-    bool painted_fine;       /**< The picture is what was asked last, as fine as it gets. */
-    unsigned carried_answer; /**< The newest answer that was looked at for moves of the cone. */
-    unsigned carried_head;   /**< Likewise of the head's changes. */
-    double moving_until;     /**< By clock_ms(): until then pictures shall be quick. */
-    bool moving;             /**< The newest was asked for as one of these. */
+    bool painted_fine;     /**< The picture is what was asked last, as fine as it gets. */
+    unsigned noted_answer; /**< The newest answer that was looked at for moves of the cone. */
+    unsigned noted_head;   /**< Likewise of the head's changes. */
+    double moving_until;   /**< By clock_ms(): until then pictures shall be quick. */
+    bool moving;           /**< The newest was asked for as one of these. */
 };
 
 /** The state of the newest frame: versions that it shows, mouse and keys in it. */
