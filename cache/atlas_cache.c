@@ -18,7 +18,7 @@ static bool is_relative(const char *path)
     return path && path[0] != '/';
 }
 
-/* Ahead of the strings of a note. Sizes count a final NUL; a path of 0 is none. */
+/* The head of a note; its strings follow. Sizes count a final NUL; a path of size 0 is NULL. */
 struct heard_head {
     uint64_t severity, path_size, text_size;
 };

@@ -48,7 +48,7 @@ static hid_t open_link(const struct walk *walk, hid_t group, const char *name, i
     return open_path(walk, target[0] == '/' ? walk->file : group, target, soft);
 }
 
-/* Takes the next name off a path; false where there is none. "." and empty names say nothing. */
+/* Takes the next name off a path; false at its end. "." and empty names are passed over. */
 static bool take_name(char name[HDF5_NAME_LIMIT + 1], const char **path)
 {
     size_t length;

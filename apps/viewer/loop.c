@@ -242,7 +242,7 @@ static bool go_round(struct window *window, struct script *script, int *code)
         return true;
     }
     draw_frame(window);
-    if (window_has_request(window)) { /* what the script says next is of the atlas that was dropped in this round */
+    if (window_has_request(window)) { /* the script's next command is about the atlas that was dropped in this round */
         return true;
     }
     if (acts && script_step(script, window, code)) {

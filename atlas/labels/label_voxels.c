@@ -329,7 +329,7 @@ conus_status label_coder_init(struct label_coder *coder, size_t count, uint64_t 
     return status ? status : append_label(coder, 0);
 }
 
-/* Places of 2 bytes are not enough any more. */
+/* Changes to wider places: 2 bytes are too few now. */
 static conus_status widen_coder(struct label_coder *coder)
 {
     bool in_place = coder->size / WIDE >= coder->voxels.count;

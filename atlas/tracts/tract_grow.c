@@ -146,8 +146,8 @@ static bool is_sharp(const struct tractogram *tractogram, uint64_t point)
     return dot < 0 || 2 * dot * dot < squares[0] * squares[1];
 }
 
-/* Where to cut near a point that has two before it and one behind it: at a sharp turn next to it, if there is one. So
- * runs are slim. */
+/* Chooses where to cut near a point that has two before it and one behind it: at a sharp turn next to it, if there is
+ * one, so that runs stay slim. */
 static uint64_t place_of_cut(const struct tractogram *tractogram, uint64_t point, uint64_t end)
 {
     if (is_sharp(tractogram, point)) {

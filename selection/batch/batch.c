@@ -18,7 +18,7 @@ struct block {
     struct batch_pose *poses; /* [capacity] */
     struct pose_words {
         size_t id;    /* where in the block's strings the pose's id begins, */
-        size_t error; /* and why it is no pose, if it is none */
+        size_t error; /* and the reason, if it is no pose */
     } * words;        /* [capacity] */
     size_t count, capacity;
     uint64_t first;        /* number of the first one in the stream, from 0 */
@@ -57,7 +57,7 @@ static void finish_atlas(struct batch_atlas *atlas, size_t threads)
     memory_free(atlas->workers);
 }
 
-/* Adds an atlas behind those that are there. */
+/* Appends an atlas. */
 static conus_status add_atlas(conus_batch *batch, conus_selector *selector, const conus_report_options *report)
 {
     const conus_batch_options *options = &batch->options;

@@ -20,8 +20,8 @@ struct engine_functions {
     conus_status (*trace_many)(struct engine *engine, struct evidence *const *out, const struct cone *const *cones,
                                size_t count);
     /** Appends every interval of every pixel's ray inside an object to @p out, whatever hides it (Eq. 10), and inside
-     * what blocks, as VOLUME_BLOCKER. Exact sampling only. Neither heeds the cone's range, but that an interval which
-     * begins beyond its far end may be missing, and that one which goes on beyond it may end anywhere there. */
+     * what blocks, as VOLUME_BLOCKER. Exact sampling only. The range of the cone does not matter, except that intervals
+     * beyond its far end may be missing, and one that crosses it may end anywhere beyond. */
     conus_status (*pierce)(struct engine *engine, struct layers *out, const struct cone *cone);
     void (*destroy)(struct engine *engine);
 };

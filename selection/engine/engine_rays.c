@@ -40,13 +40,13 @@ struct rays_engine {
     struct mesh_intervals intervals; /* empty: what a query begins with */
     atomic_size_t pierced;           /* rays that have listed their intervals */
     atomic_bool has_uniform;         /* the targets' uniform maps are there: several threads may be here */
-    atomic_size_t traced;            /* rays that have found what is first */
+    atomic_size_t traced;            /* rays traced for their first hit */
     atomic_bool has_labelled;        /* the labelled maps are there */
     size_t target_count;
     struct target targets[];
 };
 
-/* One block of pixels on its way. */
+/* A block of pixels while it is traced. */
 struct block {
     size_t pixel[TRAVERSE_BUNDLE];
     struct traverse_bundle bundle;
@@ -327,7 +327,7 @@ static conus_status for_blocks(const struct rays_engine *engine, void *out, cons
     return status;
 }
 
-/* Bundles of meshes and streamlines have one origin, so every ray of a cylinder is one. */
+/* Rays in a bundle for meshes and streamlines share one origin, so each ray of a cylinder is a bundle. */
 static uint32_t shapes_edge(const struct cone *cone)
 {
     return cone->radius > 0 ? 1 : BLOCK;

@@ -98,7 +98,7 @@ static void ask_painter(struct window *window, bool moving)
 static void take_picture(struct window *window)
 {
     struct painted picture;
-    if (window->pictures.painted_of != window->viewer->drawn) { /* a picture of another atlas is none of this one */
+    if (window->pictures.painted_of != window->viewer->drawn) { /* a picture of another atlas is not shown */
         texture_drop(&window->pictures.painted);
         window->pictures.painted_of = window->viewer->drawn;
         window->pictures.painted_fine = false;

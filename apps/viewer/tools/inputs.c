@@ -185,7 +185,7 @@ static bool move_by_source(struct inputs *inputs, struct viewer *viewer, enum to
     struct source_update *heard = &inputs->devices.heard[number];
     enum source_state was = heard->state;
     source_ask(source_of(inputs, viewer, number), now_s, heard);
-    viewer->version += heard->state != was; /* what is said of the tool is another now */
+    viewer->version += heard->state != was; /* the notice about the tool changes */
     return take_update(viewer, number, heard);
 }
 

@@ -61,7 +61,7 @@ void inputs_point(struct inputs *inputs, struct viewer *viewer, const double eye
 /** Moves and turns a tool along its own axes; a tool without a pose is placed instead. */
 void inputs_steer(struct viewer *viewer, enum tool_number number, const double move[3], const double turn[3]);
 
-/** A message about a tool: that it is held, that it is not there yet, that its tracker is gone. */
+/** A message about a tool: it is held, it is not there yet, or its tracker is gone. */
 struct notice {
     const char *text; /**< One line; NULL = there is nothing to say. */
     bool is_trouble;  /**< The cone is not, or no longer, where its tool is. */

@@ -24,7 +24,7 @@ struct bits {
 struct scratch {
     struct bits *layers;
     size_t bricks[3];
-    size_t grown, other;  /* which of a layer's parts is which */
+    size_t grown, other;  /* roles of a layer's parts */
     struct bits *nothing; /* [bricks[0]]: an empty row, outside the grid */
     uint8_t *distance;    /* to the nearest occupied brick, with a border of one brick all around, so that every ... */
     ptrdiff_t stride[3];  /* ... brick has its neighbours */
@@ -197,7 +197,8 @@ static void for_rows(struct scratch *scratch, row_step *step)
     }
 }
 
-/* Whether no code of the brick counts: all of it is reached, or it is so far that its codes follow from that. */
+/* Whether no code of the brick is needed: the growth has reached all of it, or it is so far away that its codes follow
+ * from that. */
 static bool has_no_codes(const struct bits *grown, int distance)
 {
     uint64_t all = UINT64_MAX;
@@ -444,7 +445,7 @@ static size_t set_dimensions(struct distance_map *map, const struct volume *volu
     return distance_map_codes(map); /* not much more than the number of voxels, which was checked */
 }
 
-/* Fills the codes of a map whose dimensions are set, as distances to what is marked, and the box of that. */
+/* Fills the codes of a map whose dimensions are set with distances to the marked voxels, and sets the box of these. */
 static conus_status fill_dense(struct distance_map *map, const struct volume *volume, row_mark *mark)
 {
     struct scratch scratch;
@@ -570,7 +571,7 @@ static void look_beside(uint8_t *beside, const struct volume *volume, size_t j, 
     }
 }
 
-/* Marks the voxels of which one of the 26 around them holds something else; beside the grid there is nothing. */
+/* Marks the voxels with another content among the 26 around them; beside the grid there is nothing. */
 static void mark_borders(struct scratch *scratch, const struct volume *volume, size_t j, size_t k, size_t voxel)
 {
     size_t dim = volume->info.dim[0];
@@ -593,7 +594,8 @@ static void mark_borders(struct scratch *scratch, const struct volume *volume, s
     }
 }
 
-/* A border is 1 + 0; beyond r voxels that are none, the voxels r + 1 away hold the same, too. */
+/* The code of a border is 1. All voxels up to the nearest border have the same content, that border among them: so the
+ * code is 1 + its distance, up to a limit. */
 static uint8_t uniform_code(uint8_t distance, uint32_t object, const struct object_colours *colours)
 {
     int most = object ? UNIFORM_RADIUS : UNIFORM_EMPTY_RADIUS;
